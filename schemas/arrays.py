@@ -1,0 +1,95 @@
+"""Layouts of the arrays that stages hand on: dtype, axes and unit of each."""
+
+import numpy as np
+
+from schemas.errors import StoreError
+from schemas.frozen import Frozen
+
+
+class ArrayLayout(Frozen):
+    """Numpy dtype, axis names (outermost first) and unit of one array."""
+
+    dtype: str
+    dims: tuple[str, ...]
+    unit: str = ""
+
+
+def _layout(dtype: str, dims: str, unit: str = "") -> ArrayLayout:
+    return ArrayLayout(dtype=dtype, dims=tuple(dims.split()), unit=unit)
+
+
+LAYOUTS: dict[str, dict[str, ArrayLayout]] = {
+    "frame": {"image": _layout("uint8", "y x rgb")},
+    "annotation": {"masks": _layout("uint16", "frame y x")},
+    "given_masks": {"masks": _layout("uint16", "frame y x")},
+    "given_depth": {"inverse_depth": _layout("float32", "y x", "relative")},
+    "given_flow": {"flow": _layout("float32", "y x uv", "px/frame")},
+    "given_tracks": {
+        "points": _layout("float32", "track frame xy", "px"),
+        "visible": _layout("bool", "track frame"),
+    },
+    "scene": {
+        "images": _layout("uint8", "frame y x rgb"),
+        "objects": _layout("uint16", "frame y x"),
+        "moving": _layout("uint16", "frame y x"),
+        "flow_forward": _layout("float32", "frame y x uv", "px/frame"),
+        "flow_backward": _layout("float32", "frame y x uv", "px/frame"),
+        "inverse_depth": _layout("float32", "frame y x", "1/m"),
+        "points": _layout("float32", "track frame xy", "px"),
+        "visible": _layout("bool", "track frame"),
+    },
+    "flow": {"flow": _layout("float32", "y x uv", "px/frame")},
+    "saliency": {
+        "saliency": _layout("float32", "y x", "0..1"),
+        "flows": _layout("float32", "direction y x uv", "px/frame of the working grid"),
+    },
+    "proposals": {
+        "masks": _layout("uint16", "frame y x", "object of the section, 0 = background"),
+        "scores": _layout("float64", "object"),
+        "boxes": _layout("int32", "object frame xyxy", "px, -1 where absent"),
+    },
+    "linking": {
+        "identity": _layout("uint16", "section object", "object of the sequence, 0 = background"),
+    },
+    "tracks": {
+        "points": _layout("float32", "track frame xy", "px"),
+        "visible": _layout("bool", "track frame"),
+        "object": _layout("uint16", "track", "object of the section"),
+    },
+    "fundamental": {
+        "F": _layout("float64", "object row column"),
+        "valid": _layout("bool", "object"),
+        "counts": _layout("int32", "object points_inliers_homography", "points"),
+    },
+    "flow_model": {
+        "theta": _layout("float64", "object parameter"),
+        "valid": _layout("bool", "object"),
+        "moments": _layout("float64", "object moment"),
+    },
+    "fundamental_residual": {"residual": _layout("float64", "model_object data_object", "px^2")},
+    "flow_residual": {"residual": _layout("float64", "model_object data_object", "(px/frame)^2")},
+    "affinity": {"affinity": _layout("float64", "object object")},
+    "clustering": {
+        "motion": _layout("uint16", "object", "motion group, 0 = the background's"),
+        "embedding": _layout("float64", "object coordinate"),
+        "eigenvalues": _layout("float64", "view eigenvalue"),
+    },
+    "segmentation": {"labels": _layout("uint16", "frame y x", "0 static, else the moving object's identity")},
+}
+
+
+def check_arrays(task: str, arrays: dict[str, np.ndarray]) -> dict[str, tuple[str, ...]]:
+    """Axis names of each of a task's arrays; raises StoreError where name, dtype or rank is not the layout's."""
+    layouts = LAYOUTS.get(task, {})
+    if set(arrays) != set(layouts):
+        raise StoreError("wrong set of arrays", where=task, got=sorted(arrays), expected=sorted(layouts))
+    for name, array in arrays.items():
+        layout = layouts[name]
+        if array.dtype != np.dtype(layout.dtype) or array.ndim != len(layout.dims):
+            raise StoreError(
+                "wrong array layout",
+                where=f"{task}.{name}",
+                got=f"{array.dtype} with {array.ndim} axes",
+                expected=f"{layout.dtype} {layout.dims}",
+            )
+    return {name: layouts[name].dims for name in arrays}

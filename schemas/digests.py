@@ -1,0 +1,72 @@
+"""Domain-tagged BLAKE2b-256 digests of canonical JSON, bytes and arrays."""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from hashlib import blake2b
+
+import numpy as np
+
+DIGEST_BYTES = 32
+_JSON = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+
+
+def digest_bytes(domain: str, *parts: bytes | memoryview) -> str:
+    """Hexadecimal BLAKE2b-256 of `parts`, each preceded by its length, under a domain tag."""
+    state = blake2b(digest_size=DIGEST_BYTES, person=domain_tag(domain))
+    for part in parts:
+        view = memoryview(part).cast("B")
+        state.update(view.nbytes.to_bytes(8, "little"))
+        state.update(view)
+    return state.hexdigest()
+
+
+def digest_json(domain: str, value) -> str:
+    """Digest of the canonical JSON of `value`; raises TypeError or ValueError where that is not exact."""
+    return digest_bytes(domain, canonical_json(value))
+
+
+def digest_array(domain: str, array: np.ndarray) -> str:
+    """Digest of an array's dtype, shape and little-endian C-order bytes."""
+    if array.dtype.hasobject:
+        raise TypeError("object arrays have no bytes to digest")
+    little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
+    header = canonical_json([little.dtype.str, list(array.shape)])
+    return digest_bytes(domain, header, little.reshape(-1).view(np.uint8))
+
+
+def canonical_json(value) -> bytes:
+    """UTF-8 JSON with sorted keys and no blanks, of str, bool, int, finite float, None, list and dict only.
+
+    Anything whose order or value JSON would not keep (sets, NaN, non-string keys, numpy scalars) is refused.
+    """
+    _refuse_inexact(value)
+    return _JSON.encode(value).encode("utf-8")
+
+
+def domain_tag(domain: str) -> bytes:
+    """The 16-byte BLAKE2b personalisation of a record type."""
+    tag = f"moseg:{domain}".encode("ascii")
+    if len(tag) > blake2b.PERSON_SIZE:
+        raise ValueError(f"domain {domain!r} is longer than {blake2b.PERSON_SIZE - 6} characters")
+    return tag
+
+
+def _refuse_inexact(value) -> None:
+    if value is None or type(value) in (str, bool, int):
+        return
+    if type(value) is float:
+        if not math.isfinite(value):
+            raise ValueError(f"{value} cannot be hashed: JSON has no such number")
+        return
+    if isinstance(value, Mapping):
+        for key, item in value.items():
+            if type(key) is not str:
+                raise TypeError(f"key {key!r} cannot be hashed: expected str, got {type(key).__name__}")
+            _refuse_inexact(item)
+        return
+    if isinstance(value, Sequence) and not isinstance(value, bytes | bytearray):
+        for item in value:
+            _refuse_inexact(item)
+        return
+    raise TypeError(f"{type(value).__name__} cannot be hashed: expected str, bool, int, float, None, list or dict")

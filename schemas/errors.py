@@ -1,0 +1,67 @@
+"""Errors that a user can cause or meet. Each says in one line what, where, got and expected."""
+
+
+class MosegError(Exception):
+    """Base of every error raised on purpose by this project.
+
+    Parameters
+    ----------
+    what : str
+        What is wrong, in a few words.
+    where : object, optional
+        File, option, sequence or array in which it is wrong.
+    got, expected : object, optional
+        What was found and what is accepted instead.
+    """
+
+    def __init__(self, what: str, *, where: object = None, got: object = None, expected: object = None):
+        parts = [what]
+        if where is not None:
+            parts[0] += f" in {where}"
+        if got is not None:
+            parts.append(f"got {got}")
+        if expected is not None:
+            parts.append(f"expected {expected}")
+        self.parts = (what, where, got, expected)
+        super().__init__("; ".join(parts).replace("\n", " "))
+
+    def __reduce__(self):
+        what, where, got, expected = self.parts
+        return _rebuild, (type(self), what, _text(where), _text(got), _text(expected))
+
+
+def _text(value: object) -> str | None:
+    return None if value is None else str(value)
+
+
+def _rebuild(kind, what, where, got, expected):
+    return kind(what, where=where, got=got, expected=expected)
+
+
+class InputError(MosegError, ValueError):
+    """Bad use or bad input: the command line ends with exit code 2."""
+
+
+class MissingInputError(InputError, FileNotFoundError):
+    """A file, folder or data set that was asked for is not there."""
+
+
+class StoreError(MosegError, OSError):
+    """The artifact store cannot be used as asked (not writable, not a store, disk full)."""
+
+
+class MissingArtifactError(StoreError, KeyError):
+    """No artifact is stored under this reference."""
+
+    __str__ = Exception.__str__
+
+
+class CorruptArtifactError(StoreError):
+    """An artifact's bytes are not those its manifest names.
+
+    ``ref`` is the artifact's reference, so that a run can quarantine and recompute it.
+    """
+
+    def __init__(self, what, *, where=None, got=None, expected=None, ref: str | None = None):
+        super().__init__(what, where=where, got=got, expected=expected)
+        self.ref = ref if ref is not None else _text(where)

@@ -1,0 +1,13 @@
+"""Parameters of monocular depth."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from schemas.frozen import Frozen
+
+
+class DepthParams(Frozen):
+    """Where the relative inverse depth of each frame comes from."""
+
+    method: Literal["none", "groundtruth", "folder"] = Field("none", description="none, groundtruth or a folder of maps")

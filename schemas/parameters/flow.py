@@ -1,0 +1,14 @@
+"""Parameters of dense optical flow."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from schemas.frozen import Frozen
+
+
+class FlowParams(Frozen):
+    """Where the flow of each frame pair comes from."""
+
+    method: Literal["dis", "groundtruth"] = Field("dis", description="backend: dis (OpenCV DIS) or groundtruth")
+    preset: Literal["ultrafast", "fast", "medium"] = Field("medium", description="DIS preset (dis only)")
