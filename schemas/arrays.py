@@ -28,16 +28,6 @@ LAYOUTS: dict[str, dict[str, ArrayLayout]] = {
         "points": _layout("float32", "track frame xy", "px"),
         "visible": _layout("bool", "track frame"),
     },
-    "scene": {
-        "images": _layout("uint8", "frame y x rgb"),
-        "objects": _layout("uint16", "frame y x"),
-        "moving": _layout("uint16", "frame y x"),
-        "flow_forward": _layout("float32", "frame y x uv", "px/frame"),
-        "flow_backward": _layout("float32", "frame y x uv", "px/frame"),
-        "inverse_depth": _layout("float32", "frame y x", "1/m"),
-        "points": _layout("float32", "track frame xy", "px"),
-        "visible": _layout("bool", "track frame"),
-    },
     "flow": {"flow": _layout("float32", "y x uv", "px/frame")},
     "saliency": {
         "saliency": _layout("float32", "y x", "0..1"),
@@ -60,6 +50,8 @@ LAYOUTS: dict[str, dict[str, ArrayLayout]] = {
         "F": _layout("float64", "object row column"),
         "valid": _layout("bool", "object"),
         "counts": _layout("int32", "object points_inliers_homography", "points"),
+        "reason": _layout("uint8", "object", "why the fit is degenerate"),
+        "kind": _layout("uint8", "object", "0 none, 1 fundamental matrix, 2 homography"),
     },
     "flow_model": {
         "theta": _layout("float64", "object parameter"),

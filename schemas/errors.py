@@ -27,7 +27,7 @@ class MosegError(Exception):
 
     def __reduce__(self):
         what, where, got, expected = self.parts
-        return _rebuild, (type(self), what, _text(where), _text(got), _text(expected))
+        return _rebuild, (type(self), what, _text(where), _text(got), _text(expected)), self.__dict__
 
 
 def _text(value: object) -> str | None:

@@ -1,1 +1,21 @@
 """Bytes: the content-addressed artifact store."""
+
+from store.local import LocalStore
+from store.nearest import FieldDifference, NearestRecipe, nearest
+from store.opening import open_store
+from store.outcomes import GcReport, Pin, PutOutcome, TaskUsage, VerifyResult
+from store.protocol import ArtifactStore
+
+__all__ = [
+    "ArtifactStore",
+    "FieldDifference",
+    "GcReport",
+    "LocalStore",
+    "NearestRecipe",
+    "Pin",
+    "PutOutcome",
+    "TaskUsage",
+    "VerifyResult",
+    "nearest",
+    "open_store",
+]

@@ -6,7 +6,7 @@ from schemas.parameters.depth import DepthParams
 from schemas.parameters.flow import FlowParams
 from schemas.parameters.flow_models import FlowModelName, FlowModelParams
 from schemas.parameters.fundamental import FundamentalParams
-from schemas.parameters.saliency import ProposalParams, SaliencyParams
+from schemas.parameters.saliency import LinkingParams, ProposalParams, SaliencyParams
 from schemas.parameters.tracks import TrackParams
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "FlowModelParams",
     "FlowParams",
     "FundamentalParams",
+    "LinkingParams",
     "ProposalParams",
     "SaliencyParams",
     "TrackParams",

@@ -11,4 +11,16 @@ class ClusteringParams(Frozen):
     """How affinities of several views become motion groups."""
 
     motions: Literal["gt", "auto"] | int = Field("auto", description="number of motions with the background: gt, auto or N")
+    fusion: Literal["coregularised", "sum", "product"] = Field(
+        "coregularised", description="co-regularised embeddings (the paper), or one kernel: mean or product of the views'"
+    )
+    grouping: Literal["spectral", "linkage"] = Field(
+        "spectral", description="groups by k-means on the spectral embedding (the paper), or by average linkage"
+    )
+    auto: Literal["threshold", "eigengap", "silhouette"] = Field(
+        "threshold", description="how the number of motions is found where it is not given"
+    )
+    threshold: float = Field(0.5, gt=0, lt=1, description="least mean affinity inside a group (auto by threshold)")
     co_regularisation: float = Field(0.1, ge=0, description="lambda of Kumar et al. 2011")
+    num_iterations: int = Field(20, ge=1, description="most alternating updates of all views")
+    tolerance: float = Field(1e-9, ge=0, description="relative growth of the objective at which the updates stop")

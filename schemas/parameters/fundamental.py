@@ -1,12 +1,40 @@
 """Parameters of the trajectory model: a fundamental matrix per object and frame pair."""
 
+from typing import Literal
+
 from pydantic import Field
 
 from schemas.frozen import Frozen
 
 
 class FundamentalParams(Frozen):
-    """Eight-point algorithm inside RANSAC on each object's tracked points."""
+    """Eight-point algorithm inside RANSAC on each object's tracked points, and the residuals under it."""
 
     gap: int = Field(3, ge=1, description="frames between the two frames of a pair")
+    estimator: Literal["eight_point_ransac", "poselib"] = Field(
+        "eight_point_ransac",
+        description="eight_point_ransac (the paper) or poselib (seven-point LO-RANSAC with non-linear refinement)",
+    )
     threshold: float = Field(1.0, gt=0, description="Sampson distance of an inlier, px")
+    num_samples: int = Field(200, ge=1, description="minimal samples drawn for each fit")
+    num_refits: int = Field(5, ge=0, description="most local refits to the inliers (eight_point_ransac and homographies)")
+    min_points: int = Field(8, ge=8, description="points visible in both frames below which an object takes no part")
+    statistic: Literal["median", "mean"] = Field(
+        "median", description="what an object's points are reduced to: median, or mean (the paper)"
+    )
+    degenerate: Literal["discard", "keep", "homography"] = Field(
+        "keep",
+        description=(
+            "a degenerate fit is marked invalid (discard, the paper), used all the same (keep), or, where a homography "
+            "explains the points, replaced by that homography and its transfer error (homography)"
+        ),
+    )
+    homography_ratio: float = Field(
+        0.95, gt=0, description="a homography explains the points when it has this share of the fundamental's inliers"
+    )
+    collinear_width: float = Field(
+        1.0, ge=0, description="root mean square distance to their best line below which points are collinear, px"
+    )
+    min_conditioning: float = Field(
+        1e-4, ge=0, description="least ratio of the eighth to the first singular value of the epipolar equations"
+    )

@@ -1,0 +1,109 @@
+"""Time of putting and reading artifacts, beside plain Zarr with the same codecs.
+
+Run ``python benchmarks/store_io.py [--repeat N] [--root DIR]``. The store's and Zarr's calls alternate, so that a ratio
+compares like with like on a busy machine.
+"""
+
+import argparse
+import itertools
+import shutil
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import zarr
+from zarr.codecs import BloscCodec, Crc32cCodec
+
+from schemas.recipes import Recipe
+from store import LocalStore
+
+TASK = "benchmark"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--repeat", type=int, default=40, help="calls of each kind")
+    parser.add_argument("--root", type=Path, default=None, help="folder of the file system to measure")
+    options = parser.parse_args()
+    root = Path(tempfile.mkdtemp(prefix="moseg-bench-", dir=options.root))
+    try:
+        print(f"{'array':26} {'put':>9} {'zarr':>9} {'read':>9} {'zarr':>9} {'ratio of put+read':>18}")
+        for name, (array, dims) in cases().items():
+            print(f"{name:26} {report(root, name, array, dims, options.repeat)}")
+        print(f"\nhas: {lookup_time(root) * 1e6:.1f} us")
+    finally:
+        shutil.rmtree(root)
+
+
+def cases() -> dict[str, tuple[np.ndarray, tuple[str, ...]]]:
+    """Arrays of the sizes that stages hand on; smooth fields with the noise of real ones."""
+    rng = np.random.default_rng(0)
+    y, x = np.mgrid[:480, :854].astype(np.float32)
+    flow = np.stack([np.sin(y / 90) + x / 200, np.cos(x / 70)], axis=-1)
+    flow += rng.normal(scale=1e-3, size=flow.shape).astype(np.float32)
+    image = (127 + 100 * np.sin(y / 40 + x / 60))[..., None] + rng.normal(scale=4, size=(480, 854, 3))
+    labels = np.repeat(((np.hypot(y - 240, x - 400) < 90) * np.uint16(1))[None], 20, axis=0).astype(np.uint16)
+    return {
+        "theta (5, 9) float64": (rng.normal(size=(5, 9)), ("object", "parameter")),
+        "flow 480p float32": (flow, ("y", "x", "uv")),
+        "image 480p uint8": (image.clip(0, 255).astype(np.uint8), ("y", "x", "rgb")),
+        "labels 20 x 480p uint16": (labels, ("frame", "y", "x")),
+    }
+
+
+def report(root: Path, name: str, array: np.ndarray, dims: tuple[str, ...], repeat: int) -> str:
+    """Median times of `repeat` calls of each kind, milliseconds."""
+    store = LocalStore(root / "store")
+    counter = itertools.count()
+    times: dict[str, list[float]] = {"put": [], "plain put": [], "read": [], "plain read": []}
+    for number in itertools.islice(counter, repeat + 1):
+        recipe = Recipe(task=TASK, version=1, params={"case": name, "number": number})
+        folder = root / "plain" / name.replace(" ", "-") / str(number)
+        times["put"].append(seconds(lambda r=recipe: store.put(r, {"x": array}, dims={"x": dims})))
+        times["plain put"].append(seconds(lambda f=folder: plain_put(f, array, dims)))
+        times["read"].append(seconds(lambda r=recipe: store.read(r.ref, "x")))
+        times["plain read"].append(seconds(lambda f=folder: zarr.open_array(f / "x", mode="r")[...]))
+        store.remove(recipe.ref)
+        shutil.rmtree(folder)
+    # the first round pays for imports and caches
+    median = {kind: 1e3 * float(np.median(values[1:])) for kind, values in times.items()}
+    ratio = (median["put"] + median["read"]) / (median["plain put"] + median["plain read"])
+    columns = [median["put"], median["plain put"], median["read"], median["plain read"]]
+    return " ".join(f"{value:6.2f} ms" for value in columns) + f" {ratio:18.2f}"
+
+
+def plain_put(folder: Path, array: np.ndarray, dims: tuple[str, ...]) -> None:
+    """One array in a group by Zarr's own local store, with the codecs and chunks of the artifact store."""
+    group = zarr.create_group(folder)
+    chunks = (1, *array.shape[1:]) if dims[0] == "frame" else array.shape
+    stored = group.create_array(
+        "x",
+        shape=array.shape,
+        dtype=array.dtype,
+        chunks=chunks,
+        compressors=[BloscCodec(cname="lz4", clevel=1, shuffle="shuffle", typesize=array.itemsize), Crc32cCodec()],
+        dimension_names=dims,
+        config={"write_empty_chunks": True},
+    )
+    stored[...] = array
+
+
+def lookup_time(root: Path) -> float:
+    """Seconds of one lookup of a stored artifact."""
+    store = LocalStore(root / "store")
+    recipe = Recipe(task=TASK, version=1)
+    store.put(recipe, {}, dims={})
+    return seconds(lambda: [store.has(recipe.ref) for _ in range(1000)]) / 1000
+
+
+def seconds(call: Callable[[], object]) -> float:
+    """Wall-clock seconds of one call."""
+    start = time.perf_counter()
+    call()
+    return time.perf_counter() - start
+
+
+if __name__ == "__main__":
+    main()

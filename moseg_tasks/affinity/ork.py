@@ -1,0 +1,49 @@
+"""The paper's weighted ordered-residual kernel (ORK) between objects."""
+
+import numpy as np
+
+from schemas.parameters import AffinityParams
+
+
+def ork_affinity(residuals: np.ndarray, params: AffinityParams) -> np.ndarray:
+    """Weighted ORK: objects are alike when the same residuals are among their smallest.
+
+    In each frame pair residuals are ranked from 0 and scored ``max(t - rank, 0)``; the affinity of two objects is the
+    product of their score vectors. The text admits two readings. ``models``: for each object's data rank the models, so
+    objects are alike when the same models explain them (Chin's kernel). ``objects``: under each object's model rank the
+    objects. Equal residuals share their mean rank, so that the order of the objects says nothing.
+
+    Parameters
+    ----------
+    residuals : float64 (M, K, K)
+        [pair, model, data]; NaN where the model is invalid or the object absent.
+    params : AffinityParams
+        `ork_threshold` (t) and `ork_reading` are read.
+
+    Returns
+    -------
+    float64 (K, K)
+        Mean over the pairs in which both objects take part (the paper sums: the same where no object is ever missing);
+        NaN where there is none. Not normalised: between 0 and about t³ / 3.
+
+    References
+    ----------
+    T.-J. Chin, H. Wang and D. Suter, "The ordered residual kernel for robust motion subspace clustering", NIPS 2009.
+    """
+    total = np.zeros(residuals.shape[1:])
+    met = np.zeros(residuals.shape[1:], dtype=np.int64)
+    for pair in residuals:
+        rows = pair.T if params.ork_reading == "models" else pair
+        known = np.isfinite(rows)
+        scores = np.where(known, np.maximum(params.ork_threshold - mean_ranks(rows), 0.0), 0.0)
+        present = known.any(axis=1)
+        total += scores @ scores.T
+        met += present[:, None] & present[None, :]
+    return np.where(met > 0, total / np.maximum(met, 1), np.nan)
+
+
+def mean_ranks(rows: np.ndarray) -> np.ndarray:
+    """Ranks from 0 of each row's finite values, equal values sharing their mean rank; any value elsewhere."""
+    smaller = (rows[:, None, :] < rows[:, :, None]).sum(axis=2)
+    equal = (rows[:, None, :] == rows[:, :, None]).sum(axis=2)
+    return smaller + (equal - 1) / 2.0

@@ -1,0 +1,33 @@
+"""Agglomerative clustering by mean affinity."""
+
+import numpy as np
+
+
+def link_objects(affinity: np.ndarray, num_clusters: int | None, threshold: float) -> np.ndarray:
+    """Groups merged by the largest mean affinity between their members (average linkage).
+
+    Parameters
+    ----------
+    affinity : float64 (K, K)
+        Symmetric.
+    num_clusters : int, optional
+        Merging stops at this many groups; where None, when no two groups have a mean affinity of `threshold`.
+    threshold : float
+
+    Returns
+    -------
+    int64 (K,)
+        Labels, in the order of each group's first object.
+    """
+    groups = [[k] for k in range(len(affinity))]
+    while len(groups) > (num_clusters or 1):
+        means = np.array([[affinity[np.ix_(a, b)].mean() for b in groups] for a in groups])
+        np.fill_diagonal(means, -np.inf)
+        first, second = np.unravel_index(np.argmax(means), means.shape)
+        if num_clusters is None and means[first, second] < threshold:
+            break
+        groups[first] += groups.pop(second)
+    labels = np.zeros(len(affinity), dtype=np.int64)
+    for label, group in enumerate(groups):
+        labels[group] = label
+    return labels

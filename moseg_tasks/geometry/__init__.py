@@ -1,0 +1,16 @@
+"""Two-view geometry: fundamental matrices of objects, their degeneracies and residuals."""
+
+from moseg_tasks.geometry.coordinates import normalise_points, normalising_transform, pixel_scale
+from moseg_tasks.geometry.degeneracy import Degeneracy
+from moseg_tasks.geometry.fit_fundamentals import FundamentalFits, fit_fundamentals
+from moseg_tasks.geometry.fundamental_residuals import fundamental_residuals
+
+__all__ = [
+    "Degeneracy",
+    "FundamentalFits",
+    "fit_fundamentals",
+    "fundamental_residuals",
+    "normalise_points",
+    "normalising_transform",
+    "pixel_scale",
+]

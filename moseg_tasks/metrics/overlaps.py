@@ -1,0 +1,64 @@
+"""How many pixels each pair of a true and a predicted label shares."""
+
+from collections import Counter
+from collections.abc import Iterable
+
+import numpy as np
+
+from schemas.errors import InputError
+
+Overlaps = dict[tuple[int, int], int]
+"""Pixels by (true label, predicted label), background (0) included; pairs without a common pixel are left out."""
+
+
+def count_overlaps(predicted: np.ndarray, truth: np.ndarray, void: int | None = None) -> Overlaps:
+    """Count the pixels that each true and each predicted label share in one frame.
+
+    Parameters
+    ----------
+    predicted, truth : unsigned integer (y, x)
+        Labels; 0 is the background.
+    void : int, optional
+        True label of pixels that count for neither side.
+
+    Raises
+    ------
+    InputError
+        Where the two are not label images of one size.
+    """
+    _check_labels(predicted, truth)
+    predicted_labels, predicted_index = _compact(predicted)
+    true_labels, true_index = _compact(truth)
+    width = len(predicted_labels)
+    joint = np.bincount((true_index * width + predicted_index).ravel(), minlength=len(true_labels) * width)
+    joint = joint.reshape(len(true_labels), width)
+    rows, columns = np.nonzero(joint)
+    return {
+        (int(true_labels[row]), int(predicted_labels[column])): int(joint[row, column])
+        for row, column in zip(rows, columns, strict=True)
+        if true_labels[row] != void
+    }
+
+
+def add_overlaps(frames: Iterable[Overlaps]) -> Overlaps:
+    """Sum of the overlaps of several frames: those of the (frame, y, x) volumes."""
+    total: Counter = Counter()
+    for overlaps in frames:
+        total.update(overlaps)
+    return dict(total)
+
+
+def _compact(labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The labels that occur, ascending, and each pixel's position among them."""
+    occurs = np.bincount(labels.ravel()) > 0
+    position = np.cumsum(occurs) - 1
+    return np.flatnonzero(occurs), position[labels]
+
+
+def _check_labels(predicted: np.ndarray, truth: np.ndarray) -> None:
+    for name, labels in (("prediction", predicted), ("ground truth", truth)):
+        if labels.ndim != 2 or labels.dtype not in (np.uint8, np.uint16):
+            got = f"{labels.dtype} {labels.shape}"
+            raise InputError("not a label image", where=name, got=got, expected="uint8 or uint16 (y, x)")
+    if predicted.shape != truth.shape:
+        raise InputError("wrong size", where="prediction", got=predicted.shape, expected=truth.shape)

@@ -1,0 +1,58 @@
+"""Least-squares fits of a flow model and the errors of every object under every fit, from moments alone."""
+
+import numpy as np
+
+from moseg_tasks.motion_models.flow_model import FlowModel
+from moseg_tasks.motion_models.moments import unpack_moments
+from schemas.parameters import FlowModelParams
+
+
+def fit_from_moments(moments: np.ndarray, model: FlowModel, params: FlowModelParams) -> tuple[np.ndarray, np.ndarray]:
+    """Least-squares parameters of each object, the shortest where several do.
+
+    Parameters
+    ----------
+    moments : float64 (K, (P + 1)² + 1)
+        Of ``flow_moments``.
+    model : FlowModel
+    params : FlowModelParams
+
+    Returns
+    -------
+    theta : float64 (K, P)
+        Zero where invalid.
+    valid : bool (K,)
+        False where the object has fewer than ``params.min_pixels`` pixels.
+    """
+    factor, target, _, count = unpack_moments(moments)
+    valid = count >= max(params.min_pixels, model.num_parameters)
+    theta = (np.linalg.pinv(factor, rcond=params.rank_tolerance) @ target[..., None])[..., 0]
+    return np.where(valid[:, None], theta, 0.0), valid
+
+
+def residuals_from_moments(moments: np.ndarray, theta: np.ndarray, valid: np.ndarray) -> np.ndarray:
+    """Mean squared error of each object's flow under each object's parameters.
+
+    Parameters
+    ----------
+    moments : float64 (K, (P + 1)² + 1)
+    theta : float64 (K, P)
+    valid : bool (K,)
+
+    Returns
+    -------
+    float64 (K, K)
+        Row: whose parameters; column: whose pixels; px² (squared length of the flow difference, mean over pixels). NaN
+        where the model is invalid or the object has too few pixels to be valid itself.
+    """
+    factor, target, rest, count = unpack_moments(moments)
+    difference = np.einsum("jqp,ip->ijq", factor, theta) - target
+    errors = (difference**2).sum(axis=2) + rest**2
+    known = valid[:, None] & valid[None, :]
+    return np.where(known, errors / np.maximum(count, 1), np.nan)
+
+
+def flow_energy(moments: np.ndarray) -> np.ndarray:
+    """Mean squared flow length of each object, float64 (K,), px²; NaN where it has no pixels."""
+    _, target, rest, count = unpack_moments(moments)
+    return np.where(count > 0, ((target**2).sum(axis=1) + rest**2) / np.maximum(count, 1), np.nan)

@@ -1,0 +1,27 @@
+"""The flow and depth model with the signs as the paper prints them: eight parameters, for comparison.
+
+u = a + b rho - c x rho - d y + e x² - f xy
+v = g + h rho - c y rho - d x + e xy + f y²
+
+Rotation about the optical axis turns x and y against each other and about the x axis moves both alike, so d should
+change sign between u and v and f should not: this form leaves about an eighth of a rigid motion's flow unexplained.
+"""
+
+from moseg_tasks.motion_models.flow_model import FlowModel, terms_matrix
+
+_PARAMETERS = tuple("abcdefgh")
+
+OC_DEPTH_PAPER = FlowModel(
+    name="oc_depth_paper",
+    parameters=_PARAMETERS,
+    u_terms=terms_matrix(
+        _PARAMETERS,
+        {"a": (1, "1"), "b": (1, "r"), "c": (-1, "xr"), "d": (-1, "y"), "e": (1, "xx"), "f": (-1, "xy")},
+    ),
+    v_terms=terms_matrix(
+        _PARAMETERS,
+        {"g": (1, "1"), "h": (1, "r"), "c": (-1, "yr"), "d": (-1, "x"), "e": (1, "xy"), "f": (1, "yy")},
+    ),
+    uses_depth=True,
+    has_free_shift=False,
+)

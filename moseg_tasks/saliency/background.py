@@ -1,0 +1,110 @@
+"""Dominant motion of a flow field: a RANSAC homography refined to a robust affine flow."""
+
+from typing import NamedTuple
+
+import numpy as np
+import poselib
+
+from moseg_tasks.saliency.grid import pixel_grid
+from schemas.parameters import SaliencyParams
+
+_MINIMAL_SAMPLE = 4
+_MAD_TO_SIGMA = 1.4826  # median of |x| of a unit Gaussian, inverted
+
+
+class AffineMotion(NamedTuple):
+    """Affine flow in centred pixels: `theta` float64 (3, 2), rows 1, x, y; `scale`, px/frame, of its residuals."""
+
+    theta: np.ndarray
+    scale: float
+
+
+def fit_background(flow: np.ndarray, params: SaliencyParams, among: np.ndarray | None = None) -> AffineMotion:
+    """Affine motion that most of the flow follows.
+
+    A homography fitted by RANSAC says which pixels to start from; Tukey's biweight then follows them. The homography
+    alone would bend itself to objects: it is only the start.
+
+    Parameters
+    ----------
+    flow : float32 (y, x, 2)
+        px/frame.
+    params : SaliencyParams
+    among : bool (y, x), optional
+        Pixels to fit to; all without it.
+
+    Returns
+    -------
+    AffineMotion
+    """
+    points, vectors = _samples(flow, params.ransac_step, among)
+    samples = _samples(flow, params.affine_step, among)
+    homography = _ransac_homography(points, points + vectors, params)
+    start = None if homography is None else _homography_residual(homography, *samples)
+    return _tukey_affine(*samples, _centre(flow.shape[:2]), start, params)
+
+
+def affine_flow(motion: AffineMotion, shape: tuple[int, int]) -> np.ndarray:
+    """Flow float32 (y, x, 2) of an affine motion on a grid of `shape`, px/frame."""
+    height, width = shape
+    centre_x, centre_y = _centre(shape)
+    constant, along_x, along_y = motion.theta
+    columns = np.multiply.outer(np.arange(width) - centre_x, along_x)
+    rows = np.multiply.outer(np.arange(height) - centre_y, along_y) + constant
+    return (rows[:, None, :] + columns[None, :, :]).astype(np.float32)
+
+
+def _centre(shape: tuple[int, int]) -> np.ndarray:
+    return np.array([(shape[1] - 1) / 2, (shape[0] - 1) / 2])
+
+
+def _samples(flow: np.ndarray, step: int, among: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and vectors float64 (N, 2) on a coarse grid, those of `among` only."""
+    height, width = flow.shape[:2]
+    picked = np.s_[step // 2 % height :: step, step // 2 % width :: step]
+    points, vectors = pixel_grid((height, width))[picked], flow[picked]
+    kept = np.ones(points.shape[:2], bool) if among is None else among[picked]
+    return points[kept].astype(np.float64), vectors[kept].astype(np.float64)
+
+
+def _ransac_homography(points0: np.ndarray, points1: np.ndarray, params: SaliencyParams) -> np.ndarray | None:
+    """Homography that maps most of `points0` to `points1`, or None where there are too few of them."""
+    if len(points0) <= _MINIMAL_SAMPLE:
+        return None
+    options = {
+        "max_reproj_error": params.ransac_threshold,
+        "min_iterations": params.ransac_iterations,
+        "max_iterations": 10 * params.ransac_iterations,
+        "seed": params.ransac_seed,
+    }
+    homography, report = poselib.estimate_homography(points0, points1, options, {})
+    usable = report["num_inliers"] > _MINIMAL_SAMPLE and np.isfinite(homography).all()
+    return homography if usable else None
+
+
+def _homography_residual(homography: np.ndarray, points: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    mapped = points @ homography[:, :2].T + homography[:, 2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        error = mapped[:, :2] / mapped[:, 2:] - points - vectors
+    return np.nan_to_num(np.hypot(error[:, 0], error[:, 1]), nan=np.inf)
+
+
+def _tukey_affine(points, vectors, centre, start: np.ndarray | None, params: SaliencyParams) -> AffineMotion:
+    """Iteratively reweighted least squares under Tukey's biweight, from the residuals `start`."""
+    design = np.column_stack([np.ones(len(points)), points - centre])
+    residual = np.zeros(len(points)) if start is None else start
+    inliers = residual <= params.ransac_threshold
+    theta, scale = np.zeros((3, 2)), params.affine_scale_floor
+    for _ in range(params.affine_iterations):
+        if not inliers.any():
+            break
+        scale = max(params.affine_scale_floor, _MAD_TO_SIGMA * float(np.median(residual[inliers])))
+        cutoff = params.tukey_constant * scale
+        weight = np.clip(1 - (residual / cutoff) ** 2, 0, None) ** 2
+        weighted = design * weight[:, None]
+        # The pseudo-inverse keeps frames of a single pixel, row or column solvable.
+        theta = np.linalg.pinv(weighted.T @ design, rcond=1e-10, hermitian=True) @ (weighted.T @ vectors)
+        error = design @ theta - vectors
+        residual = np.hypot(error[:, 0], error[:, 1])
+        inliers = residual < cutoff
+    return AffineMotion(theta, scale)

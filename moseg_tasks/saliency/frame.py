@@ -1,0 +1,91 @@
+"""Motion saliency of one frame from the flow to its neighbours."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from moseg_tasks.saliency.grid import reduce_flow, reduce_frame, working_shape
+from moseg_tasks.saliency.layers import Background, fit_layers
+from moseg_tasks.saliency.photometric import colour_error, photometric_gate
+from moseg_tasks.saliency.soft_map import soft_map
+from schemas.errors import InputError
+from schemas.parameters import SaliencyParams
+
+
+class FrameSaliency(NamedTuple):
+    """Motion saliency of a frame and its flows on the working grid (h, w).
+
+    Attributes
+    ----------
+    saliency : float32 (h, w)
+        0..1.
+    flows : float32 (2, h, w, 2)
+        To the previous and to the next frame, px/frame of the working grid; zeros where there is none.
+    """
+
+    saliency: np.ndarray
+    flows: np.ndarray
+
+
+def estimate_saliency(
+    frame: np.ndarray,
+    previous: np.ndarray | None,
+    next: np.ndarray | None,
+    flow_previous: np.ndarray | None,
+    flow_next: np.ndarray | None,
+    params: SaliencyParams,
+) -> FrameSaliency:
+    """How sure it is that each pixel of a frame moves on its own.
+
+    The residual against the background's motion is the smaller of both time directions: an occlusion errs in one.
+
+    Parameters
+    ----------
+    frame : uint8 (y, x, 3)
+        RGB.
+    previous, next : uint8 (y, x, 3) or None
+        The frames before and after; None at the ends of the sequence.
+    flow_previous, flow_next : float32 (y, x, 2) or None
+        Flow from `frame` to `previous` and to `next`, px/frame; None together with the frame.
+    params : SaliencyParams
+
+    Returns
+    -------
+    FrameSaliency
+
+    Raises
+    ------
+    InputError
+        A flow's or neighbour's size is not the frame's, or only one of a neighbour and its flow is given.
+    """
+    shape = working_shape(frame.shape[:2], params.working_side)
+    flows = np.zeros((2, *shape, 2), np.float32)
+    reduced = reduce_frame(frame, shape)
+    backgrounds: list[Background] = []
+    errors = []
+    for direction, (other, flow) in enumerate(((previous, flow_previous), (next, flow_next))):
+        if not _is_given(frame, other, flow):
+            continue
+        flows[direction] = reduce_flow(flow, shape)
+        background = fit_layers(flows[direction], params)
+        backgrounds.append(background)
+        errors.append(colour_error(reduced, reduce_frame(other, shape), background.flow))
+    if not backgrounds:
+        return FrameSaliency(np.zeros(shape, np.float32), flows)
+    residual = np.minimum.reduce([background.residual for background in backgrounds])
+    speed = np.minimum.reduce([np.hypot(b.flow[..., 0], b.flow[..., 1]) for b in backgrounds])
+    gate = photometric_gate(np.minimum.reduce(errors), params.gate_blurs, params.gate_error)
+    return FrameSaliency(soft_map(residual, speed, params) * gate, flows)
+
+
+def _is_given(frame: np.ndarray, other: np.ndarray | None, flow: np.ndarray | None) -> bool:
+    """Whether a neighbour and its flow are there, and fit the frame."""
+    if other is None and flow is None:
+        return False
+    if other is None or flow is None:
+        raise InputError("a neighbouring frame and its flow belong together", got="one of them", expected="both or none")
+    if other.shape != frame.shape or flow.shape != (*frame.shape[:2], 2):
+        raise InputError(
+            "neighbour of another size", got=f"{other.shape}, flow {flow.shape}", expected=f"{frame.shape} and its flow"
+        )
+    return True

@@ -1,0 +1,64 @@
+"""Two-layer background: a second affine motion may explain what the first leaves, if it spans the frame."""
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from moseg_tasks.saliency.background import AffineMotion, affine_flow, fit_background
+from schemas.parameters import SaliencyParams
+
+
+class Background(NamedTuple):
+    """Background flow float32 (y, x, 2) and residual float32 (y, x) of the observed flow, px/frame."""
+
+    flow: np.ndarray
+    residual: np.ndarray
+
+
+def fit_layers(flow: np.ndarray, params: SaliencyParams) -> Background:
+    """Background motion of one or two affine layers, and what the flow leaves of it.
+
+    A second layer (ground under a far scene, a wall beside a road) is only accepted when one connected part of its
+    support lies along the frame's border: a large object in the middle must stay an object.
+
+    Parameters
+    ----------
+    flow : float32 (y, x, 2)
+        px/frame.
+    params : SaliencyParams
+
+    Returns
+    -------
+    Background
+        Each pixel has the flow of the layer that explains it better.
+    """
+    first = _explain(flow, fit_background(flow, params))
+    outliers = first.residual > max(params.layer_residual, params.layer_medians * float(np.median(first.residual)))
+    if outliers.mean() < params.layer_area or not outliers.any():
+        return first
+    motion = fit_background(flow, params, among=outliers)
+    second = _explain(flow, motion)
+    reach = max(params.layer_residual, params.layer_scales * motion.scale)
+    support = second.residual < np.minimum(reach, params.layer_gain * first.residual)
+    if _border_share(support) <= params.layer_border:
+        return first
+    better = second.residual < first.residual
+    return Background(
+        np.where(better[..., None], second.flow, first.flow), np.minimum(first.residual, second.residual)
+    )
+
+
+def _explain(flow: np.ndarray, motion: AffineMotion) -> Background:
+    background = affine_flow(motion, flow.shape[:2])
+    error = flow - background
+    return Background(background, np.hypot(error[..., 0], error[..., 1]))
+
+
+def _border_share(support: np.ndarray) -> float:
+    """Largest share of the frame's border that one connected part of the opened support covers."""
+    opened = cv2.morphologyEx(support.astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
+    count, labels = cv2.connectedComponents(opened)
+    border = np.concatenate([labels[0], labels[-1], labels[1:-1, 0], labels[1:-1, -1]])
+    covered = np.bincount(border, minlength=count)
+    return float(covered[1:].max(initial=0)) / border.size

@@ -1,0 +1,139 @@
+"""Textures of several octaves of noise, and their filtered look-up through mip maps."""
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from schemas.frozen import Frozen
+
+SIZE = 512
+"""Texels along each side of a texture, a power of two; textures repeat beyond it."""
+COARSEST = 8
+"""Texels along each side of the coarsest mip level."""
+
+Color = tuple[float, float, float]
+
+
+class Texture(Frozen):
+    """A periodic pattern.
+
+    ``blotches`` is noise alone; ``tiles`` adds mortar lines in running bond, ``planks`` adds long boards.
+    """
+
+    palette: tuple[Color, Color, Color] = Field(description="two ground colours and the colour of spots, RGB 0..255")
+    texel: float = Field(0.012, gt=0, description="side of one texel, m")
+    pattern: Literal["blotches", "tiles", "planks"] = "blotches"
+    contrast: float = Field(0.22, ge=0, description="relative brightness of the finest detail, standard deviation")
+    seed: int = Field(ge=0, description="seed of the noise")
+
+
+class MipMap(NamedTuple):
+    """A texture at halving resolutions.
+
+    Attributes
+    ----------
+    texels : float32 (sum of squared sides, 3)
+        RGB, levels one after the other, rows first.
+    offsets : int64 (levels,)
+        Index of each level's first texel.
+    """
+
+    texels: np.ndarray
+    offsets: np.ndarray
+
+
+def paint_texture(texture: Texture) -> MipMap:
+    """Paint a texture and halve it down to 8 x 8 texels."""
+    rng = np.random.default_rng(texture.seed)
+    ground, spot, detail = (_noise(rng) for _ in range(3))
+    first, second, third = (np.array(color) for color in texture.palette)
+    color = first + (second - first) * np.clip(0.5 + 0.5 * ground, 0.0, 1.0)[..., None]
+    color += (third - color) * np.clip(3.0 * (spot - 0.8), 0.0, 1.0)[..., None]
+    color *= np.maximum(1.0 + texture.contrast * detail, 0.1)[..., None]
+    if texture.pattern != "blotches":
+        color *= _joints(rng, texture.pattern)[..., None]
+    level = np.clip(color, 0.0, 255.0).astype(np.float32)
+    levels = [level]
+    while len(level) > COARSEST:
+        level = (level[::2, ::2] + level[1::2, ::2] + level[::2, 1::2] + level[1::2, 1::2]) * np.float32(0.25)
+        levels.append(level)
+    sizes = [level.shape[0] ** 2 for level in levels]
+    return MipMap(np.concatenate([level.reshape(-1, 3) for level in levels]), np.cumsum([0, *sizes[:-1]]))
+
+
+def sample_texture(mipmap: MipMap, u: np.ndarray, v: np.ndarray, footprint: np.ndarray) -> np.ndarray:
+    """Trilinear look-up.
+
+    Parameters
+    ----------
+    mipmap : MipMap
+    u, v : float64 (N,)
+        Texels of the finest level.
+    footprint : float64 (N,)
+        Texels of the finest level that one pixel covers along an axis.
+
+    Returns
+    -------
+    float32 (N, 3)
+        RGB.
+    """
+    mantissa, exponent = np.frexp(footprint)
+    # log2, linear between powers of two: np.log2 is not rounded alike on all processors.
+    level = np.clip(exponent - 2 + 2.0 * mantissa, 0.0, len(mipmap.offsets) - 1.001)
+    finer = level.astype(np.int64)
+    weight = (level - finer).astype(np.float32)[:, None]
+    fine = _bilinear(mipmap, u, v, finer)
+    return fine + (_bilinear(mipmap, u, v, finer + 1) - fine) * weight
+
+
+def _bilinear(mipmap: MipMap, u: np.ndarray, v: np.ndarray, level: np.ndarray) -> np.ndarray:
+    side = SIZE >> level
+    scale = 1.0 / (1 << level)
+    u, v = u * scale - 0.5, v * scale - 0.5
+    column, row = np.floor(u), np.floor(v)
+    right, down = (u - column).astype(np.float32)[:, None], (v - row).astype(np.float32)[:, None]
+    column, row = column.astype(np.int64), row.astype(np.int64)
+    # Sides are powers of two, so masking wraps, negative coordinates included.
+    column0, column1 = column & (side - 1), (column + 1) & (side - 1)
+    row0 = mipmap.offsets[level] + (row & (side - 1)) * side
+    row1 = mipmap.offsets[level] + ((row + 1) & (side - 1)) * side
+    upper_left, upper_right = mipmap.texels.take(row0 + column0, axis=0), mipmap.texels.take(row0 + column1, axis=0)
+    lower_left, lower_right = mipmap.texels.take(row1 + column0, axis=0), mipmap.texels.take(row1 + column1, axis=0)
+    upper = upper_left + (upper_right - upper_left) * right
+    lower = lower_left + (lower_right - lower_left) * right
+    return upper + (lower - upper) * down
+
+
+def _noise(rng: np.random.Generator) -> np.ndarray:
+    """Periodic value noise with equal energy in each octave, of about unit variance."""
+    total = np.zeros((SIZE, SIZE))
+    cells, octaves = 8, 0
+    while cells <= SIZE // 2:
+        total += _stretch(_stretch(rng.random((cells, cells)) - 0.5, 0), 1)
+        cells, octaves = 2 * cells, octaves + 1
+    # A uniform deviate on (-1/2, 1/2) has variance 1/12; smooth interpolation keeps about half of it in two dimensions.
+    return total * np.sqrt(24.0 / octaves)
+
+
+def _stretch(grid: np.ndarray, axis: int) -> np.ndarray:
+    """Stretch a periodic grid to SIZE along an axis with smoothstep interpolation."""
+    cells = grid.shape[axis]
+    position = np.arange(SIZE) * (cells / SIZE)
+    first = position.astype(np.int64)
+    fraction = position - first
+    weight = fraction * fraction * (3.0 - 2.0 * fraction)
+    weight = weight[:, None] if axis == 0 else weight
+    near, far = grid.take(first, axis), grid.take((first + 1) % cells, axis)
+    return near + (far - near) * weight
+
+
+def _joints(rng: np.random.Generator, pattern: str) -> np.ndarray:
+    """Brightness factor of tiles or planks: dark joints, and a shade of its own for each piece."""
+    height, width = {"tiles": (32, 64), "planks": (32, 256)}[pattern]
+    rows, columns = np.mgrid[:SIZE, :SIZE]
+    course = rows // height
+    shifted = (columns + course * (width // 2)) % SIZE
+    piece = rng.random((SIZE // height, SIZE // width))[course, shifted // width]
+    joint = (rows % height < 3) | (shifted % width < 3)
+    return np.where(joint, 0.45, 0.75 + 0.5 * piece)

@@ -1,0 +1,91 @@
+"""Exact tracks of surface points, with visibility by ray casting."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from moseg_tasks.synthetic.scene import Scene
+from moseg_tasks.synthetic.shapes import NEAREST_DEPTH
+from moseg_tasks.synthetic.trace import Hits, trace_points
+from moseg_tasks.synthetic.view import View, material_points, object_of_parts, project_points
+
+POINTS_PER_OBJECT = 60
+POINTS_ON_BACKDROP = 300
+SEED_EVERY = 6
+"""Frames between seedings, so that what enters late is tracked too."""
+_SAME_DEPTH = 1e-6
+"""Relative difference of depth within which a ray has met the point itself: far above float64 rounding."""
+
+
+class Tracks(NamedTuple):
+    """Points on surfaces over time.
+
+    Attributes
+    ----------
+    points : float32 (N, T, 2)
+        xy, px; also where a point is hidden or outside the frame, and (-1, -1) where it is behind the camera.
+    visible : bool (N, T)
+        Inside the frame and hidden by nothing.
+    """
+
+    points: np.ndarray
+    visible: np.ndarray
+
+
+def track_points(scene: Scene, views: list[View], hits: list[Hits]) -> Tracks:
+    """Follow points of every object and of the backdrop through all frames.
+
+    Every few frames each object's points are brought up to the wanted number of visible ones, by points drawn
+    from the pixels inside its outline.
+    """
+    owners = object_of_parts(scene)
+    rng = np.random.default_rng([scene.seed, 1])
+    tracks = [(np.zeros((0, len(views), 2)), np.zeros((0, len(views)), bool))]
+    known = np.zeros(0, np.int64)
+    for frame in range(0, len(views), SEED_EVERY):
+        visible = np.concatenate([mask for _, mask in tracks])[:, frame]
+        seen = np.bincount(known[visible], minlength=len(scene.things) + 1)
+        wanted = np.full(len(scene.things) + 1, POINTS_PER_OBJECT)
+        wanted[0] = POINTS_ON_BACKDROP
+        for identity, missing in enumerate(wanted - seen):
+            pixels = np.flatnonzero(_interior(owners[hits[frame].part] == identity))
+            if missing <= 0 or len(pixels) == 0:
+                continue
+            chosen = np.sort(rng.choice(pixels, min(missing, len(pixels)), replace=False))
+            tracks.append(_follow(scene, views, frame, hits[frame], chosen))
+            known = np.concatenate([known, np.full(len(chosen), identity)])
+    points, visible = (np.concatenate(column) for column in zip(*tracks, strict=True))
+    return Tracks(points.astype(np.float32), visible)
+
+
+def _follow(
+    scene: Scene, views: list[View], frame: int, hits: Hits, pixels: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Positions float64 (N, T, 2) and visibility (N, T) of the points seen at flat ``pixels`` of a frame."""
+    y, x = np.divmod(pixels, scene.width)
+    part, depth = hits.part.reshape(-1)[pixels], hits.depth.reshape(-1)[pixels]
+    points, visible = np.empty((len(pixels), len(views), 2)), np.empty((len(pixels), len(views)), bool)
+    for index in np.unique(part):
+        rows = np.flatnonzero(part == index)
+        material = material_points(views[frame], index, x[rows].astype(float), y[rows].astype(float), depth[rows])
+        for t, view in enumerate(views):
+            points[rows, t], visible[rows, t] = _see(scene, view, index, material)
+    return points, visible
+
+
+def _see(scene: Scene, view: View, part: int, material: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (N, 2) and visibility (N,) of material points of a part in one view."""
+    x, y, z = project_points(view, part, material)
+    inside = (x >= 0) & (x <= scene.width - 1) & (y >= 0) & (y <= scene.height - 1)
+    met = trace_points(view, x, y)
+    behind = z <= NEAREST_DEPTH
+    visible = inside & ~behind & (met.part == part) & (np.abs(met.depth - z) <= _SAME_DEPTH * z)
+    return np.where(behind[:, None], -1.0, np.stack([x, y], axis=1)), visible
+
+
+def _interior(mask: np.ndarray) -> np.ndarray:
+    """Pixels of a mask whose four neighbours belong to it; the frame's border is outside."""
+    inner = np.zeros_like(mask)
+    middle = mask[1:-1, 1:-1]
+    inner[1:-1, 1:-1] = middle & mask[:-2, 1:-1] & mask[2:, 1:-1] & mask[1:-1, :-2] & mask[1:-1, 2:]
+    return inner

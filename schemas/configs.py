@@ -1,0 +1,76 @@
+"""The configuration of a run: the parameters of every stage, and the variants of the paper's ablation."""
+
+from enum import StrEnum
+from typing import Literal
+
+from pydantic import Field
+
+from schemas.frozen import Frozen
+from schemas.parameters import (
+    AffinityParams,
+    ClusteringParams,
+    DepthParams,
+    FlowModelName,
+    FlowModelParams,
+    FlowParams,
+    FundamentalParams,
+    LinkingParams,
+    ProposalParams,
+    SaliencyParams,
+    TrackParams,
+)
+
+
+class Variant(StrEnum):
+    """Rows of the paper's ablation."""
+
+    FUSED = "fused"
+    OC_DEPTH = "oc-depth"
+    OC = "oc"
+    TRAJS = "trajs"
+    BASE = "base"
+
+
+class SectionParams(Frozen):
+    """How a video is cut into sections; objects are proposed anew in each."""
+
+    length: int = Field(60, ge=1, description="l of the paper: frames of a section")
+    overlap: int = Field(4, ge=1, description="frames that a section's proposals share with the next, for linking")
+    context: int = Field(12, ge=0, description="frames before and after a section from which saliency is accumulated")
+
+
+class PipelineConfig(Frozen):
+    """Every parameter of the pipeline; each stage's recipe takes only its own."""
+
+    max_side: int = Field(1280, ge=16, description="frames with a longer side are reduced to this for analysis, px")
+    proposal_source: Literal["saliency", "groundtruth", "folder"] = Field(
+        "saliency", description="object proposals: motion saliency, the ground truth's objects, or a folder of masks"
+    )
+    fused_flow_model: FlowModelName | Literal["auto"] = Field(
+        "auto", description="flow view of the fused variant; auto: oc_depth where depth is given, else oc"
+    )
+    flow: FlowParams = FlowParams()
+    depth: DepthParams = DepthParams()
+    sections: SectionParams = SectionParams()
+    saliency: SaliencyParams = SaliencyParams()
+    proposals: ProposalParams = ProposalParams()
+    linking: LinkingParams = LinkingParams()
+    tracks: TrackParams = TrackParams()
+    fundamental: FundamentalParams = FundamentalParams()
+    flow_model: FlowModelParams = FlowModelParams()
+    affinity: AffinityParams = AffinityParams()
+    clustering: ClusteringParams = ClusteringParams()
+
+    def views(self, variant: Variant) -> tuple[str, ...]:
+        """Motion models of a variant: ``trajs`` or the name of a flow model; none for ``base``."""
+        if self.fused_flow_model == "auto":
+            flow_view = "oc" if self.depth.method == "none" else "oc_depth"
+        else:
+            flow_view = self.fused_flow_model
+        return {
+            Variant.FUSED: ("trajs", flow_view),
+            Variant.OC_DEPTH: ("oc_depth",),
+            Variant.OC: ("oc",),
+            Variant.TRAJS: ("trajs",),
+            Variant.BASE: (),
+        }[variant]

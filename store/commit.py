@@ -1,0 +1,86 @@
+"""Staging an artifact's files and moving them into place with one rename.
+
+A process that is killed leaves a staging folder, never a visible artifact. Nothing is flushed to the disk on the way:
+after a power loss a committed folder may hold short, empty or zeroed files. Lengths, checksums and the seal find each
+of these on reading, so such an artifact is quarantined and computed again; it is never served. Flushing every file
+would cost more than computing most artifacts does.
+"""
+
+import errno
+import os
+import re
+import shutil
+import uuid
+from collections.abc import Mapping
+from pathlib import Path
+
+from schemas.errors import StoreError
+from store.layout import MANIFEST, Layout
+from store.outcomes import PutOutcome
+from store.owners import process_space
+
+_STAGED = re.compile(r"(?P<space>[0-9a-f]{16})-(?P<pid>\d+)-[0-9a-f]{32}")
+
+
+def commit(layout: Layout, ref: str, files: Mapping[str, memoryview], manifest: bytes) -> PutOutcome:
+    """Write an artifact's files, its manifest last, and rename their folder into place.
+
+    Raises StoreError where the file system refuses (no permission, disk full).
+    """
+    try:
+        staged = new_staging(layout)
+        try:
+            _write_files(staged, files)
+            _write(f"{staged}/{MANIFEST}", manifest)
+            return _move(staged, layout.folder(ref))
+        finally:
+            # after a commit nothing is left under this name
+            shutil.rmtree(staged, ignore_errors=True)
+    except OSError as error:
+        raise StoreError(f"cannot write to the artifact store: {error.strerror}", where=layout.root) from error
+
+
+def new_staging(layout: Layout) -> str:
+    """A new folder under ``staging/`` whose name says which process owns it."""
+    staged = f"{layout.staging}/{process_space()}-{os.getpid()}-{uuid.uuid4().hex}"
+    try:
+        os.mkdir(staged)
+    except FileNotFoundError:
+        layout.staging.mkdir(exist_ok=True)
+        os.mkdir(staged)
+    return staged
+
+
+def staging_owner(folder: Path) -> tuple[str, int] | None:
+    """Space and number of the process that made a staging folder; None where its name does not say."""
+    match = _STAGED.fullmatch(folder.name)
+    return (match["space"], int(match["pid"])) if match else None
+
+
+def _write_files(folder: str, files: Mapping[str, memoryview]) -> None:
+    made = {""}
+    for path, content in files.items():
+        parent = path.rpartition("/")[0]
+        if parent not in made:
+            os.mkdir(f"{folder}/{parent}")
+            made.add(parent)
+        _write(f"{folder}/{path}", content)
+
+
+def _write(path: str, content: bytes | memoryview) -> None:
+    with open(path, "xb") as file:
+        file.write(content)
+
+
+def _move(staged: str, target: str) -> PutOutcome:
+    try:
+        try:
+            os.rename(staged, target)
+        except FileNotFoundError:
+            os.makedirs(os.path.dirname(target), exist_ok=True)
+            os.rename(staged, target)
+    except OSError as error:
+        if error.errno in (errno.ENOTEMPTY, errno.EEXIST):
+            return PutOutcome.LOST_RACE
+        raise
+    return PutOutcome.COMMITTED

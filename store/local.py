@@ -1,0 +1,166 @@
+"""The store on a local (or mounted) file system."""
+
+import os
+import platform
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+from pydantic import JsonValue
+
+from schemas.arrays import check_arrays
+from schemas.digests import canonical_json
+from schemas.errors import StoreError
+from schemas.manifests import FileEntry, Manifest
+from schemas.recipes import Recipe, split_ref
+from store import collection, pins, reading, verification
+from store.codec import METADATA, encode_group
+from store.commit import commit
+from store.layout import Layout
+from store.marker import open_root
+from store.outcomes import GcReport, Pin, PutOutcome, TaskUsage, VerifyResult
+from store.provenance import library_versions, utc_now
+from store.quarantine import quarantine
+from store.sealing import seal
+
+
+class LocalStore:
+    """Artifacts in a folder; see `store.protocol.ArtifactStore` for what each method promises.
+
+    Parameters
+    ----------
+    root : path
+        A store, or with `create` an empty or new folder to make one of.
+
+    Raises
+    ------
+    StoreError
+        `root` is not a store of this format, or cannot be made one.
+    """
+
+    def __init__(self, root: Path | str, create: bool = True):
+        self.root = Path(root).absolute()
+        open_root(self.root, create=create)
+        self._layout = Layout(self.root)
+
+    def __repr__(self) -> str:
+        return f"LocalStore({str(self.root)!r})"
+
+    def has(self, ref: str) -> bool:
+        """Whether the artifact's folder is in place: one stat."""
+        return os.path.isdir(self._layout.folder(ref))
+
+    def put(
+        self,
+        recipe: Recipe,
+        arrays: Mapping[str, np.ndarray],
+        attributes: Mapping[str, JsonValue] | None = None,
+        seconds: float = 0.0,
+        dims: Mapping[str, tuple[str, ...]] | None = None,
+    ) -> PutOutcome:
+        """Store one artifact.
+
+        Parameters
+        ----------
+        arrays : dict of ndarray
+            By name; checked against the task's layout in `schemas.arrays`.
+        attributes : dict of JSON values
+            Results that are not arrays; finite and exact, as in a recipe.
+        seconds : float
+            Time that the task took.
+        dims : dict of axis names, optional
+            Axis names of each array, for a task without a layout.
+
+        Raises
+        ------
+        StoreError
+            Arrays that are not the task's, or a file system that refuses.
+        TypeError, ValueError
+            Attributes that JSON does not keep exactly.
+        """
+        if self.has(recipe.ref):
+            return PutOutcome.LOST_RACE
+        axes = check_arrays(recipe.task, dict(arrays)) if dims is None else _check_dims(arrays, dims)
+        attributes = dict(attributes or {})
+        canonical_json(attributes)
+        files, entries = encode_group(arrays, axes)
+        manifest = Manifest(
+            key=recipe.key,
+            recipe=recipe,
+            arrays=entries,
+            attributes=attributes,
+            files=tuple(FileEntry(path=path, nbytes=content.nbytes) for path, content in files.items()),
+            seconds=seconds,
+            nbytes=sum(content.nbytes for content in files.values()),
+            created=utc_now(),
+            host=platform.node(),
+            versions=library_versions(),
+        )
+        metadata = {path: content for path, content in files.items() if path.rpartition("/")[2] == METADATA}
+        return commit(self._layout, recipe.ref, files, seal(manifest, metadata))
+
+    def manifest(self, ref: str) -> Manifest:
+        """What the artifact holds and how it came to be."""
+        return reading.read_manifest(self._layout, ref)
+
+    def attributes(self, ref: str) -> dict[str, JsonValue]:
+        """Results that are not arrays."""
+        return self.manifest(ref).attributes
+
+    def read(self, ref: str, name: str, check: bool = False) -> np.ndarray:
+        """One whole array; with `check` its digest too is compared, not only checksums."""
+        return reading.read_array(self._layout, ref, name, check)
+
+    def read_rows(self, ref: str, name: str, start: int, stop: int) -> np.ndarray:
+        """Rows ``start`` to ``stop`` (exclusive) of the leading axis."""
+        return reading.read_rows(self._layout, ref, name, start, stop)
+
+    def refs(self, task: str | None = None) -> Iterator[str]:
+        """References of all artifacts, or of one task's, in order."""
+        return self._layout.refs(task)
+
+    def verify(self, refs: Iterable[str] | None = None) -> Iterator[VerifyResult]:
+        """Compare every byte with what the manifests name."""
+        return verification.verify(self._layout, refs)
+
+    def quarantine(self, ref: str, reason: str) -> bool:
+        """Move an artifact to ``quarantine/``; False where somebody else already did."""
+        return quarantine(self._layout, ref, reason)
+
+    def remove(self, ref: str) -> bool:
+        """Delete an artifact; False where there is none."""
+        return collection.remove(self._layout, ref)
+
+    def pin(self, run_id: str, refs: Iterable[str], lease_seconds: float | None = None) -> None:
+        """Keep references from `gc`: until `unpin`, or with a lease while this process runs and the lease lasts."""
+        pins.pin(self._layout, run_id, refs, lease_seconds)
+
+    def unpin(self, run_id: str) -> bool:
+        """End a run's pin; False where there is none."""
+        return pins.unpin(self._layout, run_id)
+
+    def pinned(self) -> dict[str, Pin]:
+        """The pins that hold now, by run."""
+        return pins.pinned(self._layout)
+
+    def gc(self, *, is_dry: bool = True, grace_seconds: float = 86_400.0) -> GcReport:
+        """Delete what no pin reaches and is older than the grace period; by default only say what that is."""
+        return collection.collect(self._layout, is_dry=is_dry, grace_seconds=grace_seconds)
+
+    def usage(self) -> dict[str, TaskUsage]:
+        """Artifacts and bytes of each task."""
+        counts, nbytes = Counter(), Counter()
+        for ref in self.refs():
+            task, _ = split_ref(ref)
+            counts[task] += 1
+            nbytes[task] += collection.folder_nbytes(self._layout.folder(ref))
+        return {task: TaskUsage(counts[task], nbytes[task]) for task in counts}
+
+
+def _check_dims(arrays: Mapping[str, np.ndarray], dims: Mapping[str, tuple[str, ...]]) -> Mapping[str, tuple[str, ...]]:
+    found = {name: array.ndim for name, array in arrays.items()}
+    expected = {name: len(axes) for name, axes in dims.items()}
+    if found != expected or not all(name.isidentifier() for name in arrays):
+        raise StoreError("arrays that their axis names do not fit", got=found, expected=expected)
+    return dims

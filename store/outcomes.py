@@ -1,0 +1,77 @@
+"""What the store answers: outcomes of a put, of a verification and of a collection, and the pins of runs."""
+
+from enum import StrEnum
+from typing import NamedTuple
+
+from schemas.frozen import Frozen
+from schemas.recipes import Ref
+
+
+class PutOutcome(StrEnum):
+    """How a put ended. Both are success: the artifact is stored."""
+
+    COMMITTED = "committed"
+    LOST_RACE = "lost-race"
+    """The artifact was there already; what is stored first stays."""
+
+
+class VerifyResult(NamedTuple):
+    """One artifact and what is wrong with it; ``problem`` is None where nothing is."""
+
+    ref: str
+    problem: str | None
+
+    @property
+    def is_intact(self) -> bool:
+        """Whether every byte is the one that was committed."""
+        return self.problem is None
+
+
+class TaskUsage(NamedTuple):
+    """Number of artifacts of one task and the bytes of their files."""
+
+    num_artifacts: int
+    nbytes: int
+
+
+class Pin(Frozen):
+    """References that a run needs, so that ``gc`` keeps them and all that they were made from.
+
+    Attributes
+    ----------
+    expires : float or None
+        Seconds since the epoch at which a live run's lease ends; None for a pin that lasts until ``unpin``.
+    space, pid : str, int
+        Process that wrote the pin and the space (host and container) in which its number means something.
+    """
+
+    run_id: str
+    refs: tuple[Ref, ...]
+    created: float
+    expires: float | None
+    space: str
+    pid: int
+
+
+class GcReport(NamedTuple):
+    """What a collection removed, or would remove when ``is_dry``.
+
+    Attributes
+    ----------
+    num_kept : int
+        Artifacts that stay: reached from a pin, or younger than the grace period.
+    removed : tuple of str
+        References of collected artifacts.
+    leftovers : tuple of str
+        Folders of interrupted puts and old quarantined artifacts, relative to the store's root.
+    nbytes : int
+        Bytes freed by both.
+    is_dry : bool
+        Whether nothing was touched.
+    """
+
+    num_kept: int
+    removed: tuple[str, ...]
+    leftovers: tuple[str, ...]
+    nbytes: int
+    is_dry: bool

@@ -1,0 +1,73 @@
+"""The interface of every artifact store."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from pydantic import JsonValue
+
+from schemas.manifests import Manifest
+from schemas.recipes import Recipe
+from store.outcomes import GcReport, Pin, PutOutcome, TaskUsage, VerifyResult
+
+
+@runtime_checkable
+class ArtifactStore(Protocol):
+    """Artifacts by reference ``<task>/<key>``; what ``has`` finds is complete.
+
+    Every method that takes a reference raises InputError where it is malformed. Methods that read raise
+    MissingArtifactError where nothing is stored and CorruptArtifactError where the bytes are not those committed.
+    Instances can be pickled and are cheap to build in a worker.
+    """
+
+    def has(self, ref: str) -> bool:
+        """Whether the artifact is stored: one lookup of a known name."""
+
+    def put(
+        self,
+        recipe: Recipe,
+        arrays: Mapping[str, np.ndarray],
+        attributes: Mapping[str, JsonValue] | None = None,
+        seconds: float = 0.0,
+        dims: Mapping[str, tuple[str, ...]] | None = None,
+    ) -> PutOutcome:
+        """Store one artifact, all of it or nothing; the first of several equal puts stays."""
+
+    def manifest(self, ref: str) -> Manifest:
+        """What the artifact holds and how it came to be."""
+
+    def attributes(self, ref: str) -> dict[str, JsonValue]:
+        """Results that are not arrays."""
+
+    def read(self, ref: str, name: str, check: bool = False) -> np.ndarray:
+        """One whole array, the caller's own copy; with `check` its digest too is compared, not only checksums."""
+
+    def read_rows(self, ref: str, name: str, start: int, stop: int) -> np.ndarray:
+        """Rows ``start`` to ``stop`` (exclusive) of the leading axis, reading only the chunks that hold them."""
+
+    def refs(self, task: str | None = None) -> Iterator[str]:
+        """References of all artifacts, or of one task's, in order."""
+
+    def verify(self, refs: Iterable[str] | None = None) -> Iterator[VerifyResult]:
+        """Compare every byte of the artifacts with what their manifests name."""
+
+    def quarantine(self, ref: str, reason: str) -> bool:
+        """Take an artifact out of service and keep its bytes aside; False where somebody else already did."""
+
+    def remove(self, ref: str) -> bool:
+        """Delete an artifact; False where there is none."""
+
+    def pin(self, run_id: str, refs: Iterable[str], lease_seconds: float | None = None) -> None:
+        """Keep these references, stored or not yet, and all that they were made from."""
+
+    def unpin(self, run_id: str) -> bool:
+        """End a run's pin; False where there is none."""
+
+    def pinned(self) -> dict[str, Pin]:
+        """The pins that hold now, by run."""
+
+    def gc(self, *, is_dry: bool = True, grace_seconds: float = 86_400.0) -> GcReport:
+        """Delete what no pin reaches."""
+
+    def usage(self) -> dict[str, TaskUsage]:
+        """Artifacts and bytes of each task."""

@@ -1,0 +1,36 @@
+"""Taking a damaged artifact out of service with its bytes kept aside."""
+
+import json
+import os
+import shutil
+import time
+import uuid
+
+from schemas.errors import StoreError
+from schemas.recipes import split_ref
+from store.layout import Layout
+
+REASON = "reason.json"
+
+
+def quarantine(layout: Layout, ref: str, reason: str) -> bool:
+    """Move an artifact to ``quarantine/``, beside the reason; False where it is gone already.
+
+    The reason is written first and the move is one rename, so an artifact is never half in service. Several processes
+    may quarantine the same artifact: one moves it.
+    """
+    folder = layout.folder(ref)
+    task, key = split_ref(ref)
+    slot = layout.quarantine / f"{task}-{key}-{uuid.uuid4().hex}"
+    try:
+        slot.mkdir(parents=True)
+        content = {"ref": ref, "reason": reason, "time": time.time()}
+        (slot / REASON).write_text(json.dumps(content) + "\n", encoding="utf-8")
+        try:
+            os.rename(folder, slot / "artifact")
+        except FileNotFoundError:
+            shutil.rmtree(slot, ignore_errors=True)
+            return False
+    except OSError as error:
+        raise StoreError(f"cannot quarantine an artifact: {error.strerror}", where=layout.root, got=ref) from error
+    return True

@@ -1,0 +1,52 @@
+"""The manifest file: a manifest under a seal that any changed byte breaks.
+
+Chunks carry checksums and arrays digests; the manifest that names them and Zarr's own metadata files would have none.
+So the file holds the digests of the metadata files beside the manifest, and the digest of both in front. Every byte
+of it counts: what is outside the sealed content is compared literally.
+"""
+
+from collections.abc import Mapping
+
+from pydantic import ValidationError
+
+from schemas.digests import digest_bytes
+from schemas.frozen import Frozen
+from schemas.manifests import Manifest
+
+_BEFORE, _BETWEEN, _AFTER = b'{"seal":"', b'","content":', b"}\n"
+_SEAL_LENGTH = 64
+
+
+class Sealed(Frozen):
+    """A manifest and the digest of each metadata file, by relative path."""
+
+    metadata: dict[str, str]
+    manifest: Manifest
+
+
+def seal(manifest: Manifest, metadata_files: Mapping[str, bytes | memoryview]) -> bytes:
+    """Content of the manifest file."""
+    digests = {path: digest_metadata(content) for path, content in metadata_files.items()}
+    content = Sealed(metadata=digests, manifest=manifest).model_dump_json().encode("utf-8")
+    return _BEFORE + _digest(content) + _BETWEEN + content + _AFTER
+
+
+def unseal(data: bytes) -> Sealed:
+    """The manifest in a manifest file; raises ValueError where a byte is not as sealed."""
+    start = len(_BEFORE) + _SEAL_LENGTH
+    content = data[start + len(_BETWEEN) : -len(_AFTER)]
+    if data != _BEFORE + _digest(content) + _BETWEEN + content + _AFTER:
+        raise ValueError("the manifest's seal is broken")
+    try:
+        return Sealed.model_validate_json(content)
+    except ValidationError as error:
+        raise ValueError(f"the manifest is not of this format: {error.error_count()} wrong fields") from None
+
+
+def digest_metadata(content: bytes | memoryview) -> str:
+    """Digest of one of Zarr's metadata files."""
+    return digest_bytes("metadata", content)
+
+
+def _digest(content: bytes) -> bytes:
+    return digest_bytes("seal", content).encode("ascii")

@@ -1,0 +1,133 @@
+import struct
+
+import av
+import numpy as np
+import pytest
+
+from schemas.errors import InputError, MissingInputError
+from workflows.sources import VideoFile
+
+
+@pytest.fixture
+def moving(picture):
+    return [np.roll(picture, 2 * i, axis=1) for i in range(12)]
+
+
+def assert_nearly(frames, expected):
+    assert len(frames) == len(expected)
+    for frame, image in zip(frames, expected, strict=True):
+        assert frame.shape == image.shape
+        assert frame.dtype == np.uint8
+        assert np.abs(frame.astype(int) - image).mean() < 12
+
+
+@pytest.mark.parametrize("suffix", [".mp4", ".mkv", ".mov", ".avi", ".ts"])
+def test_every_frame_comes_once_in_order(tmp_path, write_video, moving, suffix):
+    video = VideoFile(write_video(tmp_path / f"a{suffix}", moving), 1000)
+    assert_nearly(list(video.read()), moving)
+    assert video.describe() == ((48, 64), 25.0)
+    assert video.chunks(3) == (video,)
+
+
+def test_variable_frame_rate_neither_repeats_nor_drops(tmp_path, write_video, moving):
+    times = [0, 1, 2, 30, 31, 60, 61, 62, 63, 100, 101, 140]
+    video = VideoFile(write_video(tmp_path / "a.mp4", moving, times=times), 1000)
+    assert_nearly(list(video.read()), moving)
+
+
+@pytest.mark.parametrize(
+    ("matrix", "turned"),
+    [
+        ((0, -1, 1, 0), lambda a: np.rot90(a, 1)),
+        ((-1, 0, 0, -1), lambda a: np.rot90(a, 2)),
+        ((0, 1, -1, 0), lambda a: np.rot90(a, -1)),
+        ((-1, 0, 0, 1), np.fliplr),
+        ((0, 1, 1, 0), lambda a: a.swapaxes(0, 1)),
+    ],
+)
+def test_rotation_in_the_file_is_honoured(tmp_path, write_video, moving, matrix, turned):
+    path = tmp_path / "a.mp4"
+    write_video(path, moving)
+    content = bytearray(path.read_bytes())
+    # The matrix lies 40 bytes into a track header of version 0 (ISO/IEC 14496-12, 8.3.2).
+    a, b, c, d = (value << 16 for value in matrix)
+    struct.pack_into(">9i", content, content.index(b"tkhd") + 44, a, b, 0, c, d, 0, 0, 0, 1 << 30)
+    path.write_bytes(content)
+    video = VideoFile(str(path), 1000)
+    assert_nearly(list(video.read()), [turned(image) for image in moving])
+    assert video.describe().size == turned(moving[0]).shape[:2]
+
+
+def test_longer_side_is_limited(tmp_path, write_video, moving):
+    video = VideoFile(write_video(tmp_path / "a.mp4", moving), 32)
+    assert {frame.shape for frame in video.read()} == {(24, 32, 3)}
+    assert video.describe().size == (48, 64)
+
+
+def test_one_frame_is_a_video(tmp_path, write_video, moving):
+    assert_nearly(list(VideoFile(write_video(tmp_path / "a.mp4", moving[:1]), 1000).read()), moving[:1])
+
+
+def test_names_with_blanks_colons_and_other_scripts_work(tmp_path, write_video, moving):
+    path = tmp_path / "a.mp4"
+    write_video(path, moving)
+    path = path.rename(tmp_path / "http: видео 映像%03d.mp4")
+    assert len(list(VideoFile(str(path), 1000).read())) == 12
+
+
+@pytest.mark.parametrize("suffix", [".mp4", ".mkv"])
+@pytest.mark.parametrize("kept", [0.6, 0.95])
+def test_a_truncated_video_is_refused(tmp_path, write_video, moving, suffix, kept):
+    path = tmp_path / f"a{suffix}"
+    write_video(path, moving)
+    content = path.read_bytes()
+    path.write_bytes(content[: int(kept * len(content))])
+    with pytest.raises(InputError, match=rf"cut short in .*a{suffix}; got {len(content) - int(kept * len(content))} "):
+        list(VideoFile(str(path), 1000).read())
+
+
+def test_a_video_whose_header_was_never_written_is_refused(tmp_path, write_video, moving):
+    path = tmp_path / "a.mp4"
+    write_video(path, moving)
+    content = path.read_bytes()
+    path.write_bytes(content[:32] + content[content.index(b"mdat") - 4 :])
+    with pytest.raises(InputError, match=r"not a video in .*a\.mp4"):
+        list(VideoFile(str(path), 1000).read())
+
+
+def test_damage_inside_says_at_which_frame(tmp_path, write_video, moving):
+    path = tmp_path / "a.mp4"
+    write_video(path, moving * 3, bf="0")
+    content = bytearray(path.read_bytes())
+    start = content.index(b"mdat")
+    damaged = slice(start + (len(content) - start) * 7 // 10, start + (len(content) - start) * 8 // 10)
+    content[damaged] = bytes(damaged.stop - damaged.start)
+    path.write_bytes(content)
+    frames = []
+    with pytest.raises(InputError, match=r"decoding failed at frame [1-9]") as caught:
+        frames.extend(VideoFile(str(path), 1000).read())
+    assert "re-encodes" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["a.mp4", "a.txt"])
+@pytest.mark.parametrize("content", [b"", b"not a video\n" * 100])
+def test_other_files_are_not_videos(tmp_path, name, content):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match=r"not a video|no video stream"):
+        list(VideoFile(str(tmp_path / name), 1000).read())
+
+
+def test_sound_alone_is_no_video(tmp_path):
+    with av.open(str(tmp_path / "a.wav"), "w") as container:
+        stream = container.add_stream("pcm_s16le", rate=8000)
+        frame = av.AudioFrame.from_ndarray(np.zeros((1, 800), np.int16), format="s16", layout="mono")
+        frame.sample_rate = 8000
+        container.mux(stream.encode(frame))
+    with pytest.raises(InputError, match=r"no video stream in .*a\.wav; got audio"):
+        list(VideoFile(str(tmp_path / "a.wav"), 1000).read())
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(MissingInputError, match=r"gone\.mp4"):
+        VideoFile(str(tmp_path / "gone.mp4"), 1000).describe()

@@ -1,0 +1,54 @@
+"""The console script: its commands, and how errors become one line and an exit code."""
+
+import sys
+import traceback
+
+import typer
+from typer.exceptions import TyperException
+from typer.main import get_command
+
+from schemas.errors import InputError, StoreError
+from workflows.cli import evaluate, inspect, score, segment
+from workflows.cli.store import store_app
+
+EXIT_FAULT, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 1, 2, 130
+
+app = typer.Typer(
+    name="moseg",
+    help="Zero-shot monocular motion segmentation: which pixels of a video move on their own.",
+    pretty_exceptions_enable=False,
+)
+app.command("segment")(segment.segment)
+app.command("eval")(evaluate.evaluate)
+app.command("ablate")(evaluate.ablate)
+app.command("plan")(evaluate.plan)
+app.command("score")(score.score)
+app.command("datasets")(inspect.datasets)
+app.command("backends")(inspect.backends)
+app.add_typer(store_app, name="store")
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run `moseg`: exit code 0 when done, 2 for bad use or input, 1 for a fault, 130 when interrupted."""
+    sys.exit(run(sys.argv[1:] if arguments is None else arguments))
+
+
+def run(arguments: list[str]) -> int:
+    """The same, returning the exit code."""
+    if not arguments:
+        arguments = ["--help"]
+    try:
+        return get_command(app)(arguments, standalone_mode=False) or 0
+    except TyperException as error:
+        print(f"moseg: {error} (moseg --help lists the commands, moseg COMMAND --help their options)", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    except (InputError, StoreError) as error:
+        print(f"moseg: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    except KeyboardInterrupt:
+        print("moseg: interrupted; what was finished is kept, the same command goes on from there", file=sys.stderr)
+        return EXIT_INTERRUPTED
+    except Exception as error:
+        traceback.print_exc()
+        print(f"moseg: a fault, not your input: {type(error).__name__}: {error}", file=sys.stderr)
+        return EXIT_FAULT

@@ -1,0 +1,125 @@
+"""Options that several commands share, and the configuration they make."""
+
+from difflib import get_close_matches
+from typing import Annotated, Any
+
+import typer
+from pydantic import ValidationError
+
+from schemas.configs import PipelineConfig, Variant
+from schemas.errors import InputError
+
+DatasetOption = Annotated[str, typer.Option("--dataset", help="Data set; `moseg datasets` lists them.")]
+RootOption = Annotated[
+    str | None, typer.Option("--root", help="The data set's folder [default: $MOSEG_DATA/<dataset>].")
+]
+SequencesOption = Annotated[str | None, typer.Option("--sequences", help="Only these, separated by commas.")]
+ListFileOption = Annotated[
+    str | None, typer.Option("--list", help="File naming the sequences, one a line (ytvos-moving).")
+]
+VariantsOption = Annotated[
+    list[Variant] | None, typer.Option("--variant", help="Row of the ablation; may be repeated [default: fused].")
+]
+JsonOption = Annotated[str | None, typer.Option("--json", help="Also write the result to this file.")]
+StoreOption = Annotated[str, typer.Option("--store", help="Artifact store: a folder or file:// URL.")]
+WorkersOption = Annotated[int, typer.Option("--workers", help="Worker processes; 0 runs in this process.")]
+SchedulerOption = Annotated[str | None, typer.Option("--scheduler", help="Existing Dask cluster, tcp://host:8786.")]
+QuietOption = Annotated[bool, typer.Option("--quiet", help="No progress on standard error.")]
+
+MotionsOption = Annotated[
+    str | None,
+    typer.Option("--motions", help="Number of motions, the background's included: gt, auto or N [default: auto]."),
+]
+ProposalsOption = Annotated[
+    str | None, typer.Option("--proposals", help="saliency, groundtruth or folder:PATH [default: saliency].")
+]
+DepthOption = Annotated[str | None, typer.Option("--depth", help="none, groundtruth or folder:PATH [default: none].")]
+FlowOption = Annotated[str | None, typer.Option("--flow", help="dis or groundtruth [default: dis].")]
+TracksOption = Annotated[
+    str | None, typer.Option("--tracks", help="lucas-kanade or groundtruth [default: lucas-kanade].")
+]
+AffinityOption = Annotated[str | None, typer.Option("--affinity", help="residual or ork.")]
+SectionOption = Annotated[int | None, typer.Option("--section-length", help="Frames of a section (l of the paper).")]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", help="Any parameter, as stage.name=value (fundamental.gap=5); may be repeated."),
+]
+
+DEFAULT_STORE = ".moseg/store"
+
+
+def make_config(
+    motions: str | None,
+    proposals: str | None,
+    depth: str | None,
+    flow: str | None,
+    tracks: str | None,
+    affinity: str | None,
+    section_length: int | None,
+    settings: list[str] | None,
+) -> tuple[PipelineConfig, dict[str, str]]:
+    """The configuration that the options name, and the folders of cues given by `folder:PATH`, by cue."""
+    folders: dict[str, str] = {}
+    values: dict[str, Any] = {}
+    chosen = {
+        "clustering.motions": motions,
+        "proposal_source": _folder_choice("proposals", proposals, folders),
+        "depth.method": _folder_choice("depth", depth, folders),
+        "flow.method": flow,
+        "tracks.method": tracks,
+        "affinity.method": affinity,
+        "sections.length": section_length,
+    }
+    for name, value in chosen.items():
+        if value is not None:
+            _assign(values, name, value)
+    for setting in settings or []:
+        name, equals, value = setting.partition("=")
+        if not equals:
+            raise InputError("not a setting", where="--set", got=setting, expected="stage.name=value")
+        _assign(values, name.strip(), value.strip())
+    try:
+        return PipelineConfig.model_validate(values), folders
+    except ValidationError as error:
+        raise InputError(**_explain(error.errors()[0])) from error
+
+
+def sequence_names(text: str | None) -> tuple[str, ...] | None:
+    """Names out of a list separated by commas."""
+    return None if text is None else tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def _folder_choice(cue: str, text: str | None, folders: dict[str, str]) -> str | None:
+    if text is None or not text.startswith("folder"):
+        return text
+    _, _, path = text.partition(":")
+    if not path:
+        raise InputError("no folder named", where=f"--{cue}", got=text, expected="folder:PATH")
+    folders[cue] = path
+    return "folder"
+
+
+def _assign(values: dict[str, Any], dotted: str, value: Any) -> None:
+    *parents, name = dotted.split(".")
+    for parent in parents:
+        values = values.setdefault(parent, {})
+        if not isinstance(values, dict):
+            raise InputError("not a setting", where="--set", got=dotted, expected="stage.name=value")
+    values[name] = value
+
+
+def _explain(error: dict[str, Any]) -> dict[str, Any]:
+    where = ".".join(str(part) for part in error["loc"] if part in _known_names() or isinstance(part, str))
+    if error["type"] == "extra_forbidden":
+        close = get_close_matches(where, _known_names(), n=1)
+        expected = f"did you mean {close[0]}?" if close else "a parameter of `moseg plan --help`"
+        return {"what": "unknown parameter", "where": where, "expected": expected}
+    return {"what": "bad parameter", "where": where, "got": repr(error["input"]), "expected": error["msg"]}
+
+
+def _known_names() -> list[str]:
+    names = []
+    for stage, field in PipelineConfig.model_fields.items():
+        inner = getattr(field.annotation, "model_fields", None)
+        names.extend([stage] if inner is None else [f"{stage}.{name}" for name in inner])
+    return names

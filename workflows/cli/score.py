@@ -1,0 +1,63 @@
+"""`moseg score`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from workflows.cli.options import (
+    DatasetOption,
+    JsonOption,
+    ListFileOption,
+    QuietOption,
+    RootOption,
+    SequencesOption,
+    sequence_names,
+)
+
+
+def score(
+    predictions: Annotated[str, typer.Option("--predictions", help="Folder of saved masks.")],
+    dataset: DatasetOption = "synthetic",
+    root: RootOption = None,
+    sequences: SequencesOption = None,
+    list_file: ListFileOption = None,
+    format: Annotated[
+        str | None, typer.Option("--format", help="Format of the masks [default: found from the files' names].")
+    ] = None,
+    name: Annotated[str | None, typer.Option("--name", help="Name of the row [default: the folder's].")] = None,
+    json: JsonOption = None,
+    quiet: QuietOption = False,
+) -> None:
+    """Score anybody's saved masks (PNG folders, .npy/.npz volumes, what MoSeg, Raptor, RigidMask and EM write).
+
+    Example: moseg score --dataset davis16 --root DAVIS --predictions results/480p
+    """
+    import time
+
+    from schemas.configs import PipelineConfig
+    from schemas.scores import EvaluationReport, EvaluationRow, StoreUse, mean_score
+    from workflows.cli.tables import print_report
+    from workflows.datasets import open_dataset
+    from workflows.predictions import open_predictions
+    from workflows.score_predictions import score_predictions
+    from workflows.writing import check_writable, write_text
+
+    started = time.perf_counter()
+    if json is not None:
+        check_writable(json)
+    saved = open_predictions(Path(predictions), format)
+    data = open_dataset(dataset, root, sequence_names(sequences), list_file, max_side=PipelineConfig().max_side)
+    scores = score_predictions(data, saved, quiet)
+    row = EvaluationRow(
+        variant=name or Path(predictions).resolve().name, sequences=scores, mean=mean_score(list(scores.values()))
+    )
+    report = EvaluationReport(
+        dataset=dataset,
+        rows=(row,),
+        store=StoreUse(computed=0, reused=0),
+        seconds=time.perf_counter() - started,
+    )
+    print_report(report, tuple(f"{absent} is not on disk" for absent in data.absent))
+    if json is not None:
+        write_text(json, report.model_dump_json(indent=2) + "\n")

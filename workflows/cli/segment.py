@@ -1,0 +1,73 @@
+"""`moseg segment`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from schemas.configs import Variant
+from schemas.errors import InputError
+from workflows.cli.options import (
+    DEFAULT_STORE,
+    AffinityOption,
+    DepthOption,
+    FlowOption,
+    ProposalsOption,
+    QuietOption,
+    SchedulerOption,
+    SectionOption,
+    SetOption,
+    StoreOption,
+    TracksOption,
+    WorkersOption,
+    make_config,
+)
+
+
+def segment(
+    video: Annotated[str, typer.Argument(help="A video file, or a folder of frames.")],
+    out: Annotated[str, typer.Option("--out", help="Folder for masks/, overlay.mp4 and motion.json.")] = "out",
+    motions: Annotated[
+        str, typer.Option("--motions", help="Number of motions with the background's: auto or N.")
+    ] = "auto",
+    variant: Annotated[Variant, typer.Option("--variant", help="Row of the paper's ablation to run.")] = Variant.FUSED,
+    fps: Annotated[
+        float, typer.Option("--fps", min=0.1, help="Frame rate of the overlay of a folder of frames.")
+    ] = 24.0,
+    proposals: ProposalsOption = None,
+    depth: DepthOption = None,
+    flow: FlowOption = None,
+    tracks: TracksOption = None,
+    affinity: AffinityOption = None,
+    section_length: SectionOption = None,
+    settings: SetOption = None,
+    store: StoreOption = DEFAULT_STORE,
+    workers: WorkersOption = 0,
+    scheduler: SchedulerOption = None,
+    quiet: QuietOption = False,
+) -> None:
+    """Masks of what moves on its own in your video: OUT/masks/*.png, OUT/overlay.mp4, OUT/motion.json.
+
+    Example: moseg segment holiday.mp4 --out holiday
+    """
+    from workflows.datasets import SequenceSource
+    from workflows.exports import write_segmentation
+    from workflows.given_folders import with_given_folders
+    from workflows.runs import open_session
+    from workflows.segment import segment as run_segmentation
+    from workflows.sources import open_frames
+
+    if motions == "gt":
+        raise InputError("no ground truth of your own video", where="--motions", got="gt", expected="auto or a number")
+    config, folders = make_config(motions, proposals, depth, flow, tracks, affinity, section_length, settings)
+    frames = open_frames(video, config.max_side)
+    source = with_given_folders(SequenceSource(Path(video).resolve().stem, frames), folders, config.max_side)
+    with open_session(store, workers, scheduler, quiet) as session:
+        result = run_segmentation(session, source, config, variant)
+        summary = write_segmentation(Path(out), session.store, result, frames.describe().fps or fps)
+    objects = f"{summary.num_moving} moving object{'' if summary.num_moving == 1 else 's'}"
+    use = session.use()
+    print(
+        f"{objects} in {result.num_frames} frames: {out}/masks, {out}/overlay.mp4, {out}/motion.json"
+        f" ({use.computed} artifacts computed, {use.reused} reused, {session.seconds:.1f} s)"
+    )

@@ -1,0 +1,95 @@
+"""Tables on the terminal."""
+
+from rich.console import Console
+from rich.table import Table
+
+from schemas.scores import EvaluationReport, SequenceScore
+from workflows.cli.paper import PAPER_ROWS
+from workflows.session import StageUse
+
+SCORE_COLUMNS = {
+    "Pu": "P",
+    "Ru": "R",
+    "Fu": "F",
+    "J": "J",
+    "F-boundary": "boundary_F",
+    "J/object": "J_objects",
+    "F-b/object": "boundary_F_objects",
+}
+
+
+def console() -> Console:
+    """Standard output; wide enough for every column where it is not a terminal."""
+    plain = Console()
+    return plain if plain.is_terminal else Console(width=140)
+
+
+def print_report(report: EvaluationReport, notes: tuple[str, ...] = ()) -> None:
+    """Scores per sequence and mean for every variant, and the paper's rows where it has the data set."""
+    out = console()
+    for note in notes:
+        out.print(f"note: {note}", highlight=False)
+    for row in report.rows:
+        table = _score_table(f"{report.dataset}, {row.variant}", "sequence")
+        for name, score in row.sequences.items():
+            table.add_row(name, *_cells(score))
+        table.add_section()
+        table.add_row("mean", *_cells(row.mean))
+        out.print(table)
+    print_paper(out, report.dataset)
+    out.print(
+        f"{report.store.computed} artifacts computed, {report.store.reused} reused, {report.seconds:.1f} s",
+        highlight=False,
+    )
+
+
+def print_ablation(report: EvaluationReport, notes: tuple[str, ...] = ()) -> None:
+    """One row a variant: means over the sequences."""
+    out = console()
+    for note in notes:
+        out.print(f"note: {note}", highlight=False)
+    num_sequences = len(report.rows[0].sequences)
+    table = _score_table(f"{report.dataset}, mean of {num_sequences} sequences", "variant")
+    for row in report.rows:
+        table.add_row(row.variant, *_cells(row.mean))
+    out.print(table)
+    print_paper(out, report.dataset)
+
+
+def print_paper(out: Console, dataset: str) -> None:
+    """The paper's figures for a data set, marked as the paper's."""
+    rows = PAPER_ROWS.get(dataset)
+    if rows is None:
+        return
+    table = Table(title=f"{dataset}, as the paper reports it (not measured here)")
+    table.add_column("method")
+    for name in ("Pu", "Ru", "Fu"):
+        table.add_column(name, justify="right")
+    for method, scores in rows.items():
+        table.add_row(method, *(f"{value:.2f}" for value in scores))
+    out.print(table)
+
+
+def print_stages(stages: dict[str, StageUse]) -> None:
+    """Artifacts computed and reused by stage, and the seconds inside each stage's functions."""
+    table = Table(title="artifacts by stage")
+    table.add_column("stage")
+    for name in ("computed", "reused", "reused %", "seconds"):
+        table.add_column(name, justify="right")
+    for stage, use in stages.items():
+        total = use.computed + use.reused
+        share = f"{100 * use.reused / total:.0f}" if total else "-"
+        table.add_row(stage, str(use.computed), str(use.reused), share, f"{use.seconds:.1f}")
+    console().print(table)
+
+
+def _score_table(title: str, first: str) -> Table:
+    table = Table(title=title)
+    table.add_column(first)
+    for name in SCORE_COLUMNS:
+        table.add_column(name, justify="right")
+    return table
+
+
+def _cells(score: SequenceScore) -> list[str]:
+    return [f"{getattr(score, field):.1f}" for field in SCORE_COLUMNS.values()]

@@ -1,0 +1,37 @@
+"""A sequence of image files with annotations, wherever the two folders lie."""
+
+import os
+
+from schemas.errors import InputError, MissingInputError
+from workflows.datasets.dataset import SequenceSource
+from workflows.sources import MaskKind, open_frames, open_masks
+from workflows.sources.files import list_files
+from workflows.sources.image_files import IMAGE_SUFFIXES
+from workflows.sources.mask_files import find_mask_kind
+
+
+def annotated_sequence(
+    name: str, frames_folder: str, masks_folder: str, kind: MaskKind, void: int | None, max_side: int
+) -> SequenceSource:
+    """A sequence of a benchmark.
+
+    Raises
+    ------
+    MissingInputError
+        No annotations: a benchmark means nothing without.
+    InputError
+        Binary masks, 0 and 255, where 255 would be void: nothing would be left to score.
+    """
+    if not os.path.isdir(masks_folder):
+        raise MissingInputError(f"sequence {name} has no annotations", expected=masks_folder)
+    frames = open_frames(frames_folder, max_side)
+    annotations = open_masks(masks_folder, frames, kind)
+    if void is not None and find_mask_kind(tuple(path for _, path in annotations.items)) == "binary":
+        expected = "a label for each object"
+        raise InputError("masks without object ids", where=masks_folder, got="only 0 and 255", expected=expected)
+    return SequenceSource(name, frames, annotations, void)
+
+
+def holds_images(folder: str) -> bool:
+    """True when `folder` is one and has an image in it."""
+    return os.path.isdir(folder) and bool(list_files(folder, IMAGE_SUFFIXES))

@@ -1,0 +1,103 @@
+"""What a data set is: a layout on disk, the sequences chosen from it, and how each is read."""
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+from workflows.sources import FrameSource, MaskSource, SceneDepth, SceneFlow, SceneTracks
+from workflows.sources.spelling import unknown_name
+
+
+class SequenceSource(NamedTuple):
+    """Where the content of one sequence comes from.
+
+    Attributes
+    ----------
+    name : str
+    frames : FrameSource
+    annotations : MaskSource or None
+        Ground truth of the annotated frames at the frames' original size; 0 is static, other labels move.
+    void : int or None
+        Annotated label that counts for neither side.
+    num_motions : int or None
+        True number of motions, the background's included; None where it must be counted in the annotations.
+    objects : MaskSource or None
+        All prominent objects, static ones included.
+    depth, flow_forward, flow_backward, tracks : source or None
+        Exact cues.
+    """
+
+    name: str
+    frames: FrameSource
+    annotations: MaskSource | None = None
+    void: int | None = None
+    num_motions: int | None = None
+    objects: MaskSource | None = None
+    depth: SceneDepth | None = None
+    flow_forward: SceneFlow | None = None
+    flow_backward: SceneFlow | None = None
+    tracks: SceneTracks | None = None
+
+
+class DatasetLayout(Protocol):
+    """How the files of a data set lie below its root.
+
+    Attributes
+    ----------
+    name : str
+    needs_root : bool
+        False for what is rendered.
+    official : tuple of str, or None
+        Sequences of the published benchmark; None: those of the list file, or all that are on disk.
+    list_name : str or None
+        File below the root that lists the sequences where `official` cannot.
+    ground_truth, tree, source : str
+        What is annotated, the expected files below the root, and where to get them: one line each.
+    """
+
+    name: str
+    needs_root: bool
+    official: tuple[str, ...] | None
+    list_name: str | None
+    ground_truth: str
+    tree: str
+    source: str
+
+    def on_disk(self, root: str | None) -> tuple[str, ...]:
+        """Names of the sequences whose frames are below the root."""
+
+    def open_sequence(self, root: str | None, name: str, max_side: int) -> SequenceSource:
+        """The sources of one sequence; raises InputError where its files are not as expected."""
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """Sequences chosen from a data set.
+
+    Attributes
+    ----------
+    layout : DatasetLayout
+    root : str or None
+    names : tuple of str
+        Sequences that were asked for and are on disk.
+    absent : tuple of str
+        Sequences that were asked for, by name or by being in the official list, and are not on disk.
+    max_side : int
+        Frames whose longer side exceeds it are area-resized to it, px.
+    """
+
+    layout: DatasetLayout
+    root: str | None
+    names: tuple[str, ...]
+    absent: tuple[str, ...]
+    max_side: int
+
+    @property
+    def name(self) -> str:
+        """Name of the data set."""
+        return self.layout.name
+
+    def sequence(self, name: str) -> SequenceSource:
+        """The sources of one of `names`; raises InputError on another name or where files are not as expected."""
+        if name not in self.names:
+            raise unknown_name(f"sequence of {self.name}", name, self.names)
+        return self.layout.open_sequence(self.root, name, self.max_side)

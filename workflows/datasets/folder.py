@@ -1,0 +1,61 @@
+"""Anybody's own sequences."""
+
+import os
+from dataclasses import dataclass
+
+from schemas.errors import MissingInputError
+from workflows.datasets.annotated import holds_images
+from workflows.datasets.dataset import SequenceSource
+from workflows.datasets.sequence_folders import find_frames, list_sequences
+from workflows.sources import open_frames, open_masks
+
+FRAME_FOLDERS = ("frames",)
+
+
+@dataclass(frozen=True)
+class FolderOfSequences:
+    """``<root>/<sequence>/frames`` with optional ``<root>/<sequence>/masks``, matched by stem.
+
+    A root that itself holds ``frames``, or images, is a single sequence with the name of its folder. Masks that hold
+    nothing but 0 and 255 are binary; in others values are instances and 255 is void.
+    """
+
+    name: str = "folder"
+    needs_root: bool = True
+    official: None = None
+    list_name: None = None
+    ground_truth: str = "instance or binary masks, where there are any"
+    tree: str = "<sequence>/frames/* and, for scores, <sequence>/masks/*.png; or the frames of a single sequence"
+    source: str = "your own frames"
+
+    def on_disk(self, root: str) -> tuple[str, ...]:
+        """The sequences, or the single one that the root is."""
+        if _single_frames(root):
+            return (_folder_name(root),)
+        names = list_sequences(root, FRAME_FOLDERS)
+        if not names:
+            raise MissingInputError("no sequence", where=root, expected=self.tree)
+        return names
+
+    def open_sequence(self, root: str, name: str, max_side: int) -> SequenceSource:
+        """The sources of one sequence; without masks it can be segmented and not scored."""
+        single = _single_frames(root)
+        folder = root if single else os.path.join(root, name)
+        frames = open_frames(single or find_frames(folder, FRAME_FOLDERS), max_side)
+        masks = os.path.join(folder, "masks")
+        if not os.path.isdir(masks):
+            return SequenceSource(name, frames)
+        annotations = open_masks(masks, frames)
+        return SequenceSource(name, frames, annotations, 255 if annotations.kind == "instance" else None)
+
+
+def _single_frames(root: str) -> str | None:
+    """Folder of the frames when the root is a single sequence."""
+    return find_frames(root, FRAME_FOLDERS) or (root if holds_images(root) else None)
+
+
+def _folder_name(root: str) -> str:
+    return os.path.basename(os.path.normpath(root))
+
+
+FOLDER = FolderOfSequences()

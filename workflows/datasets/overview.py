@@ -1,0 +1,62 @@
+"""Which data sets are there, which are not, and how to get them."""
+
+import os
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from schemas.errors import InputError
+from workflows.datasets.dataset import DatasetLayout
+from workflows.datasets.registry import DATASETS
+from workflows.datasets.roots import default_root
+from workflows.datasets.selection import select_sequences
+
+
+class DatasetRow(NamedTuple):
+    """One data set at its default root.
+
+    Attributes
+    ----------
+    name : str
+    is_present : bool
+        At least one sequence can be run.
+    root : str or None
+        Where it was looked for; None where no place is known or none is needed.
+    names, absent : tuple of str
+        Sequences found, and those of the official list that were not.
+    ground_truth, tree, source : str
+        What is annotated, the files expected below the root, and where to get them.
+    problem : str
+        Why it cannot be run; empty where it can.
+    """
+
+    name: str
+    is_present: bool
+    root: str | None
+    names: tuple[str, ...]
+    absent: tuple[str, ...]
+    ground_truth: str
+    tree: str
+    source: str
+    problem: str
+
+
+def describe_datasets(env: Mapping[str, str]) -> tuple[DatasetRow, ...]:
+    """A row for each data set, looked for below ``$MOSEG_DATA`` of the environment `env`."""
+    return tuple(
+        _describe(layout, default_root(layout, env) if layout.needs_root else None) for layout in DATASETS.values()
+    )
+
+
+def _describe(layout: DatasetLayout, root: str | None) -> DatasetRow:
+    names, absent, problem = (), layout.official or (), ""
+    if layout.needs_root and root is None:
+        problem = "$MOSEG_DATA is not set"
+    elif layout.needs_root and not os.path.isdir(root):
+        problem = f"no folder {root}"
+    else:
+        try:
+            names, absent = select_sequences(layout, root, None, None)
+        except InputError as error:
+            problem = str(error)
+    texts = (layout.ground_truth, layout.tree, layout.source)
+    return DatasetRow(layout.name, not problem, root, names, absent, *texts, problem)

@@ -1,0 +1,56 @@
+"""The data sets by name."""
+
+import os
+
+from workflows.datasets.dataset import Dataset, DatasetLayout
+from workflows.datasets.davis16 import DAVIS16
+from workflows.datasets.davis_moving import DAVIS_MOVING
+from workflows.datasets.folder import FOLDER
+from workflows.datasets.kt3dinsmoseg import KT3DINSMOSEG
+from workflows.datasets.roots import find_root
+from workflows.datasets.selection import select_sequences
+from workflows.datasets.synthetic import SYNTHETIC
+from workflows.datasets.ytvos_moving import YTVOS_MOVING
+from workflows.sources.spelling import unknown_name
+
+DATASETS: dict[str, DatasetLayout] = {
+    layout.name: layout for layout in (SYNTHETIC, DAVIS_MOVING, DAVIS16, YTVOS_MOVING, KT3DINSMOSEG, FOLDER)
+}
+
+
+def open_dataset(
+    name: str,
+    root: str | None = None,
+    sequences: tuple[str, ...] | None = None,
+    list_file: str | None = None,
+    *,
+    max_side: int,
+) -> Dataset:
+    """Choose sequences of a data set.
+
+    Parameters
+    ----------
+    name : str
+        One of `DATASETS`.
+    root : str, optional
+        Folder of the data set; ``$MOSEG_DATA/<name>`` where None.
+    sequences : tuple of str, optional
+        Names to choose; the official list, or all that are on disk, where None.
+    list_file : str, optional
+        File of sequence names, one a line, that stands in for the official list.
+    max_side : int
+        Frames whose longer side exceeds it are area-resized to it, px.
+
+    Raises
+    ------
+    InputError
+        An unknown data set or sequence.
+    MissingInputError
+        The data set, its list, or every sequence chosen is absent.
+    """
+    if name not in DATASETS:
+        raise unknown_name("data set", name, DATASETS)
+    layout = DATASETS[name]
+    found = find_root(layout, root, os.environ)
+    names, absent = select_sequences(layout, found, sequences, list_file)
+    return Dataset(layout, found, names, absent, max_side)

@@ -1,0 +1,84 @@
+"""Which sequences of a data set a run is about."""
+
+import os
+from typing import NamedTuple
+
+from schemas.errors import InputError, MissingInputError
+from workflows.datasets.dataset import DatasetLayout
+from workflows.sources.files import read_bytes
+from workflows.sources.spelling import unknown_name
+
+
+class Selection(NamedTuple):
+    """Sequences to run, and those asked for that are not on disk."""
+
+    names: tuple[str, ...]
+    absent: tuple[str, ...]
+
+
+def select_sequences(
+    layout: DatasetLayout, root: str | None, sequences: tuple[str, ...] | None, list_file: str | None
+) -> Selection:
+    """Choose the `sequences` named, else those listed, else all that are on disk.
+
+    A sequence outside the list may be named. Letter case does not matter: releases differ in it.
+
+    Raises
+    ------
+    InputError
+        A name that is neither on disk nor listed.
+    MissingInputError
+        No sequence is left, or the data set needs a list file and has none.
+    """
+    on_disk = layout.on_disk(root)
+    if sequences is None or list_file:
+        listed = _listed(layout, root, list_file)
+    else:
+        listed = layout.official
+    wanted = sequences if sequences is not None else listed if listed is not None else on_disk
+    folded = {name.casefold(): name for name in on_disk} | {name: name for name in on_disk}
+    names, absent = [], []
+    for name in dict.fromkeys(wanted):
+        found = folded.get(name) or folded.get(name.casefold())
+        if found is None and name not in (listed or ()) and sequences is not None:
+            raise unknown_name(f"sequence of {layout.name}", name, {*on_disk, *(listed or ())})
+        if found is None:
+            absent.append(name)
+        elif found not in names:
+            names.append(found)
+    if not names:
+        raise MissingInputError(
+            f"no sequence of {layout.name} is there",
+            where=root,
+            got=f"{len(absent)} absent: {', '.join(absent)}" if absent else None,
+            expected=f"{layout.tree}. Get it: {layout.source}",
+        )
+    return Selection(tuple(names), tuple(absent))
+
+
+def read_list(path: str) -> tuple[str, ...]:
+    """Names of a list file: one a line, blank lines and what follows ``#`` left out."""
+    try:
+        text = read_bytes(path).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError("list of sequences is not text", where=path, expected="UTF-8, one name a line") from error
+    names = [line.split("#")[0].strip() for line in text.splitlines()]
+    names = tuple(dict.fromkeys(name for name in names if name))
+    if not names:
+        raise InputError("list of sequences is empty", where=path, expected="one name a line")
+    return names
+
+
+def _listed(layout: DatasetLayout, root: str | None, list_file: str | None) -> tuple[str, ...] | None:
+    """The list in force: the user's, the official one, or the one below the root."""
+    if list_file:
+        return read_list(list_file)
+    if layout.official is not None or layout.list_name is None:
+        return layout.official
+    path = os.path.join(root, layout.list_name)
+    if not os.path.isfile(path):
+        raise MissingInputError(
+            f"data set {layout.name} has no list of sequences",
+            expected=f"{path} or a list file given, one sequence a line. Get it: {layout.source}",
+        )
+    return read_list(path)

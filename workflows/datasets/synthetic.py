@@ -1,0 +1,42 @@
+"""Rendered scenes with exact ground truth and cues: the default, without any download."""
+
+from dataclasses import dataclass
+
+from moseg_tasks.synthetic import SCENES
+from workflows.datasets.dataset import SequenceSource
+from workflows.sources import SceneDepth, SceneFlow, SceneFrames, SceneMasks, SceneTracks
+from workflows.sources.scenes import find_scene
+
+
+@dataclass(frozen=True)
+class RenderedScenes:
+    """A sequence for each declared scene. Scenes are small, and their size is not changed."""
+
+    name: str = "synthetic"
+    needs_root: bool = False
+    official: tuple[str, ...] = tuple(SCENES)
+    list_name: None = None
+    ground_truth: str = "exact instance masks, flow, depth and tracks, every frame"
+    tree: str = "no files"
+    source: str = "rendered, no download"
+
+    def on_disk(self, root: None) -> tuple[str, ...]:
+        """All scenes."""
+        return tuple(SCENES)
+
+    def open_sequence(self, root: None, name: str, max_side: int) -> SequenceSource:
+        """The sources of one scene."""
+        return SequenceSource(
+            name,
+            frames=SceneFrames(name),
+            annotations=SceneMasks(name, "moving"),
+            num_motions=find_scene(name).num_motions,
+            objects=SceneMasks(name, "objects"),
+            depth=SceneDepth(name),
+            flow_forward=SceneFlow(name, "forward"),
+            flow_backward=SceneFlow(name, "backward"),
+            tracks=SceneTracks(name),
+        )
+
+
+SYNTHETIC = RenderedScenes()

@@ -1,0 +1,259 @@
+"""The graph of a sequence: from a sink back to the decoded frames, every node a recipe.
+
+A `SequenceGraph` only writes recipes; it neither looks into the store nor computes. The same node asked for twice is
+the same recipe, whichever variant or run asks.
+"""
+
+from typing import NamedTuple
+
+from schemas.configs import PipelineConfig, Variant
+from schemas.errors import InputError
+from schemas.recipes import Recipe
+from workflows.sections import cut_sections
+from workflows.stages.registry import find_task
+
+GIVEN_SOURCES = ("groundtruth", "folder")
+
+
+class SequenceLeaves(NamedTuple):
+    """A sequence after ingest: references of its decoded content, and what the graph must know of it.
+
+    Attributes
+    ----------
+    name : str
+    shape : (int, int)
+        Height and width of the frames as analysed, px.
+    frames : tuple of references
+    annotation : reference or None
+        Ground truth.
+    void : int or None
+        Annotated label that counts for neither side.
+    num_motions : int or None
+        True number of motions, the background's included.
+    masks, tracks : reference or None
+        Given proposals and point tracks of the whole sequence.
+    depth, flow_forward, flow_backward : tuple of references or None
+        Given cues, one a frame or a frame pair.
+    """
+
+    name: str
+    shape: tuple[int, int]
+    frames: tuple[str, ...]
+    annotation: str | None = None
+    void: int | None = None
+    num_motions: int | None = None
+    masks: str | None = None
+    tracks: str | None = None
+    depth: tuple[str, ...] | None = None
+    flow_forward: tuple[str, ...] | None = None
+    flow_backward: tuple[str, ...] | None = None
+
+
+class SequenceGraph:
+    """Writes the recipes of one sequence under one configuration."""
+
+    def __init__(self, leaves: SequenceLeaves, config: PipelineConfig):
+        self.recipes: dict[str, Recipe] = {}
+        self.leaves = leaves
+        self._config = config
+        self._sections = cut_sections(len(leaves.frames), config.sections)
+        self._proposals: dict[int, str] = {}
+        self._tracks: dict[int, str] = {}
+        self._linking: str | None = None
+
+    def score(self, variant: Variant) -> str:
+        """Reference of the variant's score."""
+        if self.leaves.annotation is None:
+            raise InputError("no ground truth to score against", where=f"sequence {self.leaves.name}")
+        return self._node(
+            "score",
+            "motion-segmentation",
+            {"void": self.leaves.void, "section_length": self._config.sections.length},
+            {"segmentation": self.segmentations(variant), "annotation": self.leaves.annotation},
+        )
+
+    def segmentations(self, variant: Variant) -> tuple[str, ...]:
+        """References of the labels of every section."""
+        clustering = self.clustering(variant)
+        refs = []
+        for index, section in enumerate(self._sections):
+            inputs = {"proposals": self.proposals(index), "linking": self.linking()}
+            if clustering is not None:
+                inputs["clustering"] = clustering
+            params = {"section": index, "num_frames": section.stop - section.start}
+            refs.append(self._node("segmentation", "moving-objects", params, inputs))
+        return tuple(refs)
+
+    def clustering(self, variant: Variant) -> str | None:
+        """Reference of the motion groups; None for the variant that keeps every proposal."""
+        views = self._config.views(variant)
+        if not views:
+            return None
+        params = self._config.clustering
+        num_motions = params.motions
+        if num_motions == "gt":
+            num_motions = self.leaves.num_motions
+            if num_motions is None:
+                raise InputError(
+                    "the number of motions is not known",
+                    where=f"sequence {self.leaves.name}",
+                    got="--motions gt without ground truth",
+                    expected="--motions auto or a number",
+                )
+        return self._node(
+            "clustering",
+            "spectral",
+            {
+                "num_motions": None if num_motions == "auto" else num_motions,
+                "clustering": params.model_dump(mode="json", exclude={"motions"}),
+            },
+            {"affinities": tuple(self.affinity(view) for view in views)},
+        )
+
+    def affinity(self, view: str) -> str:
+        """Reference of the objects' affinity under one motion model."""
+        params = self._config.affinity
+        fields = set(type(params).model_fields) - {"method"}
+        read = {name for name in fields if name.startswith("ork") == (params.method == "ork")}
+        return self._node(
+            "affinity", params.method, params.model_dump(mode="json", include=read), {"residuals": self.residuals(view)}
+        )
+
+    def residuals(self, view: str) -> tuple[str, ...]:
+        """References of the residuals of every frame pair under one motion model."""
+        num_frames = len(self.leaves.frames)
+        if view == "trajs":
+            gap = min(self._config.fundamental.gap, max(num_frames - 1, 0))
+            return tuple(self._fundamental_residual(frame, gap) for frame in range(num_frames - gap)) if gap else ()
+        return tuple(self._flow_residual(frame, view) for frame in range(num_frames - 1))
+
+    def proposals(self, index: int) -> str:
+        """Reference of a section's object proposals."""
+        if index not in self._proposals:
+            self._proposals[index] = self._propose(index)
+        return self._proposals[index]
+
+    def linking(self) -> str:
+        """Reference of the identities of the sections' objects."""
+        if self._linking is None:
+            self._linking = self._link()
+        return self._linking
+
+    def tracks(self, index: int) -> str:
+        """Reference of a section's point tracks; they reach `gap` frames into the next section."""
+        if index not in self._tracks:
+            self._tracks[index] = self._track(index)
+        return self._tracks[index]
+
+    def _propose(self, index: int) -> str:
+        section = self._sections[index]
+        if self._config.proposal_source in GIVEN_SOURCES:
+            masks = self._required("masks", f"proposals: {self._config.proposal_source}")
+            params = {"start": section.start, "stop": section.proposal_stop, "shape": list(self.leaves.shape)}
+            return self._node("proposals", "given", params, {"masks": masks})
+        saliency = tuple(self.saliency(frame) for frame in range(section.context_start, section.context_stop))
+        return self._node(
+            "proposals",
+            "saliency",
+            {
+                "first": section.start - section.context_start,
+                "last": section.proposal_stop - section.context_start,
+                "shape": list(self.leaves.shape),
+                "proposals": self._config.proposals.model_dump(mode="json"),
+            },
+            {"saliency": saliency},
+        )
+
+    def _link(self) -> str:
+        proposals = tuple(self.proposals(index) for index in range(len(self._sections)))
+        if self._config.proposal_source in GIVEN_SOURCES:
+            return self._node("linking", "identity", {}, {"proposals": proposals})
+        params = {
+            "lengths": [section.stop - section.start for section in self._sections],
+            "linking": self._config.linking.model_dump(mode="json"),
+        }
+        return self._node("linking", "overlap", params, {"proposals": proposals})
+
+    def saliency(self, frame: int) -> str:
+        """Reference of a frame's motion saliency."""
+        frames = self.leaves.frames
+        inputs = {"frame": frames[frame]}
+        if frame > 0:
+            inputs |= {"previous": frames[frame - 1], "flow_previous": self.flow(frame, frame - 1)}
+        if frame + 1 < len(frames):
+            inputs |= {"next": frames[frame + 1], "flow_next": self.flow(frame, frame + 1)}
+        return self._node("saliency", "background-residual", self._config.saliency.model_dump(mode="json"), inputs)
+
+    def flow(self, frame0: int, frame1: int) -> str:
+        """Reference of the flow from one frame to a neighbour."""
+        params = self._config.flow
+        if params.method == "groundtruth":
+            direction = "flow_forward" if frame1 > frame0 else "flow_backward"
+            return self._required(direction, "flow: groundtruth")[min(frame0, frame1)]
+        frames = self.leaves.frames
+        return self._node(
+            "flow",
+            params.method,
+            params.model_dump(mode="json", exclude={"method"}),
+            {"frame0": frames[frame0], "frame1": frames[frame1]},
+        )
+
+    def _track(self, index: int) -> str:
+        section = self._sections[index]
+        stop = min(section.stop + self._config.fundamental.gap, len(self.leaves.frames))
+        params = self._config.tracks
+        if params.method == "groundtruth":
+            inputs = {"tracks": self._required("tracks", "tracks: groundtruth"), "proposals": self.proposals(index)}
+            return self._node("tracks", "given", {"start": section.start, "stop": stop}, inputs)
+        return self._node(
+            "tracks",
+            params.method,
+            {
+                "num_frames": min(section.proposal_stop, stop) - section.start,
+                "tracks": params.model_dump(mode="json", exclude={"method"}),
+            },
+            {"frames": self.leaves.frames[section.start : stop], "proposals": self.proposals(index)},
+        )
+
+    def _fundamental_residual(self, frame: int, gap: int) -> str:
+        index, offset = divmod(frame, self._config.sections.length)
+        cues = {"tracks": self.tracks(index), "linking": self.linking()}
+        pair = {"section": index, "offset": offset, "gap": gap}
+        params = self._config.fundamental.model_dump(mode="json", exclude={"gap"})
+        fit = {**pair, "shape": list(self.leaves.shape), "fundamental": params}
+        fits = self._node("fundamental", "ransac", fit, cues)
+        read = {name: params[name] for name in ("statistic", "min_points")}
+        return self._node("fundamental_residual", "sampson", {**pair, "fundamental": read}, {"fits": fits, **cues})
+
+    def _flow_residual(self, frame: int, model: str) -> str:
+        index, offset = divmod(frame, self._config.sections.length)
+        inputs = {
+            "flow": self.flow(frame, frame + 1),
+            "proposals": self.proposals(index),
+            "linking": self.linking(),
+        }
+        if model != "oc" and self._config.depth.method != "none":
+            inputs["depth"] = self._required("depth", f"depth: {self._config.depth.method}")[frame]
+        params = {
+            "section": index,
+            "offset": offset,
+            "model": model,
+            "flow_model": self._config.flow_model.model_dump(mode="json"),
+        }
+        fits = self._node("flow_model", "least-squares", params, inputs)
+        return self._node("flow_residual", "mean-squared-error", {}, {"fits": fits})
+
+    def _required(self, leaf: str, option: str):
+        value = getattr(self.leaves, leaf)
+        if value is None:
+            raise InputError(
+                f"{option} needs {leaf.replace('_', ' ')} that the data set does not give",
+                where=f"sequence {self.leaves.name}",
+            )
+        return value
+
+    def _node(self, name: str, method: str, params: dict, inputs: dict) -> str:
+        task = find_task(name, method)
+        recipe = Recipe(task=name, version=task.version, params={"method": method, **params}, inputs=inputs)
+        self.recipes[recipe.ref] = recipe
+        return recipe.ref

@@ -1,0 +1,113 @@
+"""Ingest: files become leaves of the graph, named by the digest of what they decode to.
+
+Decoding is skipped where the same file bytes were decoded before: an `ingest` artifact, keyed by the files' fingerprint,
+remembers the leaves they gave. Modification times are never asked.
+"""
+
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from schemas.digests import digest_array, digest_json
+from schemas.recipes import Recipe, leaf_recipe
+from store import ArtifactStore, open_store
+
+INGEST_VERSION = 1
+
+LeafWriter = Callable[[dict[str, np.ndarray], dict], str]
+"""Takes a leaf's arrays and attributes and returns its reference."""
+
+
+class IngestJob(NamedTuple):
+    """One source to decode into leaves of one kind (the leaf's task name)."""
+
+    kind: str
+    source: Any
+
+    @property
+    def recipe(self) -> Recipe:
+        """The recipe under which the outcome is remembered."""
+        params = {"kind": self.kind, "fingerprint": self.source.fingerprint()}
+        return Recipe(task="ingest", version=INGEST_VERSION, params=params)
+
+
+def run_ingest(store_url: str, job: IngestJob, recipe: Recipe) -> dict:
+    """Decode a source, store its leaves and remember them; returns the memory's attributes."""
+    store = open_store(store_url)
+    started = time.perf_counter()
+    attributes = _LEAVES[job.kind](partial(_put_leaf, store, job.kind), job.source)
+    store.remove(recipe.ref)
+    store.put(recipe, {}, attributes, seconds=time.perf_counter() - started)
+    return attributes
+
+
+def preview_ingest(job: IngestJob) -> dict:
+    """What `run_ingest` would return, with nothing stored."""
+    return _LEAVES[job.kind](partial(_name_leaf, job.kind), job.source)
+
+
+def recall_ingest(store: ArtifactStore, recipe: Recipe) -> dict | None:
+    """What an earlier ingest of the same bytes gave, or None; a leaf that has gone since counts as not remembered."""
+    if not store.has(recipe.ref):
+        return None
+    attributes = dict(store.attributes(recipe.ref))
+    return attributes if all(store.has(ref) for ref in attributes["leaves"]) else None
+
+
+def _per_item(name: str) -> Callable[[LeafWriter, Any], dict]:
+    """One leaf for each array that the source reads."""
+
+    def ingest(leaf: LeafWriter, source) -> dict:
+        leaves, shape = [], None
+        for array in source.read():
+            shape = list(array.shape[:2])
+            leaves.append(leaf({name: array}, {}))
+        return {"leaves": leaves, "shape": shape}
+
+    return ingest
+
+
+def _masks(leaf: LeafWriter, source) -> dict:
+    """One leaf for all masks of a sequence, with the frames they belong to."""
+    indices, masks = [], []
+    for index, mask in source.read():
+        indices.append(int(index))
+        masks.append(mask)
+    labels = sorted({int(label) for mask in masks for label in np.unique(mask)} - {0})
+    stack = np.stack(masks)
+    ref = leaf({"masks": stack}, {"indices": indices})
+    return {"leaves": [ref], "labels": labels, "shape": list(stack.shape[1:])}
+
+
+def _tracks(leaf: LeafWriter, source) -> dict:
+    points, visible = source.read()
+    return {"leaves": [leaf({"points": points, "visible": visible}, {})]}
+
+
+def _put_leaf(store: ArtifactStore, kind: str, arrays: dict[str, np.ndarray], attributes: dict) -> str:
+    recipe = _content_recipe(kind, arrays, attributes)
+    if not store.has(recipe.ref):
+        store.put(recipe, arrays, attributes)
+    return recipe.ref
+
+
+def _name_leaf(kind: str, arrays: dict[str, np.ndarray], attributes: dict) -> str:
+    return _content_recipe(kind, arrays, attributes).ref
+
+
+def _content_recipe(kind: str, arrays: dict[str, np.ndarray], attributes: dict) -> Recipe:
+    content = [[name, digest_array("content", array)] for name, array in sorted(arrays.items())]
+    return leaf_recipe(kind, digest_json("leaf", [content, attributes]))
+
+
+_LEAVES: dict[str, Callable[[LeafWriter, Any], dict]] = {
+    "frame": _per_item("image"),
+    "annotation": _masks,
+    "given_masks": _masks,
+    "given_depth": _per_item("inverse_depth"),
+    "given_flow": _per_item("flow"),
+    "given_tracks": _tracks,
+}

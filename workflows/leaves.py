@@ -1,0 +1,88 @@
+"""From a sequence's sources to the leaves of its graph."""
+
+from collections.abc import Sequence
+from itertools import chain
+
+from schemas.configs import PipelineConfig
+from schemas.errors import InputError
+from workflows.datasets import SequenceSource
+from workflows.graph import SequenceLeaves
+from workflows.ingest import IngestJob
+from workflows.session import Session
+
+FRAMES_PER_JOB = 16
+
+
+def ingest_sequences(
+    session: Session, sources: Sequence[SequenceSource], config: PipelineConfig, annotated: bool
+) -> list[SequenceLeaves]:
+    """Leaves of every sequence: frames, the cues that `config` takes as given, and the annotation where asked."""
+    plans = [ingest_jobs(source, config, annotated) for source in sources]
+    found = iter(session.ingest([job for jobs in plans for job in chain.from_iterable(jobs.values())]))
+    leaves = []
+    for source, jobs in zip(sources, plans, strict=True):
+        ingested = {role: [next(found) for _ in group] for role, group in jobs.items()}
+        leaves.append(make_leaves(source, ingested))
+    return leaves
+
+
+def ingest_jobs(source: SequenceSource, config: PipelineConfig, annotated: bool) -> dict[str, list[IngestJob]]:
+    """What must be decoded for a sequence, by role."""
+    jobs = {"frames": [IngestJob("frame", chunk) for chunk in source.frames.chunks(FRAMES_PER_JOB)]}
+    if annotated and source.annotations is not None:
+        jobs["annotation"] = [IngestJob("annotation", source.annotations)]
+    if config.proposal_source in ("groundtruth", "folder"):
+        masks = _given(source.objects or source.annotations, source, f"proposals: {config.proposal_source}")
+        jobs["masks"] = [IngestJob("given_masks", masks)]
+    if config.depth.method != "none":
+        jobs["depth"] = [IngestJob("given_depth", _given(source.depth, source, f"depth: {config.depth.method}"))]
+    if config.flow.method == "groundtruth":
+        for role in ("flow_forward", "flow_backward"):
+            jobs[role] = [IngestJob("given_flow", _given(getattr(source, role), source, "flow: groundtruth"))]
+    if config.tracks.method == "groundtruth":
+        jobs["tracks"] = [IngestJob("given_tracks", _given(source.tracks, source, "tracks: groundtruth"))]
+    return jobs
+
+
+def make_leaves(source: SequenceSource, ingested: dict[str, list[dict]]) -> SequenceLeaves:
+    """Leaves of a sequence from what its jobs gave; raises InputError where these do not fit together."""
+    where = f"sequence {source.name}"
+    frames = tuple(chain.from_iterable(entry["leaves"] for entry in ingested["frames"]))
+    shapes = {tuple(entry["shape"]) for entry in ingested["frames"]}
+    if len(shapes) != 1:
+        raise InputError("frames of different sizes", where=where, got=sorted(shapes), expected="one size")
+    if len(frames) < 2:
+        raise InputError("too few frames to see motion", where=where, got=len(frames), expected="at least 2")
+    (shape,) = shapes
+    annotation = ingested["annotation"][0] if "annotation" in ingested else None
+    num_motions = source.num_motions
+    if num_motions is None and annotation is not None:
+        num_motions = 1 + len(set(annotation["labels"]) - {source.void})
+    lists = {
+        role: tuple(ingested[role][0]["leaves"])
+        for role in ("depth", "flow_forward", "flow_backward")
+        if role in ingested
+    }
+    for role, refs in lists.items():
+        expected = len(frames) - (role != "depth")
+        if len(refs) != expected:
+            raise InputError(
+                f"wrong number of {role.replace('_', ' ')} maps", where=where, got=len(refs), expected=expected
+            )
+    return SequenceLeaves(
+        name=source.name,
+        shape=shape,
+        frames=frames,
+        annotation=annotation["leaves"][0] if annotation else None,
+        void=source.void,
+        num_motions=num_motions,
+        masks=ingested["masks"][0]["leaves"][0] if "masks" in ingested else None,
+        tracks=ingested["tracks"][0]["leaves"][0] if "tracks" in ingested else None,
+        **lists,
+    )
+
+
+def _given(value, source: SequenceSource, option: str):
+    if value is None:
+        raise InputError(f"{option} needs what the data set does not give", where=f"sequence {source.name}")
+    return value

@@ -1,0 +1,38 @@
+"""What an evaluation would compute and reuse, with nothing computed or stored."""
+
+from collections.abc import Sequence
+
+from schemas.configs import PipelineConfig, Variant
+from store import ArtifactStore
+from workflows.datasets import SequenceSource
+from workflows.graph import SequenceGraph
+from workflows.ingest import preview_ingest, recall_ingest
+from workflows.leaves import ingest_jobs, make_leaves
+from workflows.planning import make_plan
+from workflows.session import StageUse
+
+
+def plan_evaluation(
+    store: ArtifactStore, sources: Sequence[SequenceSource], config: PipelineConfig, variants: Sequence[Variant]
+) -> dict[str, StageUse]:
+    """Artifacts to compute and to reuse by stage.
+
+    Frames that were never ingested are decoded, because keys are digests of what files decode to.
+    """
+    recipes, sinks, num_ingests = {}, [], 0
+    for source in sources:
+        ingested = {}
+        for role, jobs in ingest_jobs(source, config, annotated=True).items():
+            known = [recall_ingest(store, job.recipe) for job in jobs]
+            num_ingests += known.count(None)
+            ingested[role] = [
+                preview_ingest(job) if entry is None else entry for job, entry in zip(jobs, known, strict=True)
+            ]
+        graph = SequenceGraph(make_leaves(source, ingested), config)
+        sinks.extend(graph.score(variant) for variant in variants)
+        recipes |= graph.recipes
+    computed, reused = make_plan(store, recipes, sinks).count()
+    if num_ingests:
+        computed["ingest"] = num_ingests
+    names = dict.fromkeys([*computed, *reused])
+    return {name: StageUse(computed[name], reused[name], 0.0) for name in names}

@@ -1,0 +1,58 @@
+"""A plan: which of a graph's nodes must be computed, and which stored artifacts they build on."""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+from schemas.recipes import Recipe, split_ref
+from store import ArtifactStore
+
+
+class Plan(NamedTuple):
+    """Nodes to compute, inputs before outputs, and the hits at which the walk ended.
+
+    Attributes
+    ----------
+    compute : dict of reference to recipe
+        Misses, in an order in which each follows its inputs.
+    reuse : tuple of references
+        Stored artifacts that a sink or a miss reads; what lies below them is not looked at.
+    """
+
+    compute: dict[str, Recipe]
+    reuse: tuple[str, ...]
+
+    def touched(self) -> set[str]:
+        """Every artifact that carrying the plan out reads or writes."""
+        inputs = (parent for recipe in self.compute.values() for parent in recipe.input_refs())
+        return {*self.compute, *self.reuse, *inputs}
+
+    def count(self) -> tuple[Counter[str], Counter[str]]:
+        """Artifacts to compute and to reuse, by stage; leaves are not counted."""
+        computed = Counter(split_ref(ref)[0] for ref in self.compute)
+        return computed, Counter(split_ref(ref)[0] for ref in self.reuse)
+
+
+def make_plan(store: ArtifactStore, recipes: Mapping[str, Recipe], sinks: Iterable[str]) -> Plan:
+    """Walk from the sinks towards the leaves and stop wherever an artifact exists.
+
+    References without a recipe are leaves: ingest has stored them, so they are neither computed nor counted.
+    """
+    compute: dict[str, Recipe] = {}
+    reuse: dict[str, None] = {}
+    entered: set[str] = set()
+    stack = [(ref, False) for ref in reversed(list(sinks))]
+    while stack:
+        ref, inputs_done = stack.pop()
+        if inputs_done:
+            compute[ref] = recipes[ref]
+            continue
+        if ref in entered or ref not in recipes:
+            continue
+        entered.add(ref)
+        if store.has(ref):
+            reuse[ref] = None
+            continue
+        stack.append((ref, True))
+        stack.extend((parent, False) for parent in reversed(recipes[ref].input_refs()))
+    return Plan(compute, tuple(reuse))

@@ -1,0 +1,15 @@
+"""Readers of masks that any method saved, for scoring."""
+
+from workflows.predictions.formats import FORMATS, PredictionFormat, SequencePredictions, detect_format
+from workflows.predictions.label_images import read_label_image
+from workflows.predictions.open_predictions import Predictions, open_predictions
+
+__all__ = [
+    "FORMATS",
+    "PredictionFormat",
+    "Predictions",
+    "SequencePredictions",
+    "detect_format",
+    "open_predictions",
+    "read_label_image",
+]

@@ -1,0 +1,55 @@
+"""Label images: palette, grey or 16-bit PNG, one per frame."""
+
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from schemas.errors import InputError
+from workflows.predictions.as_labels import as_labels
+from workflows.predictions.frame_files import FrameFiles
+
+# Pillow's modes of one channel; of a palette image the array is the index, not the colour.
+_LABEL_MODES = {"1", "L", "P", "I", "I;16"}
+
+
+class LabelImages:
+    """The label images of one sequence."""
+
+    def __init__(self, files: FrameFiles, shape: tuple[int, int]):
+        self.files = files
+        self.shape = shape
+
+    def frame(self, index: int) -> np.ndarray:
+        """Labels of one frame, uint16 (y, x)."""
+        path = self.files.path(index)
+        return as_labels(read_label_image(path), self.shape, path)
+
+
+def open_label_images(folder: Path, name: str, num_frames: int, shape: tuple[int, int]) -> LabelImages:
+    """Label images in ``<sequence>/``, ``<sequence>/masks/`` or, as Raptor writes, ``single_mask/<sequence>/``.
+
+    Raptor numbers the objects of each frame downwards from their count, so an object's label changes where that
+    count does. Labels are taken as they are written.
+    """
+    folders = [folder / name, folder / name / "masks", folder / "single_mask" / name, folder / name / "single_mask"]
+    return LabelImages(FrameFiles(folders, "*.png", num_frames), shape)
+
+
+def read_label_image(path: Path) -> np.ndarray:
+    """Values of a one-channel PNG, palette indices included: bool or integer (y, x).
+
+    Raises
+    ------
+    InputError
+        Where the file is no image or has colours in place of labels.
+    """
+    try:
+        with Image.open(path) as image:
+            image.load()
+            mode, values = image.mode, np.asarray(image)
+    except (OSError, SyntaxError, ValueError) as error:
+        raise InputError("unreadable image", where=path, got=error) from error
+    if mode not in _LABEL_MODES:
+        raise InputError("colours in place of labels", where=path, got=mode, expected="a palette or grey image")
+    return values

@@ -1,0 +1,84 @@
+"""Segmenting a user's own video: labels of every frame at the video's own size."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from schemas.configs import PipelineConfig, Variant
+from workflows.datasets import SequenceSource
+from workflows.graph import SequenceGraph
+from workflows.leaves import ingest_sequences
+from workflows.resize import resize_labels
+from workflows.session import Session
+
+
+class MotionSegmentation(NamedTuple):
+    """Where the result of one video lies, and what was found.
+
+    Attributes
+    ----------
+    shape : (int, int)
+        Height and width of the video's frames, px.
+    num_frames : int
+    num_motions : int
+        Motion groups found, the background's included.
+    motion : uint16 (object,)
+        Motion group of each object of the sequence, object 0 the background; 0 = static.
+    """
+
+    shape: tuple[int, int]
+    num_frames: int
+    num_motions: int
+    motion: np.ndarray
+    frame_refs: tuple[str, ...]
+    label_refs: tuple[str, ...]
+
+    def frames(self, session: Session) -> Iterator[np.ndarray]:
+        """Frames as analysed, uint8 (y, x, 3) RGB, one at a time."""
+        for ref in self.frame_refs:
+            yield session.store.read(ref, "image")
+
+    def labels(self, session: Session, shape: tuple[int, int] | None = None) -> Iterator[np.ndarray]:
+        """Labels uint16 (y, x) of every frame at `shape` (the video's own size): 0 static, else an identity."""
+        for ref in self.label_refs:
+            for index in range(session.store.manifest(ref).array("labels").shape[0]):
+                labels = session.store.read_rows(ref, "labels", index, index + 1)[0]
+                yield resize_labels(labels, shape or self.shape)
+
+
+def segment(session: Session, source: SequenceSource, config: PipelineConfig, variant: Variant) -> MotionSegmentation:
+    """Segment one video, reusing every artifact that exists.
+
+    Raises
+    ------
+    InputError
+        The video cannot be read or has fewer than two frames.
+    """
+    graphs: list[SequenceGraph] = []
+
+    def build():
+        (leaves,) = ingest_sequences(session, [source], config, annotated=False)
+        graphs[:] = [SequenceGraph(leaves, config)]
+        clustering = graphs[0].clustering(variant)
+        sinks = graphs[0].segmentations(variant)
+        return graphs[0].recipes, sinks if clustering is None else (*sinks, clustering)
+
+    def read():
+        graph = graphs[0]
+        clustering = graph.clustering(variant)
+        if clustering is None:
+            num_objects = session.store.attributes(graph.linking())["num_objects"]
+            motion = np.arange(num_objects, dtype=np.uint16)
+        else:
+            motion = session.store.read(clustering, "motion")
+        return MotionSegmentation(
+            shape=source.frames.describe().size,
+            num_frames=len(graph.leaves.frames),
+            num_motions=len(np.unique(motion)),
+            motion=motion,
+            frame_refs=graph.leaves.frames,
+            label_refs=graph.segmentations(variant),
+        )
+
+    return session.compute(build, read)

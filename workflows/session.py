@@ -1,0 +1,137 @@
+"""A session: one store and one runner, and the work that a command has them do."""
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from typing import NamedTuple, TypeVar
+
+from schemas.digests import digest_json
+from schemas.errors import CorruptArtifactError
+from schemas.recipes import Recipe, split_ref
+from schemas.scores import StoreUse
+from store import ArtifactStore
+from workflows.execution import execute_recipe, quarantine_corrupt
+from workflows.ingest import IngestJob, recall_ingest, run_ingest
+from workflows.planning import Plan, make_plan
+from workflows.progress import StageProgress
+from workflows.runners import Call, Runner
+
+MAX_REPAIRS = 1000
+"""Corrupt artifacts that one run mends before it gives up: a disk that fails everywhere is not mended by recomputing."""
+
+
+LEASE_SECONDS = 7 * 86_400.0
+"""For how long `gc` spares what a run in progress touches, should the run die without a word."""
+
+Result = TypeVar("Result")
+
+
+class StageUse(NamedTuple):
+    """Artifacts of one stage computed and reused by a run, and the seconds spent inside the stage's functions."""
+
+    computed: int
+    reused: int
+    seconds: float
+
+
+class Session:
+    """Computes what is missing, reuses what exists, repairs what is corrupt, and counts it all.
+
+    Attributes
+    ----------
+    computed, reused : Counter by stage
+        Artifacts written by this session, and stored artifacts that its plans built on.
+    """
+
+    def __init__(self, store: ArtifactStore, runner: Runner, quiet: bool = False):
+        self.store = store
+        self.computed: Counter[str] = Counter()
+        self.reused: Counter[str] = Counter()
+        self._seconds: Counter[str] = Counter()
+        self._runner = runner
+        self._quiet = quiet
+        self._started = time.perf_counter()
+
+    @property
+    def seconds(self) -> float:
+        """Wall time since the session began."""
+        return time.perf_counter() - self._started
+
+    def stages(self) -> dict[str, StageUse]:
+        """Use of the store by stage, in the order in which the stages first appeared."""
+        names = dict.fromkeys([*self.computed, *self.reused])
+        return {name: StageUse(self.computed[name], self.reused[name], self._seconds[name]) for name in names}
+
+    def use(self) -> StoreUse:
+        """Artifacts computed and reused over all stages."""
+        return StoreUse(computed=self.computed.total(), reused=self.reused.total())
+
+    def ingest(self, jobs: Sequence[IngestJob]) -> list[dict]:
+        """Leaves of every job, decoded now or remembered from the same file bytes."""
+        recipes = [job.recipe for job in jobs]
+        found = {recipe.ref: recall_ingest(self.store, recipe) for recipe in recipes}
+        missing = {r.ref: (job, r) for job, r in zip(jobs, recipes, strict=True) if found[r.ref] is None}
+        calls = [
+            Call(ref.replace("/", "-"), run_ingest, (str(self.store.root), job, r)) for ref, (job, r) in missing.items()
+        ]
+        refs = {call.name: ref for call, ref in zip(calls, missing, strict=True)}
+        with StageProgress({"ingest": len(calls)}, self._quiet) as progress:
+
+            def done(name, attributes):
+                found[refs[name]] = attributes
+                self.computed["ingest"] += 1
+                progress.advance("ingest")
+
+            self._runner.run(calls, done)
+        return [found[recipe.ref] for recipe in recipes]
+
+    def compute(
+        self,
+        build: Callable[[], tuple[dict[str, Recipe], Iterable[str]]],
+        read: Callable[[], Result],
+    ) -> Result:
+        """Compute what the sinks of the graph that `build` returns still lack, then return what `read` reads of them.
+
+        Both are called again after an artifact was found corrupt and quarantined: the corrupt one may be a leaf, which
+        `build` ingests anew, or a sink.
+        """
+        repairs = 0
+        while True:
+            try:
+                recipes, sinks = build()
+                run_id = digest_json("run", sorted(sinks))[:16]
+                plan = make_plan(self.store, recipes, sinks)
+                if plan.compute:
+                    self.store.pin(run_id, plan.touched(), lease_seconds=LEASE_SECONDS)
+                    self._run(plan)
+                result = read()
+                self.reused += plan.count()[1]
+                if plan.compute:
+                    self.store.pin(run_id, sinks)
+                return result
+            except CorruptArtifactError as error:
+                if repairs == MAX_REPAIRS:
+                    raise
+                repairs += 1
+                quarantine_corrupt(str(self.store.root), error)
+
+    def _run(self, plan: Plan) -> None:
+        totals, _ = plan.count()
+        calls = [
+            Call(
+                ref.replace("/", "-"),
+                execute_recipe,
+                (str(self.store.root), recipe),
+                tuple(parent.replace("/", "-") for parent in recipe.input_refs() if parent in plan.compute),
+            )
+            for ref, recipe in plan.compute.items()
+        ]
+        with StageProgress(totals, self._quiet) as progress:
+
+            def done(name, report):
+                stage = split_ref(report.ref)[0]
+                self.computed[stage] += 1
+                self._seconds[stage] += report.seconds
+                progress.advance(stage)
+
+            self._runner.run(calls, done)

@@ -1,0 +1,29 @@
+"""Sources: small picklable values that say which files or scene to read, and read them."""
+
+from workflows.sources.depth_files import DepthFiles
+from workflows.sources.frames import FrameDescription, FrameSource, working_size
+from workflows.sources.image_files import ImageFiles
+from workflows.sources.mask_files import MaskFiles, MaskKind, MaskSource
+from workflows.sources.opening import open_depth, open_frames, open_masks
+from workflows.sources.scenes import SceneDepth, SceneFlow, SceneFrames, SceneMasks, SceneTracks
+from workflows.sources.video_file import VideoFile
+
+__all__ = [
+    "DepthFiles",
+    "FrameDescription",
+    "FrameSource",
+    "ImageFiles",
+    "MaskFiles",
+    "MaskKind",
+    "MaskSource",
+    "SceneDepth",
+    "SceneFlow",
+    "SceneFrames",
+    "SceneMasks",
+    "SceneTracks",
+    "VideoFile",
+    "open_depth",
+    "open_frames",
+    "open_masks",
+    "working_size",
+]

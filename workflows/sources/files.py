@@ -1,0 +1,71 @@
+"""Files as bytes: read, digested and listed in natural order."""
+
+import mmap
+import os
+import re
+
+from schemas.digests import digest_bytes
+from schemas.errors import InputError, MissingInputError
+
+
+def read_bytes(path: str) -> bytes:
+    """All bytes of a file; raises MissingInputError or InputError where it cannot be read."""
+    try:
+        with open(path, "rb") as file:
+            return file.read()
+    except OSError as error:
+        raise unreadable(path, error) from error
+
+
+def digest_file(path: str) -> str:
+    """Digest of a file's bytes, which are mapped rather than read so that long videos fit."""
+    try:
+        with open(path, "rb") as file:
+            if os.fstat(file.fileno()).st_size == 0:
+                return digest_bytes("file", b"")
+            with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+                return digest_bytes("file", content)
+    except OSError as error:
+        raise unreadable(path, error) from error
+
+
+def unreadable(path: str, error: OSError) -> InputError:
+    """The error of a file that the operating system does not let us read."""
+    if isinstance(error, FileNotFoundError):
+        return MissingInputError("file does not exist", where=path)
+    return InputError("file cannot be read", where=path, got=error.strerror or error)
+
+
+def list_files(folder: str, suffixes: tuple[str, ...]) -> tuple[str, ...]:
+    """Paths of a folder's files with one of the lower-case `suffixes`, in natural order; hidden files are left out.
+
+    Raises
+    ------
+    MissingInputError
+        The folder does not exist.
+    InputError
+        Two files share a stem (``7.jpg`` and ``7.png``): which of them is frame 7 cannot be told.
+    """
+    try:
+        names = [name for name in os.listdir(folder) if name.lower().endswith(suffixes) and not name.startswith(".")]
+    except NotADirectoryError as error:
+        raise InputError("not a folder", where=folder) from error
+    except OSError as error:
+        raise unreadable(folder, error) from error
+    by_stem: dict[str, str] = {}
+    for name in sorted(names):
+        other = by_stem.setdefault(stem(name), name)
+        if other != name:
+            raise InputError("two files of one stem", where=folder, got=f"{other} and {name}", expected="one of them")
+    return tuple(os.path.join(folder, name) for name in sorted(names, key=natural_key))
+
+
+def stem(path: str) -> str:
+    """File name without folder and last suffix."""
+    return os.path.splitext(os.path.basename(path))[0]
+
+
+def natural_key(name: str) -> tuple[list[int | str], str]:
+    """Sorting key under which ``2`` comes before ``10``; ties (``1``, ``01``) are broken by the name itself."""
+    parts = re.split(r"([0-9]+)", name)
+    return [int(part) if index % 2 else part.casefold() for index, part in enumerate(parts)], name

@@ -1,0 +1,104 @@
+"""Frames from image files."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from schemas.digests import digest_json
+from schemas.errors import InputError
+from workflows.sources.files import digest_file, read_bytes
+from workflows.sources.frames import FrameDescription, shrink_to, working_size
+
+IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
+DECODING_VERSION = 1
+"""Raised when `ImageFiles.read` starts to yield other pixels for the same bytes."""
+
+
+@dataclass(frozen=True)
+class ImageFiles:
+    """Image files, one a frame, in order.
+
+    Attributes
+    ----------
+    paths : tuple of str
+    max_side : int
+        Frames whose longer side exceeds it are area-resized to it, px.
+    size : (int, int), optional
+        Original (height, width) that every image must have; the first image's where None.
+    """
+
+    paths: tuple[str, ...]
+    max_side: int
+    size: tuple[int, int] | None = None
+
+    def __post_init__(self):
+        if not self.paths:
+            raise InputError("no frames", got="an empty list of image files")
+
+    def fingerprint(self) -> str:
+        """Digest of the files' bytes and the decode parameters."""
+        files = [digest_file(path) for path in self.paths]
+        return digest_json("source", ["images", DECODING_VERSION, self.max_side, self.size, files])
+
+    def read(self) -> Iterator[np.ndarray]:
+        """Each image as uint8 (y, x, 3) RGB; raises InputError that names the file which cannot be a frame."""
+        size = self.size
+        for path in self.paths:
+            image = decode_image(read_bytes(path), path)
+            size = size or image.shape[:2]
+            if image.shape[:2] != size:
+                raise InputError(
+                    "frame of another size",
+                    where=path,
+                    got=_pixels(image.shape),
+                    expected=f"{_pixels(size)} as the first",
+                )
+            yield shrink_to(image, working_size(size, self.max_side))
+
+    def describe(self) -> FrameDescription:
+        """Size of the first image; images have no frame rate."""
+        return FrameDescription(self.size or decode_image(read_bytes(self.paths[0]), self.paths[0]).shape[:2], None)
+
+    def num_frames(self) -> int:
+        """One a file."""
+        return len(self.paths)
+
+    def chunks(self, size: int) -> tuple["ImageFiles", ...]:
+        """Runs of at most `size` images, each bound to the size of the first image of all."""
+        first = self.describe().size
+        starts = range(0, len(self.paths), size)
+        return tuple(ImageFiles(self.paths[start : start + size], self.max_side, first) for start in starts)
+
+
+def decode_image(content: bytes, path: str) -> np.ndarray:
+    """Decode an image file's bytes.
+
+    EXIF orientation is applied, grey becomes three equal channels, 16 bits are scaled by 255/65535 and alpha is dropped
+    (the colours below it count as opaque).
+
+    Returns
+    -------
+    uint8 (y, x, 3) RGB
+
+    Raises
+    ------
+    InputError
+        The bytes are no image, are cut short, or hold samples other than 8- or 16-bit integers.
+    """
+    try:
+        image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH)
+    except cv2.error:
+        image = None
+    if image is None:
+        raise InputError("image cannot be decoded", where=path, got=f"{len(content)} bytes")
+    if image.dtype == np.uint16:
+        image = cv2.convertScaleAbs(image, alpha=255 / 65535)
+    if image.dtype != np.uint8:
+        raise InputError("image of unusable samples", where=path, got=image.dtype, expected="8- or 16-bit integers")
+    return cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+
+
+def _pixels(shape: tuple[int, ...]) -> str:
+    return f"{shape[1]}x{shape[0]} px"

@@ -1,0 +1,115 @@
+"""Masks from PNG files."""
+
+import io
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+from PIL import Image
+
+from schemas.digests import digest_json
+from schemas.errors import InputError
+from workflows.sources.files import digest_file, read_bytes
+
+MaskKind = Literal["binary", "instance"]
+MASK_SUFFIXES = (".png",)
+DECODING_VERSION = 1
+"""Raised when `MaskFiles.read` starts to yield other labels for the same bytes."""
+
+
+class MaskSource(Protocol):
+    """Labels of some frames of a sequence."""
+
+    def fingerprint(self) -> str:
+        """Digest of everything that decides what `read` yields."""
+
+    def read(self) -> Iterator[tuple[int, np.ndarray]]:
+        """Index of a frame and its uint16 (y, x) labels, 0 = background."""
+
+
+@dataclass(frozen=True)
+class MaskFiles:
+    """Mask files and the frames they belong to.
+
+    Attributes
+    ----------
+    items : tuple of (int, str)
+        Index of the frame and path of its mask, in order of the frames.
+    kind : 'binary' or 'instance'
+        Any non-zero value is label 1, or values are labels as they stand (255 stays 255, the usual void label).
+    size : (int, int), optional
+        (height, width) px that every mask must have, that of the original frames; the first mask's where None.
+    """
+
+    items: tuple[tuple[int, str], ...]
+    kind: MaskKind
+    size: tuple[int, int] | None = None
+
+    def __post_init__(self):
+        if not self.items:
+            raise InputError("no masks", got="an empty list of mask files")
+
+    def fingerprint(self) -> str:
+        """Digest of the files' bytes, the frames they belong to and the decode parameters."""
+        files = [[index, digest_file(path)] for index, path in self.items]
+        return digest_json("source", ["masks", DECODING_VERSION, self.kind, self.size, files])
+
+    def read(self) -> Iterator[tuple[int, np.ndarray]]:
+        """Frame index and uint16 (y, x) labels; raises InputError that names the file which cannot be a mask."""
+        size = self.size
+        for index, path in self.items:
+            labels = decode_mask(read_bytes(path), path, self.kind)
+            size = size or labels.shape
+            if labels.shape != size:
+                raise InputError(
+                    "mask of the wrong size",
+                    where=path,
+                    got=f"{labels.shape[1]}x{labels.shape[0]} px",
+                    expected=f"{size[1]}x{size[0]} px as its frame",
+                )
+            yield index, labels
+
+
+def decode_mask(content: bytes, path: str, kind: MaskKind) -> np.ndarray:
+    """Labels of one mask file.
+
+    A palette image gives its indices, not its colours; alpha is ignored. A colour image counts as its grey values where
+    the three channels agree; where they differ it can still be a binary mask, but holds no object ids.
+
+    Returns
+    -------
+    uint16 (y, x)
+
+    Raises
+    ------
+    InputError
+        Not an image, cut short, colours instead of ids, or ids beyond 65535.
+    """
+    try:
+        with Image.open(io.BytesIO(content)) as image:
+            values = np.atleast_3d(np.asarray(image))
+            channels = [values[..., i] for i, band in enumerate(image.getbands()) if band != "A"]
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        raise InputError("mask cannot be decoded", where=path, got=error) from error
+    if kind == "binary":
+        return np.logical_or.reduce([channel != 0 for channel in channels]).astype(np.uint16)
+    labels = channels[0]
+    if any(not np.array_equal(labels, other) for other in channels[1:]):
+        raise InputError("mask of colours", where=path, expected="object ids (a palette or grey PNG)")
+    if labels.dtype.kind == "f" or labels.min() < 0 or labels.max() > np.iinfo(np.uint16).max:
+        raise InputError("mask of unusable ids", where=path, got=labels.dtype, expected="integers of 0 to 65535")
+    return labels.astype(np.uint16)
+
+
+def find_mask_kind(paths: tuple[str, ...]) -> MaskKind:
+    """'binary' where no mask holds anything but 0 and 255, else 'instance'.
+
+    A lone 255 is what editors write for "object"; beside other ids it is the void label.
+    """
+    for path in paths:
+        content = read_bytes(path)
+        labels = np.unique(decode_mask(content, path, "instance"))
+        if not np.isin(labels, (0, 255)).all():
+            return "instance"
+    return "binary"

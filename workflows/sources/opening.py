@@ -1,0 +1,83 @@
+"""From a path that a user gave to a source."""
+
+import os
+from itertools import pairwise
+
+from schemas.errors import InputError, MissingInputError
+from workflows.sources.depth_files import DEPTH_SUFFIXES, DepthFiles
+from workflows.sources.files import list_files, stem
+from workflows.sources.frames import FrameSource
+from workflows.sources.image_files import IMAGE_SUFFIXES, ImageFiles
+from workflows.sources.mask_files import MASK_SUFFIXES, MaskFiles, MaskKind, find_mask_kind
+from workflows.sources.video_file import VideoFile
+
+
+def open_frames(path: str, max_side: int) -> ImageFiles | VideoFile:
+    """Frames of a video file, or of a folder of images in natural order.
+
+    Raises
+    ------
+    MissingInputError
+        Nothing lies at `path`, or no image in that folder.
+    """
+    path = os.path.abspath(path)
+    if os.path.isdir(path):
+        images = list_files(path, IMAGE_SUFFIXES)
+        if not images:
+            raise MissingInputError("no images", where=path, expected=f"files of {' '.join(IMAGE_SUFFIXES)}")
+        return ImageFiles(images, max_side)
+    if not os.path.exists(path):
+        raise MissingInputError("file does not exist", where=path, expected="a video or a folder of images")
+    if path.lower().endswith(IMAGE_SUFFIXES):
+        return ImageFiles((path,), max_side)
+    return VideoFile(path, max_side)
+
+
+def open_masks(folder: str, frames: FrameSource, kind: MaskKind | None = None) -> MaskFiles:
+    """Masks of a folder, matched to frames by file stem; frames without a mask are left out.
+
+    Parameters
+    ----------
+    folder : str
+    frames : FrameSource
+        For images a mask's stem is its frame's; for a video it is the number of the frame, from 0.
+    kind : 'binary', 'instance' or None
+        None: found from the values (`find_mask_kind`).
+
+    Raises
+    ------
+    MissingInputError
+        The folder does not exist or holds no PNG.
+    InputError
+        A mask without a frame.
+    """
+    folder = os.path.abspath(folder)
+    masks = list_files(folder, MASK_SUFFIXES)
+    if not masks:
+        raise MissingInputError("no masks", where=folder, expected="PNG files named as their frames")
+    indices = {stem(path): i for i, path in enumerate(frames.paths)} if isinstance(frames, ImageFiles) else None
+    items = sorted((_frame_of(path, indices), path) for path in masks)
+    for (frame0, path0), (frame1, path1) in pairwise(items):
+        if frame0 == frame1:
+            raise InputError(f"two masks of frame {frame0}", where=folder, got=f"{path0} and {path1}")
+    return MaskFiles(tuple(items), kind or find_mask_kind(masks), frames.describe().size)
+
+
+def open_depth(folder: str, frames: FrameSource, num_frames: int, max_side: int) -> DepthFiles:
+    """Depth maps of a folder in natural order, one a frame; raises InputError where they are not `num_frames`."""
+    folder = os.path.abspath(folder)
+    paths = list_files(folder, DEPTH_SUFFIXES)
+    if len(paths) != num_frames:
+        expected = f"{num_frames} files ({' or '.join(DEPTH_SUFFIXES)}), one for each frame"
+        raise InputError("wrong number of depth maps", where=folder, got=len(paths), expected=expected)
+    return DepthFiles(paths, frames.describe().size, max_side)
+
+
+def _frame_of(path: str, indices: dict[str, int] | None) -> int:
+    name = stem(path)
+    if indices is None and name.isascii() and name.isdigit():
+        return int(name)
+    if indices is None or name not in indices:
+        expected = "a file named as a frame" if indices is not None else "the number of a frame as its name"
+        raise InputError("mask without a frame", where=path, expected=expected)
+    return indices[name]

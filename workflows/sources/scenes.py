@@ -1,0 +1,124 @@
+"""Frames, ground truth and cues of a rendered scene."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+
+from moseg_tasks.synthetic import SCENES, RenderedScene, Scene, render_scene
+from schemas.digests import digest_json
+from workflows.sources.frames import FrameDescription
+from workflows.sources.spelling import unknown_name
+
+RENDERER_VERSION = 1
+"""Raised when `render_scene` gives other arrays for the same declaration."""
+
+
+@dataclass(frozen=True)
+class SceneFrames:
+    """Frames of the scene of this name, at the size in which it is declared."""
+
+    name: str
+
+    def fingerprint(self) -> str:
+        """Digest of the scene's declaration and the renderer's version."""
+        return _fingerprint("frames", self.name)
+
+    def read(self) -> Iterator[np.ndarray]:
+        """Each frame as uint8 (y, x, 3) RGB."""
+        yield from _rendered(find_scene(self.name)).images
+
+    def describe(self) -> FrameDescription:
+        """The declared size; a scene has no frame rate."""
+        scene = find_scene(self.name)
+        return FrameDescription((scene.height, scene.width), None)
+
+    def num_frames(self) -> int:
+        """The declared number."""
+        return find_scene(self.name).num_frames
+
+    def chunks(self, size: int) -> tuple["SceneFrames", ...]:
+        """Itself: a scene is rendered whole."""
+        return (self,)
+
+
+@dataclass(frozen=True)
+class SceneMasks:
+    """Identities of the scene's moving objects, or of all its objects."""
+
+    name: str
+    which: Literal["moving", "objects"] = "moving"
+
+    def fingerprint(self) -> str:
+        """Digest of the scene's declaration and the renderer's version."""
+        return _fingerprint(self.which, self.name)
+
+    def read(self) -> Iterator[tuple[int, np.ndarray]]:
+        """Index and uint16 (y, x) labels of every frame."""
+        yield from enumerate(getattr(_rendered(find_scene(self.name)), self.which))
+
+
+@dataclass(frozen=True)
+class SceneDepth:
+    """Exact inverse depth of the scene."""
+
+    name: str
+
+    def fingerprint(self) -> str:
+        """Digest of the scene's declaration and the renderer's version."""
+        return _fingerprint("inverse_depth", self.name)
+
+    def read(self) -> Iterator[np.ndarray]:
+        """float32 (y, x) of every frame, 1/m."""
+        yield from _rendered(find_scene(self.name)).inverse_depth
+
+
+@dataclass(frozen=True)
+class SceneFlow:
+    """Exact flow of the scene: item m goes from frame m to m + 1 (forward) or from m + 1 to m (backward)."""
+
+    name: str
+    direction: Literal["forward", "backward"]
+
+    def fingerprint(self) -> str:
+        """Digest of the scene's declaration and the renderer's version."""
+        return _fingerprint(f"flow_{self.direction}", self.name)
+
+    def read(self) -> Iterator[np.ndarray]:
+        """float32 (y, x, uv) of every frame pair, px/frame."""
+        yield from getattr(_rendered(find_scene(self.name)), f"flow_{self.direction}")
+
+
+@dataclass(frozen=True)
+class SceneTracks:
+    """Exact tracks of points on the scene's surfaces."""
+
+    name: str
+
+    def fingerprint(self) -> str:
+        """Digest of the scene's declaration and the renderer's version."""
+        return _fingerprint("tracks", self.name)
+
+    def read(self) -> tuple[np.ndarray, np.ndarray]:
+        """`points` float32 (track, frame, xy) px and `visible` bool (track, frame)."""
+        scene = _rendered(find_scene(self.name))
+        return scene.points, scene.visible
+
+
+def find_scene(name: str) -> Scene:
+    """The declaration of a scene; raises InputError on an unknown name."""
+    if name not in SCENES:
+        raise unknown_name("scene", name, SCENES)
+    return SCENES[name]
+
+
+@lru_cache(maxsize=1)
+def _rendered(scene: Scene) -> RenderedScene:
+    """Kept because the sources of one scene are read after one another and rendering takes seconds."""
+    return render_scene(scene)
+
+
+def _fingerprint(what: str, name: str) -> str:
+    return digest_json("source", ["scene", RENDERER_VERSION, what, find_scene(name).model_dump(mode="json")])

@@ -1,0 +1,131 @@
+"""Frames from a video file."""
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import av
+import numpy as np
+from av.container import InputContainer
+from av.stream import Disposition
+from av.video.stream import VideoStream
+
+from schemas.digests import digest_json
+from schemas.errors import InputError, MissingInputError
+from workflows.sources.display_matrix import upright
+from workflows.sources.files import digest_file
+from workflows.sources.frames import FrameDescription, shrink_to, working_size
+from workflows.sources.truncation import missing_bytes
+
+DECODING_VERSION = 1
+"""Raised when `VideoFile.read` starts to yield other pixels for the same bytes."""
+NOT_VIDEOS = ("tty",)
+"""FFmpeg's demuxers that make 'video' of a text file."""
+REPAIR = "an intact video (ffmpeg -i IN OUT.mp4 re-encodes what can be read)"
+
+
+@dataclass(frozen=True)
+class VideoFile:
+    """The first video stream of a file.
+
+    Every decoded frame is yielded once whatever its time stamp, so a variable frame rate neither repeats nor drops any.
+    Non-square pixels are left as coded.
+
+    Attributes
+    ----------
+    path : str
+    max_side : int
+        Frames whose longer side exceeds it are area-resized to it, px.
+    """
+
+    path: str
+    max_side: int
+
+    def fingerprint(self) -> str:
+        """Digest of the file's bytes and the decode parameters."""
+        return digest_json("source", ["video", DECODING_VERSION, self.max_side, digest_file(self.path)])
+
+    def read(self) -> Iterator[np.ndarray]:
+        """Each frame as uint8 (y, x, 3) RGB, turned upright.
+
+        Raises
+        ------
+        InputError
+            No video, no frame in it, or a video that cannot be decoded to its end: frames are never lost in silence.
+        """
+        size = None
+        for number, image in enumerate(self._decode()):
+            size = size or image.shape[:2]
+            if image.shape[:2] != size:
+                raise InputError("video changes its size", where=f"{self.path} at frame {number}", expected="one size")
+            yield shrink_to(image, working_size(size, self.max_side))
+        if size is None:
+            raise InputError("no frame in the video", where=self.path)
+
+    def describe(self) -> FrameDescription:
+        """Size of the first frame, upright, and the average frame rate."""
+        frames = self._decode()
+        first = next(frames, None)
+        frames.close()
+        if first is None:
+            raise InputError("no frame in the video", where=self.path)
+        with _open(self.path) as container:
+            stream = _video_stream(container, self.path)
+            rate = stream.average_rate or stream.guessed_rate
+        return FrameDescription(first.shape[:2], float(rate) if rate else None)
+
+    def num_frames(self) -> int:
+        """Frames that decode; the count in a file's header is not always true, so all are decoded."""
+        return sum(1 for _ in self._decode())
+
+    def chunks(self, size: int) -> tuple["VideoFile", ...]:
+        """Itself: a video decodes from its beginning."""
+        return (self,)
+
+    def _decode(self) -> Iterator[np.ndarray]:
+        number = 0
+        with _open(self.path) as container:
+            stream = _video_stream(container, self.path)
+            if missing := missing_bytes(self.path):
+                raise InputError("video is cut short", where=self.path, got=f"{missing} bytes less", expected=REPAIR)
+            try:
+                for packet in container.demux(stream):
+                    for frame in packet.decode():
+                        if frame.is_corrupt:
+                            raise _broken(self.path, number, "damaged data")
+                        image = frame.to_ndarray(format="rgb24")
+                        matrix = frame.side_data.get("DISPLAYMATRIX")
+                        yield image if matrix is None else upright(image, bytes(matrix))
+                        number += 1
+                    if packet.is_corrupt:
+                        raise _broken(self.path, number, "a damaged packet")
+            except av.FFmpegError as error:
+                raise _broken(self.path, number, error.strerror) from error
+
+
+def _open(path: str) -> InputContainer:
+    if not os.path.isfile(path):
+        raise MissingInputError("file does not exist", where=path)
+    try:
+        # The prefix keeps FFmpeg from taking "a:b.mp4" for a URL of protocol "a".
+        container = av.open(f"file:{path}")
+    except av.FFmpegError as error:
+        raise InputError("not a video", where=path, got=error.strerror) from error
+    if container.format.name in NOT_VIDEOS:
+        container.close()
+        raise InputError("not a video", where=path, got="text")
+    return container
+
+
+def _video_stream(container: InputContainer, path: str) -> VideoStream:
+    stream = container.streams.best("video")
+    if stream is None or stream.disposition & Disposition.attached_pic:
+        got = ", ".join(sorted({other.type for other in container.streams})) or "nothing"
+        raise InputError("no video stream", where=path, got=got)
+    if stream.codec_context is None:
+        raise InputError("no decoder for the video stream", where=path)
+    return stream
+
+
+def _broken(path: str, number: int, reason: str) -> InputError:
+    return InputError(f"decoding failed at frame {number}", where=path, got=reason, expected=REPAIR)

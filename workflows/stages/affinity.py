@@ -1,0 +1,19 @@
+"""Motion affinity between the objects of a sequence under one motion model."""
+
+import numpy as np
+
+from moseg_tasks.affinity import estimate_affinity
+from schemas.parameters import AffinityParams
+from workflows.stages.task import Output, Task
+
+
+def _runner(method: str):
+    def run(params, inputs, rng):
+        residuals = np.stack([pair.array("residual") for pair in inputs.all("residuals")])
+        return Output({"affinity": estimate_affinity(residuals, AffinityParams(method=method, **params))})
+
+    return run
+
+
+RESIDUAL_SIZE = Task("affinity", "residual", version=1, run=_runner("residual"))
+ORDERED_RESIDUAL_KERNEL = Task("affinity", "ork", version=1, run=_runner("ork"))

@@ -1,0 +1,94 @@
+"""What a task's adapter reads: its recipe's inputs, fetched from the store when asked for."""
+
+from collections import OrderedDict
+from collections.abc import Iterator
+
+import numpy as np
+
+from schemas.recipes import Recipe
+from store import ArtifactStore
+
+CACHE_BYTES = 256 * 2**20
+
+
+class ArtifactView:
+    """One stored artifact; its arrays are read on demand."""
+
+    def __init__(self, store: ArtifactStore, ref: str):
+        self._store = store
+        self._ref = ref
+
+    def array(self, name: str) -> np.ndarray:
+        """The whole array."""
+        return self._store.read(self._ref, name)
+
+    def cached(self, name: str) -> np.ndarray:
+        """The whole array, read-only, kept in this process for the next task that reads it."""
+        return _CACHE.read(self._store, self._ref, name)
+
+    def rows(self, name: str, start: int, stop: int) -> np.ndarray:
+        """Rows start..stop of the leading axis; only their chunks are read."""
+        return self._store.read_rows(self._ref, name, start, stop)
+
+    def each_row(self, name: str) -> Iterator[np.ndarray]:
+        """Rows of the leading axis, one at a time."""
+        for index in range(self.shape(name)[0]):
+            yield self.rows(name, index, index + 1)[0]
+
+    def shape(self, name: str) -> tuple[int, ...]:
+        """Shape of an array, without reading it."""
+        return self._store.manifest(self._ref).array(name).shape
+
+    @property
+    def attributes(self) -> dict:
+        """Small results that are not arrays."""
+        return dict(self._store.attributes(self._ref))
+
+
+class Inputs:
+    """The inputs of one recipe by role."""
+
+    def __init__(self, store: ArtifactStore, recipe: Recipe):
+        self._store = store
+        self._inputs = recipe.inputs
+
+    def __contains__(self, role: str) -> bool:
+        return role in self._inputs
+
+    def __getitem__(self, role: str) -> ArtifactView:
+        """The artifact of a role that has exactly one."""
+        ref = self._inputs[role]
+        if not isinstance(ref, str):
+            raise TypeError(f"role {role!r} lists several inputs")
+        return ArtifactView(self._store, ref)
+
+    def all(self, role: str) -> list[ArtifactView]:
+        """The artifacts of a role that lists several."""
+        return [ArtifactView(self._store, ref) for ref in self._inputs[role]]
+
+
+class _ArrayCache:
+    """Least recently used arrays, bounded in bytes; sound because an artifact never changes."""
+
+    def __init__(self, limit: int):
+        self._limit = limit
+        self._arrays: OrderedDict[tuple[str, str, str], np.ndarray] = OrderedDict()
+        self._nbytes = 0
+
+    def read(self, store: ArtifactStore, ref: str, name: str) -> np.ndarray:
+        entry = (str(store.root), ref, name)
+        if entry in self._arrays:
+            self._arrays.move_to_end(entry)
+            return self._arrays[entry]
+        array = store.read(ref, name)
+        array.flags.writeable = False
+        if array.nbytes <= self._limit:
+            self._arrays[entry] = array
+            self._nbytes += array.nbytes
+        while self._nbytes > self._limit:
+            _, dropped = self._arrays.popitem(last=False)
+            self._nbytes -= dropped.nbytes
+        return array
+
+
+_CACHE = _ArrayCache(CACHE_BYTES)

@@ -1,0 +1,34 @@
+"""Linking: a section's objects become objects of the sequence."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from moseg_tasks.proposals.given import link_identities
+from moseg_tasks.proposals.linking import count_overlaps, link_sections
+from schemas.parameters import LinkingParams
+from workflows.stages.task import Output, Task
+
+
+def _run_overlap(params, inputs, rng):
+    sections = inputs.all("proposals")
+    num_objects = [section.shape("scores")[0] for section in sections]
+    overlaps = []
+    # The last section has no next one: its length is not used.
+    for index, (section0, section1) in enumerate(pairwise(sections)):
+        length = params["lengths"][index]
+        tail = section0.rows("masks", length, section0.shape("masks")[0])
+        head = section1.rows("masks", 0, len(tail))
+        overlaps.append(count_overlaps(tail, head, *num_objects[index : index + 2]))
+    identity = link_sections(overlaps, num_objects, LinkingParams(**params["linking"]))
+    return Output({"identity": identity}, {"num_objects": int(identity.max(initial=0)) + 1})
+
+
+def _run_given(params, inputs, rng):
+    names = [np.array(section.attributes["identities"], np.uint16) for section in inputs.all("proposals")]
+    identity, given = link_identities(names)
+    return Output({"identity": identity}, {"num_objects": len(given) + 1, "given": given.tolist()})
+
+
+BY_OVERLAP = Task("linking", "overlap", version=1, run=_run_overlap)
+BY_IDENTITY = Task("linking", "identity", version=1, run=_run_given)

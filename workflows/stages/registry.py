@@ -1,0 +1,49 @@
+"""Every task that can stand in a recipe, by stage and method. A new backend is one more line here."""
+
+from schemas.errors import InputError
+from workflows.stages import (
+    affinity,
+    clustering,
+    flow,
+    flow_models,
+    fundamental,
+    linking,
+    proposals,
+    saliency,
+    score,
+    segmentation,
+    tracks,
+)
+from workflows.stages.task import Task
+
+TASKS: dict[tuple[str, str], Task] = {
+    (task.name, task.method): task
+    for task in (
+        flow.DIS,
+        saliency.BACKGROUND_RESIDUAL,
+        proposals.SALIENCY_COMPONENTS,
+        proposals.GIVEN_MASKS,
+        linking.BY_OVERLAP,
+        linking.BY_IDENTITY,
+        tracks.LUCAS_KANADE,
+        tracks.GIVEN_TRACKS,
+        fundamental.RANSAC_FIT,
+        fundamental.SAMPSON_RESIDUAL,
+        flow_models.LEAST_SQUARES_FIT,
+        flow_models.MSE_RESIDUAL,
+        affinity.RESIDUAL_SIZE,
+        affinity.ORDERED_RESIDUAL_KERNEL,
+        clustering.SPECTRAL,
+        segmentation.MOVING_OBJECTS,
+        score.MOTION_SEGMENTATION,
+    )
+}
+
+
+def find_task(name: str, method: str) -> Task:
+    """The task of a stage and method; raises InputError where there is none."""
+    try:
+        return TASKS[name, method]
+    except KeyError:
+        known = sorted(m for n, m in TASKS if n == name)
+        raise InputError(f"unknown method of stage {name}", got=method, expected=" or ".join(known)) from None

@@ -1,0 +1,19 @@
+"""Labels of a section: 0 where static, else the moving object's identity."""
+
+import numpy as np
+
+from workflows.stages.task import Output, Task
+
+
+def _run(params, inputs, rng):
+    identity = inputs["linking"].cached("identity")[params["section"]]
+    num_objects = inputs["linking"].attributes["num_objects"]
+    moves = np.arange(num_objects) > 0
+    if "clustering" in inputs:
+        moves = inputs["clustering"].cached("motion") > 0
+    label = np.where(moves[identity], identity, 0).astype(np.uint16)
+    masks = inputs["proposals"].rows("masks", 0, params["num_frames"])
+    return Output({"labels": label[masks]})
+
+
+MOVING_OBJECTS = Task("segmentation", "moving-objects", version=1, run=_run)

@@ -1,0 +1,26 @@
+"""Point tracks of a section's objects."""
+
+from moseg_tasks.tracks import assign_tracks, track_points
+from schemas.parameters import TrackParams
+from workflows.stages.task import Output, Task
+
+
+def _run_lucas_kanade(params, inputs, rng):
+    frames = (frame.cached("image") for frame in inputs.all("frames"))
+    masks = inputs["proposals"].cached("masks")[: params["num_frames"]]
+    tracks = track_points(frames, masks, TrackParams(**params["tracks"]), rng)
+    return Output({"points": tracks.points, "visible": tracks.visible, "object": tracks.object})
+
+
+def _run_given(params, inputs, rng):
+    start, stop = params["start"], params["stop"]
+    points = inputs["tracks"].cached("points")[:, start:stop]
+    visible = inputs["tracks"].cached("visible")[:, start:stop]
+    seen = visible.any(axis=1)
+    points, visible = points[seen].copy(), visible[seen].copy()
+    masks = inputs["proposals"].cached("masks")
+    return Output({"points": points, "visible": visible, "object": assign_tracks(points, visible, masks)})
+
+
+LUCAS_KANADE = Task("tracks", "lucas-kanade", version=1, run=_run_lucas_kanade)
+GIVEN_TRACKS = Task("tracks", "given", version=1, run=_run_given)
