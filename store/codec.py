@@ -115,7 +115,8 @@ async def _encode_array(files: dict[str, Buffer], name: str, array: np.ndarray, 
 
 async def _decode_array(store: MemoryStore, entry: ArrayEntry, rows: slice) -> np.ndarray:
     stored = await open_array(store=store, path=entry.name, mode="r")
-    found = (stored.dtype.str, stored.shape, stored.metadata.dimension_names, stored.chunks)
+    # Zarr reads an empty list of names, that of a single value, as none
+    found = (stored.dtype.str, stored.shape, stored.metadata.dimension_names or (), stored.chunks)
     expected = (entry.dtype, entry.shape, entry.dims, chunk_shape(entry.shape, entry.dims))
     if found != expected:
         raise ValueError(f"Zarr metadata {found} where the manifest has {expected}")

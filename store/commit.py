@@ -2,8 +2,8 @@
 
 A process that is killed leaves a staging folder, never a visible artifact. Nothing is flushed to the disk on the way:
 after a power loss a committed folder may hold short, empty or zeroed files. Lengths, checksums and the seal find each
-of these on reading, so such an artifact is quarantined and computed again; it is never served. Flushing every file
-would cost more than computing most artifacts does.
+of these on reading, so such an artifact is quarantined and computed again; it is never served. Flushing the files and
+folders of one small artifact was measured at 20 ms to 30 ms (ext4, virtual disk), against 1.5 ms for the whole put.
 """
 
 import errno

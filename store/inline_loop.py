@@ -22,9 +22,7 @@ def run_inline(coroutine: Coroutine[Any, Any, T]) -> T:
 
     Under a running event loop, as in a notebook, it has to be another thread.
     """
-    try:
-        asyncio.get_running_loop()
-    except RuntimeError:
+    if not _is_loop_running():
         return _run(coroutine)
     with ThreadPoolExecutor(max_workers=1) as pool:
         return pool.submit(_run, coroutine).result()
@@ -53,6 +51,14 @@ def _run(coroutine: Coroutine[Any, Any, T]) -> T:
         return loop.run_until_complete(coroutine)
     finally:
         _idle.append(loop)
+
+
+def _is_loop_running() -> bool:
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        return False
+    return True
 
 
 def _close_idle() -> None:

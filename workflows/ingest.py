@@ -1,11 +1,11 @@
 """Ingest: files become leaves of the graph, named by the digest of what they decode to.
 
-Decoding is skipped where the same file bytes were decoded before: an `ingest` artifact, keyed by the files' fingerprint,
-remembers the leaves they gave. Modification times are never asked.
+Decoding is skipped where the same file bytes were decoded before: an `ingest` artifact, keyed by the files'
+fingerprint, remembers the leaves they gave. Modification times are never asked.
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -22,10 +22,14 @@ LeafWriter = Callable[[dict[str, np.ndarray], dict], str]
 
 
 class IngestJob(NamedTuple):
-    """One source to decode into leaves of one kind (the leaf's task name)."""
+    """One source to decode into leaves of one kind (the leaf's task name).
+
+    Jobs of one `batch` run after each other in one process, because they share the work of decoding.
+    """
 
     kind: str
     source: Any
+    batch: str | None = None
 
     @property
     def recipe(self) -> Recipe:
@@ -34,14 +38,17 @@ class IngestJob(NamedTuple):
         return Recipe(task="ingest", version=INGEST_VERSION, params=params)
 
 
-def run_ingest(store_url: str, job: IngestJob, recipe: Recipe) -> dict:
-    """Decode a source, store its leaves and remember them; returns the memory's attributes."""
+def run_ingest(store_url: str, batch: Sequence[tuple[IngestJob, Recipe]]) -> dict[str, dict]:
+    """Decode the sources of a batch, store their leaves and remember them; returns that memory by reference."""
     store = open_store(store_url)
-    started = time.perf_counter()
-    attributes = _LEAVES[job.kind](partial(_put_leaf, store, job.kind), job.source)
-    store.remove(recipe.ref)
-    store.put(recipe, {}, attributes, seconds=time.perf_counter() - started)
-    return attributes
+    remembered = {}
+    for job, recipe in batch:
+        started = time.perf_counter()
+        attributes = _LEAVES[job.kind](partial(_put_leaf, store, job.kind), job.source)
+        store.remove(recipe.ref)
+        store.put(recipe, {}, attributes, seconds=time.perf_counter() - started)
+        remembered[recipe.ref] = attributes
+    return remembered
 
 
 def preview_ingest(job: IngestJob) -> dict:

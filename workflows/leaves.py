@@ -6,9 +6,10 @@ from itertools import chain
 from schemas.configs import PipelineConfig
 from schemas.errors import InputError
 from workflows.datasets import SequenceSource
-from workflows.graph import SequenceLeaves
+from workflows.graph import GIVEN_SOURCES, SequenceLeaves
 from workflows.ingest import IngestJob
 from workflows.session import Session
+from workflows.sources import SceneFrames
 
 FRAMES_PER_JOB = 16
 
@@ -28,19 +29,26 @@ def ingest_sequences(
 
 def ingest_jobs(source: SequenceSource, config: PipelineConfig, annotated: bool) -> dict[str, list[IngestJob]]:
     """What must be decoded for a sequence, by role."""
-    jobs = {"frames": [IngestJob("frame", chunk) for chunk in source.frames.chunks(FRAMES_PER_JOB)]}
+    # A scene is rendered whole for any of its sources.
+    batch = f"scene {source.name}" if isinstance(source.frames, SceneFrames) else None
+    jobs = {"frames": [IngestJob("frame", chunk, batch) for chunk in source.frames.chunks(FRAMES_PER_JOB)]}
+
+    def add(role, kind, given, option):
+        if given is None:
+            raise InputError(f"{option} needs what the data set does not give", where=f"sequence {source.name}")
+        jobs[role] = [IngestJob(kind, given, batch)]
+
     if annotated and source.annotations is not None:
-        jobs["annotation"] = [IngestJob("annotation", source.annotations)]
-    if config.proposal_source in ("groundtruth", "folder"):
-        masks = _given(source.objects or source.annotations, source, f"proposals: {config.proposal_source}")
-        jobs["masks"] = [IngestJob("given_masks", masks)]
+        jobs["annotation"] = [IngestJob("annotation", source.annotations, batch)]
+    if config.proposal_source in GIVEN_SOURCES:
+        add("masks", "given_masks", source.objects or source.annotations, f"proposals: {config.proposal_source}")
     if config.depth.method != "none":
-        jobs["depth"] = [IngestJob("given_depth", _given(source.depth, source, f"depth: {config.depth.method}"))]
+        add("depth", "given_depth", source.depth, f"depth: {config.depth.method}")
     if config.flow.method == "groundtruth":
-        for role in ("flow_forward", "flow_backward"):
-            jobs[role] = [IngestJob("given_flow", _given(getattr(source, role), source, "flow: groundtruth"))]
+        add("flow_forward", "given_flow", source.flow_forward, "flow: groundtruth")
+        add("flow_backward", "given_flow", source.flow_backward, "flow: groundtruth")
     if config.tracks.method == "groundtruth":
-        jobs["tracks"] = [IngestJob("given_tracks", _given(source.tracks, source, "tracks: groundtruth"))]
+        add("tracks", "given_tracks", source.tracks, "tracks: groundtruth")
     return jobs
 
 
@@ -80,9 +88,3 @@ def make_leaves(source: SequenceSource, ingested: dict[str, list[dict]]) -> Sequ
         tracks=ingested["tracks"][0]["leaves"][0] if "tracks" in ingested else None,
         **lists,
     )
-
-
-def _given(value, source: SequenceSource, option: str):
-    if value is None:
-        raise InputError(f"{option} needs what the data set does not give", where=f"sequence {source.name}")
-    return value

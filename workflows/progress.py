@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-PLAIN_INTERVAL_SEC = 5.0
+PLAIN_INTERVAL_SEC = 15.0
 
 
 class StageProgress(AbstractContextManager):
@@ -35,11 +35,11 @@ class StageProgress(AbstractContextManager):
             self._bars.start()
         return self
 
-    def advance(self, stage: str) -> None:
-        """One more artifact of `stage` is done."""
-        self._done[stage] += 1
+    def advance(self, stage: str, count: int = 1) -> None:
+        """So many more artifacts of `stage` are done."""
+        self._done[stage] += count
         if self._bars is not None:
-            self._bars.advance(self._rows[stage])
+            self._bars.advance(self._rows[stage], count)
         elif not self._quiet and time.monotonic() - self._last > PLAIN_INTERVAL_SEC:
             self._last = time.monotonic()
             self._print()

@@ -14,7 +14,7 @@ from workflows.threads import pin_threads
 
 
 class Call(NamedTuple):
-    """A function, its arguments, and the names of the calls whose results it waits for (passed behind its arguments)."""
+    """A function, its arguments, and the names of the calls that it waits for (their results follow the arguments)."""
 
     name: str
     function: Callable[..., Any]

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from schemas.configs import PipelineConfig, Variant
+from store import ArtifactStore
 from workflows.datasets import SequenceSource
 from workflows.graph import SequenceGraph
 from workflows.leaves import ingest_sequences
@@ -18,32 +19,40 @@ class MotionSegmentation(NamedTuple):
 
     Attributes
     ----------
-    shape : (int, int)
-        Height and width of the video's frames, px.
-    num_frames : int
+    name : str
+    shape, analysed_shape : (int, int)
+        Height and width of the video's frames, and of the frames as analysed, px.
     num_motions : int
         Motion groups found, the background's included.
     motion : uint16 (object,)
         Motion group of each object of the sequence, object 0 the background; 0 = static.
+    frame_refs, label_refs : tuple of references
+        The frames, and the labels of every section.
     """
 
+    name: str
     shape: tuple[int, int]
-    num_frames: int
+    analysed_shape: tuple[int, int]
     num_motions: int
     motion: np.ndarray
     frame_refs: tuple[str, ...]
     label_refs: tuple[str, ...]
 
-    def frames(self, session: Session) -> Iterator[np.ndarray]:
+    @property
+    def num_frames(self) -> int:
+        """Frames of the video."""
+        return len(self.frame_refs)
+
+    def frames(self, store: ArtifactStore) -> Iterator[np.ndarray]:
         """Frames as analysed, uint8 (y, x, 3) RGB, one at a time."""
         for ref in self.frame_refs:
-            yield session.store.read(ref, "image")
+            yield store.read(ref, "image")
 
-    def labels(self, session: Session, shape: tuple[int, int] | None = None) -> Iterator[np.ndarray]:
+    def labels(self, store: ArtifactStore, shape: tuple[int, int] | None = None) -> Iterator[np.ndarray]:
         """Labels uint16 (y, x) of every frame at `shape` (the video's own size): 0 static, else an identity."""
         for ref in self.label_refs:
-            for index in range(session.store.manifest(ref).array("labels").shape[0]):
-                labels = session.store.read_rows(ref, "labels", index, index + 1)[0]
+            for index in range(store.manifest(ref).array("labels").shape[0]):
+                labels = store.read_rows(ref, "labels", index, index + 1)[0]
                 yield resize_labels(labels, shape or self.shape)
 
 
@@ -73,8 +82,9 @@ def segment(session: Session, source: SequenceSource, config: PipelineConfig, va
         else:
             motion = session.store.read(clustering, "motion")
         return MotionSegmentation(
+            name=source.name,
             shape=source.frames.describe().size,
-            num_frames=len(graph.leaves.frames),
+            analysed_shape=graph.leaves.shape,
             num_motions=len(np.unique(motion)),
             motion=motion,
             frame_refs=graph.leaves.frames,

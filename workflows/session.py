@@ -17,7 +17,7 @@ from workflows.progress import StageProgress
 from workflows.runners import Call, Runner
 
 MAX_REPAIRS = 1000
-"""Corrupt artifacts that one run mends before it gives up: a disk that fails everywhere is not mended by recomputing."""
+"""Corrupt artifacts that one run mends before it gives up: a disk that fails everywhere is not mended so."""
 
 
 LEASE_SECONDS = 7 * 86_400.0
@@ -70,17 +70,20 @@ class Session:
         """Leaves of every job, decoded now or remembered from the same file bytes."""
         recipes = [job.recipe for job in jobs]
         found = {recipe.ref: recall_ingest(self.store, recipe) for recipe in recipes}
-        missing = {r.ref: (job, r) for job, r in zip(jobs, recipes, strict=True) if found[r.ref] is None}
+        batches: dict[str, dict[str, tuple[IngestJob, Recipe]]] = {}
+        for job, recipe in zip(jobs, recipes, strict=True):
+            if found[recipe.ref] is None:
+                batches.setdefault(job.batch or recipe.ref, {})[recipe.ref] = (job, recipe)
         calls = [
-            Call(ref.replace("/", "-"), run_ingest, (str(self.store.root), job, r)) for ref, (job, r) in missing.items()
+            Call(next(iter(batch)).replace("/", "-"), run_ingest, (str(self.store.root), tuple(batch.values())))
+            for batch in batches.values()
         ]
-        refs = {call.name: ref for call, ref in zip(calls, missing, strict=True)}
-        with StageProgress({"ingest": len(calls)}, self._quiet) as progress:
+        with StageProgress({"ingest": sum(len(batch) for batch in batches.values())}, self._quiet) as progress:
 
-            def done(name, attributes):
-                found[refs[name]] = attributes
-                self.computed["ingest"] += 1
-                progress.advance("ingest")
+            def done(name, remembered):
+                found.update(remembered)
+                self.computed["ingest"] += len(remembered)
+                progress.advance("ingest", len(remembered))
 
             self._runner.run(calls, done)
         return [found[recipe.ref] for recipe in recipes]

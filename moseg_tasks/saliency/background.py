@@ -49,9 +49,9 @@ def affine_flow(motion: AffineMotion, shape: tuple[int, int]) -> np.ndarray:
     height, width = shape
     centre_x, centre_y = _centre(shape)
     constant, along_x, along_y = motion.theta
-    columns = np.multiply.outer(np.arange(width) - centre_x, along_x)
-    rows = np.multiply.outer(np.arange(height) - centre_y, along_y) + constant
-    return (rows[:, None, :] + columns[None, :, :]).astype(np.float32)
+    columns = np.multiply.outer(np.arange(width) - centre_x, along_x).astype(np.float32)
+    rows = (np.multiply.outer(np.arange(height) - centre_y, along_y) + constant).astype(np.float32)
+    return rows[:, None, :] + columns[None, :, :]
 
 
 def _centre(shape: tuple[int, int]) -> np.ndarray:

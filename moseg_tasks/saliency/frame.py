@@ -74,7 +74,7 @@ def estimate_saliency(
         return FrameSaliency(np.zeros(shape, np.float32), flows)
     residual = np.minimum.reduce([background.residual for background in backgrounds])
     speed = np.minimum.reduce([np.hypot(b.flow[..., 0], b.flow[..., 1]) for b in backgrounds])
-    gate = photometric_gate(np.minimum.reduce(errors), params.gate_blurs, params.gate_error)
+    gate = photometric_gate(np.minimum.reduce(errors), params.gate_blur, params.gate_error)
     return FrameSaliency(soft_map(residual, speed, params) * gate, flows)
 
 

@@ -27,8 +27,7 @@ def colour_error(frame: np.ndarray, other: np.ndarray, flow: np.ndarray) -> np.n
     return np.sqrt(np.einsum("yxc,yxc->yx", difference, difference) / frame.shape[2])
 
 
-def photometric_gate(error: np.ndarray, sides: tuple[int, int], scale: float) -> np.ndarray:
-    """1 - exp(-(E / scale)^2), float32 (y, x) in 0..1, of the colour error E after two box blurs of `sides` px."""
-    for side in sides:
-        error = cv2.blur(error, (side, side), borderType=cv2.BORDER_REPLICATE)
-    return 1 - np.exp(-((error / scale) ** 2))
+def photometric_gate(error: np.ndarray, blur: float, scale: float) -> np.ndarray:
+    """1 - exp(-(E / scale)^2), float32 (y, x) in 0..1, of the colour error E under a Gaussian of sigma `blur` px."""
+    smooth = cv2.GaussianBlur(error, (0, 0), blur, borderType=cv2.BORDER_REPLICATE)
+    return 1 - np.exp(-((smooth / scale) ** 2))

@@ -3,7 +3,7 @@
 The ground is the plane y = 0. Props stand on it at (x, z); ``velocity`` is (x, z) in metres per frame.
 """
 
-from moseg_tasks.synthetic.paths import STILL, Path, Sway, Vector
+from moseg_tasks.synthetic.paths import Path, Sway, Vector
 from moseg_tasks.synthetic.scene import Part, Thing
 from moseg_tasks.synthetic.shapes import Billboard, Box, Ellipsoid, Plane
 from moseg_tasks.synthetic.texture import Texture
@@ -131,48 +131,36 @@ def walker(
 
 def room(depth: float, half_width: float, seed: int) -> tuple[Part, ...]:
     """Floor, back wall and two side walls; the camera stands inside, looking along z."""
-    side = texture("plaster", seed + 2, 0.016)
-    return (
-        Part(shape=Plane(), texture=texture("timber", seed, 0.016, "planks"), angles=Path(start=(90.0, 0.0, 0.0))),
-        Part(shape=Plane(), texture=texture("brick", seed + 1, 0.016, "tiles"), position=Path(start=(0.0, 0.0, depth))),
-        *(
-            Part(
-                shape=Plane(),
-                texture=side,
-                position=Path(start=(sign * half_width, 0.0, 0.0)),
-                angles=Path(start=(0.0, 90.0, 0.0)),
-            )
-            for sign in (-1.0, 1.0)
-        ),
-    )
+    floor = texture("timber", seed, 0.016, "planks")
+    wall, side = texture("brick", seed + 1, 0.016, "tiles"), texture("plaster", seed + 2, 0.016)
+    return (_ground(floor), _wall(depth, wall), *_sides(half_width, side))
 
 
 def yard(depth: float, seed: int, *, yaw: float = 0.0) -> tuple[Part, ...]:
     """Ground and one high wall ``depth`` metres away, slanted by ``yaw``."""
-    return (
-        Part(shape=Plane(), texture=texture("grass", seed, 0.016), angles=Path(start=(90.0, 0.0, 0.0))),
-        Part(
-            shape=Plane(),
-            texture=texture("slate", seed + 1, 0.024, "tiles"),
-            position=Path(start=(0.0, 0.0, depth)),
-            angles=Path(start=(0.0, yaw, 0.0)),
-        ),
-    )
+    return (_ground(texture("grass", seed, 0.016)), _wall(depth, texture("slate", seed + 1, 0.024, "tiles"), yaw))
 
 
 def street(depth: float, half_width: float, seed: int) -> tuple[Part, ...]:
     """A road between two rows of fronts, closed by a wall ``depth`` metres away."""
-    fronts = texture("sand", seed + 2, 0.02, "tiles")
+    fronts, end = texture("sand", seed + 2, 0.02, "tiles"), texture("slate", seed + 1, 0.06)
+    return (_ground(texture("asphalt", seed, 0.016)), _wall(depth, end), *_sides(half_width, fronts))
+
+
+def _ground(surface: Texture) -> Part:
+    return Part(shape=Plane(), texture=surface, angles=Path(start=(90.0, 0.0, 0.0)))
+
+
+def _wall(depth: float, surface: Texture, yaw: float = 0.0) -> Part:
+    position, angles = Path(start=(0.0, 0.0, depth)), Path(start=(0.0, yaw, 0.0))
+    return Part(shape=Plane(), texture=surface, position=position, angles=angles)
+
+
+def _sides(half_width: float, surface: Texture) -> tuple[Part, Part]:
+    """Walls along z to the left and to the right of the camera."""
+    turned = Path(start=(0.0, 90.0, 0.0))
+    left, right = (Path(start=(sign * half_width, 0.0, 0.0)) for sign in (-1.0, 1.0))
     return (
-        Part(shape=Plane(), texture=texture("asphalt", seed, 0.016), angles=Path(start=(90.0, 0.0, 0.0))),
-        Part(shape=Plane(), texture=texture("slate", seed + 1, 0.06), position=Path(start=(0.0, 0.0, depth))),
-        *(
-            Part(
-                shape=Plane(),
-                texture=fronts,
-                position=Path(start=(sign * half_width, 0.0, 0.0)),
-                angles=Path(start=(0.0, 90.0, 0.0)),
-            )
-            for sign in (-1.0, 1.0)
-        ),
+        Part(shape=Plane(), texture=surface, position=left, angles=turned),
+        Part(shape=Plane(), texture=surface, position=right, angles=turned),
     )

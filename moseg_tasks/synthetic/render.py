@@ -1,8 +1,9 @@
 """Render a scene: frames and their exact masks, flow, inverse depth and point tracks.
 
-Everything is float64 arithmetic on one thread without BLAS, so a scene has the same bytes in every process. Per-pixel
-maps use only correctly rounded operations (+ - * / sqrt); sines and cosines are taken of a few scalars by the C library,
-whose last bit may differ between libraries and could then move a pixel on an outline.
+Geometry is float64 arithmetic on one thread without BLAS, so a scene has the same bytes in every process. Per-pixel maps
+use only correctly rounded operations (+ - * / sqrt), which are alike on all processors. What may vary: sines and cosines
+of a few scalars come from the C library, whose last bit differs between libraries and could move a pixel on an outline;
+and numpy may change the streams of its generators between versions, and with them textures, noise and seeds of tracks.
 """
 
 from typing import NamedTuple
@@ -95,8 +96,7 @@ def render_scene(scene: Scene) -> RenderedScene:
 
 def _render_images(scene: Scene, views: list[View], hits: list[Hits]) -> np.ndarray:
     """Shaded frames through the sensor: gain, bias, noise and rounding."""
-    painted = {part.texture: None for part in views[0].parts}
-    painted = {texture: paint_texture(texture) for texture in painted}
+    painted = {texture: paint_texture(texture) for texture in {part.texture for part in views[0].parts}}
     mipmaps = tuple(painted[part.texture] for part in views[0].parts)
     rng = np.random.default_rng([scene.seed, 0])
     images = np.empty((scene.num_frames, scene.height, scene.width, 3), np.uint8)

@@ -152,7 +152,7 @@ BRIGHTNESS_CHANGE = Scene(
 )
 
 NOTHING_MOVES = Scene(
-    description="The camera passes near and far things with strong parallax and nothing moves: the right answer is empty.",
+    description="The camera passes near and far things with strong parallax and nothing moves.",
     num_motions=1,
     backdrop=yard(14.0, 900, yaw=10.0),
     things=(

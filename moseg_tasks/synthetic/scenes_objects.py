@@ -128,7 +128,7 @@ CROSSING_MOVERS = Scene(
         car((1.6, 12.2), texture("indigo", 1713), texture("plaster", 1714), yaw=-90.0, velocity=(-0.15, 0.0)),
         crate((3.1, 7.2), (0.4, 0.7, 0.4), texture("coral", 1715), yaw=25.0),
     ),
-    camera=_drifting(0.0, 0.03, height=1.7),
+    camera=_drifting(0.02, 0.03, height=1.7),
 )
 
 SMALL_FAST = Scene(
@@ -138,7 +138,7 @@ SMALL_FAST = Scene(
     things=(
         crate((-1.9, 6.0), (0.55, 0.6, 0.5), texture("teal", 1810), yaw=30.0),
         crate((1.6, 7.0), (0.5, 0.8, 0.5), texture("straw", 1811, pattern="tiles"), yaw=-25.0),
-        ball((-1.6, 5.2), 0.29, texture("scarlet", 1812, 0.008), height=1.3, velocity=(0.11, 0.0), bounce=0.1),
+        ball((-1.6, 5.2), 0.29, texture("violet", 1812, 0.008), height=1.3, velocity=(0.11, 0.0), bounce=0.1),
         bush((-0.2, 8.2), (0.8, 0.9), texture("moss", 1813)),
     ),
     camera=_drifting(0.03, 0.01),

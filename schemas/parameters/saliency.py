@@ -13,7 +13,7 @@ class SaliencyParams(Frozen):
 
     working_side: int = Field(427, ge=32, description="longer side of the working grid, px; never enlarged to it")
 
-    ransac_step: int = Field(6, ge=1, description="spacing of the grid that the initial homography is drawn from, px")
+    ransac_step: int = Field(12, ge=1, description="spacing of the grid that the initial homography is drawn from, px")
     ransac_threshold: float = Field(0.5, gt=0, description="reprojection error of an inlier of the homography, px")
     ransac_iterations: int = Field(100, ge=1, description="hypotheses drawn at least; at most ten times as many")
     ransac_seed: int = Field(0, ge=0, description="seed of the homography's random draws")
@@ -36,8 +36,8 @@ class SaliencyParams(Frozen):
     floor_motion: float = Field(0.05, ge=0, description="the same, as a share of the background's motion")
     otsu_percentile: float = Field(99.5, gt=0, le=100, description="percentile that clips the residual before Otsu")
 
-    gate_blurs: tuple[int, int] = Field((3, 5), description="sides of the two box blurs over the colour error, px")
-    gate_error: float = Field(4.0, gt=0, description="colour error, grey levels, that opens the gate to 1 - 1/e")
+    gate_blur: float = Field(5.8, gt=0, description="sigma of the Gaussian over the colour error, px")
+    gate_error: float = Field(2.5, gt=0, description="colour error, grey levels, that opens the gate to 1 - 1/e")
 
 
 class ProposalParams(Frozen):

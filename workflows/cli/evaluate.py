@@ -144,9 +144,9 @@ def _evaluate(
     from workflows.cli.tables import print_ablation, print_report, print_stages
     from workflows.datasets import open_dataset
     from workflows.evaluate import evaluate as run_evaluation
+    from workflows.exports import check_writable, write_text
     from workflows.given_folders import with_given_folders
     from workflows.runs import open_session
-    from workflows.writing import check_writable, write_text
 
     name, root, sequences, list_file = data
     if json is not None:

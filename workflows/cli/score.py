@@ -39,9 +39,9 @@ def score(
     from schemas.scores import EvaluationReport, EvaluationRow, StoreUse, mean_score
     from workflows.cli.tables import print_report
     from workflows.datasets import open_dataset
+    from workflows.exports import check_writable, write_text
     from workflows.predictions import open_predictions
     from workflows.score_predictions import score_predictions
-    from workflows.writing import check_writable, write_text
 
     started = time.perf_counter()
     if json is not None:

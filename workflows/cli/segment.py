@@ -51,7 +51,8 @@ def segment(
     Example: moseg segment holiday.mp4 --out holiday
     """
     from workflows.datasets import SequenceSource
-    from workflows.exports import write_segmentation
+    from workflows.exports import check_folder
+    from workflows.exports.write_segmentation import write_segmentation
     from workflows.given_folders import with_given_folders
     from workflows.runs import open_session
     from workflows.segment import segment as run_segmentation
@@ -59,13 +60,15 @@ def segment(
 
     if motions == "gt":
         raise InputError("no ground truth of your own video", where="--motions", got="gt", expected="auto or a number")
+    check_folder(Path(out))
     config, folders = make_config(motions, proposals, depth, flow, tracks, affinity, section_length, settings)
     frames = open_frames(video, config.max_side)
     source = with_given_folders(SequenceSource(Path(video).resolve().stem, frames), folders, config.max_side)
     with open_session(store, workers, scheduler, quiet) as session:
         result = run_segmentation(session, source, config, variant)
         summary = write_segmentation(Path(out), session.store, result, frames.describe().fps or fps)
-    objects = f"{summary.num_moving} moving object{'' if summary.num_moving == 1 else 's'}"
+    count = len(summary.objects)
+    objects = f"{count} moving object{'' if count == 1 else 's'}"
     use = session.use()
     print(
         f"{objects} in {result.num_frames} frames: {out}/masks, {out}/overlay.mp4, {out}/motion.json"

@@ -5,8 +5,6 @@ import os
 from schemas.errors import InputError, MissingInputError
 from workflows.datasets.dataset import SequenceSource
 from workflows.sources import MaskKind, open_frames, open_masks
-from workflows.sources.files import list_files
-from workflows.sources.image_files import IMAGE_SUFFIXES
 from workflows.sources.mask_files import find_mask_kind
 
 
@@ -30,8 +28,3 @@ def annotated_sequence(
         expected = "a label for each object"
         raise InputError("masks without object ids", where=masks_folder, got="only 0 and 255", expected=expected)
     return SequenceSource(name, frames, annotations, void)
-
-
-def holds_images(folder: str) -> bool:
-    """True when `folder` is one and has an image in it."""
-    return os.path.isdir(folder) and bool(list_files(folder, IMAGE_SUFFIXES))

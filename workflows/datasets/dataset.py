@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
-from workflows.sources import FrameSource, MaskSource, SceneDepth, SceneFlow, SceneTracks
+from workflows.sources import DepthFiles, FrameSource, MaskSource, SceneDepth, SceneFlow, SceneTracks
 from workflows.sources.spelling import unknown_name
 
 
@@ -23,7 +23,7 @@ class SequenceSource(NamedTuple):
     objects : MaskSource or None
         All prominent objects, static ones included.
     depth, flow_forward, flow_backward, tracks : source or None
-        Exact cues.
+        Given cues.
     """
 
     name: str
@@ -32,7 +32,7 @@ class SequenceSource(NamedTuple):
     void: int | None = None
     num_motions: int | None = None
     objects: MaskSource | None = None
-    depth: SceneDepth | None = None
+    depth: SceneDepth | DepthFiles | None = None
     flow_forward: SceneFlow | None = None
     flow_backward: SceneFlow | None = None
     tracks: SceneTracks | None = None

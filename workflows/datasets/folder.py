@@ -4,9 +4,8 @@ import os
 from dataclasses import dataclass
 
 from schemas.errors import MissingInputError
-from workflows.datasets.annotated import holds_images
 from workflows.datasets.dataset import SequenceSource
-from workflows.datasets.sequence_folders import find_frames, list_sequences
+from workflows.datasets.sequence_folders import find_frames, holds_images, list_sequences
 from workflows.sources import open_frames, open_masks
 
 FRAME_FOLDERS = ("frames",)

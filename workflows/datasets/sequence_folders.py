@@ -1,10 +1,18 @@
-"""Layout of a folder a sequence, with frames in one subfolder and masks in another."""
+"""Folders of sequences, and where the frames lie in each."""
 
 import os
 
-from schemas.errors import MissingInputError
-from workflows.datasets.annotated import holds_images
-from workflows.sources.files import natural_key
+from workflows.sources.files import natural_key, unreadable
+from workflows.sources.image_files import IMAGE_SUFFIXES
+
+
+def list_sequences(root: str, subfolders: tuple[str, ...]) -> tuple[str, ...]:
+    """Names of the folders below `root` in which `find_frames` finds frames, in natural order, none hidden."""
+    try:
+        names = sorted((name for name in os.listdir(root) if not name.startswith(".")), key=natural_key)
+    except OSError as error:
+        raise unreadable(root, error) from error
+    return tuple(name for name in names if find_frames(os.path.join(root, name), subfolders))
 
 
 def find_frames(sequence_folder: str, subfolders: tuple[str, ...]) -> str | None:
@@ -16,9 +24,13 @@ def find_frames(sequence_folder: str, subfolders: tuple[str, ...]) -> str | None
     return None
 
 
-def list_sequences(root: str, subfolders: tuple[str, ...]) -> tuple[str, ...]:
-    """Names of the folders below `root` in which `find_frames` finds frames, in natural order."""
-    if not os.path.isdir(root):
-        raise MissingInputError("folder does not exist", where=root)
-    names = sorted(os.listdir(root), key=natural_key)
-    return tuple(name for name in names if find_frames(os.path.join(root, name), subfolders))
+def holds_images(folder: str) -> bool:
+    """True when `folder` is one and has an image in it; what is wrong with it is said when it is opened."""
+    if not os.path.isdir(folder):
+        return False
+    try:
+        with os.scandir(folder) as entries:
+            names = (entry.name for entry in entries)
+            return any(name.lower().endswith(IMAGE_SUFFIXES) and not name.startswith(".") for name in names)
+    except OSError as error:
+        raise unreadable(folder, error) from error

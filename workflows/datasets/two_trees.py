@@ -4,10 +4,10 @@ import os
 from dataclasses import dataclass
 
 from schemas.errors import MissingInputError
-from workflows.datasets.annotated import annotated_sequence, holds_images
+from workflows.datasets.annotated import annotated_sequence
 from workflows.datasets.dataset import SequenceSource
+from workflows.datasets.sequence_folders import list_sequences
 from workflows.sources import MaskKind
-from workflows.sources.files import natural_key
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,7 @@ class TwoTrees:
         tree = os.path.join(root, self.frames)
         if not os.path.isdir(tree):
             raise MissingInputError(f"no {self.name} below its root", where=tree, expected=self.tree)
-        names = sorted(os.listdir(tree), key=natural_key)
-        return tuple(name for name in names if holds_images(os.path.join(tree, name)))
+        return list_sequences(tree, ("",))
 
     def open_sequence(self, root: str, name: str, max_side: int) -> SequenceSource:
         """The sources of one sequence."""

@@ -1,21 +1,16 @@
-"""Files that `moseg segment` leaves behind: masks, an overlay video and a summary of the motions."""
+"""Files that commands leave behind: masks, an overlay video, a summary of the motions, tables."""
 
-from workflows.exports.draw_labels import draw_labels
-from workflows.exports.motion_json import (
-    MotionSummary,
-    ObjectSummary,
-    SequenceSummary,
-    summarise_sequence,
-    write_motion,
-)
+from workflows.exports.motion_json import ObjectSummary, SequenceSummary, summarise_sequence, write_motion
 from workflows.exports.palette import davis_palette, identity_colours
 from workflows.exports.write_masks import write_masks
-from workflows.exports.write_overlay import write_overlay
+from workflows.exports.write_overlay import draw_labels, write_overlay
+from workflows.exports.write_text import check_folder, check_writable, write_text
 
 __all__ = [
-    "MotionSummary",
     "ObjectSummary",
     "SequenceSummary",
+    "check_folder",
+    "check_writable",
     "davis_palette",
     "draw_labels",
     "identity_colours",
@@ -23,4 +18,5 @@ __all__ = [
     "write_masks",
     "write_motion",
     "write_overlay",
+    "write_text",
 ]

@@ -1,4 +1,4 @@
-"""``motion.json``: what moves in each sequence, when and how large."""
+"""``motion.json``: what moves in a video, when and how large."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -8,7 +8,7 @@ from pydantic import Field
 
 from schemas.errors import InputError
 from schemas.frozen import Frozen
-from workflows.exports.atomic_write import atomic_path, blame_output
+from workflows.exports.write_text import write_text
 
 
 class ObjectSummary(Frozen):
@@ -49,12 +49,6 @@ class SequenceSummary(Frozen):
     fps: float
     num_motions: int
     objects: tuple[ObjectSummary, ...]
-
-
-class MotionSummary(Frozen):
-    """What the file holds."""
-
-    sequences: tuple[SequenceSummary, ...]
 
 
 def summarise_sequence(
@@ -114,8 +108,6 @@ def summarise_sequence(
     )
 
 
-def write_motion(path: Path, sequences: Iterable[SequenceSummary]) -> None:
-    """Write the summaries as indented JSON; raises InputError where the file cannot be written."""
-    text = MotionSummary(sequences=tuple(sequences)).model_dump_json(indent=2)
-    with atomic_path(path) as temporary, blame_output(path):
-        temporary.write_text(text + "\n", encoding="utf-8")
+def write_motion(path: Path, summary: SequenceSummary) -> None:
+    """Write the summary as indented JSON; raises InputError where the file cannot be written."""
+    write_text(path, summary.model_dump_json(indent=2) + "\n")

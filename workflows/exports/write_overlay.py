@@ -1,5 +1,6 @@
 """The video with its moving objects drawn in: H.264 in MP4, as browsers play it."""
 
+import math
 from collections.abc import Iterable
 from fractions import Fraction
 from itertools import zip_longest
@@ -47,7 +48,7 @@ def write_overlay(path: Path, frames: Iterable[np.ndarray], labels: Iterable[np.
     InputError
         Where there is no frame, numbers or sizes differ, or the file cannot be written.
     """
-    if not fps > 0:
+    if not 0 < fps < math.inf:
         raise InputError("impossible frame rate", where=path, got=fps, expected="frames per second above 0")
     if _ENCODER not in av.codecs_available:
         raise InputError("no H.264 encoder", where=f"PyAV {av.__version__}", expected=f"a build with {_ENCODER}")

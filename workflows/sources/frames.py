@@ -27,7 +27,7 @@ class FrameSource(Protocol):
         """Original size and frame rate."""
 
     def num_frames(self) -> int:
-        """How many frames `read` yields."""
+        """How many frames `read` yields; a video is decoded for it, since its header may be wrong."""
 
     def chunks(self, size: int) -> tuple["FrameSource", ...]:
         """Sources of at most `size` frames that can be read in parallel; one source where that cannot be."""

@@ -91,7 +91,7 @@ def decode_mask(content: bytes, path: str, kind: MaskKind) -> np.ndarray:
             values = np.atleast_3d(np.asarray(image))
             channels = [values[..., i] for i, band in enumerate(image.getbands()) if band != "A"]
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
-        raise InputError("mask cannot be decoded", where=path, got=error) from error
+        raise InputError("mask cannot be decoded", where=path, got=f"{len(content)} bytes") from error
     if kind == "binary":
         return np.logical_or.reduce([channel != 0 for channel in channels]).astype(np.uint16)
     labels = channels[0]

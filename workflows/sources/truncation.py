@@ -27,7 +27,7 @@ def missing_bytes(path: str) -> int:
 
 
 def _media_data_end(file: BinaryIO, length: int) -> int:
-    """Position at which the last box of samples should end."""
+    """Position at which the last box of samples, or of a fragment's index, should end."""
     position = end = 0
     while position + 8 <= length:
         file.seek(position)
@@ -39,7 +39,7 @@ def _media_data_end(file: BinaryIO, length: int) -> int:
             # 0 means "to the end of the file"; 2..7 is no box.
             break
         position += size
-        if kind == b"mdat":
+        if kind in (b"mdat", b"moof"):
             end = position
     return end
 

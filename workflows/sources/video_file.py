@@ -54,7 +54,8 @@ class VideoFile:
             No video, no frame in it, or a video that cannot be decoded to its end: frames are never lost in silence.
         """
         size = None
-        for number, image in enumerate(self._decode()):
+        for number, frame in enumerate(self._decode()):
+            image = _to_array(frame)
             size = size or image.shape[:2]
             if image.shape[:2] != size:
                 raise InputError("video changes its size", where=f"{self.path} at frame {number}", expected="one size")
@@ -72,7 +73,7 @@ class VideoFile:
         with _open(self.path) as container:
             stream = _video_stream(container, self.path)
             rate = stream.average_rate or stream.guessed_rate
-        return FrameDescription(first.shape[:2], float(rate) if rate else None)
+        return FrameDescription(_to_array(first).shape[:2], float(rate) if rate else None)
 
     def num_frames(self) -> int:
         """Frames that decode; the count in a file's header is not always true, so all are decoded."""
@@ -82,7 +83,7 @@ class VideoFile:
         """Itself: a video decodes from its beginning."""
         return (self,)
 
-    def _decode(self) -> Iterator[np.ndarray]:
+    def _decode(self) -> Iterator[av.VideoFrame]:
         number = 0
         with _open(self.path) as container:
             stream = _video_stream(container, self.path)
@@ -93,14 +94,18 @@ class VideoFile:
                     for frame in packet.decode():
                         if frame.is_corrupt:
                             raise _broken(self.path, number, "damaged data")
-                        image = frame.to_ndarray(format="rgb24")
-                        matrix = frame.side_data.get("DISPLAYMATRIX")
-                        yield image if matrix is None else upright(image, bytes(matrix))
+                        yield frame
                         number += 1
                     if packet.is_corrupt:
                         raise _broken(self.path, number, "a damaged packet")
             except av.FFmpegError as error:
                 raise _broken(self.path, number, error.strerror) from error
+
+
+def _to_array(frame: av.VideoFrame) -> np.ndarray:
+    image = frame.to_ndarray(format="rgb24")
+    matrix = frame.side_data.get("DISPLAYMATRIX")
+    return image if matrix is None else upright(image, bytes(matrix))
 
 
 def _open(path: str) -> InputContainer:

@@ -90,6 +90,7 @@ def test_a_frame_of_another_size_is_found_across_chunks(tmp_path, picture, write
 def test_chunks_are_the_whole_in_order(tmp_path, picture, write_image):
     paths = tuple(write_image(tmp_path / f"{i}.png", np.roll(picture, i, 1)) for i in range(5))
     whole = ImageFiles(paths, 32)
+    assert whole.num_frames() == 5
     chunks = whole.chunks(2)
     assert [len(chunk.paths) for chunk in chunks] == [2, 2, 1]
     np.testing.assert_array_equal([image for chunk in chunks for image in chunk.read()], list(whole.read()))

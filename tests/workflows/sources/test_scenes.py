@@ -21,6 +21,7 @@ def test_sources_give_what_is_rendered(tiny):
     frames = SceneFrames("tiny")
     np.testing.assert_array_equal(list(frames.read()), rendered.images)
     assert frames.describe() == ((30, 53), None)
+    assert frames.num_frames() == 3
     assert frames.chunks(1) == (frames,)
     for which in ("moving", "objects"):
         indices, labels = zip(*SceneMasks("tiny", which).read(), strict=True)

@@ -26,6 +26,7 @@ def test_every_frame_comes_once_in_order(tmp_path, write_video, moving, suffix):
     video = VideoFile(write_video(tmp_path / f"a{suffix}", moving), 1000)
     assert_nearly(list(video.read()), moving)
     assert video.describe() == ((48, 64), 25.0)
+    assert video.num_frames() == len(moving)
     assert video.chunks(3) == (video,)
 
 

@@ -1,0 +1,28 @@
+"""The object under a point."""
+
+import numpy as np
+
+OUTSIDE = -1
+
+
+def labels_at(mask: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Label of the pixel nearest to each point.
+
+    Parameters
+    ----------
+    mask : uint16 (y, x)
+    points : float (N, 2)
+        xy, px.
+
+    Returns
+    -------
+    labels : int64 (N,)
+        -1 for points outside the frame.
+    """
+    height, width = mask.shape
+    # Halves go up: rounding to even would make the nearest pixel depend on the parity of the position.
+    x, y = np.floor(points + 0.5).astype(np.int64).T
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    labels = np.full(len(points), OUTSIDE, dtype=np.int64)
+    labels[inside] = mask[y[inside], x[inside]]
+    return labels

@@ -1,0 +1,277 @@
+"""The laws that every artifact store keeps, run on each kind of store."""
+
+import pickle
+from abc import ABC, abstractmethod
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
+from schemas.recipes import Recipe
+from store import ArtifactStore, LocalStore, PutOutcome
+
+RECIPE = Recipe(task="toy", version=2, params={"gap": 3}, inputs={"frame": "frame/" + "0" * 64})
+MASKS = np.arange(4 * 5 * 6, dtype=np.uint16).reshape(4, 5, 6)
+SCORES = np.array([0.5, -0.0, np.nan, np.inf])
+ARRAYS = {"masks": MASKS, "scores": SCORES}
+DIMS = {"masks": ("frame", "y", "x"), "scores": ("object",)}
+ABSENT = "toy/" + "f" * 64
+
+
+class StoreContract(ABC):
+    """Subclass as ``Test…`` and say how to open a store and how to reach its bytes without it."""
+
+    @abstractmethod
+    def open(self, tmp_path: Path) -> ArtifactStore:
+        """A store in this folder, the same one at each call."""
+
+    @abstractmethod
+    def files(self, store: ArtifactStore, ref: str) -> list[str]:
+        """Names of the files of one artifact."""
+
+    @abstractmethod
+    def read_raw(self, store: ArtifactStore, ref: str, name: str) -> bytes:
+        """Content of a file."""
+
+    @abstractmethod
+    def write_raw(self, store: ArtifactStore, ref: str, name: str, content: bytes | None) -> None:
+        """Replace a file; delete it where `content` is None."""
+
+    @pytest.fixture
+    def store(self, tmp_path: Path) -> ArtifactStore:
+        return self.open(tmp_path)
+
+    @pytest.fixture
+    def ref(self, store: ArtifactStore) -> str:
+        assert store.put(RECIPE, ARRAYS, {"count": 7}, seconds=0.25, dims=DIMS) is PutOutcome.COMMITTED
+        return RECIPE.ref
+
+    def test_store_has_the_interface(self, store):
+        assert isinstance(store, ArtifactStore)
+
+    def test_has_only_what_was_put(self, store, ref):
+        assert store.has(ref)
+        assert not store.has(ABSENT)
+
+    def test_read_gives_the_bytes_that_were_put(self, store, ref):
+        for name, array in ARRAYS.items():
+            found = store.read(ref, name)
+            assert found.dtype == array.dtype and found.shape == array.shape
+            assert found.tobytes() == array.tobytes()
+
+    def test_what_was_read_belongs_to_the_caller(self, store, ref):
+        store.read(ref, "masks")[...] = 0
+        assert store.read(ref, "masks").tobytes() == MASKS.tobytes()
+
+    def test_put_leaves_its_input_alone(self, store):
+        array = MASKS.copy()
+        array.flags.writeable = False
+        store.put(RECIPE, {"masks": array}, dims={"masks": DIMS["masks"]})
+        assert np.array_equal(array, MASKS)
+
+    @pytest.mark.parametrize(("start", "stop"), [(0, 4), (1, 3), (3, 4), (2, 2), (0, 0), (4, 4)])
+    @pytest.mark.parametrize("name", ["masks", "scores"])
+    def test_read_rows_is_a_slice_of_read(self, store, ref, name, start, stop):
+        assert store.read_rows(ref, name, start, stop).tobytes() == ARRAYS[name][start:stop].tobytes()
+
+    @pytest.mark.parametrize(("start", "stop"), [(-1, 2), (3, 2), (0, 5)])
+    def test_rows_outside_the_array_are_bad_input(self, store, ref, start, stop):
+        with pytest.raises(InputError, match="rows"):
+            store.read_rows(ref, "masks", start, stop)
+
+    def test_manifest_says_what_is_stored_and_how_it_came_to_be(self, store, ref):
+        manifest = store.manifest(ref)
+        assert manifest.key == RECIPE.key and manifest.recipe == RECIPE and manifest.recipe.ref == ref
+        assert manifest.array("masks").shape == MASKS.shape
+        assert manifest.array("masks").dims == DIMS["masks"]
+        assert manifest.array("scores").dtype == "<f8"
+        assert manifest.seconds == 0.25
+        assert manifest.nbytes == sum(file.nbytes for file in manifest.files)
+        assert {"python", "numpy", "zarr"} <= manifest.versions.keys()
+        assert store.attributes(ref) == {"count": 7}
+
+    def test_artifact_without_arrays_keeps_its_attributes(self, store):
+        recipe = Recipe(task="score", version=1)
+        attributes = {"F": 0.1 + 0.2, "big": 2**60, "names": ["a", None, True], "nested": {"x": -0.0}}
+        store.put(recipe, {}, attributes, dims={})
+        assert repr(store.attributes(recipe.ref)) == repr(attributes)
+
+    @pytest.mark.parametrize("value", [float("nan"), float("inf"), {1, 2}, np.float64(1.0), {1: 2}])
+    def test_attributes_that_json_does_not_keep_are_refused(self, store, value):
+        with pytest.raises((TypeError, ValueError)):
+            store.put(RECIPE, ARRAYS, {"value": value}, dims=DIMS)
+        assert not store.has(RECIPE.ref)
+
+    def test_put_twice_keeps_the_first(self, store, ref):
+        created = store.manifest(ref).created
+        other = {"masks": MASKS + 1, "scores": SCORES}
+        assert store.put(RECIPE, other, {"count": 8}, dims=DIMS) is PutOutcome.LOST_RACE
+        assert store.read(ref, "masks").tobytes() == MASKS.tobytes()
+        assert store.manifest(ref).created == created
+
+    def test_put_that_loses_the_race_at_the_last_moment_is_a_success(self, store, ref, monkeypatch):
+        monkeypatch.setattr(type(store), "has", lambda self, ref: False)
+        assert store.put(RECIPE, {"masks": MASKS + 1, "scores": SCORES}, dims=DIMS) is PutOutcome.LOST_RACE
+        assert store.read(ref, "masks").tobytes() == MASKS.tobytes()
+        assert [result.is_intact for result in store.verify()] == [True]
+
+    def test_arrays_of_a_known_task_must_have_its_layout(self, store):
+        recipe = Recipe(task="flow", version=1)
+        with pytest.raises(StoreError, match="float32"):
+            store.put(recipe, {"flow": np.zeros((4, 5, 2))})
+        with pytest.raises(StoreError, match="flow"):
+            store.put(recipe, {"flows": np.zeros((4, 5, 2), np.float32)})
+        assert store.put(recipe, {"flow": np.zeros((4, 5, 2), np.float32)}) is PutOutcome.COMMITTED
+        assert store.manifest(recipe.ref).array("flow").dims == ("y", "x", "uv")
+
+    @pytest.mark.parametrize(
+        "array", [np.array(["a"]), np.array([None]), np.array(["2020"], dtype="M8[s]"), np.zeros(1, np.longdouble)]
+    )
+    def test_dtypes_without_portable_bytes_are_refused(self, store, array):
+        with pytest.raises(StoreError, match="dtype"):
+            store.put(RECIPE, {"x": array}, dims={"x": ("object",)})
+
+    def test_a_chunk_over_two_gibibytes_is_refused(self, store):
+        with pytest.raises(StoreError, match="too large"):
+            store.put(RECIPE, {"x": np.broadcast_to(np.uint8(0), 2**31)}, dims={"x": ("object",)})
+
+    @pytest.mark.parametrize(
+        "dims", [{}, {"x": ("a",)}, {"x": ("a", "b"), "y": ("a",)}, {"masks": ("frame",), "scores": ("object",)}]
+    )
+    def test_axis_names_must_fit_the_arrays(self, store, dims):
+        with pytest.raises(StoreError, match="axis names"):
+            store.put(RECIPE, ARRAYS, dims=dims)
+
+    def test_absent_artifact_is_a_key_error(self, store):
+        for read in (store.manifest, store.attributes, lambda ref: store.read(ref, "masks")):
+            with pytest.raises(MissingArtifactError, match="f" * 64):
+                read(ABSENT)
+        with pytest.raises(KeyError):
+            list(store.verify([ABSENT]))
+
+    def test_absent_array_names_those_that_are_there(self, store, ref):
+        with pytest.raises(StoreError, match="masks, scores"):
+            store.read(ref, "flow")
+
+    @pytest.mark.parametrize("bad", ["", "toy", "toy/0", "../" + "0" * 64, "toy/" + "A" * 64, "toy/" + "0" * 64 + "\n"])
+    def test_malformed_reference_is_bad_input(self, store, bad):
+        for call in (store.has, store.manifest, store.remove, lambda ref: store.quarantine(ref, "no reason")):
+            with pytest.raises(InputError, match="reference"):
+                call(bad)
+
+    def test_refs_are_listed_in_order_and_by_task(self, store, ref):
+        others = [Recipe(task=task, version=number) for task in ("apple", "zoo") for number in range(3)]
+        for recipe in others:
+            store.put(recipe, {}, dims={})
+        assert list(store.refs()) == sorted([ref, *(recipe.ref for recipe in others)])
+        assert list(store.refs("zoo")) == sorted(recipe.ref for recipe in others[3:])
+        assert list(store.refs("nothing")) == []
+
+    def test_usage_counts_artifacts_and_bytes_by_task(self, store, ref):
+        store.put(Recipe(task="apple", version=1), {}, dims={})
+        usage = store.usage()
+        assert usage.keys() == {"apple", "toy"}
+        assert usage["toy"].num_artifacts == 1
+        assert usage["toy"].nbytes > store.manifest(ref).nbytes
+
+    def test_removed_artifact_is_gone_and_can_be_put_again(self, store, ref):
+        assert store.remove(ref) and not store.remove(ref)
+        assert not store.has(ref) and list(store.refs()) == []
+        assert store.put(RECIPE, ARRAYS, dims=DIMS) is PutOutcome.COMMITTED
+
+    def test_quarantined_artifact_is_a_miss_and_can_be_put_again(self, store, ref):
+        assert store.quarantine(ref, "bad bytes")
+        assert not store.quarantine(ref, "bad bytes")
+        assert not store.has(ref)
+        with pytest.raises(MissingArtifactError):
+            store.manifest(ref)
+        assert store.put(RECIPE, ARRAYS, dims=DIMS) is PutOutcome.COMMITTED
+
+    def test_store_can_be_pickled(self, store, ref):
+        copy = pickle.loads(pickle.dumps(store))
+        assert copy.read(ref, "masks").tobytes() == MASKS.tobytes()
+
+    def test_another_handle_sees_the_artifact(self, store, ref, tmp_path):
+        assert self.open(tmp_path).has(ref)
+
+    def test_verify_passes_intact_artifacts(self, store, ref):
+        store.put(Recipe(task="apple", version=1), {}, {"a": 1}, dims={})
+        assert [(result.ref, result.problem) for result in store.verify(store.refs())] == [
+            (ref, None) for ref in store.refs()
+        ]
+
+    def test_a_lost_chunk_is_never_read_as_zeros(self, store, ref):
+        chunks = [name for name in self.files(store, ref) if "/c" in name]
+        assert len(chunks) == 5
+        for name in chunks:
+            content = self.read_raw(store, ref, name)
+            self.write_raw(store, ref, name, None)
+            with pytest.raises(CorruptArtifactError) as caught:
+                store.read(ref, name.partition("/")[0])
+            assert caught.value.ref == ref
+            self.write_raw(store, ref, name, content)
+
+    def test_read_rows_needs_only_the_chunks_of_those_rows(self, store, ref):
+        self.write_raw(store, ref, next(name for name in self.files(store, ref) if "masks/c.3" in name), None)
+        assert np.array_equal(store.read_rows(ref, "masks", 0, 3), MASKS[:3])
+        with pytest.raises(CorruptArtifactError):
+            store.read_rows(ref, "masks", 2, 4)
+
+    def test_damage_to_any_file_is_found(self, store, ref):
+        for name in self.files(store, ref):
+            content = self.read_raw(store, ref, name)
+            flipped = bytes([content[0] ^ 1]) + content[1:]
+            for damaged in (None, b"", content[:-1], content + b"\0", flipped, bytes(len(content))):
+                self.write_raw(store, ref, name, damaged)
+                assert [result.is_intact for result in store.verify()] == [False], (name, damaged)
+            self.write_raw(store, ref, name, content)
+        assert [result.is_intact for result in store.verify()] == [True]
+
+    def test_checked_read_finds_a_chunk_of_another_artifact(self, store, ref):
+        other = Recipe(task="toy", version=3)
+        store.put(other, {"masks": MASKS[::-1], "scores": SCORES}, dims=DIMS)
+        name = next(name for name in self.files(store, ref) if "masks/c.0" in name)
+        self.write_raw(store, ref, name, self.read_raw(store, other.ref, name))
+        with pytest.raises(CorruptArtifactError):
+            store.read(ref, "masks", check=True)
+        assert store.read(other.ref, "masks", check=True).tobytes() == MASKS[::-1].tobytes()
+
+    def test_pins_are_listed_until_unpinned(self, store, ref):
+        store.pin("run-1", [ref, ABSENT])
+        assert store.pinned()["run-1"].refs == (ref, ABSENT)
+        assert store.unpin("run-1") and not store.unpin("run-1")
+        assert store.pinned() == {}
+
+    def test_gc_deletes_what_no_pin_reaches(self, store, ref):
+        other = Recipe(task="apple", version=1)
+        store.put(other, {}, dims={})
+        store.pin("run-1", [ref])
+        assert store.gc(grace_seconds=0).removed == (other.ref,)
+        assert store.has(other.ref)
+        report = store.gc(is_dry=False, grace_seconds=0)
+        assert report.removed == (other.ref,) and report.num_kept == 1 and report.nbytes > 0
+        assert list(store.refs()) == [ref]
+
+
+class TestLocalStore(StoreContract):
+    def open(self, tmp_path):
+        return LocalStore(tmp_path / "a store with blanks, ü and 動き")
+
+    def files(self, store, ref):
+        folder = self._folder(store, ref)
+        return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+
+    def read_raw(self, store, ref, name):
+        return (self._folder(store, ref) / name).read_bytes()
+
+    def write_raw(self, store, ref, name, content):
+        path = self._folder(store, ref) / name
+        path.unlink(missing_ok=True)
+        if content is not None:
+            path.write_bytes(content)
+
+    @staticmethod
+    def _folder(store, ref):
+        task, key = ref.split("/")
+        return store.root / "objects" / task / key[:2] / key

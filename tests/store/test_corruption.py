@@ -1,0 +1,133 @@
+"""No damaged byte is served, and none escapes ``verify``."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zarr
+
+from schemas.errors import CorruptArtifactError, MissingArtifactError
+from schemas.recipes import Recipe, split_ref
+from store import LocalStore
+
+RECIPE = Recipe(task="toy", version=1, params={"threshold": 0.5})
+ARRAY = np.arange(2 * 3 * 2, dtype=np.int16).reshape(2, 3, 2)
+
+
+@pytest.fixture
+def folder(store: LocalStore) -> Path:
+    store.put(RECIPE, {"x": ARRAY}, {"note": "é"}, dims={"x": ("frame", "y", "x")})
+    return folder_of(store, RECIPE.ref)
+
+
+def folder_of(store: LocalStore, ref: str) -> Path:
+    task, key = split_ref(ref)
+    return store.root / "objects" / task / key[:2] / key
+
+
+def problem(store: LocalStore) -> str | None:
+    (result,) = store.verify()
+    return result.problem
+
+
+def test_every_single_flipped_byte_is_found_and_never_read(store, folder):
+    paths = [path for path in folder.rglob("*") if path.is_file()]
+    assert sorted(path.name for path in paths) == ["c.0.0.0", "c.1.0.0", "manifest.json", "zarr.json", "zarr.json"]
+    for path in paths:
+        content = path.read_bytes()
+        for position in range(len(content)):
+            path.write_bytes(content[:position] + bytes([content[position] ^ 0x10]) + content[position + 1 :])
+            assert problem(store) is not None, (path.name, position)
+            if path == folder / "zarr.json":
+                # the group's own metadata, which reading an array does not need
+                assert np.array_equal(store.read(RECIPE.ref, "x"), ARRAY)
+                continue
+            with pytest.raises(CorruptArtifactError) as caught:
+                store.read(RECIPE.ref, "x")
+            assert caught.value.ref == RECIPE.ref
+        path.write_bytes(content)
+    assert problem(store) is None
+
+
+@pytest.mark.parametrize("name", ["extra.txt", "x/c.2.0.0", "x/extra", "y/zarr.json"])
+def test_an_added_file_is_found(store, folder, name):
+    (folder / name).parent.mkdir(exist_ok=True)
+    (folder / name).write_bytes(b"")
+    assert "wrong file" in problem(store)
+
+
+def test_a_link_in_place_of_a_file_is_found(store, folder, tmp_path):
+    shutil.move(folder / "x/c.0.0.0", tmp_path / "elsewhere")
+    (folder / "x/c.0.0.0").symlink_to(tmp_path / "elsewhere")
+    assert "wrong file" in problem(store)
+
+
+def test_a_folder_in_place_of_a_file_is_found(store, folder):
+    (folder / "x/c.0.0.0").unlink()
+    (folder / "x/c.0.0.0").mkdir()
+    assert problem(store) is not None
+    with pytest.raises(CorruptArtifactError):
+        store.read(RECIPE.ref, "x")
+
+
+def test_an_artifact_under_another_key_is_found(store, folder):
+    other = "toy/" + "ab" * 32
+    shutil.copytree(folder, folder_of(store, other))
+    with pytest.raises(CorruptArtifactError, match="another artifact"):
+        store.read(other, "x")
+    assert {result.ref: result.is_intact for result in store.verify()} == {RECIPE.ref: True, other: False}
+
+
+def test_a_manifest_that_is_not_json_has_a_one_line_error(store, folder):
+    (folder / "manifest.json").write_bytes(b"\xff\x00not json\n")
+    with pytest.raises(CorruptArtifactError, match="seal") as caught:
+        store.manifest(RECIPE.ref)
+    assert "\n" not in str(caught.value) and RECIPE.ref in str(caught.value)
+
+
+def test_an_empty_folder_is_damage_not_an_artifact(store, folder):
+    shutil.rmtree(folder)
+    folder.mkdir()
+    with pytest.raises(CorruptArtifactError):
+        store.manifest(RECIPE.ref)
+    assert problem(store) is not None
+
+
+def test_damage_is_quarantined_with_its_bytes_and_reason_and_can_be_put_again(store, folder):
+    (folder / "x/c.0.0.0").write_bytes(b"junk")
+    assert store.quarantine(RECIPE.ref, "file of another length")
+    (slot,) = (store.root / "quarantine").iterdir()
+    assert (slot / "artifact/x/c.0.0.0").read_bytes() == b"junk"
+    reason = json.loads((slot / "reason.json").read_text())
+    assert (reason["ref"], reason["reason"]) == (RECIPE.ref, "file of another length")
+    store.put(RECIPE, {"x": ARRAY}, dims={"x": ("frame", "y", "x")})
+    assert np.array_equal(store.read(RECIPE.ref, "x"), ARRAY)
+
+
+def test_a_second_quarantine_leaves_nothing_behind(store, folder):
+    assert store.quarantine(RECIPE.ref, "first")
+    assert not store.quarantine(RECIPE.ref, "second")
+    assert len(list((store.root / "quarantine").iterdir())) == 1
+
+
+def test_an_artifact_removed_while_it_is_verified_is_passed_over(store, folder, put_toy):
+    refs = sorted([RECIPE.ref, put_toy(store, 1)])
+    results = store.verify()
+    assert next(results).ref == refs[0]
+    store.remove(refs[1])
+    assert list(results) == []
+
+
+def test_plain_zarr_would_read_the_lost_chunk_as_zeros(store, folder):
+    (folder / "x/c.0.0.0").unlink()
+    assert not zarr.open_group(folder, mode="r")["x"][0].any()
+    with pytest.raises(CorruptArtifactError):
+        store.read(RECIPE.ref, "x")
+
+
+def test_a_vanished_artifact_is_missing_not_corrupt(store, folder):
+    shutil.rmtree(folder)
+    with pytest.raises(MissingArtifactError):
+        store.read(RECIPE.ref, "x")

@@ -1,0 +1,122 @@
+"""Imports between the rooms run one way, and nothing anywhere runs data as code."""
+
+import ast
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+ROOMS = ("schemas", "store", "moseg_tasks", "workflows")
+SCIENCE = {"cv2", "kmedoids", "numpy", "poselib", "pydantic", "scipy", "sklearn", "torch"}
+FILE_MODULES = {"fileinput", "ftplib", "glob", "http", "io", "os", "pathlib", "shelve", "shutil", "socket", "sqlite3"}
+FILE_MODULES |= {"subprocess", "tempfile", "urllib", "zipfile"}
+
+
+class Rule(NamedTuple):
+    """What a room may import beside itself: other rooms, libraries, and the standard library but for `no_stdlib`."""
+
+    rooms: set[str]
+    libraries: set[str]
+    no_stdlib: set[str] = frozenset()
+
+
+RULES = {
+    "schemas": Rule(set(), {"numpy", "pydantic"}),
+    "store": Rule({"schemas"}, {"numpy", "pydantic", "zarr"}),
+    "moseg_tasks": Rule({"schemas"}, SCIENCE, FILE_MODULES),
+    "workflows": Rule(
+        {"schemas", "store", "moseg_tasks"},
+        SCIENCE | {"PIL", "av", "dask", "distributed", "psutil", "rich", "threadpoolctl", "typer"},
+    ),
+}
+
+
+def _imports(tree: ast.AST) -> set[str]:
+    """Top-level packages that a module imports, wherever in it; relative imports count as their own room's."""
+    found = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.partition(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            found.add(node.module.partition(".")[0])
+    return found
+
+
+def _forbidden_imports(room: str, source: str) -> set[str]:
+    rule = RULES[room]
+    allowed = {room} | rule.rooms | rule.libraries | (sys.stdlib_module_names - rule.no_stdlib)
+    return _imports(ast.parse(source)) - allowed
+
+
+def _code_from_data(source: str) -> list[str]:
+    """Calls that run what they read: ``eval``, ``exec``, pickles, and NumPy or torch files that may hold pickles."""
+    tree = ast.parse(source)
+    pickles = {"cloudpickle", "dill", "joblib", "marshal", "pickle", "shelve"}
+    found = sorted(_imports(tree) & pickles)
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Call):
+            continue
+        name = ast.unparse(node.func)
+        pickled = {word.arg: word.value for word in node.keywords}.get("allow_pickle")
+        is_pickled = pickled is not None and not (isinstance(pickled, ast.Constant) and pickled.value is False)
+        if name in ("eval", "exec", "compile", "__import__") or name.endswith("torch.load") or is_pickled:
+            found.append(f"{name} in line {node.lineno}")
+    return found
+
+
+def _opens_files(source: str) -> list[int]:
+    calls = (node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Call))
+    files = {"open", "cv2.imread", "cv2.imwrite", "cv2.VideoCapture", "np.load", "np.save", "np.savez", "np.fromfile"}
+    return [call.lineno for call in calls if ast.unparse(call.func) in files]
+
+
+def _sources(*folders: str) -> list[Path]:
+    return sorted(path for folder in folders for path in (ROOT / folder).rglob("*.py"))
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_room_imports_only_what_it_may(room):
+    found = {path.relative_to(ROOT).as_posix(): _forbidden_imports(room, path.read_text()) for path in _sources(room)}
+    assert found, f"no source below {room}/"
+    assert {name: imports for name, imports in found.items() if imports} == {}
+
+
+def test_science_opens_no_files():
+    found = {path.relative_to(ROOT).as_posix(): _opens_files(path.read_text()) for path in _sources("moseg_tasks")}
+    assert {name: lines for name, lines in found.items() if lines} == {}
+
+
+def test_no_code_runs_what_it_reads():
+    paths = [path for path in _sources(*ROOMS, "benchmarks", "tests") if path != Path(__file__).resolve()]
+    found = {path.relative_to(ROOT).as_posix(): _code_from_data(path.read_text()) for path in paths}
+    assert {name: calls for name, calls in found.items() if calls} == {}
+
+
+@pytest.mark.parametrize(
+    ("room", "source"),
+    [
+        ("schemas", "import store"),
+        ("schemas", "def f():\n    from zarr import open_group"),
+        ("store", "import moseg_tasks.flow"),
+        ("store", "from dask import delayed"),
+        ("store", "import cv2"),
+        ("moseg_tasks", "from pathlib import Path"),
+        ("moseg_tasks", "import os.path"),
+        ("moseg_tasks", "from workflows.resize import resize_labels"),
+        ("moseg_tasks", "import distributed"),
+        ("workflows", "import zarr"),
+    ],
+)
+def test_an_import_the_wrong_way_is_noticed(room, source):
+    assert _forbidden_imports(room, source)
+
+
+@pytest.mark.parametrize(
+    "source",
+    ["eval(x)", "exec(x)", "import pickle", "torch.load(p)", "np.load(p, allow_pickle=True)", "np.load(p, allow_pickle=a)"],
+)
+def test_running_data_is_noticed(source):
+    assert _code_from_data(source)
+    assert not _code_from_data("model.eval()\nnp.load(p, allow_pickle=False)\nre.compile(x)")

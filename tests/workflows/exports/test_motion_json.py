@@ -1,0 +1,53 @@
+"""motion.json says what moves, when and how large."""
+
+import json
+
+import numpy as np
+import pytest
+
+from schemas.errors import InputError
+from workflows.exports import summarise_sequence, write_motion
+
+
+@pytest.fixture
+def labels():
+    """Identity 2 covers 8 px of frames 1 and 3, identity 5 covers 20 px of frame 2; a frame has 80 px."""
+    volume = np.zeros((4, 8, 10), dtype=np.uint16)
+    volume[1::2, 0:2, 0:4] = 2
+    volume[2, 2:6, 5:10] = 5
+    return volume
+
+
+def test_summary_follows_each_identity(labels):
+    summary = summarise_sequence("dog", iter(labels), 25, 3, motions={2: 1, 5: 2, 9: 2}, scores={5: 0.75})
+    assert (summary.num_frames, summary.width, summary.height, summary.num_motions) == (4, 10, 8, 3)
+    second, fifth = summary.objects
+    assert (second.identity, second.motion, second.score) == (2, 1, None)
+    assert (second.first_frame, second.last_frame, second.num_frames) == (1, 3, 2)
+    assert second.mean_area_fraction == pytest.approx(0.1)
+    assert (fifth.first_frame, fifth.last_frame, fifth.num_frames, fifth.score) == (2, 2, 1, 0.75)
+    assert fifth.mean_area_fraction == pytest.approx(0.25)
+
+
+def test_file_holds_the_summary(tmp_path, labels):
+    write_motion(tmp_path / "new" / "motion.json", summarise_sequence("dog", labels, 25, 2, {2: 1, 5: 1}))
+    content = json.loads((tmp_path / "new" / "motion.json").read_text())
+    assert content["name"] == "dog"
+    assert [entry["identity"] for entry in content["objects"]] == [2, 5]
+    assert [entry.name for entry in (tmp_path / "new").iterdir()] == ["motion.json"]
+
+
+def test_a_still_video_has_no_objects(labels):
+    assert summarise_sequence("still", labels * 0, 25, 1, {}).objects == ()
+
+
+def test_no_frame_is_refused():
+    with pytest.raises(InputError, match="no frame to summarise in dog"):
+        summarise_sequence("dog", [], 25, 1, {})
+
+
+def test_a_path_that_cannot_be_written_is_named(tmp_path, labels):
+    (tmp_path / "motion.json").mkdir()
+    with pytest.raises(InputError, match=r"cannot write in .*motion.json"):
+        write_motion(tmp_path / "motion.json", summarise_sequence("dog", labels, 25, 2, {2: 1, 5: 1}))
+    assert [entry.name for entry in tmp_path.iterdir()] == ["motion.json"]

@@ -1,0 +1,30 @@
+"""Text files: checked before the work, written whole or not at all."""
+
+import tempfile
+from pathlib import Path
+
+from schemas.errors import InputError
+from workflows.exports.atomic_write import atomic_path, blame_output
+
+
+def check_writable(path: Path) -> None:
+    """Raise InputError now rather than after the work where no file could be written at `path`; folders are created."""
+    path = Path(path)
+    if path.is_dir():
+        raise InputError("cannot write a file", where=path, got="a folder", expected="a file name")
+    check_folder(path.parent)
+
+
+def check_folder(folder: Path) -> None:
+    """Raise InputError where no file could be written in `folder`, which is created where it is absent."""
+    with blame_output(folder):
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+
+
+def write_text(path: Path, text: str) -> None:
+    """Replace the file at `path` by `text`, UTF-8; raises InputError where it cannot be written."""
+    path = Path(path)
+    with atomic_path(path) as temporary, blame_output(path):
+        temporary.write_text(text, encoding="utf-8")
