@@ -49,8 +49,19 @@ def _run(coroutine: Coroutine[Any, Any, T]) -> T:
         loop.set_default_executor(_CallingThread(max_workers=1))
     try:
         return loop.run_until_complete(coroutine)
+    except BaseException:
+        # of several chunks one failed: the others must not go on in the next call
+        loop.run_until_complete(_cancel_all())
+        raise
     finally:
         _idle.append(loop)
+
+
+async def _cancel_all() -> None:
+    tasks = asyncio.all_tasks() - {asyncio.current_task()}
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*tasks, return_exceptions=True)
 
 
 def _is_loop_running() -> bool:

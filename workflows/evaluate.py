@@ -19,6 +19,9 @@ def evaluate(
 ) -> EvaluationReport:
     """Score each variant on every sequence; equal nodes of the variants are computed once.
 
+    The cues that all motion models start from are computed whatever the variants, so that an evaluation of other
+    variants finds them.
+
     Raises
     ------
     InputError
@@ -27,13 +30,14 @@ def evaluate(
     scores: dict[tuple[Variant, str], str] = {}
 
     def build():
-        recipes = {}
+        recipes, cues = {}, []
         for leaves in ingest_sequences(session, sources, config, annotated=True):
             graph = SequenceGraph(leaves, config)
             for variant in variants:
                 scores[variant, leaves.name] = graph.score(variant)
+            cues.extend(graph.cues())
             recipes |= graph.recipes
-        return recipes, tuple(scores.values())
+        return recipes, (*scores.values(), *cues)
 
     def read():
         return {ref: SequenceScore(**session.store.attributes(ref)) for ref in scores.values()}

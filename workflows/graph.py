@@ -120,12 +120,24 @@ class SequenceGraph:
         )
 
     def residuals(self, view: str) -> tuple[str, ...]:
-        """References of the residuals of every frame pair under one motion model."""
+        """References of the residuals of every section's frame pairs under one motion model."""
         num_frames = len(self.leaves.frames)
-        if view == "trajs":
-            gap = min(self._config.fundamental.gap, max(num_frames - 1, 0))
-            return tuple(self._fundamental_residual(frame, gap) for frame in range(num_frames - gap)) if gap else ()
-        return tuple(self._flow_residual(frame, view) for frame in range(num_frames - 1))
+        gap = min(self._config.fundamental.gap, num_frames - 1) if view == "trajs" else 1
+        refs = []
+        for index, section in enumerate(self._sections):
+            num_pairs = min(section.stop, num_frames - gap) - section.start
+            if num_pairs > 0:
+                refs.append(
+                    self._fundamental_residual(index, num_pairs, gap)
+                    if view == "trajs"
+                    else self._flow_residual(index, num_pairs, view)
+                )
+        return tuple(refs)
+
+    def cues(self) -> tuple[str, ...]:
+        """References of the tracks and of the forward flow: what every motion model starts from."""
+        flows = (self.flow(frame, frame + 1) for frame in range(len(self.leaves.frames) - 1))
+        return (*(self.tracks(index) for index in range(len(self._sections))), *flows)
 
     def proposals(self, index: int) -> str:
         """Reference of a section's object proposals."""
@@ -215,31 +227,27 @@ class SequenceGraph:
             {"frames": self.leaves.frames[section.start : stop], "proposals": self.proposals(index)},
         )
 
-    def _fundamental_residual(self, frame: int, gap: int) -> str:
-        index, offset = divmod(frame, self._config.sections.length)
+    def _fundamental_residual(self, index: int, num_pairs: int, gap: int) -> str:
         cues = {"tracks": self.tracks(index), "linking": self.linking()}
-        pair = {"section": index, "offset": offset, "gap": gap}
+        pairs = {"section": index, "num_pairs": num_pairs, "gap": gap}
         params = self._config.fundamental.model_dump(mode="json", exclude={"gap"})
-        fit = {**pair, "shape": list(self.leaves.shape), "fundamental": params}
+        fit = {**pairs, "shape": list(self.leaves.shape), "fundamental": params}
         fits = self._node("fundamental", "ransac", fit, cues)
         read = {name: params[name] for name in ("statistic", "min_points")}
-        return self._node("fundamental_residual", "sampson", {**pair, "fundamental": read}, {"fits": fits, **cues})
+        return self._node("fundamental_residual", "sampson", {**pairs, "fundamental": read}, {"fits": fits, **cues})
 
-    def _flow_residual(self, frame: int, model: str) -> str:
-        index, offset = divmod(frame, self._config.sections.length)
+    def _flow_residual(self, index: int, num_pairs: int, model: str) -> str:
+        start = self._sections[index].start
+        frames = range(start, start + num_pairs)
         inputs = {
-            "flow": self.flow(frame, frame + 1),
+            "flow": tuple(self.flow(frame, frame + 1) for frame in frames),
             "proposals": self.proposals(index),
             "linking": self.linking(),
         }
         if model != "oc" and self._config.depth.method != "none":
-            inputs["depth"] = self._required("depth", f"depth: {self._config.depth.method}")[frame]
-        params = {
-            "section": index,
-            "offset": offset,
-            "model": model,
-            "flow_model": self._config.flow_model.model_dump(mode="json"),
-        }
+            depth = self._required("depth", f"depth: {self._config.depth.method}")
+            inputs["depth"] = tuple(depth[frame] for frame in frames)
+        params = {"section": index, "model": model, "flow_model": self._config.flow_model.model_dump(mode="json")}
         fits = self._node("flow_model", "least-squares", params, inputs)
         return self._node("flow_residual", "mean-squared-error", {}, {"fits": fits})
 

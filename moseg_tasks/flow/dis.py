@@ -43,7 +43,9 @@ def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) ->
     """
     for name, image in (("image0", image0), ("image1", image1)):
         if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or image.size == 0:
-            raise InputError("not an RGB frame", where=name, got=f"{image.dtype} {image.shape}", expected="uint8 (y, x, 3)")
+            raise InputError(
+                "not an RGB frame", where=name, got=f"{image.dtype} {image.shape}", expected="uint8 (y, x, 3)"
+            )
     if image0.shape != image1.shape:
         raise InputError("frames of a pair differ in size", got=image1.shape[:2], expected=image0.shape[:2])
     height, width = image0.shape[:2]

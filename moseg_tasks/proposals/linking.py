@@ -1,6 +1,7 @@
 """Identities of objects across sections that share frames."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -62,7 +63,7 @@ def link_sections(overlaps: Sequence[np.ndarray], num_objects: Sequence[int], pa
     InputError
         The counts do not fit the sections.
     """
-    expected = [(a + 1, b + 1) for a, b in zip(num_objects, num_objects[1:], strict=False)]
+    expected = [(a + 1, b + 1) for a, b in pairwise(num_objects)]
     if [np.shape(counts) for counts in overlaps] != expected:
         raise InputError(
             "overlaps do not fit the sections", got=[np.shape(counts) for counts in overlaps], expected=expected

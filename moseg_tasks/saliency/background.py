@@ -5,7 +5,6 @@ from typing import NamedTuple
 import numpy as np
 import poselib
 
-from moseg_tasks.saliency.grid import pixel_grid
 from schemas.parameters import SaliencyParams
 
 _MINIMAL_SAMPLE = 4
@@ -59,12 +58,14 @@ def _centre(shape: tuple[int, int]) -> np.ndarray:
 
 
 def _samples(flow: np.ndarray, step: int, among: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and vectors float64 (N, 2) on a coarse grid, those of `among` only."""
+    """Positions and vectors float64 (N, 2) on a grid of `step` px, those of `among` only."""
     height, width = flow.shape[:2]
-    picked = np.s_[step // 2 % height :: step, step // 2 % width :: step]
-    points, vectors = pixel_grid((height, width))[picked], flow[picked]
-    kept = np.ones(points.shape[:2], bool) if among is None else among[picked]
-    return points[kept].astype(np.float64), vectors[kept].astype(np.float64)
+    rows, columns = np.arange(step // 2 % height, height, step), np.arange(step // 2 % width, width, step)
+    y, x = np.meshgrid(rows, columns, indexing="ij")
+    if among is not None:
+        kept = among[y, x]
+        y, x = y[kept], x[kept]
+    return np.column_stack([x.ravel(), y.ravel()]).astype(np.float64), flow[y, x].reshape(-1, 2).astype(np.float64)
 
 
 def _ransac_homography(points0: np.ndarray, points1: np.ndarray, params: SaliencyParams) -> np.ndarray | None:

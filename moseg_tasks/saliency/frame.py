@@ -83,7 +83,9 @@ def _is_given(frame: np.ndarray, other: np.ndarray | None, flow: np.ndarray | No
     if other is None and flow is None:
         return False
     if other is None or flow is None:
-        raise InputError("a neighbouring frame and its flow belong together", got="one of them", expected="both or none")
+        raise InputError(
+            "a neighbouring frame and its flow belong together", got="one of them", expected="both or none"
+        )
     if other.shape != frame.shape or flow.shape != (*frame.shape[:2], 2):
         raise InputError(
             "neighbour of another size", got=f"{other.shape}, flow {flow.shape}", expected=f"{frame.shape} and its flow"

@@ -44,9 +44,7 @@ def fit_layers(flow: np.ndarray, params: SaliencyParams) -> Background:
     if _border_share(support) <= params.layer_border:
         return first
     better = second.residual < first.residual
-    return Background(
-        np.where(better[..., None], second.flow, first.flow), np.minimum(first.residual, second.residual)
-    )
+    return Background(np.where(better[..., None], second.flow, first.flow), np.minimum(first.residual, second.residual))
 
 
 def _explain(flow: np.ndarray, motion: AffineMotion) -> Background:

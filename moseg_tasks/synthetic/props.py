@@ -36,7 +36,7 @@ def texture(palette: str, seed: int, texel: float = 0.012, pattern: str = "blotc
 
 def moving_from(
     at: GroundVector, velocity: GroundVector = (0.0, 0.0), height: float = 0.0, sways: tuple[Sway, ...] = ()
-):
+) -> Path:
     """Path of a thing that starts on the ground at (x, z), ``height`` metres above it."""
     return Path(start=(at[0], -height, at[1]), velocity=(velocity[0], 0.0, velocity[1]), sways=sways)
 

@@ -1,9 +1,9 @@
 """Render a scene: frames and their exact masks, flow, inverse depth and point tracks.
 
-Geometry is float64 arithmetic on one thread without BLAS, so a scene has the same bytes in every process. Per-pixel maps
-use only correctly rounded operations (+ - * / sqrt), which are alike on all processors. What may vary: sines and cosines
+Geometry is float64 arithmetic on one thread without BLAS, so a scene has the same bytes in every process. Per-pixel
+maps use only correctly rounded operations (+ - * / sqrt), alike on all processors. What may vary: sines and cosines
 of a few scalars come from the C library, whose last bit differs between libraries and could move a pixel on an outline;
-and numpy may change the streams of its generators between versions, and with them textures, noise and seeds of tracks.
+and numpy may change its generators' streams between versions, and with them textures, noise and tracked points.
 """
 
 from typing import NamedTuple

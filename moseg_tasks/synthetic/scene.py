@@ -1,6 +1,6 @@
 """What a scene is: a backdrop, objects made of parts, and a moving camera, all declared as data."""
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from moseg_tasks.synthetic.paths import STILL, Path, Vector
 from moseg_tasks.synthetic.shapes import Billboard, Shape
@@ -77,3 +77,13 @@ class Scene(Frozen):
     width: int = Field(426, ge=16, description="px")
     num_frames: int = Field(24, ge=2)
     seed: int = Field(0, ge=0, description="seed of the sensor's noise and of the tracked points")
+    points_per_object: int = Field(60, ge=1, description="visible tracked points wanted on each object at a seeding")
+    points_on_backdrop: int = Field(300, ge=1, description="visible tracked points wanted on the backdrop at a seeding")
+    seed_every: int = Field(6, ge=1, description="frames between seedings, so that what enters late is tracked too")
+
+    @field_validator("backdrop")
+    @classmethod
+    def _backdrop_is_static(cls, backdrop: tuple[Part, ...]) -> tuple[Part, ...]:
+        if any(part.is_moving for part in backdrop):
+            raise ValueError("the backdrop moves: what moves is a thing")
+        return backdrop

@@ -47,13 +47,14 @@ def paint_texture(texture: Texture) -> MipMap:
     """Paint a texture and halve it down to 8 x 8 texels."""
     rng = np.random.default_rng(texture.seed)
     ground, spot, detail = (_noise(rng) for _ in range(3))
-    first, second, third = (np.array(color) for color in texture.palette)
-    color = first + (second - first) * np.clip(0.5 + 0.5 * ground, 0.0, 1.0)[..., None]
-    color += (third - color) * np.clip(3.0 * (spot - 0.8), 0.0, 1.0)[..., None]
-    color *= np.maximum(1.0 + texture.contrast * detail, 0.1)[..., None]
+    mix, spots = np.clip(0.5 + 0.5 * ground, 0.0, 1.0), np.clip(3.0 * (spot - 0.8), 0.0, 1.0)
+    brightness = np.maximum(1.0 + texture.contrast * detail, 0.1)
     if texture.pattern != "blotches":
-        color *= _joints(rng, texture.pattern)[..., None]
-    level = np.clip(color, 0.0, 255.0).astype(np.float32)
+        brightness *= _joints(rng, texture.pattern)
+    level = np.empty((SIZE, SIZE, 3), np.float32)
+    for channel, (first, second, third) in enumerate(zip(*texture.palette, strict=True)):
+        color = first + (second - first) * mix
+        level[..., channel] = np.clip((color + (third - color) * spots) * brightness, 0.0, 255.0)
     levels = [level]
     while len(level) > COARSEST:
         level = (level[::2, ::2] + level[1::2, ::2] + level[::2, 1::2] + level[1::2, 1::2]) * np.float32(0.25)

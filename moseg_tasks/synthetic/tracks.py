@@ -9,10 +9,6 @@ from moseg_tasks.synthetic.shapes import NEAREST_DEPTH
 from moseg_tasks.synthetic.trace import Hits, trace_points
 from moseg_tasks.synthetic.view import View, material_points, object_of_parts, project_points
 
-POINTS_PER_OBJECT = 60
-POINTS_ON_BACKDROP = 300
-SEED_EVERY = 6
-"""Frames between seedings, so that what enters late is tracked too."""
 _SAME_DEPTH = 1e-6
 """Relative difference of depth within which a ray has met the point itself: far above float64 rounding."""
 
@@ -42,11 +38,11 @@ def track_points(scene: Scene, views: list[View], hits: list[Hits]) -> Tracks:
     rng = np.random.default_rng([scene.seed, 1])
     tracks = [(np.zeros((0, len(views), 2)), np.zeros((0, len(views)), bool))]
     known = np.zeros(0, np.int64)
-    for frame in range(0, len(views), SEED_EVERY):
+    for frame in range(0, len(views), scene.seed_every):
         visible = np.concatenate([mask for _, mask in tracks])[:, frame]
         seen = np.bincount(known[visible], minlength=len(scene.things) + 1)
-        wanted = np.full(len(scene.things) + 1, POINTS_PER_OBJECT)
-        wanted[0] = POINTS_ON_BACKDROP
+        wanted = np.full(len(scene.things) + 1, scene.points_per_object)
+        wanted[0] = scene.points_on_backdrop
         for identity, missing in enumerate(wanted - seen):
             pixels = np.flatnonzero(_interior(owners[hits[frame].part] == identity))
             if missing <= 0 or len(pixels) == 0:

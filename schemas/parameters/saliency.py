@@ -49,9 +49,15 @@ class ProposalParams(Frozen):
     consistency_relative: float = Field(0.02, ge=0, description="forward-backward error allowed, share of |flow|^2")
     consistency_absolute: float = Field(0.5, gt=0, description="forward-backward error allowed, (px/frame)^2")
 
-    threshold: float = Field(0.6, gt=0, lt=1, description="accumulated saliency above which a pixel belongs to an object")
-    sharpness: float = Field(1.5, gt=0, description="slope from the logit of saliency to the logit of the score's weight")
-    border_share: float = Field(0.4, gt=0, le=1, description="share of outline on the frame's border that voids a score")
+    threshold: float = Field(
+        0.6, gt=0, lt=1, description="accumulated saliency above which a pixel belongs to an object"
+    )
+    sharpness: float = Field(
+        1.5, gt=0, description="slope from the logit of saliency to the logit of the score's weight"
+    )
+    border_share: float = Field(
+        0.4, gt=0, le=1, description="share of outline on the frame's border that voids a score"
+    )
     score_ratio: float = Field(0.1, ge=0, le=1, description="objects below this share of the best score are dropped")
     min_area: float = Field(0.0005, ge=0, le=1, description="least mean area over its frames, share of the frame")
     max_objects: int = Field(16, ge=1, le=65535, description="objects kept at most, best score first")
@@ -60,4 +66,6 @@ class ProposalParams(Frozen):
 class LinkingParams(Frozen):
     """Identities of objects across sections that share frames."""
 
-    min_iou: float = Field(0.3, gt=0, le=1, description="least overlap (IoU over the shared frames) of one object in two")
+    min_iou: float = Field(
+        0.3, gt=0, le=1, description="least overlap (IoU over the shared frames) of one object in two"
+    )

@@ -29,7 +29,7 @@ for number in range(8):
         os.read(gate, 1)
         array = np.full((4, 50, 50), number, np.float32)
         outcome = LocalStore(root).put(Recipe(task="toy", version=1), {"x": array}, dims={"x": ("frame", "y", "x")})
-        print(outcome, flush=True)
+        os.write(1, f"{outcome}\\n".encode())
         os._exit(0)
     writers.append(pid)
 os.close(opener)

@@ -9,7 +9,7 @@ from workflows.stages.task import Output, Task
 
 def _runner(method: str):
     def run(params, inputs, rng):
-        residuals = np.stack([pair.array("residual") for pair in inputs.all("residuals")])
+        residuals = np.concatenate([section.array("residual") for section in inputs.all("residuals")])
         return Output({"affinity": estimate_affinity(residuals, AffinityParams(method=method, **params))})
 
     return run

@@ -1,4 +1,7 @@
-"""The trajectory model of a frame pair: a fundamental matrix per object, and every object's residual under it."""
+"""The trajectory model of a section's frame pairs: a fundamental matrix per object, and every object's residual.
+
+The pairs of a section are stacked in one artifact: fitting a pair takes less time than storing it alone would.
+"""
 
 import numpy as np
 
@@ -8,34 +11,33 @@ from workflows.stages.task import Output, Task
 
 
 def _pair_points(params, inputs):
-    """Points visible in both frames of the pair: xy in each, and the object of the sequence that each lies on."""
-    frame0, frame1 = params["offset"], params["offset"] + params["gap"]
+    """For each pair the points visible in both frames: xy in each, and the object of the sequence that each lies on."""
     points, visible = inputs["tracks"].cached("points"), inputs["tracks"].cached("visible")
     identity = inputs["linking"].cached("identity")[params["section"]]
-    seen = visible[:, frame0] & visible[:, frame1]
-    points0, points1 = points[seen, frame0].astype(np.float64), points[seen, frame1].astype(np.float64)
-    return points0, points1, identity[inputs["tracks"].cached("object")[seen]]
+    owner = identity[inputs["tracks"].cached("object")]
+    for frame0 in range(params["num_pairs"]):
+        frame1 = frame0 + params["gap"]
+        seen = visible[:, frame0] & visible[:, frame1]
+        yield points[seen, frame0].astype(np.float64), points[seen, frame1].astype(np.float64), owner[seen]
 
 
 def _run_fit(params, inputs, rng):
-    points0, points1, owner = _pair_points(params, inputs)
-    fits = fit_fundamentals(
-        points0,
-        points1,
-        owner,
-        inputs["linking"].attributes["num_objects"],
-        FundamentalParams(**params["fundamental"]),
-        rng,
-        tuple(params["shape"]),
-    )
-    return Output(fits._asdict())
+    num_objects = inputs["linking"].attributes["num_objects"]
+    fundamental_params, shape = FundamentalParams(**params["fundamental"]), tuple(params["shape"])
+    fits = [
+        fit_fundamentals(*pair, num_objects, fundamental_params, rng, shape) for pair in _pair_points(params, inputs)
+    ]
+    return Output({name: np.stack([getattr(fit, name) for fit in fits]) for name in FundamentalFits._fields})
 
 
 def _run_residual(params, inputs, rng):
-    points0, points1, owner = _pair_points(params, inputs)
-    fits = FundamentalFits(**{name: inputs["fits"].array(name) for name in FundamentalFits._fields})
-    residual = fundamental_residuals(fits, points0, points1, owner, FundamentalParams(**params["fundamental"]))
-    return Output({"residual": residual})
+    fundamental_params = FundamentalParams(**params["fundamental"])
+    stacked = [inputs["fits"].array(name) for name in FundamentalFits._fields]
+    residuals = [
+        fundamental_residuals(FundamentalFits(*fit), *pair, fundamental_params)
+        for fit, pair in zip(zip(*stacked, strict=True), _pair_points(params, inputs), strict=True)
+    ]
+    return Output({"residual": np.stack(residuals)})
 
 
 RANSAC_FIT = Task("fundamental", "ransac", version=1, run=_run_fit)

@@ -1,0 +1,229 @@
+"""Fingerprints of the code behind each task's version.
+
+A fingerprint is a digest over every definition that a task's adapter reaches, in its own module, in `moseg_tasks` and
+in `workflows`: functions, classes and module-level values, each followed through imports to the module that defines
+it. Comments, docstrings, layout and what merely stands beside are no part of it.
+
+Three things are left out on purpose. Parameter models (`schemas`): their values stand in the recipes, so another
+default is another key. The plumbing that hands arrays to and fro (`PLUMBING`): it changes no array. Libraries: their
+versions stand in the manifests.
+"""
+
+import ast
+import json
+from collections.abc import Callable
+from functools import cache
+from hashlib import blake2b
+from importlib import import_module
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[1]
+RECORD = Path(__file__).with_suffix(".json")
+FOLLOWED = ("moseg_tasks", "workflows")
+PLUMBING = ("workflows.stages.task", "workflows.stages.inputs")
+LEAF_READERS = (
+    ("ingest:leaves", "workflows.ingest", "_LEAVES", "INGEST_VERSION"),
+    ("ingest:images", "workflows.sources.image_files", "ImageFiles", "DECODING_VERSION"),
+    ("ingest:video", "workflows.sources.video_file", "VideoFile", "DECODING_VERSION"),
+    ("ingest:masks", "workflows.sources.mask_files", "MaskFiles", "DECODING_VERSION"),
+    ("ingest:depth", "workflows.sources.depth_files", "DepthFiles", "DECODING_VERSION"),
+    ("ingest:scenes", "workflows.sources.scenes", "_rendered", "RENDERER_VERSION"),
+)
+"""What decodes files into leaves: an `ingest` artifact remembers its outcome, so it too has a version."""
+
+SourceReader = Callable[[str], str | None]
+"""Source of a module by its dotted name; None where there is no such module of ours."""
+
+
+class Fingerprint(NamedTuple):
+    """What stands in the record for one task."""
+
+    version: int
+    fingerprint: str
+
+
+class Source(NamedTuple):
+    """One parsed module: its statements, those that bind each name, and the module and name behind each import."""
+
+    statements: list[ast.stmt]
+    binders: dict[str, list[int]]
+    imports: dict[str, tuple[str, str | None]]
+
+
+class ModuleName(NamedTuple):
+    """A name in a module; None stands for all that is in it."""
+
+    module: str
+    name: str | None
+
+
+def read_source(module: str) -> str | None:
+    """Source of a module of the followed packages, from the working tree."""
+    if module.partition(".")[0] not in FOLLOWED:
+        return None
+    path = ROOT.joinpath(*module.split("."))
+    for candidate in (path.with_suffix(".py"), path / "__init__.py"):
+        if candidate.is_file():
+            return candidate.read_text(encoding="utf-8")
+    return None
+
+
+def current_fingerprints(read: SourceReader = read_source) -> dict[str, Fingerprint]:
+    """Version and fingerprint of every task of the registry, and of every decoder behind the leaves."""
+    return {name: Fingerprint(version, fingerprint(root, read)) for name, (version, root) in _roots().items()}
+
+
+def recorded_fingerprints(path: Path = RECORD) -> dict[str, Fingerprint]:
+    """What was recorded last; empty where nothing was."""
+    if not path.is_file():
+        return {}
+    return {name: Fingerprint(**entry) for name, entry in json.loads(path.read_text(encoding="utf-8")).items()}
+
+
+def moved_unnoticed(recorded: dict[str, Fingerprint], current: dict[str, Fingerprint]) -> list[str]:
+    """Names whose code is not the recorded one although their version is."""
+    both = recorded.keys() & current.keys()
+    return sorted(
+        name
+        for name in both
+        if recorded[name].version == current[name].version and recorded[name].fingerprint != current[name].fingerprint
+    )
+
+
+def fingerprint(root: ModuleName, read: SourceReader = read_source) -> str:
+    """Digest over every definition reached from `root`."""
+    lines = sorted(json.dumps(entry) for entry in reach(root, read))
+    return blake2b("\n".join(lines).encode("ascii"), digest_size=32).hexdigest()
+
+
+def reach(root: ModuleName, read: SourceReader = read_source) -> list[list]:
+    """Each statement reached: its module, its text as a tree, and what the imported names in it stand for."""
+    parse = cache(lambda module: _parse(module, read))
+    found: dict[tuple[str, int], list] = {}
+    entered: set[ModuleName] = set()
+    waiting = [root]
+    while waiting:
+        target = waiting.pop()
+        source = parse(target.module)
+        if target in entered or source is None or target.module in PLUMBING:
+            continue
+        entered.add(target)
+        if target.name in source.imports:
+            waiting.append(_resolve(*source.imports[target.name], parse))
+            continue
+        if target.name is None:
+            waiting.extend(_resolve(*imported, parse) for imported in source.imports.values())
+        for index in _statements_of(source, target.name):
+            if (target.module, index) in found:
+                continue
+            statement = source.statements[index]
+            names = sorted(_names(statement))
+            # An import inside a function binds like one at the top.
+            imports = source.imports | _imports([statement])
+            stands_for = {name: _resolve(*imports[name], parse) for name in names if name in imports}
+            found[target.module, index] = [target.module, _tree(statement), sorted(map(list, stands_for.items()))]
+            waiting.extend(stands_for.values())
+            waiting.extend(ModuleName(target.module, name) for name in names if name not in imports)
+    return list(found.values())
+
+
+def _roots() -> dict[str, tuple[int, ModuleName]]:
+    from workflows.stages.registry import TASKS
+
+    roots = {}
+    for (name, method), task in TASKS.items():
+        adapter = task.run.__module__
+        (variable,) = (key for key, value in vars(import_module(adapter)).items() if value is task)
+        roots[f"{name}:{method}"] = (task.version, ModuleName(adapter, variable))
+    for name, module, variable, version in LEAF_READERS:
+        roots[name] = (getattr(import_module(module), version), ModuleName(module, variable))
+    return roots
+
+
+def _parse(module: str, read: SourceReader) -> Source | None:
+    text = read(module)
+    if text is None:
+        return None
+    statements = ast.parse(text).body
+    binders: dict[str, list[int]] = {}
+    for index, statement in enumerate(statements):
+        for name in _bound(statement):
+            binders.setdefault(name, []).append(index)
+    definitions = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
+    return Source(statements, binders, _imports([node for node in statements if not isinstance(node, definitions)]))
+
+
+def _statements_of(source: Source, name: str | None) -> list[int]:
+    """Statements that make up a name, and those that bind none: they run on import whatever is asked for."""
+    code = [i for i, node in enumerate(source.statements) if not _is_text(node) and not _is_import(node)]
+    if name is None:
+        return code
+    if name not in source.binders:
+        return []
+    return [i for i in code if i in source.binders[name] or not _bound(source.statements[i])]
+
+
+def _bound(statement: ast.stmt) -> set[str]:
+    """Names that a module-level statement binds or, through an item or attribute, fills."""
+    if isinstance(statement, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+        return {statement.name}
+    if isinstance(statement, ast.Assign | ast.AnnAssign | ast.AugAssign):
+        targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+        return {node.id for target in targets for node in ast.walk(target) if isinstance(node, ast.Name)}
+    return {node.id for node in ast.walk(statement) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
+
+
+def _imports(statements: list[ast.stmt]) -> dict[str, tuple[str, str | None]]:
+    found: dict[str, tuple[str, str | None]] = {}
+    for statement in statements:
+        for node in ast.walk(statement):
+            if isinstance(node, ast.Import):
+                for alias in node.names:
+                    found[alias.asname or alias.name.partition(".")[0]] = (alias.name, None)
+            elif isinstance(node, ast.ImportFrom):
+                for alias in node.names:
+                    found[alias.asname or alias.name] = (node.module, alias.name)
+    return found
+
+
+def _resolve(module: str, name: str | None, parse: Callable[[str], Source | None]) -> ModuleName:
+    """The module that defines an imported name, through the packages that only pass it on."""
+    while name is not None:
+        source = parse(module)
+        if source is not None and name in source.imports:
+            module, name = source.imports[name]
+        elif (source is None or name not in source.binders) and parse(f"{module}.{name}") is not None:
+            return ModuleName(f"{module}.{name}", None)
+        else:
+            break
+    return ModuleName(module, name)
+
+
+def _names(statement: ast.stmt) -> set[str]:
+    return {node.id for node in ast.walk(statement) if isinstance(node, ast.Name)}
+
+
+def _tree(node) -> object:
+    """An AST as lists, the same on every Python: without positions, empty fields, texts that stand alone, and the
+    version of a task."""
+    if isinstance(node, list):
+        return [_tree(item) for item in node if not _is_text(item)]
+    if not isinstance(node, ast.AST):
+        return f"{type(node).__name__} {node!r}"
+    is_task = isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Task"
+    fields = []
+    for field, value in ast.iter_fields(node):
+        if is_task and field == "keywords":
+            value = [keyword for keyword in value if keyword.arg != "version"]
+        if value is not None and value != [] and field not in ("ctx", "kind", "type_comment"):
+            fields.append([field, _tree(value)])
+    return [type(node).__name__, *fields]
+
+
+def _is_text(node) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+
+
+def _is_import(node) -> bool:
+    return isinstance(node, ast.Import | ast.ImportFrom)
