@@ -21,8 +21,9 @@ def link_objects(affinity: np.ndarray, num_clusters: int | None, threshold: floa
     """
     groups = [[k] for k in range(len(affinity))]
     while len(groups) > (num_clusters or 1):
-        means = np.array([[affinity[np.ix_(a, b)].mean() for b in groups] for a in groups])
-        np.fill_diagonal(means, -np.inf)
+        means = np.full((len(groups), len(groups)), -np.inf)
+        for a, b in zip(*np.triu_indices(len(groups), 1), strict=True):
+            means[a, b] = affinity[np.ix_(groups[a], groups[b])].mean()
         first, second = np.unravel_index(np.argmax(means), means.shape)
         if num_clusters is None and means[first, second] < threshold:
             break

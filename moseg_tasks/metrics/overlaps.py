@@ -7,6 +7,8 @@ import numpy as np
 
 from schemas.errors import InputError
 
+_FEW_LABELS = 256
+
 Overlaps = dict[tuple[int, int], int]
 """Pixels by (true label, predicted label), background (0) included; pairs without a common pixel are left out."""
 
@@ -27,10 +29,13 @@ def count_overlaps(predicted: np.ndarray, truth: np.ndarray, void: int | None = 
         Where the two are not label images of one size.
     """
     _check_labels(predicted, truth)
-    predicted_labels, predicted_index = _compact(predicted)
-    true_labels, true_index = _compact(truth)
+    predicted_labels, predicted_index = _index_labels(predicted)
+    true_labels, true_index = _index_labels(truth)
     width = len(predicted_labels)
-    joint = np.bincount((true_index * width + predicted_index).ravel(), minlength=len(true_labels) * width)
+    cell = true_index.astype(np.intp)
+    cell *= width
+    cell += predicted_index
+    joint = np.bincount(cell.ravel(), minlength=len(true_labels) * width)
     joint = joint.reshape(len(true_labels), width)
     rows, columns = np.nonzero(joint)
     return {
@@ -48,8 +53,11 @@ def add_overlaps(frames: Iterable[Overlaps]) -> Overlaps:
     return dict(total)
 
 
-def _compact(labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The labels that occur, ascending, and each pixel's position among them."""
+def _index_labels(labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Labels, ascending, and each pixel's position among them; labels that are many count only where they occur."""
+    num_labels = int(labels.max(initial=0)) + 1
+    if num_labels <= _FEW_LABELS:
+        return np.arange(num_labels), labels
     occurs = np.bincount(labels.ravel()) > 0
     position = np.cumsum(occurs) - 1
     return np.flatnonzero(occurs), position[labels]

@@ -26,6 +26,7 @@ def chain(store: LocalStore, put_toy) -> list[str]:
 
 def test_gc_keeps_all_that_a_pin_reaches(store, chain):
     store.pin("run", [chain[2]])
+    assert store.gc(grace_seconds=0).removed == (chain[3],)
     report = store.gc(is_dry=False, grace_seconds=0)
     assert report.removed == (chain[3],) and report.num_kept == 3
     assert set(store.refs()) == set(chain[:3])

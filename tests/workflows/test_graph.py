@@ -1,0 +1,183 @@
+"""What stands in the recipes of a sequence's graph, and so what an option recomputes."""
+
+import pytest
+
+from schemas.configs import PipelineConfig, Variant
+from schemas.digests import digest_bytes
+from schemas.errors import InputError
+from workflows.execution import seeded_generator
+from workflows.graph import SequenceGraph, SequenceLeaves
+from workflows.stages.registry import TASKS
+
+CUES = {"flow", "saliency", "proposals", "linking", "tracks"}
+END = {"clustering", "segmentation", "score"}
+TRAJS = {"fundamental", "fundamental_residual"}
+FLOW_MODEL = {"flow_model", "flow_residual"}
+
+
+def _refs(task, count):
+    return tuple(f"{task}/{digest_bytes('test', str(number).encode())}" for number in range(count))
+
+
+LEAVES = SequenceLeaves(
+    name="toy",
+    shape=(48, 64),
+    frames=_refs("frame", 9),
+    annotation=_refs("annotation", 1)[0],
+    num_motions=3,
+    masks=_refs("given_masks", 1)[0],
+    tracks=_refs("given_tracks", 1)[0],
+    depth=_refs("given_depth", 9),
+    flow_forward=_refs("given_flow", 8),
+    flow_backward=_refs("given_flow", 8),
+)
+
+
+def _config(**changes):
+    """A configuration with sections of four frames; changes are given as ``stage__name=value``."""
+    values = {"sections": {"length": 4, "overlap": 1, "context": 2}, "fundamental": {"gap": 2}}
+    for name, value in changes.items():
+        stage, _, field = name.partition("__")
+        if field:
+            values.setdefault(stage, {})[field] = value
+        else:
+            values[stage] = value
+    return PipelineConfig.model_validate(values)
+
+
+def _recipes(*variants, leaves=LEAVES, **changes):
+    graph = SequenceGraph(leaves, _config(**changes))
+    for variant in variants or Variant:
+        graph.score(variant)
+    graph.cues()
+    return graph.recipes
+
+
+def _tasks(refs):
+    return {ref.partition("/")[0] for ref in refs}
+
+
+@pytest.mark.parametrize(
+    ("changes", "moved"),
+    [
+        ({"affinity__scale": 0.7}, {"affinity"} | END),
+        ({"affinity__quantile": 0.25}, {"affinity"} | END),
+        ({"affinity__method": "ork"}, {"affinity"} | END),
+        ({"affinity__ork_threshold": 5}, set()),
+        ({"clustering__motions": 4}, END),
+        ({"clustering__motions": "gt"}, END),
+        ({"fundamental__threshold": 2.0}, TRAJS | {"affinity"} | END),
+        ({"fundamental__gap": 3}, TRAJS | {"tracks", "affinity"} | END),
+        ({"flow_model__min_pixels": 80}, FLOW_MODEL | {"affinity"} | END),
+        ({"tracks__window": 21}, TRAJS | {"tracks", "affinity"} | END),
+        ({"linking__min_iou": 0.4}, TRAJS | FLOW_MODEL | {"linking", "affinity"} | END),
+        ({"saliency__floor": 0.4}, TRAJS | FLOW_MODEL | CUES - {"flow"} | {"affinity"} | END),
+        ({"flow__preset": "fast"}, TRAJS | FLOW_MODEL | CUES | {"affinity"} | END),
+        ({"max_side": 640}, set()),
+    ],
+)
+def test_an_option_moves_the_keys_of_what_reads_it_and_no_others(changes, moved):
+    before, after = _recipes(), _recipes(**changes)
+    assert _tasks(after.keys() - before.keys()) == moved
+
+
+def test_the_threshold_of_ork_moves_ork():
+    before, after = _recipes(affinity__method="ork"), _recipes(affinity__method="ork", affinity__ork_threshold=5)
+    assert _tasks(after.keys() - before.keys()) == {"affinity"} | END
+
+
+@pytest.mark.parametrize("depth", ["none", "groundtruth"])
+def test_the_five_variants_share_all_cues(depth):
+    together = _recipes(depth__method=depth)
+    for variant in Variant:
+        alone = _recipes(variant, depth__method=depth)
+        assert alone.keys() <= together.keys()
+        cues = {ref for ref in alone if ref.partition("/")[0] in CUES}
+        assert cues == {ref for ref in together if ref.partition("/")[0] in CUES}
+
+
+def test_fused_fits_nothing_of_its_own():
+    fused, views = _recipes(Variant.FUSED), _recipes(Variant.TRAJS, Variant.OC)
+    assert _tasks(fused.keys() - views.keys()) == END
+
+
+def test_without_depth_the_flow_models_differ_only_in_name():
+    assert _tasks(_recipes(Variant.OC_DEPTH).keys() - _recipes(Variant.OC).keys()) == FLOW_MODEL | {"affinity"} | END
+
+
+def test_depth_is_read_by_the_model_that_has_it():
+    with_depth = _recipes(Variant.OC, depth__method="groundtruth")
+    assert with_depth == _recipes(Variant.OC)
+    inputs = {
+        ref
+        for recipe in _recipes(Variant.OC_DEPTH, depth__method="groundtruth").values()
+        for ref in recipe.input_refs()
+    }
+    # Residuals of the last frame would need the flow to a next one.
+    assert set(LEAVES.depth[:-1]) <= inputs
+
+
+def test_the_name_of_a_sequence_is_in_no_key():
+    assert _recipes(leaves=LEAVES._replace(name="other")) == _recipes()
+
+
+def test_more_frames_reuse_the_pairs_and_sections_that_do_not_see_them():
+    short = _recipes(leaves=LEAVES._replace(frames=LEAVES.frames[:8]))
+    reused = {ref.partition("/")[0] for ref in short.keys() & _recipes().keys()}
+    assert {"flow", "saliency", "proposals", "tracks"} <= reused
+
+
+def test_every_input_is_a_leaf_or_a_node():
+    for given in (
+        {},
+        {"proposal_source": "groundtruth", "flow__method": "groundtruth", "tracks__method": "groundtruth"},
+    ):
+        recipes = _recipes(depth__method="groundtruth", **given)
+        leaves = {*LEAVES.frames, LEAVES.annotation, LEAVES.masks, LEAVES.tracks}
+        leaves |= {*LEAVES.depth, *LEAVES.flow_forward, *LEAVES.flow_backward}
+        for recipe in recipes.values():
+            assert set(recipe.input_refs()) <= recipes.keys() | leaves
+            assert (recipe.task, recipe.params["method"]) in TASKS
+
+
+def test_given_cues_are_not_estimated():
+    given = _recipes(proposal_source="groundtruth", flow__method="groundtruth", tracks__method="groundtruth")
+    assert not _tasks(given) & {"flow", "saliency"}
+
+
+@pytest.mark.parametrize(
+    ("missing", "changes"),
+    [
+        ({"annotation": None}, {}),
+        ({"num_motions": None}, {"clustering__motions": "gt"}),
+        ({"masks": None}, {"proposal_source": "folder"}),
+        ({"depth": None}, {"depth__method": "folder"}),
+        ({"flow_forward": None}, {"flow__method": "groundtruth"}),
+        ({"tracks": None}, {"tracks__method": "groundtruth"}),
+    ],
+)
+def test_what_the_data_set_does_not_give_is_said_with_the_sequence(missing, changes):
+    with pytest.raises(InputError, match="sequence toy"):
+        _recipes(leaves=LEAVES._replace(**missing), **changes)
+
+
+def test_two_frames_are_enough():
+    tasks = _tasks(_recipes(leaves=LEAVES._replace(frames=LEAVES.frames[:2])))
+    assert tasks >= TRAJS | FLOW_MODEL | END
+
+
+def test_keys_are_golden():
+    """They move when a recipe's wording, a default or a version does: then every store computes these nodes anew."""
+    graph = SequenceGraph(LEAVES, _config())
+    found = {variant.value: graph.score(variant).partition("/")[2][:16] for variant in Variant}
+    found["flow"] = graph.flow(0, 1).partition("/")[2][:16]
+    found["tracks"] = graph.tracks(0).partition("/")[2][:16]
+    assert found == GOLDEN
+
+
+GOLDEN = {}
+
+
+def test_a_key_draws_the_same_numbers_everywhere():
+    assert seeded_generator("0f" * 32).integers(0, 1000, 4).tolist() == [0]
+    assert seeded_generator("0f" * 32).random() != seeded_generator("1f" * 32).random()
