@@ -1,4 +1,4 @@
-"""A tiny data set on disk, and a store in which it was evaluated once."""
+"""A tiny data set on disk, the command line in this process, and a store in which the data set was evaluated once."""
 
 import json
 import shutil
@@ -13,21 +13,38 @@ import pytest
 NUM_FRAMES, HEIGHT, WIDTH = 10, 96, 128
 
 
-def write_png(path: Path, image: np.ndarray) -> None:
-    """Write an image, RGB where it has three channels."""
+class Ran(NamedTuple):
+    """How a command ended and what it printed."""
+
+    code: int
+    out: str
+    err: str
+
+
+class Evaluation(NamedTuple):
+    """A data set, a store, and what evaluated the one into the other."""
+
+    root: Path
+    store: Path
+    arguments: tuple[str, ...]
+    report: dict
+
+
+def _write_image(path: Path, image: np.ndarray) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(cv2.imencode(".png", image[..., ::-1] if image.ndim == 3 else image)[1].tobytes())
+    path.write_bytes(cv2.imencode(path.suffix, image)[1].tobytes())
 
 
-def write_squares(folder: Path, seed: int = 0) -> None:
-    """A sequence below `folder`: two textured squares that move each in its way over a panning textured background."""
+def _write_squares(folder: Path, num_frames: int = NUM_FRAMES, seed: int = 0) -> Path:
     rng = np.random.default_rng(seed)
 
-    def texture(height, width):
-        return cv2.GaussianBlur(rng.integers(0, 256, (height, width, 3)).astype(np.uint8), (0, 0), 1.2) // 2 + 60
+    def texture(height, width, brightness):
+        noise = rng.integers(0, 256, (height, width, 3)).astype(np.uint8)
+        return cv2.GaussianBlur(noise, (0, 0), 1.2) // 2 + np.uint8(brightness)
 
-    backdrop, squares = texture(HEIGHT, WIDTH + 2 * NUM_FRAMES), (texture(26, 26) + 40, texture(22, 30) + 60)
-    for number in range(NUM_FRAMES):
+    backdrop = texture(HEIGHT, WIDTH + num_frames, 60)
+    squares = texture(26, 26, 100), texture(22, 30, 120)
+    for number in range(num_frames):
         image = backdrop[:, number : number + WIDTH].copy()
         labels = np.zeros((HEIGHT, WIDTH), np.uint8)
         corners = ((12, 14 + 3 * number), (28 + 3 * number, 84 - number))
@@ -35,5 +52,59 @@ def write_squares(folder: Path, seed: int = 0) -> None:
             height, width = square.shape[:2]
             image[y : y + height, x : x + width] = square
             labels[y : y + height, x : x + width] = label
-        write_png(folder / "frames" / f"{number:05d}.png", image)
-        write_png(folder / "masks" / f"{number:05d}.png", labels)
+        _write_image(folder / "frames" / f"{number:05d}.png", image)
+        _write_image(folder / "masks" / f"{number:05d}.png", labels)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def write_image() -> Callable[[Path, np.ndarray], None]:
+    """Writes a grey or BGR array to a path, its folders made."""
+    return _write_image
+
+
+@pytest.fixture(scope="session")
+def write_squares() -> Callable[..., Path]:
+    """Writes ``frames`` and ``masks`` of two textured squares that move, each in its way, over a panning backdrop."""
+    return _write_squares
+
+
+@pytest.fixture(scope="session")
+def squares(tmp_path_factory) -> Path:
+    """Root of a data set of kind ``folder`` with the single sequence ``squares``."""
+    root = tmp_path_factory.mktemp("data")
+    _write_squares(root / "squares")
+    return root
+
+
+@pytest.fixture
+def moseg(capsys) -> Callable[..., Ran]:
+    """Runs a `moseg` command in this process."""
+    from workflows.cli.app import run
+
+    def call(*arguments) -> Ran:
+        capsys.readouterr()
+        code = run([str(argument) for argument in arguments])
+        return Ran(code, *capsys.readouterr())
+
+    return call
+
+
+@pytest.fixture(scope="session")
+def evaluated(squares, tmp_path_factory) -> Evaluation:
+    """The squares evaluated in sections of four frames. Tests that damage the store take `evaluated_copy`."""
+    from workflows.cli.app import run
+
+    folder = tmp_path_factory.mktemp("evaluated")
+    arguments = ("eval", "--dataset", "folder", "--root", str(squares), "--quiet", "--section-length", "4")
+    arguments += ("--set", "sections.overlap=2", "--set", "sections.context=3")
+    assert run([*arguments, "--store", str(folder / "store"), "--json", str(folder / "report.json")]) == 0
+    report = json.loads((folder / "report.json").read_text())
+    return Evaluation(squares, folder / "store", arguments, report)
+
+
+@pytest.fixture
+def evaluated_copy(evaluated, tmp_path) -> Evaluation:
+    """The same with a store of the test's own."""
+    shutil.copytree(evaluated.store, tmp_path / "store")
+    return evaluated._replace(store=tmp_path / "store")

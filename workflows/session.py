@@ -2,7 +2,7 @@
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple, TypeVar
 
 from schemas.digests import digest_json
@@ -90,7 +90,7 @@ class Session:
 
     def compute(
         self,
-        build: Callable[[], tuple[dict[str, Recipe], Iterable[str]]],
+        build: Callable[[], tuple[dict[str, Recipe], Sequence[str]]],
         read: Callable[[], Result],
     ) -> Result:
         """Compute what the sinks of the graph that `build` returns still lack, then return what `read` reads of them.
@@ -103,10 +103,8 @@ class Session:
             try:
                 recipes, sinks = build()
                 run_id = digest_json("run", sorted(sinks))[:16]
-                plan = make_plan(self.store, recipes, sinks)
-                if plan.compute:
-                    self.store.pin(run_id, plan.touched(), lease_seconds=LEASE_SECONDS)
-                    self._run(plan)
+                plan = self._plan(run_id, recipes, sinks)
+                self._run(plan)
                 result = read()
                 self.reused += plan.count()[1]
                 if plan.compute:
@@ -117,6 +115,16 @@ class Session:
                     raise
                 repairs += 1
                 quarantine_corrupt(str(self.store.root), error)
+
+    def _plan(self, run_id: str, recipes: dict[str, Recipe], sinks: Sequence[str]) -> Plan:
+        """A plan whose artifacts are pinned: what `gc` took between the look-up and the pin is planned again."""
+        pinned: set[str] = set()
+        while True:
+            plan = make_plan(self.store, recipes, sinks)
+            if not plan.compute or plan.touched() <= pinned:
+                return plan
+            pinned |= plan.touched()
+            self.store.pin(run_id, pinned, lease_seconds=LEASE_SECONDS)
 
     def _run(self, plan: Plan) -> None:
         totals, _ = plan.count()

@@ -53,9 +53,9 @@ def propose_objects(accumulated: np.ndarray, shape: tuple[int, int], params: Pro
     kept = _best(scores, params)
     relabel = np.zeros(count + 1, np.uint16)
     relabel[kept + 1] = np.arange(1, len(kept) + 1)
-    masks = np.stack(
-        [_enlarge(relabel[labels[t]], accumulated[t], shape, params.threshold) for t in range(len(accumulated))]
-    )
+    masks = np.zeros((len(accumulated), *shape), np.uint16)
+    for t, mask in enumerate(masks):
+        mask[:] = _enlarge(relabel[labels[t]], accumulated[t], shape, params.threshold)
     return Proposals(masks, scores[kept], object_boxes(masks, len(kept)))
 
 
