@@ -59,7 +59,10 @@ LAYOUTS: dict[str, dict[str, ArrayLayout]] = {
         "moments": _layout("float64", "section_pair object moment"),
     },
     "fundamental_residual": {"residual": _layout("float64", "section_pair model_object data_object", "px^2")},
-    "flow_residual": {"residual": _layout("float64", "section_pair model_object data_object", "(px/frame)^2")},
+    "flow_residual": {
+        "residual": _layout("float64", "section_pair model_object data_object", "(px/frame)^2"),
+        "energy": _layout("float64", "section_pair object", "(px/frame)^2"),
+    },
     "affinity": {"affinity": _layout("float64", "object object")},
     "clustering": {
         "motion": _layout("uint16", "object", "motion group, 0 = the background's"),

@@ -34,9 +34,9 @@ class Variant(StrEnum):
 class SectionParams(Frozen):
     """How a video is cut into sections; objects are proposed anew in each."""
 
-    length: int = Field(60, ge=1, description="l of the paper: frames of a section")
-    overlap: int = Field(4, ge=1, description="frames that a section's proposals share with the next, for linking")
-    context: int = Field(12, ge=0, description="frames before and after a section from which saliency is accumulated")
+    length: int = Field(30, ge=1, description="l of the paper: frames of a section")
+    overlap: int = Field(5, ge=1, description="frames that a section's proposals share with the next, for linking")
+    context: int = Field(10, ge=0, description="frames before and after a section from which saliency is accumulated")
 
 
 class PipelineConfig(Frozen):

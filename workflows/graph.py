@@ -113,11 +113,15 @@ class SequenceGraph:
     def affinity(self, view: str) -> str:
         """Reference of the objects' affinity under one motion model."""
         params = self._config.affinity
-        fields = set(type(params).model_fields) - {"method"}
-        read = {name for name in fields if name.startswith("ork") == (params.method == "ork")}
-        return self._node(
-            "affinity", params.method, params.model_dump(mode="json", include=read), {"residuals": self.residuals(view)}
-        )
+        is_flow = view != "trajs"
+        unread = {"method"} if is_flow else {"method", "relative_flow"}
+        read = {
+            name: value
+            for name, value in params.model_dump(mode="json", exclude=unread).items()
+            if name.startswith("ork") == (params.method == "ork")
+        }
+        residuals = self.residuals(view)
+        return self._node("affinity", params.method, {"is_flow": is_flow, "affinity": read}, {"residuals": residuals})
 
     def residuals(self, view: str) -> tuple[str, ...]:
         """References of the residuals of every section's frame pairs under one motion model."""

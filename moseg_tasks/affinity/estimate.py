@@ -8,14 +8,16 @@ from schemas.errors import InputError
 from schemas.parameters import AffinityParams
 
 
-def estimate_affinity(residuals: np.ndarray, params: AffinityParams) -> np.ndarray:
+def estimate_affinity(residuals: np.ndarray, params: AffinityParams, energy: np.ndarray | None = None) -> np.ndarray:
     """Affinity of each two objects by the method that the parameters name.
 
     Parameters
     ----------
     residuals : float64 (M, K, K)
-        [pair, model object, data object], px²; NaN where unknown.
+        [pair, model object, data object], px²; NaN where unknown. Object 0 is the background.
     params : AffinityParams
+    energy : float64 (M, K), optional
+        Mean squared flow length of each object, px² (``flow_energy``), for residuals of flow models.
 
     Returns
     -------
@@ -25,9 +27,12 @@ def estimate_affinity(residuals: np.ndarray, params: AffinityParams) -> np.ndarr
     Raises
     ------
     InputError
-        Where the residuals are not (M, K, K).
+        Where the residuals are not (M, K, K) or the energies not (M, K).
     """
     if residuals.ndim != 3 or residuals.shape[1] != residuals.shape[2]:
         raise InputError("wrong shape of residuals", where="affinity", got=residuals.shape, expected="(M, K, K)")
-    method = ork_affinity if params.method == "ork" else residual_affinity
-    return method(residuals, params)
+    if energy is not None and energy.shape != residuals.shape[:2]:
+        raise InputError("wrong shape of energies", where="affinity", got=energy.shape, expected=residuals.shape[:2])
+    if params.method == "ork":
+        return ork_affinity(residuals, params)
+    return residual_affinity(residuals, params, energy)

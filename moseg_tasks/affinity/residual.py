@@ -6,42 +6,72 @@ import numpy as np
 
 from schemas.parameters import AffinityParams
 
-_COMBINE = {"min": np.fmin, "max": np.fmax, "mean": lambda a, b: np.nanmean(np.stack([a, b]), axis=0)}
+_TAIL = 2.0  # distance from which the kernel's exponent grows linearly, so that large distances keep their order
 
 
-def residual_affinity(residuals: np.ndarray, params: AffinityParams) -> np.ndarray:
+def residual_affinity(residuals: np.ndarray, params: AffinityParams, energy: np.ndarray | None = None) -> np.ndarray:
     """Affinity ``exp(-d² / 2)`` of a distance d between motions, in units of the tolerated error.
 
-    With r the mean squared error of j's data under i's model, ``d_ij² = (r_ij - r_jj) / (scale² + relative² r_jj)``:
-    what j's own model leaves as well is noise, not another motion. The two directions are combined, then the median over
-    frame pairs is taken. Unlike a rank, d has a scale: a motion that owns a single object is like no other.
+    Unlike a rank, d has a scale: a motion that owns a single object is like no other. Beyond d = 2 the exponent grows
+    linearly (Huber's function); the square would underflow and leave all distant objects equally distant.
 
     Parameters
     ----------
     residuals : float64 (M, K, K)
-        [pair, model, data], px²; NaN where the model is invalid or the object absent.
+        [pair, model, data], px²; NaN where the model is invalid or the object absent. Object 0 is the background.
     params : AffinityParams
+    energy : float64 (M, K), optional
+        Mean squared flow length of each object, px²; None where the residuals are not of flow.
 
     Returns
     -------
     float64 (K, K)
         In 0..1, symmetric, 1 on the diagonal; NaN for objects that share no pair (the diagonal included).
     """
-    distances = motion_distances(residuals, params)
+    distances = motion_distances(residuals, params, energy)
+    if len(distances) == 0:
+        return np.full(residuals.shape[1:], np.nan)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="All-NaN slice")
-        distance = np.nanquantile(distances, params.quantile, axis=0) if len(distances) else distances.sum(axis=0) * np.nan
-    return np.exp(-0.5 * distance**2)
+        distance = np.nanquantile(distances, params.quantile, axis=0)
+    near = np.minimum(distance, _TAIL)
+    return np.exp(-near * (distance - 0.5 * near))
 
 
-def motion_distances(residuals: np.ndarray, params: AffinityParams) -> np.ndarray:
-    """Symmetric distance d of each two objects in each frame pair, float64 (M, K, K); NaN where unknown."""
-    own = np.diagonal(residuals, axis1=1, axis2=2)[:, None, :]
-    excess = np.maximum(residuals - own, 0.0) if params.excess else residuals
-    directed = np.sqrt(excess / (params.scale**2 + params.relative**2 * own))
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="Mean of empty slice")
-        distances = _COMBINE[params.direction](directed, directed.transpose(0, 2, 1))
+def motion_distances(residuals: np.ndarray, params: AffinityParams, energy: np.ndarray | None = None) -> np.ndarray:
+    """Symmetric distance d of each two objects in each frame pair, float64 (M, K, K); NaN where unknown.
+
+    With r_ij the mean squared error of j's data under i's model and e_j the energy of j's flow,
+    ``d_ij² = (r_ij - r_jj) / (scale² + relative² (r_ii + r_jj) + relative_flow² e_j)``. What j's own model leaves of it
+    is noise, not another motion; what i's model leaves of i's own data says how far that model can be trusted. The
+    share of the flow stands for the models' linearisation: rigid motion bends the flow of near things in proportion.
+
+    A small object's parameters, fitted to few pixels, predict little outside of it, so the smaller direction counts:
+    the larger object's model on the smaller one. Where one of the two is the background, its model is the better known.
+    """
+    own = np.diagonal(residuals, axis1=1, axis2=2)
+    excess = np.maximum(residuals - own[:, None, :], 0.0) if params.excess else residuals
+    tolerance = params.scale**2 + params.relative**2 * (own[:, None, :] + np.nan_to_num(own)[:, :, None])
+    if energy is not None:
+        tolerance = tolerance + params.relative_flow**2 * np.nan_to_num(energy)[:, None, :]
+    directed = np.sqrt(excess / tolerance)
+    distances = _combine(directed, params.direction)
     index = np.arange(residuals.shape[1])
-    distances[:, index, index] = np.where(np.isfinite(own[:, 0]), 0.0, np.nan)
+    distances[:, index, index] = np.where(np.isfinite(own), 0.0, np.nan)
+    return distances
+
+
+def _combine(directed: np.ndarray, direction: str) -> np.ndarray:
+    """Both directions as one, float64 (M, K, K); where one is unknown the other stands alone."""
+    swapped = directed.transpose(0, 2, 1)
+    if direction == "max":
+        return np.fmax(directed, swapped)
+    if direction == "mean":
+        return np.where(
+            np.isfinite(directed) & np.isfinite(swapped), (directed + swapped) / 2, np.fmin(directed, swapped)
+        )
+    distances = np.fmin(directed, swapped)
+    if direction == "background":
+        background = np.where(np.isfinite(directed[:, 0]), directed[:, 0], directed[:, :, 0])
+        distances[:, 0, :] = distances[:, :, 0] = background
     return distances

@@ -1,8 +1,8 @@
 """Moments of each object's flow under a model: all that fits and residuals need of the pixels.
 
-The moments are kept as a triangular factor, not as the normal equations: with ``[A b] = Q [[R, t], [0, s]]`` the squared
-error of any parameters is ``|R theta - t|² + s²``, a sum of squares that nothing cancels in. ``b'b - 2 theta'A'b +
-theta'A'A theta`` would lose residuals below 1e-8 of the flow.
+The moments are kept as a triangular factor, not as the normal equations: with ``[A b] = Q [[R, t], [0, s]]`` the
+squared error of any parameters is ``|R theta - t|² + s²``, a sum of squares that nothing cancels in. ``b'b - 2
+theta'A'b + theta'A'A theta`` would lose residuals below 1e-8 of the flow.
 
 Three steps keep the factor as accurate as a QR decomposition of all rows, at the cost of the normal equations: the sums
 run over coordinates local to the object, where the monomials are well conditioned; they are taken over what a first fit
@@ -17,14 +17,12 @@ import cv2
 import numpy as np
 from scipy import ndimage
 
+from moseg_tasks.motion_models.coarse_sums import sum_coarsely
 from moseg_tasks.motion_models.flow_model import FlowModel
-from moseg_tasks.motion_models.monomials import Frame, evaluate_monomials, image_coordinates, recentring
 from moseg_tasks.motion_models.pixel_sums import Pixels, sum_pixels
+from moseg_tasks.motion_models.triangular import local_columns, reduce_to_model
 from schemas.errors import InputError
 from schemas.parameters import FlowModelParams
-
-_FIRST_FIT_PIXELS = 512
-_GRAM_RANK = 1e-14  # eigenvalue of a Gram matrix of unit columns below which it is rounding
 
 
 class Moments(NamedTuple):
@@ -83,7 +81,7 @@ def flow_moments(
         Where shapes disagree or the masks hold an object beyond K.
     """
     masks, flow, rho = _checked(flow, inverse_depth if model.uses_depth else None, masks, num_objects, params)
-    gauge = _depth_gauge(rho, model)
+    gauge = depth_gauge(rho, model)
     boxes = ndimage.find_objects(masks, max_label=num_objects)
     present = [k for k, box in enumerate(boxes) if box is not None]
     crops = [_crop(boxes[k], k + 1, flow, rho, masks) for k in present]
@@ -91,14 +89,16 @@ def flow_moments(
     if not crops:
         return moments
 
-    firsts = [_first_sums(pixels) for pixels in crops]
-    columns = np.stack([_local_columns(frame, gauge, model) for frame, *_ in firsts])
-    factor, target, _ = _reduce(np.stack([f[1] for f in firsts]), np.stack([f[2] for f in firsts]), columns)
+    firsts = [sum_coarsely(pixels) for pixels in crops]
+    columns = np.stack([local_columns(frame, gauge, model) for frame, *_ in firsts])
+    factor, target, _ = reduce_to_model(np.stack([f[1] for f in firsts]), np.stack([f[2] for f in firsts]), columns)
     first_theta = (np.linalg.pinv(factor, rcond=1e-12) @ target[..., None])[..., 0]
     priors = np.einsum("kcmp,kp->kmc", columns, first_theta)
 
     sums = [sum_pixels(pixels, first[0], prior) for pixels, first, prior in zip(crops, firsts, priors, strict=True)]
-    factor, target, explained = _reduce(np.stack([s.gram for s in sums]), np.stack([s.cross for s in sums]), columns)
+    factor, target, explained = reduce_to_model(
+        np.stack([s.gram for s in sums]), np.stack([s.cross for s in sums]), columns
+    )
     energy = np.array([s.energy for s in sums])
     target = target + np.einsum("kqp,kp->kq", factor, first_theta)
     rest = np.sqrt(np.maximum(energy - explained, 0.0))
@@ -125,9 +125,8 @@ def _checked(flow, inverse_depth, masks, num_objects, params):
     """Masks with objects 1 .. K (0: not used), flow and inverse depth without non-finite values."""
     shape = masks.shape
     if flow.shape != (*shape, 2) or (inverse_depth is not None and inverse_depth.shape != shape):
-        depth_shape = None if inverse_depth is None else inverse_depth.shape
-        expected = f"flow {(*shape, 2)} and depth {shape} as the masks"
-        raise InputError("frame sizes disagree", where="flow fit", got=f"{flow.shape}, {depth_shape}", expected=expected)
+        got = f"flow {flow.shape}, inverse depth {None if inverse_depth is None else inverse_depth.shape}"
+        raise InputError("frame sizes disagree", where="flow fit", got=got, expected=f"{shape} as the masks")
     if masks.size and int(masks.max()) >= num_objects:
         raise InputError("unknown object", where="masks", got=int(masks.max()), expected=f"ids below {num_objects}")
     labels = masks.astype(np.int32) + 1
@@ -145,7 +144,7 @@ def _checked(flow, inverse_depth, masks, num_objects, params):
     return labels, flow, inverse_depth
 
 
-def _depth_gauge(rho, model) -> tuple[float, float]:
+def depth_gauge(rho, model) -> tuple[float, float]:
     """Shift and scale that bring the frame's inverse depth to unit size; no shift where the model would change."""
     if rho is None:
         return 0.0, 1.0
@@ -158,57 +157,3 @@ def _depth_gauge(rho, model) -> tuple[float, float]:
 def _crop(box, label, flow, rho, labels) -> Pixels:
     corner = (box[0].start, box[1].start)
     return Pixels(labels[box] == label, flow[box], None if rho is None else rho[box], corner, labels.shape)
-
-
-def _first_sums(pixels: Pixels) -> tuple[Frame, np.ndarray, np.ndarray]:
-    """Local coordinates, Gram matrix (9, 9) and cross products (9, 2) of a coarse grid of the object's pixels."""
-    h, w = pixels.mask.shape
-    step = max(1, math.isqrt(int(np.count_nonzero(pixels.mask)) // _FIRST_FIT_PIXELS))
-    rows, columns = np.nonzero(pixels.mask[::step, ::step])
-    rows, columns = rows * step, columns * step
-    x, y = image_coordinates(*pixels.image_shape)
-    top, left = pixels.corner
-    half = max(h, w) / max(pixels.image_shape)
-    x0, y0 = (x[left] + x[left + w - 1]) / 2, (y[top] + y[top + h - 1]) / 2
-    local = Frame(x0, y0, half, 0.0, 0.0, 0.0, 1.0)
-    xi, eta = pixels.local_axes(local)
-    xi, eta, zeta = xi[columns], eta[rows], np.zeros(len(rows))
-    if pixels.rho is not None:
-        local, zeta = _with_depth_plane(local, xi, eta, pixels.rho[rows, columns].astype(np.float64))
-    monomials = evaluate_monomials(xi, eta, zeta)
-    return local, monomials.T @ monomials, monomials.T @ pixels.flow[rows, columns].astype(np.float64)
-
-
-def _with_depth_plane(local: Frame, xi, eta, rho) -> tuple[Frame, np.ndarray]:
-    """The frame with a plane fitted to the inverse depth at some points, and zeta at these points."""
-    axes = np.stack([np.ones_like(xi), xi, eta], axis=1)
-    plane = np.linalg.lstsq(axes, rho)[0]
-    left = rho - axes @ plane
-    deviation = math.sqrt(float(left @ left) / max(len(left), 1))
-    scale = deviation if deviation > 0 else 1.0
-    return local._replace(rho0=plane[0], rho_x=plane[1], rho_y=plane[2], rho_scale=scale), left / scale
-
-
-def _local_columns(frame: Frame, gauge: tuple[float, float], model: FlowModel) -> np.ndarray:
-    """The model's terms on the object's local monomials, u and v: float64 (2, 9, P)."""
-    shift, scale = gauge
-    plane = {name: getattr(frame, name) / scale for name in ("rho_x", "rho_y", "rho_scale")}
-    centred = recentring(frame._replace(rho0=(frame.rho0 - shift) / scale, **plane))
-    return np.stack([centred @ model.u_terms, centred @ model.v_terms])
-
-
-def _reduce(gram, cross, columns) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """From sums over monomials to the model: R (K, P, P), t (K, P) and the energy that t explains (K,)."""
-    sizes = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
-    sizes = np.where(sizes > 0, sizes, 1.0)
-    values, vectors = np.linalg.eigh(gram / (sizes[:, :, None] * sizes[:, None, :]))
-    known = values > _GRAM_RANK
-    roots = np.sqrt(np.where(known, values, 0.0))
-    root = roots[:, :, None] * vectors.transpose(0, 2, 1) * sizes[:, None, :]
-    inverse = np.where(known, 1.0 / np.where(known, roots, 1.0), 0.0)
-    data = inverse[:, :, None] * (vectors.transpose(0, 2, 1) @ (cross / sizes[:, :, None]))
-    num = len(gram)
-    stacked = (root[:, None] @ columns).reshape(num, -1, columns.shape[-1])
-    q, r = np.linalg.qr(stacked)
-    target = (q.transpose(0, 2, 1) @ data.transpose(0, 2, 1).reshape(num, -1, 1))[..., 0]
-    return r, target, (target**2).sum(axis=1)

@@ -92,7 +92,9 @@ def _planes(pixels, frame, prior, rows, powers_x, powers_y) -> np.ndarray:
         zeta *= 1.0 / frame.rho_scale
     for component in (0, 1):
         left = planes[1 + component]
-        np.subtract(pixels.flow[rows, :, component], _prior_flow(prior[:, component], zeta, powers_x, powers_y), out=left)
+        np.subtract(
+            pixels.flow[rows, :, component], _prior_flow(prior[:, component], zeta, powers_x, powers_y), out=left
+        )
         left *= planes[0]
     np.multiply(planes[1], planes[1], out=planes[3])
     planes[3] += planes[2] * planes[2]

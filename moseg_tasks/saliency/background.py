@@ -12,9 +12,20 @@ _MAD_TO_SIGMA = 1.4826  # median of |x| of a unit Gaussian, inverted
 
 
 class AffineMotion(NamedTuple):
-    """Affine flow in centred pixels: `theta` float64 (3, 2), rows 1, x, y; `scale`, px/frame, of its residuals."""
+    """Affine flow ``theta[0] + (xy - centre) @ theta[1:]``.
+
+    Attributes
+    ----------
+    theta : float64 (3, 2)
+        px/frame; rows 1, x, y.
+    centre : float64 (2,)
+        Mean position of the pixels it was fitted to, px.
+    scale : float
+        Robust standard deviation of its residuals, px/frame.
+    """
 
     theta: np.ndarray
+    centre: np.ndarray
     scale: float
 
 
@@ -40,21 +51,17 @@ def fit_background(flow: np.ndarray, params: SaliencyParams, among: np.ndarray |
     samples = _samples(flow, params.affine_step, among)
     homography = _ransac_homography(points, points + vectors, params)
     start = None if homography is None else _homography_residual(homography, *samples)
-    return _tukey_affine(*samples, _centre(flow.shape[:2]), start, params)
+    return _tukey_affine(*samples, start, params)
 
 
 def affine_flow(motion: AffineMotion, shape: tuple[int, int]) -> np.ndarray:
     """Flow float32 (y, x, 2) of an affine motion on a grid of `shape`, px/frame."""
     height, width = shape
-    centre_x, centre_y = _centre(shape)
+    centre_x, centre_y = motion.centre
     constant, along_x, along_y = motion.theta
     columns = np.multiply.outer(np.arange(width) - centre_x, along_x).astype(np.float32)
     rows = (np.multiply.outer(np.arange(height) - centre_y, along_y) + constant).astype(np.float32)
     return rows[:, None, :] + columns[None, :, :]
-
-
-def _centre(shape: tuple[int, int]) -> np.ndarray:
-    return np.array([(shape[1] - 1) / 2, (shape[0] - 1) / 2])
 
 
 def _samples(flow: np.ndarray, step: int, among: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
@@ -90,8 +97,11 @@ def _homography_residual(homography: np.ndarray, points: np.ndarray, vectors: np
     return np.nan_to_num(np.hypot(error[:, 0], error[:, 1]), nan=np.inf)
 
 
-def _tukey_affine(points, vectors, centre, start: np.ndarray | None, params: SaliencyParams) -> AffineMotion:
+def _tukey_affine(
+    points: np.ndarray, vectors: np.ndarray, start: np.ndarray | None, params: SaliencyParams
+) -> AffineMotion:
     """Iteratively reweighted least squares under Tukey's biweight, from the residuals `start`."""
+    centre = points.mean(axis=0) if len(points) else np.zeros(2)
     design = np.column_stack([np.ones(len(points)), points - centre])
     residual = np.zeros(len(points)) if start is None else start
     inliers = residual <= params.ransac_threshold
@@ -103,9 +113,9 @@ def _tukey_affine(points, vectors, centre, start: np.ndarray | None, params: Sal
         cutoff = params.tukey_constant * scale
         weight = np.clip(1 - (residual / cutoff) ** 2, 0, None) ** 2
         weighted = design * weight[:, None]
-        # The pseudo-inverse keeps frames of a single pixel, row or column solvable.
+        # The pseudo-inverse leaves flat what the points do not span: frames of a single pixel, row or column.
         theta = np.linalg.pinv(weighted.T @ design, rcond=1e-10, hermitian=True) @ (weighted.T @ vectors)
         error = design @ theta - vectors
         residual = np.hypot(error[:, 0], error[:, 1])
         inliers = residual < cutoff
-    return AffineMotion(theta, scale)
+    return AffineMotion(theta, centre, scale)

@@ -1,4 +1,4 @@
-"""Parameters of co-regularised multi-view spectral clustering and of the number of motions."""
+"""Parameters of the fusion of views, of the grouping of objects and of the number of motions."""
 
 from typing import Literal
 
@@ -10,17 +10,22 @@ from schemas.frozen import Frozen
 class ClusteringParams(Frozen):
     """How affinities of several views become motion groups."""
 
-    motions: Literal["gt", "auto"] | int = Field("auto", description="number of motions with the background: gt, auto or N")
-    fusion: Literal["coregularised", "sum", "product"] = Field(
-        "coregularised", description="co-regularised embeddings (the paper), or one kernel: mean or product of the views'"
+    motions: Literal["gt", "auto"] | int = Field(
+        "auto", description="number of motions with the background: gt, auto or N"
     )
-    grouping: Literal["spectral", "linkage"] = Field(
-        "spectral", description="groups by k-means on the spectral embedding (the paper), or by average linkage"
+    fusion: Literal["product", "sum", "coregularised"] = Field(
+        "product",
+        description="one kernel, the views' geometric or arithmetic mean, or co-regularised embeddings (the paper)",
     )
-    auto: Literal["threshold", "eigengap", "silhouette"] = Field(
+    grouping: Literal["linkage", "spectral"] = Field(
+        "linkage", description="average linkage around the background, or k-means on the spectral embedding (the paper)"
+    )
+    auto: Literal["threshold", "eigengap"] = Field(
         "threshold", description="how the number of motions is found where it is not given"
     )
-    threshold: float = Field(0.5, gt=0, lt=1, description="least mean affinity inside a group (auto by threshold)")
+    threshold: float = Field(
+        0.5, gt=0, lt=1, description="least affinity at which two groups are one motion (threshold)"
+    )
     co_regularisation: float = Field(0.1, ge=0, description="lambda of Kumar et al. 2011")
     num_iterations: int = Field(20, ge=1, description="most alternating updates of all views")
     tolerance: float = Field(1e-9, ge=0, description="relative growth of the objective at which the updates stop")

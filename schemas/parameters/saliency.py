@@ -36,6 +36,7 @@ class SaliencyParams(Frozen):
     floor_motion: float = Field(0.05, ge=0, description="the same, as a share of the background's motion")
     otsu_percentile: float = Field(99.5, gt=0, le=100, description="percentile that clips the residual before Otsu")
 
+    # Wider gates (4 grey levels) clear more water but lose dark, smooth objects unless a colour model wins them back.
     gate_blur: float = Field(5.8, gt=0, description="sigma of the Gaussian over the colour error, px")
     gate_error: float = Field(2.5, gt=0, description="colour error, grey levels, that opens the gate to 1 - 1/e")
 

@@ -16,7 +16,6 @@ from workflows.evaluate import evaluate
 from workflows.runners import SynchronousRunner
 from workflows.session import Session
 
-LEAVES = {"frame", "annotation"}
 MOSEG = [sys.executable, "-c", "from workflows.cli import main; main()"]
 DEADLINE_SEC = 120
 
@@ -101,25 +100,159 @@ def _empty(path):
     path.write_bytes(b"")
 
 
-@pytest.mark.parametrize("damage", [_flip, _lose, _empty])
+BEHIND_FLOW = ["saliency", "flow_model", "flow_residual", "affinity", "clustering", "segmentation", "score"]
+
+
 @pytest.mark.parametrize(
-    ("damaged", "dropped"),
+    ("damaged", "damage", "dropped"),
     [
-        ("flow", ["saliency", "flow_model", "flow_residual", "affinity", "clustering", "segmentation", "score"]),
-        ("frame", ["flow", "saliency"]),
-        ("annotation", ["score"]),
-        ("segmentation", ["score"]),
+        ("flow", _flip, BEHIND_FLOW),
+        ("flow", _lose, BEHIND_FLOW),
+        ("frame", _flip, ["flow", *BEHIND_FLOW]),
+        ("frame", _empty, ["flow", *BEHIND_FLOW]),
+        ("annotation", _flip, ["score"]),
+        ("segmentation", _flip, ["score"]),
+        ("segmentation", _lose, ["score"]),
     ],
 )
-def test_a_damaged_array_is_quarantined_and_made_again(evaluated_copy, moseg, tmp_path, damage, damaged, dropped):
+def test_a_damaged_array_is_quarantined_and_made_again(evaluated_copy, moseg, tmp_path, damaged, damage, dropped):
     store = _open(evaluated_copy)
     before = _contents(store)
     ref = sorted(store.refs(damaged))[0]
     damage(_files(evaluated_copy, ref)[0])
     num_dropped = _drop(store, dropped)
     report = _run(moseg, evaluated_copy, tmp_path)
+    after = _contents(store)
     assert report["rows"] == evaluated_copy.report["rows"]
-    assert _contents(store).items() >= {r: e for r, e in before.items() if split_ref(r)[0] != "saliency"}.items()
+    assert after == {found: before[found] for found in after}
+    assert {ref, *store.refs("segmentation"), *store.refs("score")} <= after.keys()
     assert _quarantined(evaluated_copy) == [ref]
     assert all(result.is_intact for result in store.verify())
-    assert report["store"]["computed"] <= num_dropped + 1
+    assert 0 < report["store"]["computed"] <= num_dropped + 1
+
+
+@pytest.mark.parametrize("damaged", ["score", "ingest"])
+@pytest.mark.parametrize("damage", [_flip, _lose])
+def test_a_damaged_manifest_is_quarantined_and_made_again(evaluated_copy, moseg, tmp_path, damaged, damage):
+    store = _open(evaluated_copy)
+    before = _contents(store)
+    ref = sorted(store.refs(damaged))[0]
+    damage(_files(evaluated_copy, ref)[-1])
+    report = _run(moseg, evaluated_copy, tmp_path)
+    assert report["rows"] == evaluated_copy.report["rows"]
+    assert report["store"]["computed"] == 1
+    assert _contents(store) == before
+    assert _quarantined(evaluated_copy) == [ref]
+
+
+def test_several_damaged_artifacts_are_all_made_again(evaluated_copy, moseg, tmp_path):
+    store = _open(evaluated_copy)
+    before = _contents(store)
+    damaged = sorted([*sorted(store.refs("segmentation"))[:2], *store.refs("annotation"), *store.refs("score")])
+    for ref in damaged:
+        _flip(_files(evaluated_copy, ref)[-1])
+    report = _run(moseg, evaluated_copy, tmp_path)
+    assert report["rows"] == evaluated_copy.report["rows"]
+    assert _contents(store) == before
+    assert _quarantined(evaluated_copy) == damaged
+
+
+def test_damage_that_no_sink_needs_is_left_alone(evaluated_copy, moseg, tmp_path):
+    ref = sorted(_open(evaluated_copy).refs("saliency"))[0]
+    _flip(_files(evaluated_copy, ref)[0])
+    assert _run(moseg, evaluated_copy, tmp_path)["store"]["computed"] == 0
+    assert _quarantined(evaluated_copy) == []
+
+
+def test_damaged_labels_do_not_reach_the_users_masks(squares, moseg, tmp_path):
+    arguments = ("segment", squares / "squares" / "frames", "--store", tmp_path / "store", "--out", tmp_path / "out")
+    assert moseg(*arguments, "--quiet").code == 0
+    masks = {path.name: path.read_bytes() for path in (tmp_path / "out" / "masks").iterdir()}
+    store = open_store(str(tmp_path / "store"))
+    damaged = sorted([*store.refs("segmentation"), sorted(store.refs("frame"))[0]])
+    for ref in damaged:
+        task, key = split_ref(ref)
+        folder = tmp_path / "store" / "objects" / task / key[:2] / key
+        _flip(max(folder.rglob("c.*"), key=lambda path: path.stat().st_size))
+    ran = moseg(*arguments, "--quiet")
+    assert (ran.code, ran.err) == (0, "")
+    assert {path.name: path.read_bytes() for path in (tmp_path / "out" / "masks").iterdir()} == masks
+    assert all(result.is_intact for result in store.verify())
+
+
+class _OtherRunInBetween(SynchronousRunner):
+    """Before its first work, another run finds an artifact damaged and takes it out of service."""
+
+    def __init__(self, store, ref):
+        self._store, self._ref = store, ref
+
+    def run(self, calls, on_done):
+        if calls:
+            self._store.quarantine(self._ref, "found damaged by another run")
+        super().run(calls, on_done)
+
+
+def test_an_artifact_that_another_run_quarantines_meanwhile_is_made_again(evaluated_copy):
+    store = _open(evaluated_copy)
+    before = _contents(store)
+    _drop(store, ["score"])
+    ref = sorted(store.refs("segmentation"))[0]
+    config = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2, "context": 3}})
+    data = open_dataset("folder", str(evaluated_copy.root), max_side=config.max_side)
+    session = Session(store, _OtherRunInBetween(store, ref), quiet=True)
+    report = evaluate(session, data.name, [data.sequence("squares")], config, [Variant.FUSED])
+    assert report.model_dump(mode="json")["rows"] == evaluated_copy.report["rows"]
+    assert _contents(store) == before
+
+
+def test_workers_give_the_same_keys_and_bytes_and_repair_as_well(evaluated, evaluated_copy, moseg, tmp_path):
+    store = _open(evaluated_copy)
+    tasks = {split_ref(ref)[0] for ref in store.refs()}
+    _drop(store, tasks - {"frame", "annotation", "ingest"})
+    ref = sorted(store.refs("frame"))[0]
+    _flip(_files(evaluated_copy, ref)[0])
+    report = _run(moseg, evaluated_copy, tmp_path, "--workers", "2")
+    assert report["rows"] == evaluated.report["rows"]
+    assert _contents(store) == _contents(_open(evaluated))
+    assert _quarantined(evaluated_copy) == [ref]
+
+
+def _start(evaluation, store, *more):
+    arguments = [*MOSEG, *evaluation.arguments, "--store", str(store), *map(str, more)]
+    return subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def test_two_runs_on_one_store_at_once_both_succeed(evaluated, tmp_path):
+    reports = [tmp_path / "0.json", tmp_path / "1.json"]
+    runs = [_start(evaluated, tmp_path / "store", "--json", report) for report in reports]
+    for run in runs:
+        _, err = run.communicate(timeout=DEADLINE_SEC)
+        assert (run.returncode, err) == (0, "")
+    for report in reports:
+        assert json.loads(report.read_text())["rows"] == evaluated.report["rows"]
+    store = open_store(str(tmp_path / "store"))
+    assert _contents(store) == _contents(_open(evaluated))
+    assert not list((tmp_path / "store" / "quarantine").glob("*"))
+
+
+def test_a_killed_run_is_resumed_where_it_was(evaluated, moseg, tmp_path):
+    run = _start(evaluated, tmp_path / "store")
+    deadline = time.monotonic() + DEADLINE_SEC
+    while len(list((tmp_path / "store" / "objects" / "saliency").glob("*/*"))) < 2:
+        assert run.poll() is None, run.communicate()
+        assert time.monotonic() < deadline
+        time.sleep(0.002)
+    run.send_signal(signal.SIGKILL)
+    run.communicate()
+    assert run.returncode == -signal.SIGKILL
+
+    resumed = evaluated._replace(store=tmp_path / "store")
+    store = _open(resumed)
+    assert all(result.is_intact for result in store.verify())
+    committed = {ref: store.manifest(ref) for ref in store.refs()}
+    report = _run(moseg, resumed, tmp_path)
+    assert report["rows"] == evaluated.report["rows"]
+    assert _contents(store) == _contents(_open(evaluated))
+    assert {ref: store.manifest(ref) for ref in committed} == committed
+    new = [ref for ref in store.refs() if ref not in committed]
+    assert 0 < report["store"]["computed"] == len(new)

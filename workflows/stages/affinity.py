@@ -9,8 +9,11 @@ from workflows.stages.task import Output, Task
 
 def _runner(method: str):
     def run(params, inputs, rng):
-        residuals = np.concatenate([section.array("residual") for section in inputs.all("residuals")])
-        return Output({"affinity": estimate_affinity(residuals, AffinityParams(method=method, **params))})
+        affinity_params = AffinityParams(method=method, **params["affinity"])
+        sections = inputs.all("residuals")
+        residuals = np.concatenate([section.array("residual") for section in sections])
+        energy = np.concatenate([section.array("energy") for section in sections]) if params["is_flow"] else None
+        return Output({"affinity": estimate_affinity(residuals, affinity_params, energy)})
 
     return run
 

@@ -7,7 +7,7 @@ from workflows.stages.task import Output, Task
 
 def _run(params, inputs, rng):
     affinities = [view.array("affinity") for view in inputs.all("affinities")]
-    result = cluster_motions(affinities, params["num_motions"], ClusteringParams(**params["clustering"]), rng)
+    result = cluster_motions(affinities, params["num_motions"], ClusteringParams(**params["clustering"]))
     return Output(
         {"motion": result.motion, "embedding": result.embedding, "eigenvalues": result.eigenvalues},
         {"num_motions": int(result.num_motions), "objective": [float(value) for value in result.objective]},

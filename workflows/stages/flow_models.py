@@ -5,7 +5,7 @@ The pairs of a section are stacked in one artifact: fitting a pair takes less ti
 
 import numpy as np
 
-from moseg_tasks.motion_models import FLOW_MODELS, fit_from_moments, flow_moments, residuals_from_moments
+from moseg_tasks.motion_models import FLOW_MODELS, fit_from_moments, flow_energy, flow_moments, residuals_from_moments
 from schemas.parameters import FlowModelParams
 from workflows.stages.task import Output, Task
 
@@ -29,8 +29,9 @@ def _run_fit(params, inputs, rng):
 
 
 def _run_residual(params, inputs, rng):
-    fits = (inputs["fits"].array(name) for name in ("moments", "theta", "valid"))
-    return Output({"residual": np.stack([residuals_from_moments(*pair) for pair in zip(*fits, strict=True)])})
+    moments, theta, valid = (inputs["fits"].array(name) for name in ("moments", "theta", "valid"))
+    residual = np.stack([residuals_from_moments(*pair) for pair in zip(moments, theta, valid, strict=True)])
+    return Output({"residual": residual, "energy": np.stack([flow_energy(pair) for pair in moments])})
 
 
 LEAST_SQUARES_FIT = Task("flow_model", "least-squares", version=1, run=_run_fit)

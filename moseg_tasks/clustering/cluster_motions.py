@@ -1,0 +1,121 @@
+"""From the affinities of several views to motion groups."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from moseg_tasks.clustering.fusion import fill_unknown, fuse_kernels, unit_diagonal
+from moseg_tasks.clustering.kmeans import cluster_points
+from moseg_tasks.clustering.linkage import link_objects
+from moseg_tasks.clustering.num_motions import count_by_eigengap
+from moseg_tasks.clustering.spectral import Embedding, embed_views
+from schemas.errors import InputError
+from schemas.parameters import ClusteringParams
+
+
+class Clustering(NamedTuple):
+    """Motion groups of K objects.
+
+    Attributes
+    ----------
+    motion : uint16 (K,)
+        Group of each object: 0 is the background's and static; 1, 2, ... in the order of their first objects.
+    embedding : float64 (K, D)
+        Spectral coordinates, rows of unit length.
+    eigenvalues : float64 (V, K)
+        Of each clustered kernel's normalised affinity, descending; one row where the views were made one kernel.
+    num_motions : int
+        Groups, the background's included.
+    objective : float64 (iterations,)
+        The co-regularised objective after each round.
+    """
+
+    motion: np.ndarray
+    embedding: np.ndarray
+    eigenvalues: np.ndarray
+    num_motions: int
+    objective: np.ndarray
+
+
+def cluster_motions(affinities: Sequence[np.ndarray], num_motions: int | None, params: ClusteringParams) -> Clustering:
+    """Group objects by motion.
+
+    Nothing here is random, and the order of the objects other than the background does not matter: they are handled in
+    an order that follows from their affinities, so that even a nearly diagonal affinity tells nothing by its order.
+    Objects that no affinity tells apart are interchangeable.
+
+    Parameters
+    ----------
+    affinities : sequence of float64 (K, K)
+        One for each view, symmetric and non-negative; object 0 is the background; NaN where unknown (``fill_unknown``
+        says what then holds).
+    num_motions : int, optional
+        Motions with the background's, at most K in effect. None finds it, by `params.auto`: ``threshold`` merges groups
+        of the fused kernel while they are alike, and can answer 1; it needs affinities with a scale, that of ORK only
+        tells more from less. ``eigengap`` needs none, but seldom answers 1.
+    params : ClusteringParams
+
+    Returns
+    -------
+    Clustering
+
+    Raises
+    ------
+    InputError
+        Where there is no view, the views disagree in shape, or `num_motions` is below 1.
+    """
+    _check(affinities, num_motions)
+    views = fill_unknown([unit_diagonal(affinity) for affinity in affinities])
+    kernel = fuse_kernels(views, params.fusion)
+    order = _content_order(kernel)
+    views, kernel = views[:, order][:, :, order], kernel[np.ix_(order, order)]
+    spectral_views = views if params.fusion == "coregularised" else kernel[None]
+
+    count = min(num_motions, len(kernel)) if num_motions is not None else _count(spectral_views, kernel, params)
+    embedding = _embed(spectral_views, count, params)
+    if params.grouping == "spectral":
+        ordered = cluster_points(embedding.coordinates, count)
+    else:
+        ordered = link_objects(kernel, count, params.threshold)
+    labels, coordinates = np.empty(len(order), np.int64), np.empty_like(embedding.coordinates)
+    labels[order], coordinates[order] = ordered, embedding.coordinates
+    motion = _background_first(labels)
+    return Clustering(motion, coordinates, embedding.eigenvalues, int(motion.max()) + 1, embedding.objective)
+
+
+def _check(affinities, num_motions) -> None:
+    if len(affinities) == 0:
+        raise InputError("no view to cluster", where="cluster_motions", got="0 affinities", expected="one or more")
+    shapes = {np.shape(affinity) for affinity in affinities}
+    side = len(affinities[0])
+    if shapes != {(side, side)} or side == 0:
+        raise InputError(
+            "wrong shape of affinities", where="cluster_motions", got=sorted(shapes), expected="one (K, K)"
+        )
+    if num_motions is not None and num_motions < 1:
+        raise InputError("too few motions", where="cluster_motions", got=num_motions, expected="1 or more, or None")
+
+
+def _content_order(kernel: np.ndarray) -> np.ndarray:
+    """The background, then the other objects by their affinity to it and, where equal, by all their affinities."""
+    # Rounded: the same affinities summed in another order may differ in their last bits.
+    profile = np.round(np.column_stack([kernel[:, 0], np.sort(kernel, axis=1)]), 9)
+    others = 1 + np.lexsort(profile[1:].T[::-1])
+    return np.concatenate([[0], others]).astype(np.int64)
+
+
+def _count(views: np.ndarray, kernel: np.ndarray, params: ClusteringParams) -> int:
+    if params.auto == "eigengap":
+        return count_by_eigengap(_embed(views, 1, params).eigenvalues)
+    return int(link_objects(kernel, None, params.threshold).max()) + 1
+
+
+def _embed(views: np.ndarray, dimension: int, params: ClusteringParams) -> Embedding:
+    return embed_views(views, dimension, params.co_regularisation, params.num_iterations, params.tolerance)
+
+
+def _background_first(labels: np.ndarray) -> np.ndarray:
+    """Labels uint16 renumbered in the order of their first objects; object 0 comes first."""
+    _, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(first))[inverse].astype(np.uint16)

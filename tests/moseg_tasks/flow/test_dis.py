@@ -1,0 +1,79 @@
+import cv2
+import numpy as np
+import pytest
+
+from moseg_tasks.flow import estimate_flow
+from schemas.errors import InputError
+from schemas.parameters import FlowParams
+
+MEDIUM = FlowParams(preset="medium")
+
+
+def texture(shape: tuple[int, int], seed: int = 0) -> np.ndarray:
+    """Smooth random RGB texture that every scale can be matched on."""
+    noise = np.random.default_rng(seed).integers(0, 256, (*shape, 3), np.uint8)
+    smooth = cv2.GaussianBlur(noise, (0, 0), 2.0).astype(np.float32)
+    return np.clip((smooth - 127) * 5 + 127, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("preset", ["ultrafast", "fast", "medium"])
+def test_a_translation_is_recovered(preset):
+    canvas = texture((140, 180))
+    image0, image1 = canvas[10:130, 10:170], canvas[12:132, 7:167]
+    flow = estimate_flow(image0, image1, FlowParams(preset=preset))
+    assert flow.dtype == np.float32 and flow.shape == (120, 160, 2)
+    inner = flow[16:-16, 16:-16].reshape(-1, 2)
+    np.testing.assert_allclose(np.median(inner, axis=0), [3.0, -2.0], atol=0.2)
+    assert np.mean(np.abs(inner - [3.0, -2.0]).max(axis=1) < 0.5) > 0.95
+
+
+def test_the_flow_between_equal_frames_is_zero():
+    image = texture((64, 96))
+    assert np.abs(estimate_flow(image, image, MEDIUM)).max() < 1e-3
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 7), (16, 16), (20, 400), (400, 12), (33, 600)])
+@pytest.mark.parametrize("preset", ["ultrafast", "fast", "medium"])
+def test_frames_smaller_than_the_search_give_finite_flow(shape, preset):
+    flow = estimate_flow(texture(shape, 1), texture(shape, 2), FlowParams(preset=preset))
+    assert flow.shape == (*shape, 2) and np.isfinite(flow).all()
+
+
+def test_a_translation_is_recovered_in_a_frame_smaller_than_the_search():
+    canvas = texture((40, 60))
+    flow = estimate_flow(canvas[4:24, 4:54], canvas[4:24, 3:53], MEDIUM)
+    np.testing.assert_allclose(np.median(flow[4:-4, 4:-4].reshape(-1, 2), axis=0), [1.0, 0.0], atol=0.1)
+
+
+def test_the_same_frames_give_the_same_bytes_on_any_number_of_threads():
+    image0, image1 = texture((240, 320)), np.roll(texture((240, 320)), 3, axis=1)
+    before = cv2.getNumThreads()
+    try:
+        flows = []
+        for threads in (1, 3, 1):
+            cv2.setNumThreads(threads)
+            flows.append(estimate_flow(image0, image1, MEDIUM).tobytes())
+    finally:
+        cv2.setNumThreads(before)
+    assert len(set(flows)) == 1
+
+
+def test_the_frames_are_left_as_they_were():
+    image0, image1 = texture((40, 40), 1), texture((40, 40), 2)
+    copies = image0.copy(), image1.copy()
+    estimate_flow(image0, image1, MEDIUM)
+    assert np.array_equal(image0, copies[0]) and np.array_equal(image1, copies[1])
+
+
+@pytest.mark.parametrize(
+    ("image0", "image1", "message"),
+    [
+        (np.zeros((8, 8), np.uint8), np.zeros((8, 8), np.uint8), "not an RGB frame in image0"),
+        (np.zeros((8, 8, 3), np.uint8), np.zeros((8, 8, 3), np.float32), "not an RGB frame in image1"),
+        (np.zeros((8, 0, 3), np.uint8), np.zeros((8, 0, 3), np.uint8), "not an RGB frame"),
+        (np.zeros((8, 8, 3), np.uint8), np.zeros((8, 9, 3), np.uint8), "differ in size"),
+    ],
+)
+def test_other_than_two_rgb_frames_of_one_size_is_an_input_error(image0, image1, message):
+    with pytest.raises(InputError, match=message):
+        estimate_flow(image0, image1, MEDIUM)

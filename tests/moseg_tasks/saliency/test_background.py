@@ -1,0 +1,78 @@
+import numpy as np
+import pytest
+
+from moseg_tasks.saliency.background import affine_flow, fit_background
+from moseg_tasks.saliency.grid import pixel_grid, reduce_flow, working_shape
+from moseg_tasks.saliency.layers import fit_layers
+from schemas.parameters import SaliencyParams
+
+PARAMS = SaliencyParams()
+SHAPE = (120, 200)
+
+
+def affine_field(constant=(2.0, -1.0), along_x=(0.01, 0.004), along_y=(-0.006, 0.02)) -> np.ndarray:
+    centred = pixel_grid(SHAPE).astype(np.float64) - [(SHAPE[1] - 1) / 2, (SHAPE[0] - 1) / 2]
+    x, y = centred[..., :1], centred[..., 1:]
+    return (np.array(constant) + x * np.array(along_x) + y * np.array(along_y)).astype(np.float32)
+
+
+def test_an_exact_affine_flow_is_recovered():
+    motion = fit_background(affine_field(), PARAMS)
+    np.testing.assert_allclose(motion.theta[1:], [[0.01, 0.004], [-0.006, 0.02]], atol=1e-5)
+    np.testing.assert_allclose(affine_flow(motion, SHAPE), affine_field(), atol=1e-3)
+
+
+def test_an_object_on_a_quarter_of_the_frame_does_not_bend_the_background():
+    flow = affine_field()
+    flow[30:90, 60:160] += np.array([4.0, 3.0], np.float32)
+    np.testing.assert_allclose(affine_flow(fit_background(flow, PARAMS), SHAPE), affine_field(), atol=1e-2)
+
+
+def test_the_fit_is_the_same_bytes_each_time_and_leaves_its_input():
+    flow = affine_field() + np.random.default_rng(0).normal(0, 0.3, (*SHAPE, 2)).astype(np.float32)
+    copy = flow.copy()
+    assert fit_background(flow, PARAMS).theta.tobytes() == fit_background(flow, PARAMS).theta.tobytes()
+    assert np.array_equal(flow, copy)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 40), (5, 5), (13, 2)])
+def test_frames_too_small_for_a_homography_still_have_a_background(shape):
+    flow = np.full((*shape, 2), 1.5, np.float32)
+    np.testing.assert_allclose(affine_flow(fit_background(flow, PARAMS), shape), flow, atol=1e-4)
+
+
+def two_layers() -> np.ndarray:
+    """A far scene above, and below it ground that moves on its own affine way."""
+    flow = np.zeros((*SHAPE, 2), np.float32)
+    flow[70:] = np.array([6.0, 0.0], np.float32)
+    return flow
+
+
+def test_ground_along_the_border_becomes_a_second_layer():
+    background = fit_layers(two_layers(), PARAMS)
+    assert background.residual.max() < 1e-3
+    np.testing.assert_allclose(background.flow, two_layers(), atol=1e-3)
+
+
+def test_an_object_inside_the_frame_never_becomes_a_layer():
+    flow = np.zeros((*SHAPE, 2), np.float32)
+    flow[40:100, 50:150] = [6.0, 0.0]
+    np.testing.assert_allclose(fit_layers(flow, PARAMS).residual[40:100, 50:150], 6.0, atol=1e-2)
+
+
+def test_the_second_layer_can_be_refused():
+    refused = fit_layers(two_layers(), PARAMS.model_copy(update={"layer_border": 1.0}))
+    assert refused.residual[80:].min() > 3
+
+
+@pytest.mark.parametrize(
+    ("frame", "grid"),
+    [((480, 854), (240, 427)), ((720, 1280), (240, 427)), ((100, 200), (100, 200)), ((1, 4000), (1, 427))],
+)
+def test_the_working_grid_has_its_longer_side_and_is_never_an_enlargement(frame, grid):
+    assert working_shape(frame, 427) == grid
+
+
+def test_reduced_flow_is_in_pixels_of_the_reduced_grid():
+    flow = np.full((90, 160, 2), (8.0, -3.0), np.float32)
+    np.testing.assert_allclose(reduce_flow(flow, (30, 40)), np.full((30, 40, 2), (2.0, -1.0)), atol=1e-6)

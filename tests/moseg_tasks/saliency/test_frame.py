@@ -1,0 +1,112 @@
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from moseg_tasks.saliency import estimate_saliency
+from schemas.errors import InputError
+from schemas.parameters import SaliencyParams
+
+PARAMS = SaliencyParams()
+SHAPE = (96, 160)
+BACKGROUND = np.array([2.0, 1.0], np.float32)
+OBJECT = (slice(36, 64), slice(60, 100))
+
+
+def texture(seed: int) -> np.ndarray:
+    noise = np.random.default_rng(seed).integers(0, 256, (*SHAPE, 3), np.uint8)
+    return cv2.GaussianBlur(noise, (0, 0), 1.0)
+
+
+def uniform_flow(object_motion=(0.0, 0.0)) -> np.ndarray:
+    flow = np.tile(BACKGROUND, (*SHAPE, 1))
+    flow[OBJECT] += np.array(object_motion, np.float32)
+    return flow
+
+
+FRAME = texture(0)
+MOVED = np.roll(FRAME, (1, 2), axis=(0, 1))  # as seen after the background's motion
+OTHER = MOVED.copy()
+OTHER[OBJECT] = texture(1)[OBJECT]
+
+
+def test_a_square_that_moves_against_an_affine_background_is_salient():
+    saliency = estimate_saliency(FRAME, None, OTHER, None, uniform_flow((3.0, 0.0)), PARAMS).saliency
+    assert saliency.dtype == np.float32 and saliency.shape == SHAPE
+    assert saliency[40:60, 64:96].min() > 0.9
+    outside = np.ones(SHAPE, bool)
+    outside[26:74, 50:110] = False
+    assert saliency[outside].max() < 0.05
+
+
+def test_the_camera_s_own_motion_is_not_salient():
+    assert estimate_saliency(FRAME, None, MOVED, None, uniform_flow(), PARAMS).saliency.max() < 0.01
+
+
+def test_zero_flow_is_not_salient():
+    still = np.zeros((*SHAPE, 2), np.float32)
+    assert estimate_saliency(FRAME, FRAME, FRAME, still, still, PARAMS).saliency.max() < 1e-6
+
+
+def test_flow_noise_under_the_floor_stays_below_the_threshold_of_objects():
+    noise = np.random.default_rng(0).normal(0, 0.15, (*SHAPE, 2)).astype(np.float32)
+    saliency = estimate_saliency(FRAME, None, texture(1), None, uniform_flow() + noise, PARAMS).saliency
+    assert np.mean(saliency > 0.6) < 0.001
+
+
+def test_motion_that_the_colours_deny_is_gated_away():
+    denied = estimate_saliency(FRAME, None, MOVED, None, uniform_flow((3.0, 0.0)), PARAMS).saliency
+    assert denied[46:54, 74:86].max() < 0.05
+
+
+def test_an_error_in_one_time_direction_only_is_an_occlusion():
+    occluded, clean = uniform_flow((3.0, 0.0)), -uniform_flow()
+    previous = np.roll(FRAME, (-1, -2), axis=(0, 1))
+    assert estimate_saliency(FRAME, previous, OTHER, clean, occluded, PARAMS).saliency.max() < 0.05
+
+
+def test_time_reversal_leaves_the_saliency():
+    rng = np.random.default_rng(0)
+    flows = [uniform_flow((3.0, 1.0)) + rng.normal(0, 0.2, (*SHAPE, 2)).astype(np.float32) for _ in range(2)]
+    forward = estimate_saliency(FRAME, texture(2), texture(1), flows[0], flows[1], PARAMS)
+    reverse = estimate_saliency(FRAME, texture(1), texture(2), flows[1], flows[0], PARAMS)
+    np.testing.assert_array_equal(forward.saliency, reverse.saliency)
+    np.testing.assert_array_equal(forward.flows, reverse.flows[::-1])
+
+
+def test_the_absent_direction_at_an_end_has_zero_flow():
+    flows = estimate_saliency(FRAME, None, OTHER, None, uniform_flow(), PARAMS).flows
+    assert flows.shape == (2, *SHAPE, 2) and flows.dtype == np.float32
+    assert not flows[0].any() and np.array_equal(flows[1], uniform_flow())
+
+
+def test_a_single_frame_has_no_saliency():
+    result = estimate_saliency(FRAME, None, None, None, None, PARAMS)
+    assert not result.saliency.any() and not result.flows.any()
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(1, 12), st.integers(1, 12), st.integers(0, 2**31))
+def test_tiny_frames_of_any_content_give_saliency_in_range(height, width, seed):
+    rng = np.random.default_rng(seed)
+    frame, other = rng.integers(0, 256, (2, height, width, 3), np.uint8)
+    flow = rng.normal(0, 3, (height, width, 2)).astype(np.float32)
+    saliency = estimate_saliency(frame, other, None, flow, None, PARAMS).saliency
+    assert saliency.shape == (height, width) and (saliency >= 0).all() and (saliency <= 1).all()
+
+
+def test_a_large_frame_is_worked_on_at_the_working_size():
+    big = np.repeat(np.repeat(FRAME, 4, axis=0), 4, axis=1)
+    flow = np.ones((*big.shape[:2], 2), np.float32)
+    result = estimate_saliency(big, None, big, None, flow, PARAMS)
+    assert result.saliency.shape == (256, 427) and result.flows.shape == (2, 256, 427, 2)
+    np.testing.assert_allclose(result.flows[1, ..., 0], 427 / 640, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("other", "flow"), [(FRAME, None), (None, uniform_flow()), (FRAME[1:], uniform_flow()), (FRAME, uniform_flow()[1:])]
+)
+def test_a_neighbour_that_does_not_fit_the_frame_is_an_input_error(other, flow):
+    with pytest.raises(InputError, match="neighbour"):
+        estimate_saliency(FRAME, other, None, flow, None, PARAMS)
