@@ -102,7 +102,7 @@ class SequenceGraph:
                 )
         return self._node(
             "clustering",
-            "spectral",
+            "motion-groups",
             {
                 "num_motions": None if num_motions == "auto" else num_motions,
                 "clustering": params.model_dump(mode="json", exclude={"motions"}),

@@ -35,7 +35,7 @@ class Moments(NamedTuple):
     target : float64 (K, P)
         t, px.
     rest : float64 (K,)
-        s: root of the squared error of the object's own least-squares fit, px.
+        s: root of a squared error that no parameters change, px.
     count : int64 (K,)
         Pixels; 0 where the object is absent.
     """
@@ -107,7 +107,7 @@ def flow_moments(
 
 
 def unpack_moments(moments: np.ndarray) -> Moments:
-    """Triangular factors, targets, own errors and pixel counts of packed moments, float64 (K, (P + 1)² + 1)."""
+    """Triangular factors, targets, fixed errors and pixel counts of packed moments, float64 (K, (P + 1)² + 1)."""
     side = math.isqrt(moments.shape[1] - 1)
     augmented = moments[:, :-1].reshape(-1, side, side)
     count = np.rint(moments[:, -1]).astype(np.int64)

@@ -35,10 +35,14 @@ def texture(palette: str, seed: int, texel: float = 0.012, pattern: str = "blotc
 
 
 def moving_from(
-    at: GroundVector, velocity: GroundVector = (0.0, 0.0), height: float = 0.0, sways: tuple[Sway, ...] = ()
+    at: GroundVector,
+    velocity: GroundVector = (0.0, 0.0),
+    height: float = 0.0,
+    sways: tuple[Sway, ...] = (),
+    climb: float = 0.0,
 ) -> Path:
-    """Path of a thing that starts on the ground at (x, z), ``height`` metres above it."""
-    return Path(start=(at[0], -height, at[1]), velocity=(velocity[0], 0.0, velocity[1]), sways=sways)
+    """Path of a thing that starts ``height`` metres above the ground at (x, z) and rises by ``climb`` metres a frame."""
+    return Path(start=(at[0], -height, at[1]), velocity=(velocity[0], -climb, velocity[1]), sways=sways)
 
 
 def crate(
@@ -75,12 +79,13 @@ def ball(
     height: float,
     velocity: GroundVector = (0.0, 0.0),
     bounce: float = 0.0,
+    climb: float = 0.0,
 ) -> Thing:
     """A ball whose middle is ``height`` above the ground, swaying up and down by ``bounce`` metres."""
     sways = (Sway(amplitude=(0.0, -bounce, 0.0), period=16.0),) if bounce else ()
     return Thing(
         parts=(Part(shape=Ellipsoid(size=(radius, radius, radius)), texture=surface),),
-        position=moving_from(at, velocity, height, sways),
+        position=moving_from(at, velocity, height, sways, climb),
     )
 
 

@@ -17,6 +17,7 @@ SCENES: dict[str, Scene] = {
     "parallel-mover": scenes_objects.PARALLEL_MOVER,
     "pure-rotation": scenes_camera.PURE_ROTATION,
     "same-motion-pair": scenes_objects.SAME_MOTION_PAIR,
+    "slow-mover": scenes_objects.SLOW_MOVER,
     "small-fast": scenes_objects.SMALL_FAST,
     "spinning-object": scenes_objects.SPINNING_OBJECT,
     "static-camera": scenes_camera.STATIC_CAMERA,

@@ -144,6 +144,20 @@ SMALL_FAST = Scene(
     camera=_drifting(0.03, 0.01),
 )
 
+SLOW_MOVER = Scene(
+    description="The camera slides by fast while a ball rises, a third of a pixel a frame: too little for the "
+    "flow of two frames, enough for trajectories over several.",
+    num_motions=2,
+    backdrop=room(11.0, 5.5, 2000),
+    things=(
+        crate((0.1, 7.4), (0.5, 0.6, 0.45), texture("teal", 2010), yaw=25.0),
+        ball((1.9, 6.4), 0.5, texture("coral", 2011), height=1.1, climb=0.006),
+        bush((3.4, 8.6), (0.8, 0.9), texture("moss", 2012)),
+        crate((4.4, 6.8), (0.4, 0.8, 0.4), texture("straw", 2013, pattern="tiles"), yaw=-20.0),
+    ),
+    camera=_drifting(0.1),
+)
+
 PARALLEL_MOVER = Scene(
     description="The camera tracks a car sideways with its own velocity: the mover stands still in the image while "
     "the world slides past.",

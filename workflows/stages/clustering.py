@@ -14,4 +14,4 @@ def _run(params, inputs, rng):
     )
 
 
-SPECTRAL = Task("clustering", "spectral", version=1, run=_run)
+MOTION_GROUPS = Task("clustering", "motion-groups", version=1, run=_run)

@@ -33,7 +33,7 @@ TASKS: dict[tuple[str, str], Task] = {
         flow_models.MSE_RESIDUAL,
         affinity.RESIDUAL_SIZE,
         affinity.ORDERED_RESIDUAL_KERNEL,
-        clustering.SPECTRAL,
+        clustering.MOTION_GROUPS,
         segmentation.MOVING_OBJECTS,
         score.MOTION_SEGMENTATION,
     )
