@@ -46,9 +46,7 @@ class PipelineConfig(Frozen):
     proposal_source: Literal["saliency", "groundtruth", "folder"] = Field(
         "saliency", description="object proposals: motion saliency, the ground truth's objects, or a folder of masks"
     )
-    fused_flow_model: FlowModelName | Literal["auto"] = Field(
-        "auto", description="flow view of the fused variant; auto: oc_depth where depth is given, else oc"
-    )
+    fused_flow_model: FlowModelName = Field("oc_depth", description="flow model that the fused variant combines")
     flow: FlowParams = FlowParams()
     depth: DepthParams = DepthParams()
     sections: SectionParams = SectionParams()
@@ -63,12 +61,8 @@ class PipelineConfig(Frozen):
 
     def views(self, variant: Variant) -> tuple[str, ...]:
         """Motion models of a variant: ``trajs`` or the name of a flow model; none for ``base``."""
-        if self.fused_flow_model == "auto":
-            flow_view = "oc" if self.depth.method == "none" else "oc_depth"
-        else:
-            flow_view = self.fused_flow_model
         return {
-            Variant.FUSED: ("trajs", flow_view),
+            Variant.FUSED: ("trajs", self.fused_flow_model),
             Variant.OC_DEPTH: ("oc_depth",),
             Variant.OC: ("oc",),
             Variant.TRAJS: ("trajs",),

@@ -44,10 +44,10 @@ class StageProgress(AbstractContextManager):
             self._last = time.monotonic()
             self._print()
 
-    def __exit__(self, *exception) -> None:
+    def __exit__(self, kind, *exception) -> None:
         if self._bars is not None:
             self._bars.stop()
-        elif not self._quiet:
+        elif not self._quiet and kind is None:
             self._print()
 
     def _print(self) -> None:

@@ -1,7 +1,7 @@
 """Segmenting a user's own video: labels of every frame at the video's own size."""
 
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Callable, Iterator
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -12,6 +12,8 @@ from workflows.graph import SequenceGraph
 from workflows.leaves import ingest_sequences
 from workflows.resize import resize_labels
 from workflows.session import Session
+
+Result = TypeVar("Result")
 
 
 class MotionSegmentation(NamedTuple):
@@ -56,8 +58,16 @@ class MotionSegmentation(NamedTuple):
                 yield resize_labels(labels, shape or self.shape)
 
 
-def segment(session: Session, source: SequenceSource, config: PipelineConfig, variant: Variant) -> MotionSegmentation:
-    """Segment one video, reusing every artifact that exists.
+def segment(
+    session: Session,
+    source: SequenceSource,
+    config: PipelineConfig,
+    variant: Variant,
+    use: Callable[[MotionSegmentation], Result],
+) -> Result:
+    """Segment one video, reusing every artifact that exists, and return what `use` makes of it.
+
+    `use` is called again where it met a damaged artifact, once that is made again.
 
     Raises
     ------
@@ -81,7 +91,7 @@ def segment(session: Session, source: SequenceSource, config: PipelineConfig, va
             motion = np.arange(num_objects, dtype=np.uint16)
         else:
             motion = session.store.read(clustering, "motion")
-        return MotionSegmentation(
+        result = MotionSegmentation(
             name=source.name,
             shape=source.frames.describe().size,
             analysed_shape=graph.leaves.shape,
@@ -90,5 +100,6 @@ def segment(session: Session, source: SequenceSource, config: PipelineConfig, va
             frame_refs=graph.leaves.frames,
             label_refs=graph.segmentations(variant),
         )
+        return use(result)
 
     return session.compute(build, read)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, TypeVar
 
 from schemas.digests import digest_json
-from schemas.errors import CorruptArtifactError
+from schemas.errors import CorruptArtifactError, MissingArtifactError
 from schemas.recipes import Recipe, split_ref
 from schemas.scores import StoreUse
 from store import ArtifactStore
@@ -96,9 +96,10 @@ class Session:
         """Compute what the sinks of the graph that `build` returns still lack, then return what `read` reads of them.
 
         Both are called again after an artifact was found corrupt and quarantined: the corrupt one may be a leaf, which
-        `build` ingests anew, or a sink.
+        `build` ingests anew, or a sink. The same holds where another run quarantined it between our look and our use.
         """
         repairs = 0
+        missed: set[str] = set()
         while True:
             try:
                 recipes, sinks = build()
@@ -115,6 +116,11 @@ class Session:
                     raise
                 repairs += 1
                 quarantine_corrupt(str(self.store.root), error)
+            except MissingArtifactError as error:
+                # Missing again after it was planned anew is no other run's doing.
+                if str(error) in missed:
+                    raise
+                missed.add(str(error))
 
     def _plan(self, run_id: str, recipes: dict[str, Recipe], sinks: Sequence[str]) -> Plan:
         """A plan whose artifacts are pinned: what `gc` took between the look-up and the pin is planned again."""

@@ -100,7 +100,7 @@ def _empty(path):
     path.write_bytes(b"")
 
 
-BEHIND_FLOW = ["saliency", "flow_model", "flow_residual", "affinity", "clustering", "segmentation", "score"]
+BEHIND_FLOW = ["saliency", "proposals", "flow_model", "flow_residual", "affinity", "clustering", "segmentation", "score"]
 
 
 @pytest.mark.parametrize(

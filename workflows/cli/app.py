@@ -40,7 +40,9 @@ def run(arguments: list[str]) -> int:
     try:
         return get_command(app)(arguments, standalone_mode=False) or 0
     except TyperException as error:
-        print(f"moseg: {error} (moseg --help lists the commands, moseg COMMAND --help their options)", file=sys.stderr)
+        # The formatted message names the option; the plain one only says what is wrong with its value.
+        message = " ".join(error.format_message().split()).rstrip(".")
+        print(f"moseg: {message} (moseg --help lists the commands, moseg COMMAND --help their options)", file=sys.stderr)
         return EXIT_BAD_INPUT
     except (InputError, StoreError) as error:
         print(f"moseg: {error}", file=sys.stderr)

@@ -170,13 +170,9 @@ def _notes(config: PipelineConfig, variants: tuple[Variant, ...]) -> tuple[str, 
     """What a reader must know to read the figures rightly."""
     notes = [f"proposals {config.proposal_source}, flow {config.flow.method}, tracks {config.tracks.method}"]
     if config.depth.method == "none":
-        without = [variant.value for variant in (Variant.OC_DEPTH, Variant.OC) if variant in variants]
+        without = [variant.value for variant in (Variant.FUSED, Variant.OC_DEPTH, Variant.OC) if variant in variants]
         if without:
-            notes.append(
-                f"no depth given: {' and '.join(without)} ran without it (oc-depth with constant inverse depth)"
-            )
-        if Variant.FUSED in variants:
-            notes.append(f"no depth given: fused combines {' and '.join(config.views(Variant.FUSED))}")
+            notes.append(f"no depth given: {', '.join(without)} ran without it (oc_depth with constant inverse depth)")
     else:
         notes.append(f"depth {config.depth.method}")
     return tuple(notes)

@@ -81,7 +81,7 @@ def make_config(
     try:
         return PipelineConfig.model_validate(values), folders
     except ValidationError as error:
-        raise InputError(**_explain(error.errors()[0])) from error
+        raise InputError(**_explain(error.errors())) from error
 
 
 def sequence_names(text: str | None) -> tuple[str, ...] | None:
@@ -108,13 +108,28 @@ def _assign(values: dict[str, Any], dotted: str, value: Any) -> None:
     values[name] = value
 
 
-def _explain(error: dict[str, Any]) -> dict[str, Any]:
-    where = ".".join(str(part) for part in error["loc"] if part in _known_names() or isinstance(part, str))
-    if error["type"] == "extra_forbidden":
+def _explain(errors: list[dict[str, Any]]) -> dict[str, Any]:
+    """What is wrong with the first parameter that is wrong; a parameter of several types has an error for each."""
+    first = errors[0]
+    where = _parameter(first)
+    if first["type"] == "extra_forbidden":
         close = get_close_matches(where, _known_names(), n=1)
-        expected = f"did you mean {close[0]}?" if close else "a parameter of `moseg plan --help`"
+        expected = f"did you mean {close[0]}?" if close else f"one of {', '.join(_siblings(where))}"
         return {"what": "unknown parameter", "where": where, "expected": expected}
-    return {"what": "bad parameter", "where": where, "got": repr(error["input"]), "expected": error["msg"]}
+    messages = (error["msg"].removeprefix("Input should be ") for error in errors if _parameter(error) == where)
+    return {"what": "bad parameter", "where": where, "got": repr(first["input"]), "expected": " or ".join(messages)}
+
+
+def _parameter(error: dict[str, Any]) -> str:
+    """``stage.name`` of the parameter; what pydantic puts behind it says which of its types was tried."""
+    return ".".join(str(part) for part in error["loc"][:2])
+
+
+def _siblings(parameter: str) -> list[str]:
+    """Parameters of the same stage, or the stages where there is none of that name."""
+    stage = parameter.partition(".")[0]
+    names = [name for name in _known_names() if name.startswith(f"{stage}.")]
+    return names or list(PipelineConfig.model_fields)
 
 
 def _known_names() -> list[str]:

@@ -65,8 +65,11 @@ def segment(
     frames = open_frames(video, config.max_side)
     source = with_given_folders(SequenceSource(Path(video).resolve().stem, frames), folders, config.max_side)
     with open_session(store, workers, scheduler, quiet) as session:
-        result = run_segmentation(session, source, config, variant)
-        summary = write_segmentation(Path(out), session.store, result, frames.describe().fps or fps)
+
+        def export(result):
+            return result, write_segmentation(Path(out), session.store, result, frames.describe().fps or fps)
+
+        result, summary = run_segmentation(session, source, config, variant, export)
     count = len(summary.objects)
     objects = f"{count} moving object{'' if count == 1 else 's'}"
     use = session.use()
