@@ -27,14 +27,16 @@ class NearestRecipe(NamedTuple):
     differences: tuple[FieldDifference, ...]
 
 
-def nearest(store: ArtifactStore, recipe: Recipe) -> NearestRecipe | None:
-    """The stored artifact of the recipe's task that differs from it in the fewest fields.
+def nearest(store: ArtifactStore, recipe: Recipe, besides: str | None = None) -> NearestRecipe | None:
+    """The stored artifact of the recipe's task, `besides` one reference, that differs from it in the fewest fields.
 
-    Returns None where the task has no artifact. Of equally near ones the youngest is taken, so that the answer speaks
-    of the last run. Damaged artifacts are passed over.
+    Returns None where the task has no other artifact. Of equally near ones the youngest is taken, so that the answer
+    speaks of the last run. Damaged artifacts are passed over.
     """
     best: tuple[int, str, NearestRecipe] | None = None
     for ref in store.refs(recipe.task):
+        if ref == besides:
+            continue
         try:
             manifest = store.manifest(ref)
         except (CorruptArtifactError, MissingArtifactError):

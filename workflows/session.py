@@ -48,6 +48,7 @@ class Session:
         self.computed: Counter[str] = Counter()
         self.reused: Counter[str] = Counter()
         self._seconds: Counter[str] = Counter()
+        self._ingests: set[str] = set()
         self._runner = runner
         self._quiet = quiet
         self._started = time.perf_counter()
@@ -86,6 +87,7 @@ class Session:
                 progress.advance("ingest", len(remembered))
 
             self._runner.run(calls, done)
+        self._ingests.update(found)
         return [found[recipe.ref] for recipe in recipes]
 
     def compute(
@@ -109,7 +111,7 @@ class Session:
                 result = read()
                 self.reused += plan.count()[1]
                 if plan.compute:
-                    self.store.pin(run_id, sinks)
+                    self.store.pin(run_id, (*sinks, *sorted(self._ingests)))
                 return result
             except CorruptArtifactError as error:
                 if repairs == MAX_REPAIRS:
@@ -123,8 +125,11 @@ class Session:
                 missed.add(str(error))
 
     def _plan(self, run_id: str, recipes: dict[str, Recipe], sinks: Sequence[str]) -> Plan:
-        """A plan whose artifacts are pinned: what `gc` took between the look-up and the pin is planned again."""
-        pinned: set[str] = set()
+        """A plan whose artifacts are pinned: what `gc` took between the look-up and the pin is planned again.
+
+        Nothing reads what ingest remembers, so it is pinned by name.
+        """
+        pinned = set(self._ingests)
         while True:
             plan = make_plan(self.store, recipes, sinks)
             if not plan.compute or plan.touched() <= pinned:

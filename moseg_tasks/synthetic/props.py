@@ -41,7 +41,7 @@ def moving_from(
     sways: tuple[Sway, ...] = (),
     climb: float = 0.0,
 ) -> Path:
-    """Path of a thing that starts ``height`` metres above the ground at (x, z) and rises by ``climb`` metres a frame."""
+    """Path of a thing that starts ``height`` metres above the ground at (x, z) and rises ``climb`` metres a frame."""
     return Path(start=(at[0], -height, at[1]), velocity=(velocity[0], -climb, velocity[1]), sways=sways)
 
 

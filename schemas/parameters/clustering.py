@@ -1,6 +1,6 @@
 """Parameters of the fusion of views, of the grouping of objects and of the number of motions."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -10,7 +10,7 @@ from schemas.frozen import Frozen
 class ClusteringParams(Frozen):
     """How affinities of several views become motion groups."""
 
-    motions: Literal["gt", "auto"] | int = Field(
+    motions: Literal["gt", "auto"] | Annotated[int, Field(ge=1)] = Field(
         "auto", description="number of motions with the background: gt, auto or N"
     )
     fusion: Literal["product", "sum", "coregularised"] = Field(

@@ -17,7 +17,9 @@ class FundamentalParams(Frozen):
     )
     threshold: float = Field(1.0, gt=0, description="Sampson distance of an inlier, px")
     num_samples: int = Field(200, ge=1, description="minimal samples drawn for each fit")
-    num_refits: int = Field(5, ge=0, description="most local refits to the inliers (eight_point_ransac and homographies)")
+    num_refits: int = Field(
+        5, ge=0, description="most local refits to the inliers (eight_point_ransac and homographies)"
+    )
     min_points: int = Field(8, ge=8, description="points visible in both frames below which an object takes no part")
     statistic: Literal["median", "mean"] = Field(
         "median", description="what an object's points are reduced to: median, or mean (the paper)"

@@ -100,7 +100,8 @@ def _empty(path):
     path.write_bytes(b"")
 
 
-BEHIND_FLOW = ["saliency", "proposals", "flow_model", "flow_residual", "affinity", "clustering", "segmentation", "score"]
+END = ["affinity", "clustering", "segmentation", "score"]
+BEHIND_FLOW = ["saliency", "proposals", "flow_model", "flow_residual", *END]
 
 
 @pytest.mark.parametrize(

@@ -38,11 +38,15 @@ def run(arguments: list[str]) -> int:
     if not arguments:
         arguments = ["--help"]
     try:
-        return get_command(app)(arguments, standalone_mode=False) or 0
+        code = get_command(app)(arguments, standalone_mode=False) or 0
+        # Typer turns an interruption into its exit code.
+        if code == EXIT_INTERRUPTED:
+            raise KeyboardInterrupt
+        return code
     except TyperException as error:
         # The formatted message names the option; the plain one only says what is wrong with its value.
         message = " ".join(error.format_message().split()).rstrip(".")
-        print(f"moseg: {message} (moseg --help lists the commands, moseg COMMAND --help their options)", file=sys.stderr)
+        print(f"moseg: {message} (moseg --help lists commands, moseg COMMAND --help their options)", file=sys.stderr)
         return EXIT_BAD_INPUT
     except (InputError, StoreError) as error:
         print(f"moseg: {error}", file=sys.stderr)

@@ -114,10 +114,11 @@ def _explain(errors: list[dict[str, Any]]) -> dict[str, Any]:
     where = _parameter(first)
     if first["type"] == "extra_forbidden":
         close = get_close_matches(where, _known_names(), n=1)
-        expected = f"did you mean {close[0]}?" if close else f"one of {', '.join(_siblings(where))}"
+        expected = close[0] if close else f"one of {', '.join(_siblings(where))}"
         return {"what": "unknown parameter", "where": where, "expected": expected}
-    messages = (error["msg"].removeprefix("Input should be ") for error in errors if _parameter(error) == where)
-    return {"what": "bad parameter", "where": where, "got": repr(first["input"]), "expected": " or ".join(messages)}
+    messages = [error["msg"].removeprefix("Input should be ") for error in errors if _parameter(error) == where]
+    expected = " or ".join(message.partition(", unable to parse")[0] for message in messages)
+    return {"what": "bad parameter", "where": where, "got": repr(first["input"]), "expected": expected}
 
 
 def _parameter(error: dict[str, Any]) -> str:

@@ -50,7 +50,7 @@ def why(key: KeyArgument, store: StoreOption = DEFAULT_STORE) -> None:
     opened = _existing(store)
     ref = _find(opened, key)
     recipe = opened.manifest(ref).recipe
-    found = nearest(opened, recipe)
+    found = nearest(opened, recipe, besides=ref)
     if found is None:
         print(f"{ref}: the only artifact of its task; nothing could have been reused")
         return

@@ -1,0 +1,389 @@
+"""The command line: what it prints and writes, its exit codes, and one clear line for each kind of bad input."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from schemas.configs import Variant
+from store import open_store
+
+SCORES = {"P", "R", "F", "J"}
+
+
+def _tree(folder):
+    """Every file below a folder with its size and time of change."""
+    return {path: (path.stat().st_size, path.stat().st_mtime_ns) for path in sorted(folder.rglob("*"))}
+
+
+def _assert_bad_input(ran, *words):
+    """Exit code 2 and one line that names what is wrong."""
+    assert ran.code == 2
+    (line,) = ran.err.splitlines()
+    assert line.startswith("moseg: ")
+    for word in words:
+        assert str(word) in line
+
+
+@pytest.fixture(autouse=True)
+def in_empty_folder(tmp_path, monkeypatch):
+    """Defaults such as ``.moseg/store`` and ``out`` fall into a folder of the test's own."""
+    (tmp_path / "cwd").mkdir()
+    monkeypatch.chdir(tmp_path / "cwd")
+    monkeypatch.delenv("MOSEG_DATA", raising=False)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        ("evaluate", "evaluate"),
+        ("eval --datset synthetic", "--datset"),
+        ("eval --dataset sintetic", "sintetic"),
+        ("eval --sequences panning", "panning"),
+        ("eval --variant fuse", "--variant"),
+        ("eval --flow raft", "flow.method"),
+        ("eval --depth monodepth", "depth.method"),
+        ("eval --tracks cotracker", "tracks.method"),
+        ("eval --proposals sam", "proposal"),
+        ("eval --proposals folder", "--proposals"),
+        ("eval --proposals folder:nowhere", "nowhere"),
+        ("eval --affinity cosine", "affinity.method"),
+        ("eval --dataset davis16", "$MOSEG_DATA"),
+        ("eval --dataset davis16 --root nowhere", "nowhere"),
+        ("eval --root .", "no files"),
+        ("eval --set nonsense", "nonsense"),
+        ("eval --set nostage.gap=3", "nostage"),
+        ("eval --set fundamental.gab=3", "fundamental.gap"),
+        ("eval --set fundamental.gap=three", "'three'"),
+        ("eval --set fundamental.gap=0", "fundamental.gap"),
+        ("eval --set saliency.floor=nan", "saliency.floor"),
+        ("eval --motions some", "clustering.motions"),
+        ("eval --motions 0", "clustering.motions"),
+        ("eval --section-length 0", "sections.length"),
+        ("eval --workers two", "--workers"),
+        ("eval --workers -1", "--workers"),
+        ("eval --workers 2 --scheduler tcp://127.0.0.1:8786", "--scheduler"),
+        ("eval --scheduler nowhere", "--scheduler"),
+        ("eval --store s3://bucket/store", "s3://"),
+        ("plan --variant all", "--variant"),
+        ("ablate --dataset sintetic", "sintetic"),
+        ("segment", "video"),
+        ("segment nowhere.mp4", "nowhere.mp4"),
+        ("segment . --motions gt", "--motions"),
+        ("segment .", "no images"),
+        ("score", "predictions"),
+        ("score --predictions nowhere", "nowhere"),
+        ("store", "command"),
+        ("store ls", ".moseg/store"),
+        ("store gc --grace-hours -1", "--grace-hours"),
+    ],
+)
+def test_bad_use_is_one_line_before_any_work(moseg, arguments, word):
+    _assert_bad_input(moseg(*arguments.split()), word)
+    assert not list(Path(".moseg").rglob("objects"))
+
+
+@pytest.fixture
+def frames(squares, tmp_path):
+    """A copy of the frames of the squares, to spoil."""
+    return Path(shutil.copytree(squares / "squares" / "frames", tmp_path / "spoilt" / "frames"))
+
+
+@pytest.fixture
+def evaluate_spoilt(moseg, frames, squares):
+    """Evaluates the spoilt copy; masks are added unless there are some."""
+
+    def call():
+        masks = frames.parent / "masks"
+        if not masks.exists():
+            shutil.copytree(squares / "squares" / "masks", masks)
+        return moseg("eval", "--dataset", "folder", "--root", frames.parents[0], "--quiet")
+
+    return call
+
+
+def test_a_video_that_is_none(moseg, tmp_path):
+    path = tmp_path / "film.mp4"
+    path.write_bytes(b"not a film" * 100)
+    _assert_bad_input(moseg("segment", path), path)
+
+
+def test_an_image_that_is_none(moseg, frames):
+    (frames / "00004.png").write_bytes(b"not an image")
+    _assert_bad_input(moseg("segment", frames), frames / "00004.png")
+
+
+@pytest.mark.parametrize("num_frames", [0, 1])
+def test_too_few_frames(moseg, frames, num_frames):
+    for path in sorted(frames.iterdir())[num_frames:]:
+        path.unlink()
+    _assert_bad_input(moseg("segment", frames, "--quiet"))
+    assert not Path("out", "motion.json").exists()
+
+
+def test_one_frame_with_ground_truth(evaluate_spoilt, frames, squares):
+    shutil.rmtree(frames)
+    frames.mkdir()
+    (frames.parent / "masks").mkdir()
+    for folder in ("frames", "masks"):
+        shutil.copy(squares / "squares" / folder / "00000.png", frames.parent / folder)
+    _assert_bad_input(evaluate_spoilt(), "at least 2")
+
+
+def test_frames_of_mixed_sizes(moseg, frames, write_image):
+    write_image(frames / "00003.png", np.zeros((50, 60, 3), np.uint8))
+    _assert_bad_input(moseg("segment", frames), frames / "00003.png", "60x50", "128x96")
+
+
+def test_ground_truth_of_another_size(evaluate_spoilt, frames, squares, write_image):
+    shutil.copytree(squares / "squares" / "masks", frames.parent / "masks")
+    write_image(frames.parent / "masks" / "00002.png", np.ones((50, 60), np.uint8))
+    _assert_bad_input(evaluate_spoilt(), "00002.png", "60x50", "128x96")
+
+
+def test_ground_truth_that_is_missing(evaluate_spoilt, frames):
+    (frames.parent / "masks").mkdir()
+    _assert_bad_input(evaluate_spoilt(), frames.parent / "masks")
+
+
+def test_a_sequence_without_ground_truth_cannot_be_scored(moseg, frames):
+    ran = moseg("eval", "--dataset", "folder", "--root", frames.parents[0], "--quiet")
+    _assert_bad_input(ran, "ground truth")
+
+
+def test_depth_maps_that_are_too_few(moseg, frames, tmp_path):
+    (tmp_path / "depth").mkdir()
+    _assert_bad_input(moseg("segment", frames, "--depth", f"folder:{tmp_path / 'depth'}"), "10 files")
+
+
+@pytest.mark.parametrize("command", ["eval", "ablate"])
+def test_json_that_cannot_be_written_is_said_before_the_work(moseg, squares, tmp_path, command):
+    (tmp_path / "file").touch()
+    for target in (tmp_path / "file" / "report.json", tmp_path):
+        ran = moseg(command, "--dataset", "folder", "--root", squares, "--json", target)
+        _assert_bad_input(ran)
+    assert not Path(".moseg").exists()
+
+
+def test_a_store_that_is_none(moseg, squares, tmp_path):
+    (tmp_path / "file").touch()
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "thesis.tex").touch()
+    for store in (tmp_path / "file", tmp_path / "folder"):
+        before = _tree(tmp_path)
+        for command in ("eval", "plan"):
+            _assert_bad_input(moseg(command, "--dataset", "folder", "--root", squares, "--store", store), store)
+        assert _tree(tmp_path) == before
+
+
+def test_a_fault_is_exit_code_one_with_its_trace(moseg, monkeypatch):
+    def fail(name, *arguments, **options):
+        raise RuntimeError("broken")
+
+    monkeypatch.setattr("workflows.datasets.open_dataset", fail)
+    ran = moseg("eval")
+    assert ran.code == 1
+    assert ran.err.startswith("Traceback")
+    assert ran.err.splitlines()[-1] == "moseg: a fault, not your input: RuntimeError: broken"
+
+
+def test_an_interruption_says_that_the_run_can_be_resumed(moseg, monkeypatch):
+    def interrupt(name, *arguments, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("workflows.datasets.open_dataset", interrupt)
+    ran = moseg("eval")
+    assert ran.code == 130
+    assert len(ran.err.splitlines()) == 1
+
+
+def test_without_a_command_the_help_is_shown(moseg):
+    ran = moseg()
+    assert ran.code == 0
+    for command in ("segment", "eval", "ablate", "plan", "score", "store", "datasets", "backends"):
+        assert command in ran.out
+
+
+def test_the_console_script_ends_with_the_exit_code():
+    script = Path(sys.executable).with_name("moseg")
+    if not script.exists():
+        pytest.skip(f"moseg is not installed beside {sys.executable}")
+    ran = subprocess.run([script, "eval", "--dataset", "sintetic"], capture_output=True, text=True, check=False)
+    assert (ran.returncode, ran.stdout) == (2, "")
+    assert ran.stderr.startswith("moseg: unknown data set")
+
+
+def _assert_report(report, dataset, variants):
+    assert report.keys() >= {"dataset", "rows", "store", "seconds"}
+    assert report["dataset"] == dataset
+    assert [row["variant"] for row in report["rows"]] == variants
+    for row in report["rows"]:
+        assert row.keys() >= {"variant", "sequences", "mean"}
+        for scores in (row["mean"], *row["sequences"].values()):
+            assert scores.keys() >= SCORES
+            assert all(0 <= value <= 100 for value in scores.values())
+    assert report["store"].keys() >= {"computed", "reused"}
+    assert report["seconds"] >= 0
+
+
+def test_the_report_of_an_evaluation(evaluated):
+    _assert_report(evaluated.report, "folder", ["fused"])
+    (row,) = evaluated.report["rows"]
+    assert list(row["sequences"]) == ["squares"]
+    assert row["mean"] == row["sequences"]["squares"]
+    assert evaluated.report["store"]["computed"] > 0
+    # Two squares that move on their own before a panning backdrop are found.
+    assert row["mean"]["F"] > 50
+
+
+def test_an_ablation_after_an_evaluation_reuses_every_cue(evaluated_copy, moseg, tmp_path):
+    arguments = ["ablate", *evaluated_copy.arguments[1:], "--store", evaluated_copy.store]
+    ran = moseg(*arguments, "--json", tmp_path / "ablation.json")
+    assert (ran.code, ran.err) == (0, "")
+    report = json.loads((tmp_path / "ablation.json").read_text())
+    _assert_report(report, "folder", [variant.value for variant in Variant])
+    assert report["rows"][0] == evaluated_copy.report["rows"][0]
+    stages = dict(re.findall(r"│ (\w+) +│ +(\d+) │ +\d+ │ +\S+ │", ran.out))
+    assert {"flow", "tracks"} <= stages.keys()
+    cues = {"ingest", "flow", "saliency", "proposals", "linking", "tracks", "fundamental", "fundamental_residual"}
+    assert {stage: stages[stage] for stage in cues & stages.keys()} == dict.fromkeys(cues & stages.keys(), "0")
+    assert 0 < report["store"]["computed"] == sum(map(int, stages.values()))
+
+
+def test_a_plan_computes_and_stores_nothing(evaluated_copy, moseg):
+    before = _tree(evaluated_copy.store)
+    arguments = ["plan", *(word for word in evaluated_copy.arguments[1:] if word != "--quiet")]
+    warm = moseg(*arguments, "--store", evaluated_copy.store)
+    other = moseg(*arguments, "--store", evaluated_copy.store, "--set", "affinity.scale=0.7")
+    unseen = moseg(*arguments, "--store", evaluated_copy.store, "--set", "max_side=64")
+    assert [warm.code, other.code, unseen.code] == [0, 0, 0]
+    assert "0 artifacts to compute" in warm.out
+    # Two affinities, their clustering, three sections of labels and a score.
+    assert re.search(r"^7 artifacts to compute, \d+ to reuse$", other.out, re.MULTILINE)
+    # The annotation has its own size, and is remembered.
+    assert f"{evaluated_copy.report['store']['computed'] - 1} artifacts to compute, 0 to reuse" in unseen.out
+    assert _tree(evaluated_copy.store) == before
+
+
+def test_a_plan_counts_what_the_run_then_computes(evaluated_copy, moseg, tmp_path):
+    options = (*evaluated_copy.arguments[1:], "--variant", "oc", "--store", evaluated_copy.store)
+    plan = moseg("plan", *(word for word in options if word != "--quiet"))
+    assert moseg("eval", *options, "--json", tmp_path / "report.json").code == 0
+    computed = json.loads((tmp_path / "report.json").read_text())["store"]["computed"]
+    assert f"{computed} artifacts to compute" in plan.out
+
+
+def test_saved_masks_are_scored_as_they_were_evaluated(evaluated, moseg, tmp_path, write_image):
+    store = open_store(str(evaluated.store), create=False)
+    starts = {store.manifest(ref).recipe.params["section"]: ref for ref in store.refs("segmentation")}
+    labels = np.concatenate([store.read(ref, "labels") for _, ref in sorted(starts.items())])
+    for number, frame in enumerate(labels):
+        write_image(tmp_path / "saved" / "squares" / f"{number:05d}.png", frame.astype(np.uint8))
+    data = ("--dataset", "folder", "--root", evaluated.root, "--predictions", tmp_path / "saved", "--name", "saved")
+    ran = moseg("score", *data, "--json", tmp_path / "score.json", "--quiet")
+    assert (ran.code, ran.err) == (0, "")
+    report = json.loads((tmp_path / "score.json").read_text())
+    _assert_report(report, "folder", ["saved"])
+    assert report["rows"][0]["mean"] == pytest.approx(evaluated.report["rows"][0]["mean"])
+
+
+def test_masks_that_are_all_background_move_nothing(squares, moseg, tmp_path, write_image):
+    for number in range(10):
+        write_image(tmp_path / "given" / f"{number:05d}.png", np.zeros((96, 128), np.uint8))
+    given = ("--proposals", f"folder:{tmp_path / 'given'}", "--store", tmp_path / "store", "--quiet")
+    ran = moseg("segment", squares / "squares" / "frames", *given, "--out", tmp_path / "out")
+    assert (ran.code, ran.err) == (0, "")
+    assert ran.out.startswith("0 moving objects in 10 frames")
+    masks = [np.asarray(Image.open(path)) for path in sorted((tmp_path / "out" / "masks").iterdir())]
+    assert len(masks) == 10
+    assert not np.any(masks)
+    ran = moseg("eval", "--dataset", "folder", "--root", squares, *given, "--json", tmp_path / "report.json")
+    assert ran.code == 0
+    assert json.loads((tmp_path / "report.json").read_text())["rows"][0]["mean"]["R"] == 0
+
+
+def test_given_masks_are_the_objects(squares, moseg, tmp_path):
+    frames, masks = squares / "squares" / "frames", squares / "squares" / "masks"
+    ran = moseg("segment", frames, "--proposals", f"folder:{masks}", "--variant", "base", "--out", "out", "--quiet")
+    assert ran.code == 0
+    assert ran.out.startswith("2 moving objects in 10 frames")
+    for number in range(10):
+        found, given = (np.asarray(Image.open(folder / f"{number:05d}.png")) for folder in (Path("out/masks"), masks))
+        np.testing.assert_array_equal(found > 0, given > 0)
+
+
+def test_the_store_lists_what_it_shows(evaluated, moseg):
+    listed = moseg("store", "ls", "--store", evaluated.store).out.split()
+    assert listed == sorted(listed)
+    assert len(moseg("store", "ls", "--task", "flow", "--store", evaluated.store).out.split()) == 18
+    (score,) = (ref for ref in listed if ref.startswith("score/"))
+    shown = json.loads(moseg("store", "show", score, "--store", evaluated.store).out)
+    assert shown["recipe"]["task"] == "score"
+    assert shown["attributes"].items() >= evaluated.report["rows"][0]["mean"].items()
+    by_key = moseg("store", "show", score.partition("/")[2][:12], "--store", evaluated.store)
+    assert json.loads(by_key.out) == shown
+
+
+def test_a_key_that_names_nothing_or_too_much(evaluated, moseg):
+    _assert_bad_input(moseg("store", "show", "flow/zz", "--store", evaluated.store), "flow/zz")
+    _assert_bad_input(moseg("store", "show", "flow/", "--store", evaluated.store), "18")
+
+
+def test_why_names_the_field_that_made_a_miss(evaluated_copy, moseg):
+    store = ("--store", evaluated_copy.store)
+    (before,) = moseg("store", "ls", "--task", "clustering", *store).out.split()
+    assert "only artifact of its task" in moseg("store", "why", before, *store).out
+    assert moseg(*evaluated_copy.arguments, *store, "--motions", "3").code == 0
+    (after,) = {*moseg("store", "ls", "--task", "clustering", *store).out.split()} - {before}
+    why = moseg("store", "why", after, *store).out
+    assert before in why
+    assert "params.num_motions: 3 here, null there" in why
+
+
+def test_verify_finds_damage_and_takes_it_out_of_service(evaluated_copy, moseg):
+    store = ("--store", evaluated_copy.store)
+    assert moseg("store", "verify", *store).code == 0
+    damaged = next((evaluated_copy.store / "objects" / "flow").rglob("c.0*"))
+    damaged.write_bytes(damaged.read_bytes()[:-1])
+    found = moseg("store", "verify", *store)
+    assert found.code == 1
+    assert damaged.parents[1].name in found.out
+    assert moseg("store", "verify", "--quarantine", *store).code == 1
+    sound = moseg("store", "verify", *store)
+    assert sound.code == 0
+    assert "0 bad" in sound.out
+
+
+def test_gc_keeps_what_a_run_needs_until_it_is_forgotten(evaluated_copy, moseg):
+    store = ("--store", evaluated_copy.store)
+    before = moseg("store", "ls", *store).out
+    assert moseg("store", "gc", "--delete", "--grace-hours", "0", *store).code == 0
+    assert moseg("store", "ls", *store).out == before
+    _assert_bad_input(moseg("store", "gc", "--forget", "nobody", *store), "nobody")
+    run = moseg("store", "ls", "--runs", *store).out.split()[0]
+    assert moseg("store", "gc", "--forget", run, "--grace-hours", "0", *store).code == 0
+    assert moseg("store", "ls", *store).out == before
+    assert moseg("store", "gc", "--forget", run, "--delete", "--grace-hours", "0", *store).code == 0
+    assert moseg("store", "ls", *store).out == ""
+    assert moseg(*evaluated_copy.arguments, *store).code == 0
+
+
+def test_du_counts_artifacts_and_bytes(evaluated, moseg):
+    lines = moseg("store", "du", "--store", evaluated.store).out.splitlines()
+    num_artifacts = len(moseg("store", "ls", "--store", evaluated.store).out.split())
+    assert lines[-1].split()[-2:] == [str(num_artifacts), "total"]
+    assert any(line.split()[-2:] == ["18", "flow"] for line in lines)
+
+
+@pytest.mark.parametrize("command", ["datasets", "backends"])
+def test_overviews_need_nothing(moseg, command):
+    ran = moseg(command)
+    assert (ran.code, ran.err) == (0, "")
+    assert "synthetic" in ran.out
+    assert not list(Path().iterdir())
