@@ -30,6 +30,7 @@ def plan_evaluation(
             ]
         graph = SequenceGraph(make_leaves(source, ingested), config)
         sinks.extend(graph.score(variant) for variant in variants)
+        sinks.extend(graph.cues())
         recipes |= graph.recipes
     computed, reused = make_plan(store, recipes, sinks).count()
     if num_ingests:

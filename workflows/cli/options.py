@@ -11,14 +11,14 @@ from schemas.errors import InputError
 
 DatasetOption = Annotated[str, typer.Option("--dataset", help="Data set; `moseg datasets` lists them.")]
 RootOption = Annotated[
-    str | None, typer.Option("--root", help="The data set's folder [default: $MOSEG_DATA/<dataset>].")
+    str | None, typer.Option("--root", help="The data set's folder (default: $MOSEG_DATA/<dataset>).")
 ]
 SequencesOption = Annotated[str | None, typer.Option("--sequences", help="Only these, separated by commas.")]
 ListFileOption = Annotated[
     str | None, typer.Option("--list", help="File naming the sequences, one a line (ytvos-moving).")
 ]
 VariantsOption = Annotated[
-    list[Variant] | None, typer.Option("--variant", help="Row of the ablation; may be repeated [default: fused].")
+    list[Variant] | None, typer.Option("--variant", help="Row of the ablation; may be repeated (default: fused).")
 ]
 JsonOption = Annotated[str | None, typer.Option("--json", help="Also write the result to this file.")]
 StoreOption = Annotated[str, typer.Option("--store", help="Artifact store: a folder or file:// URL.")]
@@ -28,15 +28,15 @@ QuietOption = Annotated[bool, typer.Option("--quiet", help="No progress on stand
 
 MotionsOption = Annotated[
     str | None,
-    typer.Option("--motions", help="Number of motions, the background's included: gt, auto or N [default: auto]."),
+    typer.Option("--motions", help="Number of motions, the background's included: gt, auto or N (default: auto)."),
 ]
 ProposalsOption = Annotated[
-    str | None, typer.Option("--proposals", help="saliency, groundtruth or folder:PATH [default: saliency].")
+    str | None, typer.Option("--proposals", help="saliency, groundtruth or folder:PATH (default: saliency).")
 ]
-DepthOption = Annotated[str | None, typer.Option("--depth", help="none, groundtruth or folder:PATH [default: none].")]
-FlowOption = Annotated[str | None, typer.Option("--flow", help="dis or groundtruth [default: dis].")]
+DepthOption = Annotated[str | None, typer.Option("--depth", help="none, groundtruth or folder:PATH (default: none).")]
+FlowOption = Annotated[str | None, typer.Option("--flow", help="dis or groundtruth (default: dis).")]
 TracksOption = Annotated[
-    str | None, typer.Option("--tracks", help="lucas-kanade or groundtruth [default: lucas-kanade].")
+    str | None, typer.Option("--tracks", help="lucas-kanade or groundtruth (default: lucas-kanade).")
 ]
 AffinityOption = Annotated[str | None, typer.Option("--affinity", help="residual or ork.")]
 SectionOption = Annotated[int | None, typer.Option("--section-length", help="Frames of a section (l of the paper).")]

@@ -23,9 +23,9 @@ def score(
     sequences: SequencesOption = None,
     list_file: ListFileOption = None,
     format: Annotated[
-        str | None, typer.Option("--format", help="Format of the masks [default: found from the files' names].")
+        str | None, typer.Option("--format", help="Format of the masks (default: found from the files' names).")
     ] = None,
-    name: Annotated[str | None, typer.Option("--name", help="Name of the row [default: the folder's].")] = None,
+    name: Annotated[str | None, typer.Option("--name", help="Name of the row (default: the folder's).")] = None,
     json: JsonOption = None,
     quiet: QuietOption = False,
 ) -> None:
