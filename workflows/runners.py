@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from importlib import import_module
 from typing import Any, NamedTuple, Protocol
 
 import dask
@@ -68,6 +69,8 @@ class _PinThreads(WorkerPlugin):
 
     def setup(self, worker):
         pin_threads()
+        # A worker that cannot import the tasks is found out now; a call sent to it would never come back.
+        import_module("workflows.execution")
 
 
 @contextmanager
@@ -99,7 +102,11 @@ def open_runner(workers: int = 0, scheduler: str | None = None) -> Iterator[Runn
 
 
 def _pinned(client: Client) -> DistributedRunner:
-    client.register_plugin(_PinThreads())
+    try:
+        client.register_plugin(_PinThreads())
+    except ImportError as error:
+        expected = "the same moseg on every worker"
+        raise InputError("workers that cannot run moseg's tasks", got=error, expected=expected) from error
     return DistributedRunner(client)
 
 

@@ -2,12 +2,13 @@
 
 from moseg_tasks.geometry.coordinates import normalise_points, normalising_transform, pixel_scale
 from moseg_tasks.geometry.degeneracy import Degeneracy
-from moseg_tasks.geometry.fit_fundamentals import FundamentalFits, fit_fundamentals
-from moseg_tasks.geometry.fundamental_residuals import fundamental_residuals
+from moseg_tasks.geometry.fit import FundamentalFits, ModelKind, fit_fundamentals
+from moseg_tasks.geometry.residuals import fundamental_residuals
 
 __all__ = [
     "Degeneracy",
     "FundamentalFits",
+    "ModelKind",
     "fit_fundamentals",
     "fundamental_residuals",
     "normalise_points",

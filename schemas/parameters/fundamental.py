@@ -25,10 +25,10 @@ class FundamentalParams(Frozen):
         "median", description="what an object's points are reduced to: median, or mean (the paper)"
     )
     degenerate: Literal["discard", "keep", "homography"] = Field(
-        "keep",
+        "homography",
         description=(
-            "a degenerate fit is marked invalid (discard, the paper), used all the same (keep), or, where a homography "
-            "explains the points, replaced by that homography and its transfer error (homography)"
+            "a degenerate fit is marked invalid (discard, the paper), used all the same (keep), or used except where "
+            "the widest object shows no parallax, where homographies take its place (homography)"
         ),
     )
     homography_ratio: float = Field(

@@ -11,7 +11,7 @@ class TrackParams(Frozen):
     """Points sampled in every object and followed through a section."""
 
     method: Literal["lucas-kanade", "groundtruth"] = Field("lucas-kanade", description="point tracker")
-    points_per_object: int = Field(40, ge=8, description="points kept in each object")
+    points_per_object: int = Field(60, ge=8, description="points kept in each object")
     background_points: int = Field(160, ge=8, description="points kept in the background, spread over the frame")
     resample_every: int = Field(8, ge=1, description="frames between checks of a point against its object's mask")
     border: int = Field(6, ge=0, description="points nearer than this to the frame's border are removed, px")
@@ -22,11 +22,11 @@ class TrackParams(Frozen):
         0.01, ge=0, le=1, description="least corner response, as a share of the largest one inside the object"
     )
     spread: float = Field(
-        0.5, ge=0, description="least distance of sampled points, as a share of the spacing of an even grid"
+        0.25, ge=0, description="least distance of sampled points, as a share of the spacing of an even grid"
     )
     medoid_candidates: int = Field(300, ge=8, description="random pixels of an object among which medoids are sought")
     erosion: int = Field(
-        2, ge=0, description="pixels stripped from an object's outline before sampling, where something is left, px"
+        3, ge=0, description="pixels stripped from an object's outline before sampling, where something is left, px"
     )
     window: int = Field(15, ge=5, description="side of the Lucas-Kanade window, px")
     pyramid_levels: int = Field(4, ge=0, description="pyramid levels above full resolution")

@@ -46,7 +46,10 @@ class _Front(NamedTuple):
 
 
 def track_points(
-    frames: Iterable[np.ndarray], masks: Sequence[np.ndarray] | np.ndarray, params: TrackParams, rng: np.random.Generator
+    frames: Iterable[np.ndarray],
+    masks: Sequence[np.ndarray] | np.ndarray,
+    params: TrackParams,
+    rng: np.random.Generator,
 ) -> Tracks:
     """Sample points in every object and follow them.
 
