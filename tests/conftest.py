@@ -78,6 +78,14 @@ def squares(tmp_path_factory) -> Path:
 
 
 @pytest.fixture
+def in_empty_folder(tmp_path, monkeypatch) -> None:
+    """Defaults such as ``.moseg/store`` and ``out`` fall into a folder of the test's own; no data set is known."""
+    (tmp_path / "cwd").mkdir()
+    monkeypatch.chdir(tmp_path / "cwd")
+    monkeypatch.delenv("MOSEG_DATA", raising=False)
+
+
+@pytest.fixture
 def moseg(capsys) -> Callable[..., Ran]:
     """Runs a `moseg` command in this process."""
     from workflows.cli.app import run

@@ -1,0 +1,79 @@
+import numpy as np
+import pytest
+
+from moseg_tasks.geometry.poselib_fundamental import poselib_fundamental
+from moseg_tasks.geometry.ransac import FUNDAMENTAL, HOMOGRAPHY, draw_samples, ransac
+from moseg_tasks.geometry.sampson import sampson_squared
+
+SETTINGS = {"threshold": 1.0, "num_samples": 300, "num_refits": 5}
+
+
+@pytest.fixture
+def polluted(see, scatter):
+    """60 pairs of which the first 20 are wrong, with a tenth of a pixel of noise."""
+    views = see(scatter(60))
+    rng = np.random.default_rng(1)
+    points1 = views.points1 + rng.normal(0, 0.1, views.points1.shape)
+    points1[:20] += rng.uniform(20, 60, (20, 2)) * rng.choice([-1, 1], (20, 2))
+    return views.points0, points1, views.F
+
+
+def test_wrong_pairs_are_left_out(polluted):
+    points0, points1, F = polluted
+    fit = ransac(FUNDAMENTAL, points0, points1, rng=np.random.default_rng(0), **SETTINGS)
+    assert fit.inlier_mask[20:].all()
+    # A wrong pair may lie on its epipolar line by chance.
+    assert fit.inlier_mask[:20].mean() < 0.2
+    true_pairs = points0[20:], points1[20:]
+    assert np.median(sampson_squared(fit.matrix, *true_pairs)) < 2 * np.median(sampson_squared(F, *true_pairs))
+
+
+def test_refits_lower_the_cost(polluted):
+    points0, points1, _ = polluted
+
+    def cost(num_refits):
+        settings = SETTINGS | {"num_refits": num_refits}
+        fit = ransac(FUNDAMENTAL, points0, points1, rng=np.random.default_rng(0), **settings)
+        return np.minimum(sampson_squared(fit.matrix, points0, points1), 1).sum()
+
+    assert cost(5) < cost(0)
+
+
+def test_equal_seeds_give_equal_bytes(polluted):
+    points0, points1, _ = polluted
+    fits = [ransac(FUNDAMENTAL, points0, points1, rng=np.random.default_rng(7), **SETTINGS) for _ in range(2)]
+    assert fits[0].matrix.tobytes() == fits[1].matrix.tobytes()
+    assert not np.array_equal(
+        fits[0].matrix, ransac(FUNDAMENTAL, points0, points1, rng=np.random.default_rng(8), **SETTINGS).matrix
+    )
+
+
+def test_a_homography_is_found_among_wrong_pairs():
+    rng = np.random.default_rng(0)
+    points0 = rng.uniform(0, 800, (40, 2))
+    points1 = points0 * 1.05 + [4, -2]
+    points1[:15] += 50 * rng.normal(size=(15, 2))
+    fit = ransac(HOMOGRAPHY, points0, points1, rng=rng, **SETTINGS)
+    np.testing.assert_array_equal(fit.inlier_mask, np.arange(40) >= 15)
+
+
+def test_samples_repeat_no_point():
+    samples = draw_samples(9, 8, 200, np.random.default_rng(0))
+    assert (np.diff(np.sort(samples, axis=1), axis=1) > 0).all()
+    assert set(samples.ravel()) == set(range(9))
+    assert draw_samples(8, 8, 3, np.random.default_rng(0)).shape == (3, 8)
+
+
+def test_poselib_is_seeded_by_the_generator(polluted):
+    points0, points1, _ = polluted
+    fits = [
+        poselib_fundamental(points0, points1, threshold=1.0, num_samples=200, rng=np.random.default_rng(3))
+        for _ in range(2)
+    ]
+    assert fits[0].matrix.tobytes() == fits[1].matrix.tobytes()
+    assert fits[0].inlier_mask[20:].all()
+
+
+def test_poselib_without_a_model_returns_none():
+    points = np.full((8, 2), 0.5)
+    assert poselib_fundamental(points, points, threshold=0.01, num_samples=20, rng=np.random.default_rng(0)) is None

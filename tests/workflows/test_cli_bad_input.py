@@ -1,0 +1,170 @@
+"""Each kind of bad input ends with exit code 2 and one clear line on standard error."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.usefixtures("in_empty_folder")
+
+
+def _files(folder):
+    return sorted(folder.rglob("*"))
+
+
+def _assert_bad_input(ran, *words):
+    """Exit code 2 and one line that names what is wrong."""
+    assert ran.code == 2
+    (line,) = ran.err.splitlines()
+    assert line.startswith("moseg: ")
+    for word in words:
+        assert str(word) in line
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        ("evaluate", "evaluate"),
+        ("eval --datset synthetic", "--datset"),
+        ("eval --dataset sintetic", "sintetic"),
+        ("eval --sequences panning", "panning"),
+        ("eval --variant fuse", "--variant"),
+        ("eval --flow raft", "flow.method"),
+        ("eval --depth monodepth", "depth.method"),
+        ("eval --tracks cotracker", "tracks.method"),
+        ("eval --proposals sam", "proposal"),
+        ("eval --proposals folder", "--proposals"),
+        ("eval --proposals folder:nowhere", "nowhere"),
+        ("eval --affinity cosine", "affinity.method"),
+        ("eval --dataset davis16", "$MOSEG_DATA"),
+        ("eval --dataset davis16 --root nowhere", "nowhere"),
+        ("eval --root .", "no files"),
+        ("eval --set nonsense", "nonsense"),
+        ("eval --set nostage.gap=3", "nostage"),
+        ("eval --set fundamental.gab=3", "fundamental.gap"),
+        ("eval --set fundamental.gap=three", "'three'"),
+        ("eval --set fundamental.gap=0", "fundamental.gap"),
+        ("eval --set saliency.floor=nan", "saliency.floor"),
+        ("eval --motions some", "clustering.motions"),
+        ("eval --motions 0", "clustering.motions"),
+        ("eval --section-length 0", "sections.length"),
+        ("eval --workers two", "--workers"),
+        ("eval --workers -1", "--workers"),
+        ("eval --workers 2 --scheduler tcp://127.0.0.1:8786", "--scheduler"),
+        ("eval --scheduler nowhere", "--scheduler"),
+        ("eval --store s3://bucket/store", "s3://"),
+        ("plan --variant all", "--variant"),
+        ("ablate --dataset sintetic", "sintetic"),
+        ("segment", "video"),
+        ("segment nowhere.mp4", "nowhere.mp4"),
+        ("segment . --motions gt", "--motions"),
+        ("segment .", "no images"),
+        ("score", "predictions"),
+        ("score --predictions nowhere", "nowhere"),
+        ("store", "command"),
+        ("store ls", ".moseg/store"),
+        ("store gc --grace-hours -1", "--grace-hours"),
+    ],
+)
+def test_bad_use_is_one_line_before_any_work(moseg, arguments, word):
+    _assert_bad_input(moseg(*arguments.split()), word)
+    assert not list(Path(".moseg").rglob("objects"))
+
+
+@pytest.fixture
+def frames(squares, tmp_path):
+    """A copy of the frames of the squares, to spoil."""
+    return Path(shutil.copytree(squares / "squares" / "frames", tmp_path / "spoilt" / "frames"))
+
+
+@pytest.fixture
+def evaluate_spoilt(moseg, frames, squares):
+    """Evaluates the spoilt copy; masks are added unless there are some."""
+
+    def call():
+        masks = frames.parent / "masks"
+        if not masks.exists():
+            shutil.copytree(squares / "squares" / "masks", masks)
+        return moseg("eval", "--dataset", "folder", "--root", frames.parents[0], "--quiet")
+
+    return call
+
+
+def test_a_video_that_is_none(moseg, tmp_path):
+    path = tmp_path / "film.mp4"
+    path.write_bytes(b"not a film" * 100)
+    _assert_bad_input(moseg("segment", path), path)
+
+
+def test_an_image_that_is_none(moseg, frames):
+    (frames / "00004.png").write_bytes(b"not an image")
+    _assert_bad_input(moseg("segment", frames), frames / "00004.png")
+
+
+@pytest.mark.parametrize("num_frames", [0, 1])
+def test_too_few_frames(moseg, frames, num_frames):
+    for path in sorted(frames.iterdir())[num_frames:]:
+        path.unlink()
+    _assert_bad_input(moseg("segment", frames, "--quiet"))
+    assert not Path("out", "motion.json").exists()
+
+
+def test_one_frame_with_ground_truth(evaluate_spoilt, frames, squares):
+    shutil.rmtree(frames)
+    frames.mkdir()
+    (frames.parent / "masks").mkdir()
+    for folder in ("frames", "masks"):
+        shutil.copy(squares / "squares" / folder / "00000.png", frames.parent / folder)
+    _assert_bad_input(evaluate_spoilt(), "at least 2")
+
+
+def test_frames_of_mixed_sizes(moseg, frames, write_image):
+    write_image(frames / "00003.png", np.zeros((50, 60, 3), np.uint8))
+    _assert_bad_input(moseg("segment", frames), frames / "00003.png", "60x50", "128x96")
+
+
+def test_ground_truth_of_another_size(evaluate_spoilt, frames, squares, write_image):
+    shutil.copytree(squares / "squares" / "masks", frames.parent / "masks")
+    write_image(frames.parent / "masks" / "00002.png", np.ones((50, 60), np.uint8))
+    _assert_bad_input(evaluate_spoilt(), "00002.png", "60x50", "128x96")
+
+
+def test_ground_truth_that_is_missing(evaluate_spoilt, frames):
+    (frames.parent / "masks").mkdir()
+    _assert_bad_input(evaluate_spoilt(), frames.parent / "masks")
+
+
+def test_a_sequence_without_ground_truth_cannot_be_scored(moseg, frames):
+    ran = moseg("eval", "--dataset", "folder", "--root", frames.parents[0], "--quiet")
+    _assert_bad_input(ran, "ground truth")
+
+
+def test_depth_maps_that_are_too_few(moseg, frames, tmp_path):
+    (tmp_path / "depth").mkdir()
+    _assert_bad_input(moseg("segment", frames, "--depth", f"folder:{tmp_path / 'depth'}"), "10 files")
+
+
+@pytest.mark.parametrize("command", ["eval", "ablate"])
+def test_json_that_cannot_be_written_is_said_before_the_work(moseg, squares, tmp_path, command):
+    (tmp_path / "file").touch()
+    for target in (tmp_path / "file" / "report.json", tmp_path):
+        ran = moseg(command, "--dataset", "folder", "--root", squares, "--json", target)
+        _assert_bad_input(ran)
+    assert not Path(".moseg").exists()
+
+
+def test_a_store_that_is_none(moseg, squares, tmp_path):
+    (tmp_path / "file").touch()
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "thesis.tex").touch()
+    for store in (tmp_path / "file", tmp_path / "folder"):
+        before = _files(tmp_path)
+        for command in ("eval", "plan"):
+            _assert_bad_input(moseg(command, "--dataset", "folder", "--root", squares, "--store", store), store)
+        assert _files(tmp_path) == before
+
+
+def test_a_key_that_names_nothing_or_too_much(evaluated, moseg):
+    _assert_bad_input(moseg("store", "show", "flow/zz", "--store", evaluated.store), "flow/zz")
+    _assert_bad_input(moseg("store", "show", "flow/", "--store", evaluated.store), "18")
