@@ -25,12 +25,12 @@ def test_exact_points_have_no_residual():
 
 def test_under_the_identity_half_the_squared_displacement_is_left():
     points0 = np.random.default_rng(0).uniform(0, 800, (6, 2))
-    np.testing.assert_allclose(homography_sampson_squared(np.eye(3), points0, points0 + [3.0, 4.0]), 12.5)
+    np.testing.assert_allclose(homography_sampson_squared(np.eye(3), points0, points0 + np.array([3.0, 4.0])), 12.5)
 
 
 def test_swapping_images_and_inverting_changes_little():
     points0 = np.random.default_rng(0).uniform(0, 800, (6, 2))
-    points1 = transfer(H_TRUE, points0) + [0.5, -0.2]
+    points1 = transfer(H_TRUE, points0) + np.array([0.5, -0.2])
     there = homography_sampson_squared(H_TRUE, points0, points1)
     back = homography_sampson_squared(np.linalg.inv(H_TRUE), points1, points0)
     np.testing.assert_allclose(there, back, rtol=1e-2)

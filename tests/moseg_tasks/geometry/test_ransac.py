@@ -39,13 +39,15 @@ def test_refits_lower_the_cost(polluted):
     assert cost(5) < cost(0)
 
 
-def test_equal_seeds_give_equal_bytes(polluted):
+def test_the_seed_alone_decides(polluted):
     points0, points1, _ = polluted
-    fits = [ransac(FUNDAMENTAL, points0, points1, rng=np.random.default_rng(7), **SETTINGS) for _ in range(2)]
-    assert fits[0].matrix.tobytes() == fits[1].matrix.tobytes()
-    assert not np.array_equal(
-        fits[0].matrix, ransac(FUNDAMENTAL, points0, points1, rng=np.random.default_rng(8), **SETTINGS).matrix
+    # Without refits, for these lead from different samples to one and the same set of inliers.
+    settings = SETTINGS | {"num_refits": 0}
+    first, again, other = (
+        ransac(FUNDAMENTAL, points0, points1, rng=np.random.default_rng(seed), **settings).matrix.tobytes()
+        for seed in (7, 7, 8)
     )
+    assert first == again != other
 
 
 def test_a_homography_is_found_among_wrong_pairs():

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
 from moseg_tasks.geometry.homography import homography_sampson_squared
 from moseg_tasks.geometry.sampson import sampson_squared
@@ -42,8 +43,6 @@ def test_a_point_on_its_epipole_has_no_residual():
 
 
 def test_it_agrees_with_the_least_move_that_obeys_the_geometry(see, scatter):
-    from scipy.optimize import minimize
-
     views = see(scatter(3))
     points1 = views.points1 + np.array([0.3, -0.4])
     F = views.F / np.linalg.norm(views.F)
