@@ -50,6 +50,10 @@ class StoreError(MosegError, OSError):
     """The artifact store cannot be used as asked (not writable, not a store, disk full)."""
 
 
+class MissingStoreError(StoreError, FileNotFoundError):
+    """There is no store at this place, and none was to be made."""
+
+
 class MissingArtifactError(StoreError, KeyError):
     """No artifact is stored under this reference."""
 

@@ -5,7 +5,7 @@ import os
 import uuid
 from pathlib import Path
 
-from schemas.errors import StoreError
+from schemas.errors import MissingStoreError, StoreError
 
 MARKER = "moseg-store.json"
 FORMAT = 1
@@ -23,7 +23,8 @@ def open_root(root: Path, *, create: bool) -> None:
     content = _read(root)
     if content is None:
         if not create:
-            raise StoreError("no artifact store", where=root, expected=f"a folder with {MARKER}")
+            kind = StoreError if root.exists() else MissingStoreError
+            raise kind("no artifact store", where=root, expected=f"a folder with {MARKER}")
         content = _create(root)
     try:
         found = json.loads(content)["format"]

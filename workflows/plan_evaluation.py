@@ -12,8 +12,19 @@ from workflows.planning import make_plan
 from workflows.session import StageUse
 
 
+class EmptyStore:
+    """Stands for a store that does not exist yet: nothing can be reused."""
+
+    def has(self, ref: str) -> bool:
+        """Never."""
+        return False
+
+
 def plan_evaluation(
-    store: ArtifactStore, sources: Sequence[SequenceSource], config: PipelineConfig, variants: Sequence[Variant]
+    store: ArtifactStore | EmptyStore,
+    sources: Sequence[SequenceSource],
+    config: PipelineConfig,
+    variants: Sequence[Variant],
 ) -> dict[str, StageUse]:
     """Artifacts to compute and to reuse by stage.
 

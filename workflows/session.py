@@ -9,7 +9,7 @@ from schemas.digests import digest_json
 from schemas.errors import CorruptArtifactError, MissingArtifactError
 from schemas.recipes import Recipe, split_ref
 from schemas.scores import StoreUse
-from store import ArtifactStore
+from store import ArtifactStore, PutOutcome
 from workflows.execution import execute_recipe, quarantine_corrupt
 from workflows.ingest import IngestJob, recall_ingest, run_ingest
 from workflows.planning import Plan, make_plan
@@ -152,7 +152,8 @@ class Session:
 
             def done(name, report):
                 stage = split_ref(report.ref)[0]
-                self.computed[stage] += 1
+                count = self.reused if report.outcome == PutOutcome.LOST_RACE else self.computed
+                count[stage] += 1
                 self._seconds[stage] += report.seconds
                 progress.advance(stage)
 

@@ -1,6 +1,7 @@
 """`moseg eval`, `moseg ablate` and `moseg plan`."""
 
 from schemas.configs import PipelineConfig, Variant
+from schemas.errors import MissingStoreError
 from workflows.cli.options import (
     DEFAULT_STORE,
     AffinityOption,
@@ -121,12 +122,16 @@ def plan(
     from workflows.cli.tables import print_stages
     from workflows.datasets import open_dataset
     from workflows.given_folders import with_given_folders
-    from workflows.plan_evaluation import plan_evaluation
+    from workflows.plan_evaluation import EmptyStore, plan_evaluation
 
     config, folders = make_config(motions, proposals, depth, flow, tracks, affinity, section_length, settings)
     data = open_dataset(dataset, root, sequence_names(sequences), list_file, max_side=config.max_side)
     sources = [with_given_folders(data.sequence(name), folders, config.max_side) for name in data.names]
-    stages = plan_evaluation(open_store(store), sources, config, tuple(variant or (Variant.FUSED,)))
+    try:
+        opened = open_store(store, create=False)
+    except MissingStoreError:
+        opened = EmptyStore()
+    stages = plan_evaluation(opened, sources, config, tuple(variant or (Variant.FUSED,)))
     print_stages(stages)
     computed, reused = (sum(use[i] for use in stages.values()) for i in (0, 1))
     print(f"{computed} artifacts to compute, {reused} to reuse")
