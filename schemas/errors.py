@@ -47,10 +47,14 @@ class MissingInputError(InputError, FileNotFoundError):
 
 
 class StoreError(MosegError, OSError):
-    """The artifact store cannot be used as asked (not writable, not a store, disk full)."""
+    """The artifact store failed (disk full, not writable): a fault, exit code 1."""
 
 
-class MissingStoreError(StoreError, FileNotFoundError):
+class StoreChoiceError(StoreError, InputError):
+    """What was named as a store is none, or cannot be made one: bad input."""
+
+
+class MissingStoreError(StoreChoiceError, FileNotFoundError):
     """There is no store at this place, and none was to be made."""
 
 

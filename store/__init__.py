@@ -1,7 +1,7 @@
 """Bytes: the content-addressed artifact store."""
 
 from store.local import LocalStore
-from store.nearest import FieldDifference, NearestRecipe, nearest
+from store.nearest import FieldDifference, NearestRecipe, differences, nearest
 from store.opening import open_store
 from store.outcomes import GcReport, Pin, PutOutcome, TaskUsage, VerifyResult
 from store.protocol import ArtifactStore
@@ -16,6 +16,7 @@ __all__ = [
     "PutOutcome",
     "TaskUsage",
     "VerifyResult",
+    "differences",
     "nearest",
     "open_store",
 ]

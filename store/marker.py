@@ -5,7 +5,7 @@ import os
 import uuid
 from pathlib import Path
 
-from schemas.errors import MissingStoreError, StoreError
+from schemas.errors import MissingStoreError, StoreChoiceError, StoreError
 
 MARKER = "moseg-store.json"
 FORMAT = 1
@@ -23,15 +23,17 @@ def open_root(root: Path, *, create: bool) -> None:
     content = _read(root)
     if content is None:
         if not create:
-            kind = StoreError if root.exists() else MissingStoreError
+            kind = StoreChoiceError if root.exists() else MissingStoreError
             raise kind("no artifact store", where=root, expected=f"a folder with {MARKER}")
         content = _create(root)
     try:
         found = json.loads(content)["format"]
     except (ValueError, KeyError, TypeError):
-        raise StoreError("unreadable store marker", where=root / MARKER, expected=_CONTENT.decode().strip()) from None
+        raise StoreChoiceError(
+            "unreadable store marker", where=root / MARKER, expected=_CONTENT.decode().strip()
+        ) from None
     if found != FORMAT:
-        raise StoreError("unknown store format", where=root / MARKER, got=found, expected=FORMAT)
+        raise StoreChoiceError("unknown store format", where=root / MARKER, got=found, expected=FORMAT)
 
 
 def _read(root: Path) -> bytes | None:
@@ -40,7 +42,7 @@ def _read(root: Path) -> bytes | None:
     except FileNotFoundError:
         return None
     except OSError as error:
-        raise StoreError(f"cannot read the artifact store: {error.strerror}", where=root) from error
+        raise StoreChoiceError(f"cannot read the artifact store: {error.strerror}", where=root) from error
 
 
 def _create(root: Path) -> bytes:
@@ -52,7 +54,7 @@ def _create(root: Path) -> bytes:
         if MARKER in foreign:
             return (root / MARKER).read_bytes()
         if foreign:
-            raise StoreError(
+            raise StoreChoiceError(
                 "not an artifact store",
                 where=root,
                 got=f"{len(foreign)} other files",
@@ -63,5 +65,5 @@ def _create(root: Path) -> bytes:
     except StoreError:
         raise
     except OSError as error:
-        raise StoreError(f"cannot create an artifact store: {error.strerror}", where=root) from error
+        raise StoreChoiceError(f"cannot create an artifact store: {error.strerror}", where=root) from error
     return _CONTENT

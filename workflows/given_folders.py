@@ -14,7 +14,9 @@ def with_given_folders(source: SequenceSource, folders: dict[str, str], max_side
     """
     if "proposals" in folders:
         path = _folder_of(source, "proposals", folders["proposals"])
-        source = source._replace(objects=open_masks(path, source.frames))
+        masks = open_masks(path, source.frames)
+        # Beside other ids 255 is what DAVIS and YouTube-VOS call void; alone it is an object.
+        source = source._replace(objects=masks, objects_void=255 if masks.kind == "instance" else None)
     if "depth" in folders:
         path = _folder_of(source, "depth", folders["depth"])
         depth = open_depth(path, source.frames, source.frames.num_frames(), max_side)

@@ -32,6 +32,8 @@ class SequenceLeaves(NamedTuple):
         True number of motions, the background's included.
     masks, tracks : reference or None
         Given proposals and point tracks of the whole sequence.
+    masks_void : int or None
+        Label of the given proposals that is no object.
     depth, flow_forward, flow_backward : tuple of references or None
         Given cues, one a frame or a frame pair.
     """
@@ -43,6 +45,7 @@ class SequenceLeaves(NamedTuple):
     void: int | None = None
     num_motions: int | None = None
     masks: str | None = None
+    masks_void: int | None = None
     tracks: str | None = None
     depth: tuple[str, ...] | None = None
     flow_forward: tuple[str, ...] | None = None
@@ -105,10 +108,24 @@ class SequenceGraph:
             "motion-groups",
             {
                 "num_motions": None if num_motions == "auto" else num_motions,
-                "clustering": params.model_dump(mode="json", exclude={"motions"}),
+                "clustering": self._clustering_params(len(views), num_motions == "auto"),
             },
             {"affinities": tuple(self.affinity(view) for view in views)},
         )
+
+    def _clustering_params(self, num_views: int, is_auto: bool) -> dict:
+        """The parameters that a clustering of so many views reads."""
+        params = self._config.clustering
+        unread = {"motions"}
+        if not is_auto:
+            unread |= {"auto", "threshold"}
+        elif params.auto != "threshold":
+            unread.add("threshold")
+        if num_views == 1 or params.fusion != "coregularised":
+            unread |= {"co_regularisation", "num_iterations", "tolerance"}
+        if num_views == 1:
+            unread.add("fusion")
+        return params.model_dump(mode="json", exclude=unread)
 
     def affinity(self, view: str) -> str:
         """Reference of the objects' affinity under one motion model."""
@@ -166,6 +183,7 @@ class SequenceGraph:
         if self._config.proposal_source in GIVEN_SOURCES:
             masks = self._required("masks", f"proposals: {self._config.proposal_source}")
             params = {"start": section.start, "stop": section.proposal_stop, "shape": list(self.leaves.shape)}
+            params["void"] = self.leaves.masks_void
             return self._node("proposals", "given", params, {"masks": masks})
         saliency = tuple(self.saliency(frame) for frame in range(section.context_start, section.context_stop))
         return self._node(
@@ -235,7 +253,8 @@ class SequenceGraph:
         cues = {"tracks": self.tracks(index), "linking": self.linking()}
         pairs = {"section": index, "num_pairs": num_pairs, "gap": gap}
         params = self._config.fundamental.model_dump(mode="json", exclude={"gap"})
-        fit = {**pairs, "shape": list(self.leaves.shape), "fundamental": params}
+        fitted = {name: value for name, value in params.items() if name != "statistic"}
+        fit = {**pairs, "shape": list(self.leaves.shape), "fundamental": fitted}
         fits = self._node("fundamental", "ransac", fit, cues)
         read = {name: params[name] for name in ("statistic", "min_points")}
         return self._node("fundamental_residual", "sampson", {**pairs, "fundamental": read}, {"fits": fits, **cues})

@@ -85,6 +85,7 @@ def make_leaves(source: SequenceSource, ingested: dict[str, list[dict]]) -> Sequ
         void=source.void,
         num_motions=num_motions,
         masks=ingested["masks"][0]["leaves"][0] if "masks" in ingested else None,
+        masks_void=source.void if source.objects is None else source.objects_void,
         tracks=ingested["tracks"][0]["leaves"][0] if "tracks" in ingested else None,
         **lists,
     )

@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 
 from schemas.configs import PipelineConfig, Variant
+from schemas.errors import CorruptArtifactError, MissingArtifactError
 from store import ArtifactStore
 from workflows.datasets import SequenceSource
 from workflows.graph import SequenceGraph
-from workflows.ingest import preview_ingest, recall_ingest
+from workflows.ingest import IngestJob, preview_ingest, recall_ingest
 from workflows.leaves import ingest_jobs, make_leaves
 from workflows.planning import make_plan
 from workflows.session import StageUse
@@ -34,7 +35,7 @@ def plan_evaluation(
     for source in sources:
         ingested = {}
         for role, jobs in ingest_jobs(source, config, annotated=True).items():
-            known = [recall_ingest(store, job.recipe) for job in jobs]
+            known = [_recall(store, job) for job in jobs]
             num_ingests += known.count(None)
             ingested[role] = [
                 preview_ingest(job) if entry is None else entry for job, entry in zip(jobs, known, strict=True)
@@ -48,3 +49,11 @@ def plan_evaluation(
         computed["ingest"] = num_ingests
     names = dict.fromkeys([*computed, *reused])
     return {name: StageUse(computed[name], reused[name], 0.0) for name in names}
+
+
+def _recall(store: ArtifactStore | EmptyStore, job: IngestJob) -> dict | None:
+    """What is remembered of a job; a run would quarantine a damaged memory and ingest anew."""
+    try:
+        return recall_ingest(store, job.recipe)
+    except (CorruptArtifactError, MissingArtifactError):
+        return None

@@ -1,5 +1,7 @@
 """Running calls that depend on each other: in this process, on local workers, or on an existing Dask cluster."""
 
+import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
@@ -67,8 +69,14 @@ class _PinThreads(WorkerPlugin):
 
     name = "moseg-pin-threads"
 
+    def __init__(self, is_ours: bool):
+        self._is_ours = is_ours
+
     def setup(self, worker):
         pin_threads()
+        if self._is_ours and threading.current_thread() is threading.main_thread():
+            # Ctrl-C reaches the whole process group; the client ends its workers itself.
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
         # A worker that cannot import the tasks is found out now; a call sent to it would never come back.
         import_module("workflows.execution")
 
@@ -83,7 +91,7 @@ def open_runner(workers: int = 0, scheduler: str | None = None) -> Iterator[Runn
     pin_threads()
     if scheduler is not None:
         with _connect(scheduler) as client:
-            yield _pinned(client)
+            yield _pinned(client, is_ours=False)
     elif workers == 0:
         yield SynchronousRunner()
     else:
@@ -93,17 +101,17 @@ def open_runner(workers: int = 0, scheduler: str | None = None) -> Iterator[Runn
                 threads_per_worker=1,
                 processes=True,
                 host="127.0.0.1",
-                dashboard_address=None,
+                dashboard_address="127.0.0.1:0",
                 silence_logs="ERROR",
             ) as cluster,
             Client(cluster) as client,
         ):
-            yield _pinned(client)
+            yield _pinned(client, is_ours=True)
 
 
-def _pinned(client: Client) -> DistributedRunner:
+def _pinned(client: Client, is_ours: bool) -> DistributedRunner:
     try:
-        client.register_plugin(_PinThreads())
+        client.register_plugin(_PinThreads(is_ours))
     except ImportError as error:
         expected = "the same moseg on every worker"
         raise InputError("workers that cannot run moseg's tasks", got=error, expected=expected) from error

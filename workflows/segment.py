@@ -26,8 +26,8 @@ class MotionSegmentation(NamedTuple):
         Height and width of the video's frames, and of the frames as analysed, px.
     num_motions : int
         Motion groups found, the background's included.
-    motion : uint16 (object,)
-        Motion group of each object of the sequence, object 0 the background; 0 = static.
+    motions : dict of int to int
+        Motion group of each object by identity; 0 = static, with the background.
     frame_refs, label_refs : tuple of references
         The frames, and the labels of every section.
     """
@@ -36,7 +36,7 @@ class MotionSegmentation(NamedTuple):
     shape: tuple[int, int]
     analysed_shape: tuple[int, int]
     num_motions: int
-    motion: np.ndarray
+    motions: dict[int, int]
     frame_refs: tuple[str, ...]
     label_refs: tuple[str, ...]
 
@@ -86,9 +86,10 @@ def segment(
     def read():
         graph = graphs[0]
         clustering = graph.clustering(variant)
+        linking = session.store.attributes(graph.linking())
+        identities = linking.get("given", range(1, linking["num_objects"]))
         if clustering is None:
-            num_objects = session.store.attributes(graph.linking())["num_objects"]
-            motion = np.arange(num_objects, dtype=np.uint16)
+            motion = np.arange(linking["num_objects"], dtype=np.uint16)
         else:
             motion = session.store.read(clustering, "motion")
         result = MotionSegmentation(
@@ -96,7 +97,7 @@ def segment(
             shape=source.frames.describe().size,
             analysed_shape=graph.leaves.shape,
             num_motions=len(np.unique(motion)),
-            motion=motion,
+            motions={int(identity): int(group) for identity, group in zip(identities, motion[1:], strict=True)},
             frame_refs=graph.leaves.frames,
             label_refs=graph.segmentations(variant),
         )

@@ -1,12 +1,13 @@
 """A session: one store and one runner, and the work that a command has them do."""
 
 import time
+import uuid
 from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import NamedTuple, TypeVar
 
 from schemas.digests import digest_json
-from schemas.errors import CorruptArtifactError, MissingArtifactError
+from schemas.errors import CorruptArtifactError, MissingArtifactError, StoreError
 from schemas.recipes import Recipe, split_ref
 from schemas.scores import StoreUse
 from store import ArtifactStore, PutOutcome
@@ -49,6 +50,9 @@ class Session:
         self.reused: Counter[str] = Counter()
         self._seconds: Counter[str] = Counter()
         self._ingests: set[str] = set()
+        # A name of its own: another process that does the same work must not end this one's lease.
+        self._lease = f"live-{uuid.uuid4().hex}"
+        self._has_lease = False
         self._runner = runner
         self._quiet = quiet
         self._started = time.perf_counter()
@@ -105,13 +109,11 @@ class Session:
         while True:
             try:
                 recipes, sinks = build()
-                run_id = digest_json("run", sorted(sinks))[:16]
-                plan = self._plan(run_id, recipes, sinks)
+                plan = self._plan(recipes, sinks)
                 self._run(plan)
                 result = read()
                 self.reused += plan.count()[1]
-                if plan.compute:
-                    self.store.pin(run_id, (*sinks, *sorted(self._ingests)))
+                self._keep((*sinks, *sorted(self._ingests)), is_new=bool(plan.compute))
                 return result
             except CorruptArtifactError as error:
                 if repairs == MAX_REPAIRS:
@@ -124,7 +126,27 @@ class Session:
                     raise
                 missed.add(str(error))
 
-    def _plan(self, run_id: str, recipes: dict[str, Recipe], sinks: Sequence[str]) -> Plan:
+    def close(self) -> None:
+        """End the lease on what this session touched; what its finished runs gave stays pinned."""
+        if self._has_lease:
+            self.store.unpin(self._lease)
+            self._has_lease = False
+
+    def _keep(self, refs: Sequence[str], is_new: bool) -> None:
+        """Pin a finished run's results under a name that follows from them.
+
+        Where nothing was computed the store may be one that can only be read, and then nobody collects it from here.
+        """
+        run_id = digest_json("run", sorted(refs))[:16]
+        if run_id in self.store.pinned():
+            return
+        try:
+            self.store.pin(run_id, refs)
+        except StoreError:
+            if is_new:
+                raise
+
+    def _plan(self, recipes: dict[str, Recipe], sinks: Sequence[str]) -> Plan:
         """A plan whose artifacts are pinned: what `gc` took between the look-up and the pin is planned again.
 
         Nothing reads what ingest remembers, so it is pinned by name.
@@ -135,7 +157,8 @@ class Session:
             if not plan.compute or plan.touched() <= pinned:
                 return plan
             pinned |= plan.touched()
-            self.store.pin(run_id, pinned, lease_seconds=LEASE_SECONDS)
+            self.store.pin(self._lease, pinned, lease_seconds=LEASE_SECONDS)
+            self._has_lease = True
 
     def _run(self, plan: Plan) -> None:
         totals, _ = plan.count()

@@ -16,7 +16,7 @@ class FundamentalParams(Frozen):
         description="eight_point_ransac (the paper) or poselib (seven-point LO-RANSAC with non-linear refinement)",
     )
     threshold: float = Field(1.0, gt=0, description="Sampson distance of an inlier, px")
-    num_samples: int = Field(200, ge=1, description="minimal samples drawn for each fit")
+    num_samples: int = Field(100, ge=1, description="minimal samples drawn for each fit")
     num_refits: int = Field(
         5, ge=0, description="most local refits to the inliers (eight_point_ransac and homographies)"
     )

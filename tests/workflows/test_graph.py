@@ -16,10 +16,10 @@ FLOW_MODEL = {"flow_model", "flow_residual"}
 
 
 GOLDEN = {
-    "fused": "5a1ca51294a68439",
-    "oc-depth": "5e30c7c9cb585595",
-    "oc": "f36ca2548c95ea64",
-    "trajs": "af3e0cc0f065000c",
+    "fused": "a302c39c0c9a0801",
+    "oc-depth": "7d09222cd1207604",
+    "oc": "92fa95394c028323",
+    "trajs": "797be398ddad4db2",
     "base": "fd0eb5beab2135e0",
     "flow": "8978fb0e3d6f04db",
     "tracks": "408a297e4dd3b6eb",

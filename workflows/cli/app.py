@@ -48,9 +48,12 @@ def run(arguments: list[str]) -> int:
         message = " ".join(error.format_message().split()).rstrip(".")
         print(f"moseg: {message} (moseg --help lists commands, moseg COMMAND --help their options)", file=sys.stderr)
         return EXIT_BAD_INPUT
-    except (InputError, StoreError) as error:
+    except InputError as error:
         print(f"moseg: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
+    except StoreError as error:
+        print(f"moseg: {error}", file=sys.stderr)
+        return EXIT_FAULT
     except KeyboardInterrupt:
         print("moseg: interrupted; what was finished is kept, the same command goes on from there", file=sys.stderr)
         return EXIT_INTERRUPTED

@@ -86,7 +86,12 @@ def make_config(
 
 def sequence_names(text: str | None) -> tuple[str, ...] | None:
     """Names out of a list separated by commas."""
-    return None if text is None else tuple(name.strip() for name in text.split(",") if name.strip())
+    if text is None:
+        return None
+    names = tuple(name.strip() for name in text.split(",") if name.strip())
+    if not names:
+        raise InputError("no sequence named", where="--sequences", got=repr(text), expected="names separated by commas")
+    return names
 
 
 def _folder_choice(cue: str, text: str | None, folders: dict[str, str]) -> str | None:

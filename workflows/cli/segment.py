@@ -1,7 +1,8 @@
 """`moseg segment`."""
 
+import math
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -34,6 +35,10 @@ def segment(
     fps: Annotated[
         float, typer.Option("--fps", min=0.1, help="Frame rate of the overlay of a folder of frames.")
     ] = 24.0,
+    preset: Annotated[
+        Literal["weights-free"],
+        typer.Option("--preset", help="Set of backends; the other options then change single ones."),
+    ] = "weights-free",
     proposals: ProposalsOption = None,
     depth: DepthOption = None,
     flow: FlowOption = None,
@@ -60,6 +65,8 @@ def segment(
 
     if motions == "gt":
         raise InputError("no ground truth of your own video", where="--motions", got="gt", expected="auto or a number")
+    if not math.isfinite(fps):
+        raise InputError("not a frame rate", where="--fps", got=fps, expected="frames per second")
     check_folder(Path(out))
     config, folders = make_config(motions, proposals, depth, flow, tracks, affinity, section_length, settings)
     frames = open_frames(video, config.max_side)

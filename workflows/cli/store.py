@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from schemas.errors import InputError, MissingArtifactError
+from schemas.errors import InputError
 from workflows.cli.options import DEFAULT_STORE, StoreOption
 
 store_app = typer.Typer(help="The artifact store: list, explain, check, collect.", no_args_is_help=False)
@@ -45,7 +45,7 @@ def why(key: KeyArgument, store: StoreOption = DEFAULT_STORE) -> None:
 
     That is why it was computed rather than reused.
     """
-    from store import nearest
+    from store import differences, nearest
 
     opened = _existing(store)
     ref = _find(opened, key)
@@ -55,8 +55,18 @@ def why(key: KeyArgument, store: StoreOption = DEFAULT_STORE) -> None:
         print(f"{ref}: the only artifact of its task; nothing could have been reused")
         return
     print(f"{ref}\ndiffers from the nearest stored artifact {found.ref} in")
-    for difference in found.differences:
-        print(f"  {difference.field}: {_short(difference.wanted)} here, {_short(difference.stored)} there")
+    fields = found.differences
+    while fields:
+        for field in fields:
+            print(f"  {field.field}: {_short(field.wanted)} here, {_short(field.stored)} there")
+        first = fields[0]
+        # Where nothing but inputs differs, the reason lies with the first of them.
+        if not all(field.field.startswith("inputs") for field in fields):
+            break
+        if not (_is_stored(opened, first.wanted) and _is_stored(opened, first.stored)):
+            break
+        fields = differences(opened.manifest(first.stored).recipe, opened.manifest(first.wanted).recipe)
+        print(f"and {_short(first.wanted)} differs from {_short(first.stored)} in")
 
 
 @store_app.command("verify")
@@ -126,10 +136,14 @@ def _find(store, key: str) -> str:
     """The one artifact whose reference or key begins with `key`."""
     found = [ref for ref in store.refs() if ref.startswith(key) or ref.partition("/")[2].startswith(key)]
     if not found:
-        raise MissingArtifactError("no such artifact", where=store.root, got=key, expected="<task>/<key> or its start")
+        raise InputError("no such artifact", where=store.root, got=key, expected="<task>/<key> or its start")
     if len(found) > 1:
         raise InputError("ambiguous key", got=key, expected=f"more letters: {len(found)} artifacts begin so")
     return found[0]
+
+
+def _is_stored(store, ref: object) -> bool:
+    return isinstance(ref, str) and "/" in ref and store.has(ref)
 
 
 def _short(value: object) -> str:

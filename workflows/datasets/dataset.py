@@ -22,6 +22,8 @@ class SequenceSource(NamedTuple):
         True number of motions, the background's included; None where it must be counted in the annotations.
     objects : MaskSource or None
         All prominent objects, static ones included.
+    objects_void : int or None
+        Label of `objects` that is no object.
     depth, flow_forward, flow_backward, tracks : source or None
         Given cues.
     """
@@ -32,6 +34,7 @@ class SequenceSource(NamedTuple):
     void: int | None = None
     num_motions: int | None = None
     objects: MaskSource | None = None
+    objects_void: int | None = None
     depth: SceneDepth | DepthFiles | None = None
     flow_forward: SceneFlow | None = None
     flow_backward: SceneFlow | None = None

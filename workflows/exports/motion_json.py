@@ -26,8 +26,6 @@ class ObjectSummary(Frozen):
         Frames with at least one pixel of it.
     mean_area_fraction : float
         Its share of the frame's pixels, mean over those frames.
-    score : float, optional
-        The proposal's, where it has one.
     """
 
     identity: int = Field(ge=1)
@@ -36,7 +34,6 @@ class ObjectSummary(Frozen):
     last_frame: int = Field(ge=0)
     num_frames: int = Field(ge=1)
     mean_area_fraction: float = Field(gt=0, le=1)
-    score: float | None = None
 
 
 class SequenceSummary(Frozen):
@@ -57,7 +54,6 @@ def summarise_sequence(
     fps: float,
     num_motions: int,
     motions: Mapping[int, int],
-    scores: Mapping[int, float] | None = None,
 ) -> SequenceSummary:
     """Follow each identity through a sequence's masks, one frame in memory at a time.
 
@@ -71,8 +67,6 @@ def summarise_sequence(
         Motion groups of the sequence, the background's included.
     motions : mapping of int to int
         Motion group of each identity that occurs.
-    scores : mapping of int to float, optional
-        Score of identities that have one.
 
     Raises
     ------
@@ -99,7 +93,6 @@ def summarise_sequence(
             last_frame=visible[identity][-1],
             num_frames=len(visible[identity]),
             mean_area_fraction=float(np.mean(areas[identity])) / (height * width),
-            score=(scores or {}).get(identity),
         )
         for identity in sorted(visible)
     )

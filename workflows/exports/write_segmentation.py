@@ -24,7 +24,6 @@ def write_segmentation(folder: Path, store: ArtifactStore, result: MotionSegment
     """
     write_masks(folder / "masks", result.labels(store))
     write_overlay(folder / "overlay.mp4", result.frames(store), result.labels(store, result.analysed_shape), fps)
-    motions = {identity: int(group) for identity, group in enumerate(result.motion)}
-    summary = summarise_sequence(result.name, result.labels(store), fps, result.num_motions, motions)
+    summary = summarise_sequence(result.name, result.labels(store), fps, result.num_motions, result.motions)
     write_motion(folder / "motion.json", summary)
     return summary

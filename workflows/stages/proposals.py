@@ -29,6 +29,8 @@ def _run_given(params, inputs, rng):
         if params["start"] <= frame < params["stop"]:
             mask = inputs["masks"].rows("masks", row, row + 1)[0]
             given[frame - params["start"]] = resize_labels(mask, tuple(params["shape"]))
+    if params["void"] is not None:
+        given[given == params["void"]] = 0
     masks, identities = relabel_masks(given)
     boxes = object_boxes(masks, len(identities))
     return Output(

@@ -1,4 +1,4 @@
-"""Labels of a section: 0 where static, else the moving object's identity."""
+"""Labels of a section: 0 where static, else the moving object's identity (its own label where masks were given)."""
 
 import numpy as np
 
@@ -11,7 +11,10 @@ def _run(params, inputs, rng):
     moves = np.arange(num_objects) > 0
     if "clustering" in inputs:
         moves = inputs["clustering"].cached("motion") > 0
-    label = np.where(moves[identity], identity, 0).astype(np.uint16)
+    names = np.arange(num_objects, dtype=np.uint16)
+    if "given" in inputs["linking"].attributes:
+        names[1:] = inputs["linking"].attributes["given"]
+    label = np.where(moves[identity], names[identity], 0)
     masks = inputs["proposals"].rows("masks", 0, params["num_frames"])
     return Output({"labels": label[masks]})
 

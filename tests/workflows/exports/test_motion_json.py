@@ -19,13 +19,13 @@ def labels():
 
 
 def test_summary_follows_each_identity(labels):
-    summary = summarise_sequence("dog", iter(labels), 25, 3, motions={2: 1, 5: 2, 9: 2}, scores={5: 0.75})
+    summary = summarise_sequence("dog", iter(labels), 25, 3, motions={2: 1, 5: 2, 9: 2})
     assert (summary.num_frames, summary.width, summary.height, summary.num_motions) == (4, 10, 8, 3)
     second, fifth = summary.objects
-    assert (second.identity, second.motion, second.score) == (2, 1, None)
+    assert (second.identity, second.motion) == (2, 1)
     assert (second.first_frame, second.last_frame, second.num_frames) == (1, 3, 2)
     assert second.mean_area_fraction == pytest.approx(0.1)
-    assert (fifth.first_frame, fifth.last_frame, fifth.num_frames, fifth.score) == (2, 2, 1, 0.75)
+    assert (fifth.first_frame, fifth.last_frame, fifth.num_frames) == (2, 2, 1)
     assert fifth.mean_area_fraction == pytest.approx(0.25)
 
 
