@@ -43,7 +43,10 @@ def test_times_and_places_do_not_matter(tmp_path, source_of):
     for name in ("here", "there"):
         (tmp_path / name).mkdir()
     here, there = source_of(tmp_path / "here"), source_of(tmp_path / "there")
-    os.utime(files_of(there)[-1], (1, 1))
+    for original, copy in zip(files_of(here), files_of(there), strict=True):
+        # A video encoded twice need not be the same bytes.
+        Path(copy).write_bytes(Path(original).read_bytes())
+        os.utime(copy, (1, 1))
     assert here.fingerprint() == there.fingerprint()
     assert pickle.loads(pickle.dumps(here)).fingerprint() == here.fingerprint()
 
