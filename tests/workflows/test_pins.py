@@ -1,31 +1,36 @@
-"""What a run needs stays in the store while it works and after it finished, whatever other runs do."""
+"""What a run needs stays in the store while it works and after it finished, however other runs end."""
 
 import json
 import shutil
 import signal
 import subprocess
 import sys
+from contextlib import closing
 
 import pytest
 
 from schemas.configs import PipelineConfig, Variant
+from schemas.recipes import split_ref
 from store import open_store
 from workflows.datasets import open_dataset
 from workflows.evaluate import evaluate
 from workflows.runners import SynchronousRunner
 from workflows.session import Session
 
+LEAVES = {"frame", "annotation", "ingest"}
 CONFIG = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2, "context": 3}})
+
 DIES_AT_WORK = """
 import os, signal, sys
-from tests.workflows import test_pins as tests
+from workflows import runners
+from workflows.cli.app import run
 
-class _Dies:
-    def run(self, calls, on_done):
-        if calls:
-            os.kill(os.getpid(), signal.SIGKILL)
+def die(self, calls, on_done):
+    if calls:
+        os.kill(os.getpid(), signal.SIGKILL)
 
-tests.run_squares(sys.argv[1], sys.argv[2], _Dies())
+runners.SynchronousRunner.run = die
+run(sys.argv[1:])
 """
 
 
@@ -36,7 +41,7 @@ class _Fails(SynchronousRunner):
 
 
 class _LooksOn(SynchronousRunner):
-    """Calls `look` before each batch of work, when the plan is made and pinned."""
+    """Calls `look` once there is work to do: the plan is then made, and pinned."""
 
     def __init__(self, look):
         self._look = look
@@ -45,3 +50,122 @@ class _LooksOn(SynchronousRunner):
         if calls:
             self._look()
         super().run(calls, on_done)
+
+
+def _open(evaluation):
+    return open_store(str(evaluation.store), create=False)
+
+
+def _drop(store, *tasks):
+    for ref in list(store.refs()):
+        if split_ref(ref)[0] in tasks:
+            store.remove(ref)
+
+
+def _unpin_all(store):
+    for run_id in store.pinned():
+        store.unpin(run_id)
+
+
+def _rerun(evaluation, runner):
+    """Evaluate the squares again; the session's computed artifacts."""
+    data = open_dataset("folder", str(evaluation.root), max_side=CONFIG.max_side)
+    with closing(Session(_open(evaluation), runner, quiet=True)) as session:
+        evaluate(session, data.name, [data.sequence("squares")], CONFIG, [Variant.FUSED])
+    return session.computed.total()
+
+
+def _finish(evaluation):
+    assert _rerun(evaluation, SynchronousRunner()) > 0
+
+
+def _fail(evaluation):
+    with pytest.raises(RuntimeError, match="out of memory"):
+        _rerun(evaluation, _Fails())
+
+
+def _die(evaluation):
+    command = [sys.executable, "-c", DIES_AT_WORK, *evaluation.arguments, "--store", str(evaluation.store)]
+    assert subprocess.run(command, check=False).returncode == -signal.SIGKILL
+
+
+def _collect(store):
+    return store.gc(is_dry=False, grace_seconds=0).removed
+
+
+@pytest.mark.parametrize("end", [_finish, _fail, _die])
+def test_a_run_at_work_keeps_its_lease_however_a_run_of_the_same_work_ends(evaluated_copy, end):
+    store = _open(evaluated_copy)
+    _unpin_all(store)
+    _drop(store, *({split_ref(ref)[0] for ref in store.refs()} - LEAVES))
+    leaves = set(store.refs())
+    removed = []
+
+    def other_run_ends():
+        (lease,) = store.pinned().values()
+        assert lease.expires is not None
+        assert leaves <= {*lease.refs}
+        end(evaluated_copy)
+        assert store.pinned()[lease.run_id] == lease
+        # The pin that a finished run leaves is not what keeps these.
+        for run_id in store.pinned().keys() - {lease.run_id}:
+            store.unpin(run_id)
+        removed.extend(_collect(store))
+
+    _rerun(evaluated_copy, _LooksOn(other_run_ends))
+    assert removed == []
+    assert leaves < set(store.refs())
+
+
+@pytest.mark.parametrize("end", [_fail, _die])
+def test_a_rerun_that_ends_badly_leaves_the_pin_of_the_finished_run(evaluated_copy, end):
+    store = _open(evaluated_copy)
+    before = store.pinned()
+    assert before
+    _drop(store, "score")
+    end(evaluated_copy)
+    assert store.pinned() == before
+
+
+def test_a_finished_run_leaves_a_lasting_pin_and_no_lease(evaluated_copy):
+    store = _open(evaluated_copy)
+    _unpin_all(store)
+    _drop(store, "score")
+    _finish(evaluated_copy)
+    (pin,) = store.pinned().values()
+    assert pin.expires is None
+    assert {*store.refs("score")} <= {*pin.refs}
+    assert [path.stem for path in (evaluated_copy.store / "pins").iterdir()] == [pin.run_id]
+
+
+def test_a_failed_run_leaves_no_lease(evaluated_copy):
+    store = _open(evaluated_copy)
+    _unpin_all(store)
+    _drop(store, "score")
+    _fail(evaluated_copy)
+    assert list((evaluated_copy.store / "pins").iterdir()) == []
+
+
+def test_a_warm_run_pins_what_it_reused(evaluated_copy):
+    store = _open(evaluated_copy)
+    _unpin_all(store)
+    kept = set(store.refs())
+    assert _rerun(evaluated_copy, SynchronousRunner()) == 0
+    assert _collect(store) == ()
+    assert set(store.refs()) == kept
+    assert _rerun(evaluated_copy, SynchronousRunner()) == 0
+
+
+def test_a_store_that_takes_no_pins_can_be_read_and_not_worked_on(evaluated_copy, moseg, tmp_path):
+    shutil.rmtree(evaluated_copy.store / "pins")
+    (evaluated_copy.store / "pins").write_text("")
+    arguments = (*evaluated_copy.arguments, "--store", evaluated_copy.store)
+    ran = moseg(*arguments, "--json", tmp_path / "again.json")
+    assert (ran.code, ran.err) == (0, "")
+    report = json.loads((tmp_path / "again.json").read_text())
+    assert report["store"]["computed"] == 0
+    assert report["rows"] == evaluated_copy.report["rows"]
+    ran = moseg(*arguments, "--set", "affinity.scale=0.8")
+    assert ran.code == 1
+    assert ran.err.startswith("moseg: cannot pin a run")
+    assert len(ran.err.splitlines()) == 1

@@ -15,13 +15,14 @@ def _run_fit(params, inputs, rng):
     flow_model_params = FlowModelParams(**params["flow_model"])
     identity = inputs["linking"].cached("identity")[params["section"]]
     num_objects = inputs["linking"].attributes["num_objects"]
+    masks = inputs["proposals"].cached("masks")
     flows = inputs.all("flow")
     depths = inputs.all("depth") if "depth" in inputs else [None] * len(flows)
     moments, theta, valid = [], [], []
     for pair, (flow, depth) in enumerate(zip(flows, depths, strict=True)):
-        masks = identity[inputs["proposals"].rows("masks", pair, pair + 1)[0]]
         inverse_depth = None if depth is None else depth.array("inverse_depth")
-        moments.append(flow_moments(flow.array("flow"), inverse_depth, masks, num_objects, model, flow_model_params))
+        objects = identity[masks[pair]]
+        moments.append(flow_moments(flow.cached("flow"), inverse_depth, objects, num_objects, model, flow_model_params))
         fitted, usable = fit_from_moments(moments[-1], model, flow_model_params)
         theta.append(fitted)
         valid.append(usable)

@@ -1,7 +1,7 @@
 """What a task's adapter reads: its recipe's inputs, fetched from the store when asked for."""
 
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Callable
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from schemas.recipes import Recipe
 from store import ArtifactStore
 
 CACHE_BYTES = 256 * 2**20
+ROWS_PER_READ = 16
 
 
 class ArtifactView:
@@ -30,10 +31,19 @@ class ArtifactView:
         """Rows start..stop of the leading axis; only their chunks are read."""
         return self._store.read_rows(self._ref, name, start, stop)
 
-    def each_row(self, name: str) -> Iterator[np.ndarray]:
-        """Rows of the leading axis, one at a time."""
-        for index in range(self.shape(name)[0]):
-            yield self.rows(name, index, index + 1)[0]
+    def row_reader(self, name: str) -> Callable[[int], np.ndarray]:
+        """A function from an index to that row of the leading axis; it reads a block at a time and keeps the last."""
+        length = self.shape(name)[0]
+        block, start = None, -1
+
+        def row(index: int) -> np.ndarray:
+            nonlocal block, start
+            if block is None or not start <= index < start + len(block):
+                start = index - index % ROWS_PER_READ
+                block = self.rows(name, start, min(start + ROWS_PER_READ, length))
+            return block[index - start]
+
+        return row
 
     def shape(self, name: str) -> tuple[int, ...]:
         """Shape of an array, without reading it."""

@@ -9,11 +9,12 @@ from workflows.stages.task import Output, Task
 
 def _annotated_frames(inputs, indices, section_length):
     """Pairs of predicted and annotated labels at the annotation's size, one frame at a time."""
-    sections, annotation = inputs.all("segmentation"), inputs["annotation"]
-    for index, truth in zip(indices, annotation.each_row("masks"), strict=True):
+    sections = [section.row_reader("labels") for section in inputs.all("segmentation")]
+    annotation = inputs["annotation"].row_reader("masks")
+    for row, index in enumerate(indices):
         section, offset = divmod(index, section_length)
-        labels = sections[section].rows("labels", offset, offset + 1)[0]
-        yield resize_labels(labels, truth.shape), truth
+        truth = annotation(row)
+        yield resize_labels(sections[section](offset), truth.shape), truth
 
 
 def _run(params, inputs, rng):

@@ -10,7 +10,7 @@ from scipy.io import loadmat
 from moseg_tasks.geometry import fit_fundamentals, fundamental_residuals
 from schemas.parameters import FundamentalParams
 
-SHARED = Path(os.environ.get("MOSEG_SHARED", Path(__file__).parents[4] / "shared" / "data"))
+SHARED = Path(os.environ.get("MOSEG_TEST_DATA", Path(__file__).parents[4] / "shared" / "data"))
 FOLDER = SHARED / "kt3dmoseg"
 IMAGE_SHAPE = (375, 1242)
 BACKGROUND_LABEL = 1

@@ -12,13 +12,13 @@ from moseg_tasks.proposals import propose_objects
 from moseg_tasks.saliency import accumulate_saliency, estimate_saliency
 from schemas.parameters import FlowParams, ProposalParams, SaliencyParams
 
-SHARED = Path(os.environ.get("MOSEG_SHARED", Path(__file__).parents[4] / "shared"))
-DAVIS = SHARED / "data" / "davis"
+SHARED = Path(os.environ.get("MOSEG_TEST_DATA", Path(__file__).parents[4] / "shared" / "data"))
+DAVIS = SHARED / "davis"
 NUM_FRAMES = 8
 
 
 @pytest.mark.skipif(
-    not DAVIS.is_dir(), reason=f"no DAVIS at {DAVIS}; set MOSEG_SHARED to the folder that holds data/davis"
+    not DAVIS.is_dir(), reason=f"no DAVIS at {DAVIS}; set MOSEG_TEST_DATA to the folder that holds davis"
 )
 @pytest.mark.parametrize(("sequence", "least"), [("soapbox", 0.55), ("cows", 0.7)])
 def test_the_moving_object_of_a_real_clip_is_proposed(sequence, least):

@@ -10,7 +10,7 @@ import pytest
 from moseg_tasks.tracks import track_points
 from schemas.parameters import FundamentalParams, TrackParams
 
-SHARED = Path(os.environ.get("MOSEG_SHARED", Path(__file__).parents[4] / "shared" / "data"))
+SHARED = Path(os.environ.get("MOSEG_TEST_DATA", Path(__file__).parents[4] / "shared" / "data"))
 DAVIS = SHARED / "davis"
 NUM_MASKS = 16
 GAP = FundamentalParams().gap

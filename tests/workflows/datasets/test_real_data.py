@@ -10,10 +10,12 @@ from workflows.datasets import open_dataset
 from workflows.sources import open_frames
 
 REPOSITORY = Path(__file__).parents[3]
-DATA = Path(os.environ.get("MOSEG_SHARED", REPOSITORY.parent / "shared" / "data"))
+DATA = Path(os.environ.get("MOSEG_TEST_DATA", REPOSITORY.parent / "shared" / "data"))
 
 
-@pytest.mark.skipif(not (DATA / "davis").is_dir(), reason="no real DAVIS sequences: set MOSEG_SHARED to their folder")
+@pytest.mark.skipif(
+    not (DATA / "davis").is_dir(), reason="no real DAVIS sequences: set MOSEG_TEST_DATA to their folder"
+)
 def test_davis16_reads_frames_with_their_annotations():
     dataset = open_dataset("davis16", str(DATA / "davis"), max_side=854)
     assert len(dataset.names) + len(dataset.absent) == 20
@@ -25,7 +27,7 @@ def test_davis16_reads_frames_with_their_annotations():
     assert set(np.unique(labels[0])) == {0, 1}
 
 
-@pytest.mark.skipif(not (DATA / "video").is_dir(), reason="no real videos: set MOSEG_SHARED to their folder")
+@pytest.mark.skipif(not (DATA / "video").is_dir(), reason="no real videos: set MOSEG_TEST_DATA to their folder")
 @pytest.mark.parametrize(("name", "num_frames"), [("bear", 82), ("paragliding", 70)])
 def test_real_videos_decode_to_their_end(name, num_frames):
     video = open_frames(str(DATA / "video" / f"{name}.mp4"), 854)

@@ -1,0 +1,92 @@
+"""Runs on a Dask cluster of the user's own, and runs on local workers that are interrupted."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from distributed import Client, LocalCluster
+
+from store import open_store
+
+MOSEG = [sys.executable, "-c", "from workflows.cli import main; main()"]
+DEADLINE_SEC = 120
+
+
+def _contents(folder):
+    """Every artifact's arrays, by digest of their bytes, and results."""
+    store = open_store(str(folder), create=False)
+    found = {}
+    for ref in store.refs():
+        manifest = store.manifest(ref)
+        found[ref] = ({entry.name: entry.digest for entry in manifest.arrays}, manifest.attributes)
+    return found
+
+
+def _wait(is_done):
+    deadline = time.monotonic() + DEADLINE_SEC
+    while not is_done():
+        assert time.monotonic() < deadline
+        time.sleep(0.005)
+
+
+def _has_group(group):
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def test_an_existing_cluster_gives_the_same_keys_and_bytes_and_lives_on(evaluated, moseg, tmp_path):
+    with LocalCluster(
+        n_workers=1,
+        threads_per_worker=1,
+        processes=True,
+        host="127.0.0.1",
+        dashboard_address="127.0.0.1:0",
+        silence_logs="ERROR",
+    ) as cluster:
+        options = ("--scheduler", cluster.scheduler_address, "--store", tmp_path / "store")
+        ran = moseg(*evaluated.arguments, *options, "--json", tmp_path / "report.json")
+        assert (ran.code, ran.err) == (0, "")
+        with Client(cluster) as client:
+            assert client.submit(sum, [1, 2]).result(timeout=DEADLINE_SEC) == 3
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert report["rows"] == evaluated.report["rows"]
+    assert report["store"] == evaluated.report["store"]
+    assert _contents(tmp_path / "store") == _contents(evaluated.store)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="process groups are POSIX")
+def test_ctrl_c_ends_a_run_and_its_workers_with_one_line_and_it_goes_on_from_there(evaluated, moseg, tmp_path):
+    arguments = (*evaluated.arguments, "--store", str(tmp_path / "store"))
+    run = subprocess.Popen(
+        [*MOSEG, *arguments, "--workers", "2"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    flows = tmp_path / "store" / "objects" / "flow"
+    _wait(lambda: run.poll() is not None or list(flows.glob("*/*")))
+    os.killpg(run.pid, signal.SIGINT)
+    out, err = run.communicate(timeout=DEADLINE_SEC)
+    assert (run.returncode, out) == (130, "")
+    assert err.startswith("moseg: interrupted")
+    assert len(err.splitlines()) == 1
+    _wait(lambda: not _has_group(run.pid))
+
+    store = open_store(str(tmp_path / "store"), create=False)
+    assert store.pinned() == {}
+    committed = set(store.refs())
+    assert not list(store.refs("score"))
+    ran = moseg(*arguments, "--json", tmp_path / "report.json")
+    assert (ran.code, ran.err) == (0, "")
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert report["rows"] == evaluated.report["rows"]
+    assert report["store"]["computed"] == len(set(store.refs()) - committed)
+    assert _contents(tmp_path / "store") == _contents(evaluated.store)
