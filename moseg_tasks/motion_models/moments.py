@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from scipy import ndimage
 
 from moseg_tasks.motion_models.coarse_sums import sum_coarsely
 from moseg_tasks.motion_models.flow_model import FlowModel
@@ -82,9 +81,9 @@ def flow_moments(
     """
     masks, flow, rho = _checked(flow, inverse_depth if model.uses_depth else None, masks, num_objects, params)
     gauge = depth_gauge(rho, model)
-    boxes = ndimage.find_objects(masks, max_label=num_objects)
-    present = [k for k, box in enumerate(boxes) if box is not None]
-    crops = [_crop(boxes[k], k + 1, flow, rho, masks) for k in present]
+    found = [_crop(masks == k + 1, flow, rho) for k in range(num_objects)]
+    present = [k for k, pixels in enumerate(found) if pixels is not None]
+    crops = [found[k] for k in present]
     moments = np.zeros((num_objects, (model.num_parameters + 1) ** 2 + 1))
     if not crops:
         return moments
@@ -154,6 +153,10 @@ def depth_gauge(rho, model) -> tuple[float, float]:
     return shift, scale if scale > 0 else 1.0
 
 
-def _crop(box, label, flow, rho, labels) -> Pixels:
-    corner = (box[0].start, box[1].start)
-    return Pixels(labels[box] == label, flow[box], None if rho is None else rho[box], corner, labels.shape)
+def _crop(mask, flow, rho) -> Pixels | None:
+    """The bounding box of one object's pixels; None where it has none."""
+    x, y, width, height = cv2.boundingRect(mask.view(np.uint8))
+    if width == 0:
+        return None
+    box = slice(y, y + height), slice(x, x + width)
+    return Pixels(mask[box], flow[box], None if rho is None else rho[box], (y, x), mask.shape)

@@ -15,6 +15,8 @@ from store import open_store
 MOSEG = [sys.executable, "-c", "from workflows.cli import main; main()"]
 DEADLINE_SEC = 120
 
+needs_process_groups = pytest.mark.skipif(os.name != "posix", reason="process groups are POSIX")
+
 
 def _contents(folder):
     """Every artifact's arrays, by digest of their bytes, and results."""
@@ -61,9 +63,8 @@ def test_an_existing_cluster_gives_the_same_keys_and_bytes_and_lives_on(evaluate
     assert _contents(tmp_path / "store") == _contents(evaluated.store)
 
 
-@pytest.mark.skipif(os.name != "posix", reason="process groups are POSIX")
-def test_ctrl_c_ends_a_run_and_its_workers_with_one_line_and_it_goes_on_from_there(evaluated, moseg, tmp_path):
-    arguments = (*evaluated.arguments, "--store", str(tmp_path / "store"))
+def _interrupt_once(is_time, arguments):
+    """Press Ctrl-C on a run with two workers and see it end, with all that it started."""
     run = subprocess.Popen(
         [*MOSEG, *arguments, "--workers", "2"],
         stdout=subprocess.PIPE,
@@ -71,14 +72,32 @@ def test_ctrl_c_ends_a_run_and_its_workers_with_one_line_and_it_goes_on_from_the
         text=True,
         start_new_session=True,
     )
-    flows = tmp_path / "store" / "objects" / "flow"
-    _wait(lambda: run.poll() is not None or list(flows.glob("*/*")))
+    _wait(lambda: run.poll() is not None or is_time(run))
     os.killpg(run.pid, signal.SIGINT)
     out, err = run.communicate(timeout=DEADLINE_SEC)
     assert (run.returncode, out) == (130, "")
     assert err.startswith("moseg: interrupted")
-    assert len(err.splitlines()) == 1
+    assert len(err.splitlines()) == 1, err
     _wait(lambda: not _has_group(run.pid))
+
+
+def _has_workers(run):
+    """Whether both workers, and the tracker of their resources, run beside the client; they still load moseg then."""
+    groups = subprocess.run(["ps", "-A", "-o", "pgid="], capture_output=True, text=True, check=True).stdout.split()
+    return groups.count(str(run.pid)) >= 4
+
+
+@needs_process_groups
+def test_ctrl_c_while_workers_start_ends_all_with_one_line(evaluated, tmp_path):
+    _interrupt_once(_has_workers, (*evaluated.arguments, "--store", str(tmp_path / "store")))
+    assert list(open_store(str(tmp_path / "store"), create=False).refs()) == []
+
+
+@needs_process_groups
+def test_ctrl_c_at_work_ends_all_with_one_line_and_the_run_goes_on_from_there(evaluated, moseg, tmp_path):
+    arguments = (*evaluated.arguments, "--store", str(tmp_path / "store"))
+    flows = tmp_path / "store" / "objects" / "flow"
+    _interrupt_once(lambda run: any(flows.glob("*/*")), arguments)
 
     store = open_store(str(tmp_path / "store"), create=False)
     assert store.pinned() == {}

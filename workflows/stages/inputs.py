@@ -8,7 +8,8 @@ import numpy as np
 from schemas.recipes import Recipe
 from store import ArtifactStore
 
-CACHE_BYTES = 256 * 2**20
+CACHE_BYTES = 384 * 2**20
+"""A hundred 480p flows: what the flow models of a sequence of common length read one after the other."""
 ROWS_PER_READ = 16
 
 

@@ -15,8 +15,8 @@ def _run(params, inputs, rng):
     if "given" in inputs["linking"].attributes:
         names[1:] = inputs["linking"].attributes["given"]
     label = np.where(moves[identity], names[identity], 0)
-    masks = inputs["proposals"].rows("masks", 0, params["num_frames"])
-    return Output({"labels": label[masks]})
+    masks = inputs["proposals"].cached("masks")[: params["num_frames"]]
+    return Output({"labels": np.take(label, masks)})
 
 
 MOVING_OBJECTS = Task("segmentation", "moving-objects", version=1, run=_run)
