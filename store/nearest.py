@@ -1,5 +1,6 @@
 """Explaining a miss: which stored recipe comes nearest, and in what it differs."""
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from pydantic import JsonValue
@@ -28,12 +29,16 @@ class NearestRecipe(NamedTuple):
 
 
 def nearest(store: ArtifactStore, recipe: Recipe, besides: str | None = None) -> NearestRecipe | None:
-    """The stored artifact of the recipe's task, `besides` one reference, that differs from it in the fewest fields.
+    """The stored artifact of the recipe's task, `besides` one reference, made from what is least different.
 
-    Returns None where the task has no other artifact. Of equally near ones the youngest is taken, so that the answer
-    speaks of the last run. Damaged artifacts are passed over.
+    What counts is where differences begin: parameters, versions and leaves, of the recipes themselves and of all that
+    they were made from. So the same section of an earlier run comes before another section of the same run. Of equally
+    near ones that with fewer differences of its own is taken, then the youngest: the answer speaks of the last run.
+
+    Returns None where the task has no other artifact. Damaged artifacts are passed over.
     """
-    best: tuple[int, str, NearestRecipe] | None = None
+    best: tuple[tuple[int, int], str, NearestRecipe] | None = None
+    recipes: dict[str, Recipe | None] = {}
     for ref in store.refs(recipe.task):
         if ref == besides:
             continue
@@ -42,13 +47,43 @@ def nearest(store: ArtifactStore, recipe: Recipe, besides: str | None = None) ->
         except (CorruptArtifactError, MissingArtifactError):
             continue
         found = NearestRecipe(ref, differences(manifest.recipe, recipe))
-        if (
-            best is None
-            or len(found.differences) < best[0]
-            or (len(found.differences) == best[0] and manifest.created > best[1])
-        ):
-            best = (len(found.differences), manifest.created, found)
+        num_origins = _count_origins(store, recipes, found.differences, None if best is None else best[0][0])
+        distance = (num_origins, len(found.differences))
+        if best is None or distance < best[0] or (distance == best[0] and manifest.created > best[1]):
+            best = (distance, manifest.created, found)
     return None if best is None else best[2]
+
+
+def _count_origins(
+    store: ArtifactStore, recipes: dict[str, Recipe | None], found: Iterable[FieldDifference], limit: int | None
+) -> int:
+    """Number of the differences that others follow from; counting ends beyond `limit`."""
+    origins: set[FieldDifference] = set()
+    followed: set[tuple[str, str]] = set()
+    waiting = list(found)
+    while waiting and (limit is None or len(origins) <= limit):
+        difference = waiting.pop()
+        pair = (difference.stored, difference.wanted)
+        if pair in followed:
+            continue
+        if difference.field.startswith("inputs") and ABSENT not in pair:
+            followed.add(pair)
+            stored, wanted = (_recipe(store, recipes, ref) for ref in pair)
+            if stored is not None and wanted is not None:
+                waiting.extend(differences(stored, wanted))
+                continue
+        origins.add(difference)
+    return len(origins)
+
+
+def _recipe(store: ArtifactStore, recipes: dict[str, Recipe | None], ref: str) -> Recipe | None:
+    """Recipe of an artifact, looked up once; None where it is not stored or damaged."""
+    if ref not in recipes:
+        try:
+            recipes[ref] = store.manifest(ref).recipe
+        except (CorruptArtifactError, MissingArtifactError):
+            recipes[ref] = None
+    return recipes[ref]
 
 
 def differences(stored: Recipe, wanted: Recipe) -> tuple[FieldDifference, ...]:

@@ -1,9 +1,7 @@
 """Running calls that depend on each other: in this process, on local workers, or on an existing Dask cluster."""
 
-import signal
-import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from importlib import import_module
 from typing import Any, NamedTuple, Protocol
 
@@ -13,6 +11,7 @@ from dask.delayed import Delayed, delayed
 from distributed import Client, LocalCluster, WorkerPlugin, as_completed
 
 from schemas.errors import InputError
+from workflows.interrupts import defer_interrupts
 from workflows.threads import pin_threads
 
 
@@ -69,14 +68,8 @@ class _PinThreads(WorkerPlugin):
 
     name = "moseg-pin-threads"
 
-    def __init__(self, is_ours: bool):
-        self._is_ours = is_ours
-
     def setup(self, worker):
         pin_threads()
-        if self._is_ours and threading.current_thread() is threading.main_thread():
-            # Ctrl-C reaches the whole process group; the client ends its workers itself.
-            signal.signal(signal.SIGINT, signal.SIG_IGN)
         # A worker that cannot import the tasks is found out now; a call sent to it would never come back.
         import_module("workflows.execution")
 
@@ -91,27 +84,28 @@ def open_runner(workers: int = 0, scheduler: str | None = None) -> Iterator[Runn
     pin_threads()
     if scheduler is not None:
         with _connect(scheduler) as client:
-            yield _pinned(client, is_ours=False)
+            yield _pinned(client)
     elif workers == 0:
         yield SynchronousRunner()
     else:
-        with (
-            LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                processes=True,
-                host="127.0.0.1",
-                dashboard_address="127.0.0.1:0",
-                silence_logs="ERROR",
-            ) as cluster,
-            Client(cluster) as client,
-        ):
-            yield _pinned(client, is_ours=True)
+        with ExitStack() as stack:
+            with defer_interrupts():
+                cluster = LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    processes=True,
+                    host="127.0.0.1",
+                    dashboard_address="127.0.0.1:0",
+                    silence_logs="CRITICAL",
+                )
+                client = stack.enter_context(Client(stack.enter_context(cluster)))
+                runner = _pinned(client)
+            yield runner
 
 
-def _pinned(client: Client, is_ours: bool) -> DistributedRunner:
+def _pinned(client: Client) -> DistributedRunner:
     try:
-        client.register_plugin(_PinThreads(is_ours))
+        client.register_plugin(_PinThreads())
     except ImportError as error:
         expected = "the same moseg on every worker"
         raise InputError("workers that cannot run moseg's tasks", got=error, expected=expected) from error

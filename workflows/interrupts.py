@@ -1,0 +1,31 @@
+"""Ctrl-C while worker processes are started."""
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing import resource_tracker
+
+
+@contextmanager
+def defer_interrupts() -> Iterator[None]:
+    """Raise an interruption of the block at its end; threads and processes that it starts never see one.
+
+    Ctrl-C reaches the whole process group, and a cluster or a worker that is half started answers it with traces.
+    Elsewhere than in the main thread there is nothing to defer.
+    """
+    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    # It lifts the mask of the thread that starts it.
+    resource_tracker.ensure_running()
+    interrupted = threading.Event()
+    previous = signal.signal(signal.SIGINT, lambda number, frame: interrupted.set())
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        signal.signal(signal.SIGINT, previous)
+    if interrupted.is_set():
+        raise KeyboardInterrupt
