@@ -12,7 +12,10 @@ from distributed import Client, LocalCluster, WorkerPlugin, as_completed
 
 from schemas.errors import InputError
 from workflows.interrupts import defer_interrupts
-from workflows.threads import pin_threads
+from workflows.threads import THREAD_VARIABLES, pin_threads
+
+# Dask's own setting also has MALLOC_TRIM_THRESHOLD_, which makes glibc map and unmap memory for every flow field.
+WORKER_ENVIRON = dict.fromkeys(THREAD_VARIABLES, "1")
 
 
 class Call(NamedTuple):
@@ -89,7 +92,7 @@ def open_runner(workers: int = 0, scheduler: str | None = None) -> Iterator[Runn
         yield SynchronousRunner()
     else:
         with ExitStack() as stack:
-            with defer_interrupts():
+            with defer_interrupts(), dask.config.set({"distributed.nanny.pre-spawn-environ": WORKER_ENVIRON}):
                 cluster = LocalCluster(
                     n_workers=workers,
                     threads_per_worker=1,
