@@ -4,115 +4,51 @@ from schemas.configs import PipelineConfig, Variant
 from schemas.errors import MissingStoreError
 from workflows.cli.options import (
     DEFAULT_STORE,
-    AffinityOption,
-    DatasetOption,
-    DepthOption,
-    FlowOption,
+    DataOptions,
     JsonOption,
-    ListFileOption,
-    MotionsOption,
-    ProposalsOption,
-    QuietOption,
-    RootOption,
-    SchedulerOption,
-    SectionOption,
-    SequencesOption,
-    SetOption,
+    PipelineOptions,
+    RunOptions,
     StoreOption,
-    TracksOption,
     VariantsOption,
-    WorkersOption,
-    make_config,
-    sequence_names,
+    with_option_groups,
 )
 
 
+@with_option_groups
 def evaluate(
-    dataset: DatasetOption = "synthetic",
-    root: RootOption = None,
+    data: DataOptions,
+    pipeline: PipelineOptions,
+    run: RunOptions,
     variant: VariantsOption = None,
-    sequences: SequencesOption = None,
-    list_file: ListFileOption = None,
-    motions: MotionsOption = None,
-    proposals: ProposalsOption = None,
-    depth: DepthOption = None,
-    flow: FlowOption = None,
-    tracks: TracksOption = None,
-    affinity: AffinityOption = None,
-    section_length: SectionOption = None,
-    settings: SetOption = None,
     json: JsonOption = None,
-    store: StoreOption = DEFAULT_STORE,
-    workers: WorkersOption = 0,
-    scheduler: SchedulerOption = None,
-    quiet: QuietOption = False,
 ) -> None:
     """Score variants of the pipeline on a data set.
 
     Example: moseg eval --dataset davis16 --root DAVIS --variant fused --json fused.json
     """
-    config, folders = make_config(motions, proposals, depth, flow, tracks, affinity, section_length, settings)
-    _evaluate(
-        (dataset, root, sequences, list_file),
-        config,
-        folders,
-        tuple(variant or (Variant.FUSED,)),
-        (store, workers, scheduler, quiet),
-        json,
-        ablation=False,
-    )
+    from workflows.cli.tables import print_report
+
+    report, _, notes = _evaluate(data, pipeline, run, tuple(variant or (Variant.FUSED,)), json)
+    print_report(report, notes)
 
 
-def ablate(
-    dataset: DatasetOption = "synthetic",
-    root: RootOption = None,
-    sequences: SequencesOption = None,
-    list_file: ListFileOption = None,
-    motions: MotionsOption = None,
-    proposals: ProposalsOption = None,
-    depth: DepthOption = None,
-    flow: FlowOption = None,
-    tracks: TracksOption = None,
-    affinity: AffinityOption = None,
-    section_length: SectionOption = None,
-    settings: SetOption = None,
-    json: JsonOption = None,
-    store: StoreOption = DEFAULT_STORE,
-    workers: WorkersOption = 0,
-    scheduler: SchedulerOption = None,
-    quiet: QuietOption = False,
-) -> None:
+@with_option_groups
+def ablate(data: DataOptions, pipeline: PipelineOptions, run: RunOptions, json: JsonOption = None) -> None:
     """The paper's ablation: all five variants in one table, with the artifacts computed and reused.
 
     Example: moseg ablate --dataset synthetic --proposals groundtruth --depth groundtruth
     """
-    config, folders = make_config(motions, proposals, depth, flow, tracks, affinity, section_length, settings)
-    _evaluate(
-        (dataset, root, sequences, list_file),
-        config,
-        folders,
-        tuple(Variant),
-        (store, workers, scheduler, quiet),
-        json,
-        ablation=True,
-    )
+    from workflows.cli.tables import print_ablation, print_stages
+
+    report, stages, notes = _evaluate(data, pipeline, run, tuple(Variant), json)
+    print_ablation(report, notes)
+    print_stages(stages)
+    print(f"{report.store.computed} artifacts computed, {report.store.reused} reused, {report.seconds:.1f} s")
 
 
+@with_option_groups
 def plan(
-    dataset: DatasetOption = "synthetic",
-    root: RootOption = None,
-    variant: VariantsOption = None,
-    sequences: SequencesOption = None,
-    list_file: ListFileOption = None,
-    motions: MotionsOption = None,
-    proposals: ProposalsOption = None,
-    depth: DepthOption = None,
-    flow: FlowOption = None,
-    tracks: TracksOption = None,
-    affinity: AffinityOption = None,
-    section_length: SectionOption = None,
-    settings: SetOption = None,
-    store: StoreOption = DEFAULT_STORE,
+    data: DataOptions, pipeline: PipelineOptions, variant: VariantsOption = None, store: StoreOption = DEFAULT_STORE
 ) -> None:
     """What `moseg eval` with the same options would compute and reuse; nothing is computed or stored.
 
@@ -120,13 +56,10 @@ def plan(
     """
     from store import open_store
     from workflows.cli.tables import print_stages
-    from workflows.datasets import open_dataset
-    from workflows.given_folders import with_given_folders
     from workflows.plan_evaluation import EmptyStore, plan_evaluation
 
-    config, folders = make_config(motions, proposals, depth, flow, tracks, affinity, section_length, settings)
-    data = open_dataset(dataset, root, sequence_names(sequences), list_file, max_side=config.max_side)
-    sources = [with_given_folders(data.sequence(name), folders, config.max_side) for name in data.names]
+    config, folders = pipeline.read()
+    _, sources = _open(data, config, folders)
     try:
         opened = open_store(store, create=False)
     except MissingStoreError:
@@ -138,37 +71,34 @@ def plan(
 
 
 def _evaluate(
-    data: tuple[str, str | None, str | None, str | None],
-    config: PipelineConfig,
-    folders: dict[str, str],
+    data: DataOptions,
+    pipeline: PipelineOptions,
+    run: RunOptions,
     variants: tuple[Variant, ...],
-    running: tuple[str, int, str | None, bool],
     json: str | None,
-    ablation: bool,
-) -> None:
-    from workflows.cli.tables import print_ablation, print_report, print_stages
-    from workflows.datasets import open_dataset
+):
+    """The report, written to `json` where asked, the use of the store by stage, and what a reader must know."""
     from workflows.evaluate import evaluate as run_evaluation
     from workflows.exports import check_writable, write_text
-    from workflows.given_folders import with_given_folders
-    from workflows.runs import open_session
 
-    name, root, sequences, list_file = data
+    config, folders = pipeline.read()
     if json is not None:
         check_writable(json)
-    dataset = open_dataset(name, root, sequence_names(sequences), list_file, max_side=config.max_side)
-    sources = [with_given_folders(dataset.sequence(name), folders, config.max_side) for name in dataset.names]
-    with open_session(*running) as session:
+    dataset, sources = _open(data, config, folders)
+    with run.open() as session:
         report = run_evaluation(session, dataset.name, sources, config, variants)
-    notes = (*_notes(config, variants), *(f"{absent} is not on disk" for absent in dataset.absent))
-    if ablation:
-        print_ablation(report, notes)
-        print_stages(session.stages())
-        print(f"{report.store.computed} artifacts computed, {report.store.reused} reused, {report.seconds:.1f} s")
-    else:
-        print_report(report, notes)
     if json is not None:
         write_text(json, report.model_dump_json(indent=2) + "\n")
+    notes = (*_notes(config, variants), *(f"{absent} is not on disk" for absent in dataset.absent))
+    return report, session.stages(), notes
+
+
+def _open(data: DataOptions, config: PipelineConfig, folders: dict[str, str]):
+    """The data set and the sources of its sequences, given cues included."""
+    from workflows.given_folders import with_given_folders
+
+    dataset = data.open(config.max_side)
+    return dataset, [with_given_folders(dataset.sequence(name), folders, config.max_side) for name in dataset.names]
 
 
 def _notes(config: PipelineConfig, variants: tuple[Variant, ...]) -> tuple[str, ...]:

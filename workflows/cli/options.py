@@ -1,7 +1,11 @@
-"""Options that several commands share, and the configuration they make."""
+"""Options that several commands share, in groups, and what each group makes of them."""
 
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass, fields, is_dataclass
 from difflib import get_close_matches
-from typing import Annotated, Any
+from functools import wraps
+from typing import Annotated, Any, get_type_hints
 
 import typer
 from pydantic import ValidationError
@@ -9,79 +13,134 @@ from pydantic import ValidationError
 from schemas.configs import PipelineConfig, Variant
 from schemas.errors import InputError
 
-DatasetOption = Annotated[str, typer.Option("--dataset", help="Data set; `moseg datasets` lists them.")]
-RootOption = Annotated[
-    str | None, typer.Option("--root", help="The data set's folder (default: $MOSEG_DATA/<dataset>).")
-]
-SequencesOption = Annotated[str | None, typer.Option("--sequences", help="Only these, separated by commas.")]
-ListFileOption = Annotated[
-    str | None, typer.Option("--list", help="File naming the sequences, one a line (ytvos-moving).")
-]
+DEFAULT_STORE = ".moseg/store"
+
+StoreOption = Annotated[str, typer.Option("--store", help="Artifact store: a folder or file:// URL.")]
+QuietOption = Annotated[bool, typer.Option("--quiet", help="No progress on standard error.")]
+JsonOption = Annotated[str | None, typer.Option("--json", help="Also write the result to this file.")]
 VariantsOption = Annotated[
     list[Variant] | None, typer.Option("--variant", help="Row of the ablation; may be repeated (default: fused).")
 ]
-JsonOption = Annotated[str | None, typer.Option("--json", help="Also write the result to this file.")]
-StoreOption = Annotated[str, typer.Option("--store", help="Artifact store: a folder or file:// URL.")]
-WorkersOption = Annotated[int, typer.Option("--workers", help="Worker processes; 0 runs in this process.")]
-SchedulerOption = Annotated[str | None, typer.Option("--scheduler", help="Existing Dask cluster, tcp://host:8786.")]
-QuietOption = Annotated[bool, typer.Option("--quiet", help="No progress on standard error.")]
-
-MotionsOption = Annotated[
-    str | None,
-    typer.Option("--motions", help="Number of motions, the background's included: gt, auto or N (default: auto)."),
-]
-ProposalsOption = Annotated[
-    str | None, typer.Option("--proposals", help="saliency, groundtruth or folder:PATH (default: saliency).")
-]
-DepthOption = Annotated[str | None, typer.Option("--depth", help="none, groundtruth or folder:PATH (default: none).")]
-FlowOption = Annotated[str | None, typer.Option("--flow", help="dis or groundtruth (default: dis).")]
-TracksOption = Annotated[
-    str | None, typer.Option("--tracks", help="lucas-kanade or groundtruth (default: lucas-kanade).")
-]
-AffinityOption = Annotated[str | None, typer.Option("--affinity", help="residual or ork.")]
-SectionOption = Annotated[int | None, typer.Option("--section-length", help="Frames of a section (l of the paper).")]
-SetOption = Annotated[
-    list[str] | None,
-    typer.Option("--set", help="Any parameter, as stage.name=value (fundamental.gap=5); may be repeated."),
-]
-
-DEFAULT_STORE = ".moseg/store"
 
 
-def make_config(
-    motions: str | None,
-    proposals: str | None,
-    depth: str | None,
-    flow: str | None,
-    tracks: str | None,
-    affinity: str | None,
-    section_length: int | None,
-    settings: list[str] | None,
-) -> tuple[PipelineConfig, dict[str, str]]:
-    """The configuration that the options name, and the folders of cues given by `folder:PATH`, by cue."""
-    folders: dict[str, str] = {}
-    values: dict[str, Any] = {}
-    chosen = {
-        "clustering.motions": motions,
-        "proposal_source": _folder_choice("proposals", proposals, folders),
-        "depth.method": _folder_choice("depth", depth, folders),
-        "flow.method": flow,
-        "tracks.method": tracks,
-        "affinity.method": affinity,
-        "sections.length": section_length,
-    }
-    for name, value in chosen.items():
-        if value is not None:
-            _assign(values, name, value)
-    for setting in settings or []:
-        name, equals, value = setting.partition("=")
-        if not equals:
-            raise InputError("not a setting", where="--set", got=setting, expected="stage.name=value")
-        _assign(values, name.strip(), value.strip())
-    try:
-        return PipelineConfig.model_validate(values), folders
-    except ValidationError as error:
-        raise InputError(**_explain(error.errors())) from error
+@dataclass(frozen=True)
+class DataOptions:
+    """Which sequences of which data set."""
+
+    dataset: Annotated[str, typer.Option("--dataset", help="Data set; `moseg datasets` lists them.")] = "synthetic"
+    root: Annotated[
+        str | None, typer.Option("--root", help="The data set's folder (default: $MOSEG_DATA/<dataset>).")
+    ] = None
+    sequences: Annotated[str | None, typer.Option("--sequences", help="Only these, separated by commas.")] = None
+    list_file: Annotated[
+        str | None, typer.Option("--list", help="File naming the sequences, one a line (ytvos-moving).")
+    ] = None
+
+    def open(self, max_side: int):
+        """The data set; raises InputError where it is not there or has no such sequence."""
+        from workflows.datasets import open_dataset
+
+        return open_dataset(self.dataset, self.root, sequence_names(self.sequences), self.list_file, max_side=max_side)
+
+
+@dataclass(frozen=True)
+class PipelineOptions:
+    """How the pipeline differs from its defaults."""
+
+    motions: Annotated[
+        str | None,
+        typer.Option("--motions", help="Number of motions, the background's included: gt, auto or N (default: auto)."),
+    ] = None
+    proposals: Annotated[
+        str | None, typer.Option("--proposals", help="saliency, groundtruth or folder:PATH (default: saliency).")
+    ] = None
+    depth: Annotated[str | None, typer.Option("--depth", help="none, groundtruth or folder:PATH (default: none).")] = (
+        None
+    )
+    flow: Annotated[str | None, typer.Option("--flow", help="dis or groundtruth (default: dis).")] = None
+    tracks: Annotated[
+        str | None, typer.Option("--tracks", help="lucas-kanade or groundtruth (default: lucas-kanade).")
+    ] = None
+    affinity: Annotated[str | None, typer.Option("--affinity", help="residual or ork (default: residual).")] = None
+    section_length: Annotated[
+        int | None, typer.Option("--section-length", help="Frames of a section (l of the paper).")
+    ] = None
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="Any parameter, as stage.name=value (fundamental.gap=5); may be repeated."),
+    ] = None
+
+    def read(self) -> tuple[PipelineConfig, dict[str, str]]:
+        """The configuration, and the folders of cues given by `folder:PATH`, by cue; raises InputError."""
+        folders: dict[str, str] = {}
+        values: dict[str, Any] = {}
+        chosen = {
+            "clustering.motions": self.motions,
+            "proposal_source": _folder_choice("proposals", self.proposals, folders),
+            "depth.method": _folder_choice("depth", self.depth, folders),
+            "flow.method": self.flow,
+            "tracks.method": self.tracks,
+            "affinity.method": self.affinity,
+            "sections.length": self.section_length,
+        }
+        for name, value in chosen.items():
+            if value is not None:
+                _assign(values, name, value)
+        for setting in self.settings or []:
+            name, equals, value = setting.partition("=")
+            if not equals:
+                raise InputError("not a setting", where="--set", got=setting, expected="stage.name=value")
+            _assign(values, name.strip(), value.strip())
+        try:
+            return PipelineConfig.model_validate(values), folders
+        except ValidationError as error:
+            raise InputError(**_explain(error.errors())) from error
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """Where results lie and who computes them."""
+
+    store: StoreOption = DEFAULT_STORE
+    workers: Annotated[int, typer.Option("--workers", help="Worker processes; 0 runs in this process.")] = 0
+    scheduler: Annotated[str | None, typer.Option("--scheduler", help="Existing Dask cluster, tcp://host:8786.")] = None
+    quiet: QuietOption = False
+
+    def open(self):
+        """A session, as a context manager."""
+        from workflows.runs import open_session
+
+        return open_session(self.store, self.workers, self.scheduler, self.quiet)
+
+
+def with_option_groups(function: Callable[..., None]) -> Callable[..., None]:
+    """The function with each parameter that is a group of options replaced by the group's options."""
+    parameters, groups = [], {}
+    for parameter in inspect.signature(function, eval_str=True).parameters.values():
+        group = parameter.annotation
+        if not is_dataclass(group):
+            parameters.append(parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY))
+            continue
+        groups[parameter.name] = group
+        hints = get_type_hints(group, include_extras=True)
+        parameters.extend(
+            inspect.Parameter(
+                field.name, inspect.Parameter.KEYWORD_ONLY, default=field.default, annotation=hints[field.name]
+            )
+            for field in fields(group)
+        )
+
+    @wraps(function)
+    def command(**values):
+        grouped = {
+            name: group(**{field.name: values.pop(field.name) for field in fields(group)})
+            for name, group in groups.items()
+        }
+        return function(**grouped, **values)
+
+    command.__signature__ = inspect.Signature(parameters)
+    command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+    return command
 
 
 def sequence_names(text: str | None) -> tuple[str, ...] | None:

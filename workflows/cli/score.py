@@ -5,23 +5,13 @@ from typing import Annotated
 
 import typer
 
-from workflows.cli.options import (
-    DatasetOption,
-    JsonOption,
-    ListFileOption,
-    QuietOption,
-    RootOption,
-    SequencesOption,
-    sequence_names,
-)
+from workflows.cli.options import DataOptions, JsonOption, QuietOption, with_option_groups
 
 
+@with_option_groups
 def score(
     predictions: Annotated[str, typer.Option("--predictions", help="Folder of saved masks.")],
-    dataset: DatasetOption = "synthetic",
-    root: RootOption = None,
-    sequences: SequencesOption = None,
-    list_file: ListFileOption = None,
+    data: DataOptions,
     format: Annotated[
         str | None, typer.Option("--format", help="Format of the masks (default: found from the files' names).")
     ] = None,
@@ -38,7 +28,6 @@ def score(
     from schemas.configs import PipelineConfig
     from schemas.scores import EvaluationReport, EvaluationRow, StoreUse, mean_score
     from workflows.cli.tables import print_report
-    from workflows.datasets import open_dataset
     from workflows.exports import check_writable, write_text
     from workflows.predictions import open_predictions
     from workflows.score_predictions import score_predictions
@@ -47,17 +36,17 @@ def score(
     if json is not None:
         check_writable(json)
     saved = open_predictions(Path(predictions), format)
-    data = open_dataset(dataset, root, sequence_names(sequences), list_file, max_side=PipelineConfig().max_side)
-    scores = score_predictions(data, saved, quiet)
+    dataset = data.open(PipelineConfig().max_side)
+    scores = score_predictions(dataset, saved, quiet)
     row = EvaluationRow(
         variant=name or Path(predictions).resolve().name, sequences=scores, mean=mean_score(list(scores.values()))
     )
     report = EvaluationReport(
-        dataset=dataset,
+        dataset=dataset.name,
         rows=(row,),
         store=StoreUse(computed=0, reused=0),
         seconds=time.perf_counter() - started,
     )
-    print_report(report, tuple(f"{absent} is not on disk" for absent in data.absent))
+    print_report(report, tuple(f"{absent} is not on disk" for absent in dataset.absent))
     if json is not None:
         write_text(json, report.model_dump_json(indent=2) + "\n")

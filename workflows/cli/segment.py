@@ -8,29 +8,15 @@ import typer
 
 from schemas.configs import Variant
 from schemas.errors import InputError
-from workflows.cli.options import (
-    DEFAULT_STORE,
-    AffinityOption,
-    DepthOption,
-    FlowOption,
-    ProposalsOption,
-    QuietOption,
-    SchedulerOption,
-    SectionOption,
-    SetOption,
-    StoreOption,
-    TracksOption,
-    WorkersOption,
-    make_config,
-)
+from workflows.cli.options import PipelineOptions, RunOptions, with_option_groups
 
 
+@with_option_groups
 def segment(
     video: Annotated[str, typer.Argument(help="A video file, or a folder of frames.")],
+    pipeline: PipelineOptions,
+    run: RunOptions,
     out: Annotated[str, typer.Option("--out", help="Folder for masks/, overlay.mp4 and motion.json.")] = "out",
-    motions: Annotated[
-        str, typer.Option("--motions", help="Number of motions with the background's: auto or N.")
-    ] = "auto",
     variant: Annotated[Variant, typer.Option("--variant", help="Row of the paper's ablation to run.")] = Variant.FUSED,
     fps: Annotated[
         float, typer.Option("--fps", min=0.1, help="Frame rate of the overlay of a folder of frames.")
@@ -39,17 +25,6 @@ def segment(
         Literal["weights-free"],
         typer.Option("--preset", help="Set of backends; the other options then change single ones."),
     ] = "weights-free",
-    proposals: ProposalsOption = None,
-    depth: DepthOption = None,
-    flow: FlowOption = None,
-    tracks: TracksOption = None,
-    affinity: AffinityOption = None,
-    section_length: SectionOption = None,
-    settings: SetOption = None,
-    store: StoreOption = DEFAULT_STORE,
-    workers: WorkersOption = 0,
-    scheduler: SchedulerOption = None,
-    quiet: QuietOption = False,
 ) -> None:
     """Masks of what moves on its own in your video: OUT/masks/*.png, OUT/overlay.mp4, OUT/motion.json.
 
@@ -59,19 +34,18 @@ def segment(
     from workflows.exports import check_folder
     from workflows.exports.write_segmentation import write_segmentation
     from workflows.given_folders import with_given_folders
-    from workflows.runs import open_session
     from workflows.segment import segment as run_segmentation
     from workflows.sources import open_frames
 
-    if motions == "gt":
+    if pipeline.motions == "gt":
         raise InputError("no ground truth of your own video", where="--motions", got="gt", expected="auto or a number")
     if not math.isfinite(fps):
         raise InputError("not a frame rate", where="--fps", got=fps, expected="frames per second")
     check_folder(Path(out))
-    config, folders = make_config(motions, proposals, depth, flow, tracks, affinity, section_length, settings)
+    config, folders = pipeline.read()
     frames = open_frames(video, config.max_side)
     source = with_given_folders(SequenceSource(Path(video).resolve().stem, frames), folders, config.max_side)
-    with open_session(store, workers, scheduler, quiet) as session:
+    with run.open() as session:
 
         def export(result):
             return result, write_segmentation(Path(out), session.store, result, frames.describe().fps or fps)
