@@ -11,9 +11,9 @@ class FundamentalParams(Frozen):
     """Eight-point algorithm inside RANSAC on each object's tracked points, and the residuals under it."""
 
     gap: int = Field(3, ge=1, description="frames between the two frames of a pair")
-    estimator: Literal["eight_point_ransac", "poselib"] = Field(
-        "eight_point_ransac",
-        description="eight_point_ransac (the paper) or poselib (seven-point LO-RANSAC with non-linear refinement)",
+    estimator: Literal["poselib", "eight_point_ransac"] = Field(
+        "poselib",
+        description="poselib (seven-point LO-RANSAC with non-linear refinement) or eight_point_ransac (the paper)",
     )
     threshold: float = Field(1.0, gt=0, description="Sampson distance of an inlier, px")
     num_samples: int = Field(100, ge=1, description="minimal samples drawn for each fit")

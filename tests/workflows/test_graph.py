@@ -16,10 +16,10 @@ FLOW_MODEL = {"flow_model", "flow_residual"}
 
 
 GOLDEN = {
-    "fused": "a302c39c0c9a0801",
+    "fused": "1e053170d019a0e7",
     "oc-depth": "7d09222cd1207604",
     "oc": "92fa95394c028323",
-    "trajs": "797be398ddad4db2",
+    "trajs": "155317c9dc5deac1",
     "base": "fd0eb5beab2135e0",
     "flow": "8978fb0e3d6f04db",
     "tracks": "408a297e4dd3b6eb",
