@@ -19,8 +19,6 @@ from workflows.runners import Call, Runner
 
 MAX_REPAIRS = 1000
 """Corrupt artifacts that one run mends before it gives up: a disk that fails everywhere is not mended so."""
-
-
 LEASE_SECONDS = 7 * 86_400.0
 """For how long `gc` spares what a run in progress touches, should the run die without a word."""
 

@@ -40,6 +40,9 @@ def _assert_bad_input(ran, *words):
         ("eval --dataset davis16", "$MOSEG_DATA"),
         ("eval --dataset davis16 --root nowhere", "nowhere"),
         ("eval --root .", "no files"),
+        ("eval --set proposal_source=folder", "--proposals folder:PATH"),
+        ("eval --set depth.method=folder", "--depth folder:PATH"),
+        ("eval --proposals folder:. --set proposal_source=saliency", "--proposals folder:PATH"),
         ("eval --set nonsense", "nonsense"),
         ("eval --set nostage.gap=3", "nostage"),
         ("eval --set fundamental.gab=3", "fundamental.gap"),
@@ -95,6 +98,11 @@ def test_a_video_that_is_none(moseg, tmp_path):
     path = tmp_path / "film.mp4"
     path.write_bytes(b"not a film" * 100)
     _assert_bad_input(moseg("segment", path), path)
+
+
+def test_no_video_is_not_the_folder_one_stands_in(moseg, frames, monkeypatch):
+    monkeypatch.chdir(frames)
+    _assert_bad_input(moseg("segment", ""), "no video named")
 
 
 def test_an_image_that_is_none(moseg, frames):

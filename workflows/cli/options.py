@@ -92,9 +92,15 @@ class PipelineOptions:
                 raise InputError("not a setting", where="--set", got=setting, expected="stage.name=value")
             _assign(values, name.strip(), value.strip())
         try:
-            return PipelineConfig.model_validate(values), folders
+            config = PipelineConfig.model_validate(values)
         except ValidationError as error:
             raise InputError(**_explain(error.errors())) from error
+        for cue, source in (("proposals", config.proposal_source), ("depth", config.depth.method)):
+            # By --set alone: what the data set gives must not stand in for the user's folder.
+            if (source == "folder") != (cue in folders):
+                where, got = f"--{cue}", f"{source} by --set"
+                raise InputError("a folder and its use disagree", where=where, got=got, expected=f"--{cue} folder:PATH")
+        return config, folders
 
 
 @dataclass(frozen=True)

@@ -37,6 +37,8 @@ def segment(
     from workflows.segment import segment as run_segmentation
     from workflows.sources import open_frames
 
+    if not video.strip():
+        raise InputError("no video named", got=repr(video), expected="a video file, or a folder of frames")
     if pipeline.motions == "gt":
         raise InputError("no ground truth of your own video", where="--motions", got="gt", expected="auto or a number")
     if not math.isfinite(fps):
