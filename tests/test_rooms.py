@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 ROOMS = ("schemas", "store", "moseg_tasks", "workflows")
-SCIENCE = {"cv2", "kmedoids", "numpy", "poselib", "pydantic", "scipy", "sklearn", "torch"}
+SCIENCE = {"cv2", "kmedoids", "numpy", "poselib", "pydantic", "scipy", "sklearn", "torch", "transformers"}
 OUTSIDE_WORLD = {
     "glob",
     "http",
@@ -39,7 +39,8 @@ RULES = {
     "moseg_tasks": Rule({"schemas"}, SCIENCE, OUTSIDE_WORLD),
     "workflows": Rule(
         {"schemas", "store", "moseg_tasks"},
-        SCIENCE | {"PIL", "av", "dask", "distributed", "psutil", "rich", "threadpoolctl", "typer"},
+        SCIENCE
+        | {"PIL", "av", "dask", "distributed", "filelock", "psutil", "rich", "safetensors", "threadpoolctl", "typer"},
     ),
 }
 
@@ -70,9 +71,15 @@ def _code_from_data(source: str) -> list[str]:
         if not isinstance(node, ast.Call):
             continue
         name = ast.unparse(node.func)
-        pickled = {word.arg: word.value for word in node.keywords}.get("allow_pickle")
+        words = {word.arg: word.value for word in node.keywords}
+        pickled, weights_only = words.get("allow_pickle"), words.get("weights_only")
+        is_weights_only = isinstance(weights_only, ast.Constant) and weights_only.value is True
         is_pickled = pickled is not None and not (isinstance(pickled, ast.Constant) and pickled.value is False)
-        if name in ("eval", "exec", "compile", "__import__") or name.endswith("torch.load") or is_pickled:
+        if (
+            name in ("eval", "exec", "compile", "__import__")
+            or is_pickled
+            or (name.endswith("torch.load") and not is_weights_only)
+        ):
             found.append(f"{name} in line {node.lineno}")
     return found
 
@@ -131,10 +138,12 @@ def test_an_import_the_wrong_way_is_noticed(room, source):
         "exec(x)",
         "import pickle",
         "torch.load(p)",
+        "torch.load(p, weights_only=False)",
         "np.load(p, allow_pickle=True)",
         "np.load(p, allow_pickle=a)",
     ],
 )
 def test_running_data_is_noticed(source):
     assert _code_from_data(source)
+    assert not _code_from_data("torch.load(p, weights_only=True)")
     assert not _code_from_data("model.eval()\nnp.load(p, allow_pickle=False)\nre.compile(x)")

@@ -1,0 +1,5 @@
+"""Relative inverse depth of single frames."""
+
+from moseg_tasks.depth.estimate import estimate_inverse_depth
+
+__all__ = ["estimate_inverse_depth"]

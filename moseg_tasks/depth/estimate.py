@@ -1,0 +1,55 @@
+"""Relative inverse depth of a batch of frames, whichever network it comes from."""
+
+import numpy as np
+import torch
+from transformers import DepthAnythingForDepthEstimation, DPTForDepthEstimation
+
+from moseg_tasks.depth.depth_anything import predict_depth_anything
+from moseg_tasks.depth.dpt_dinov2 import predict_dpt_dinov2
+from schemas.errors import InputError
+from schemas.parameters.depth_anything import DepthAnythingParams
+from schemas.parameters.dpt_dinov2 import DptDinov2Params
+
+
+def estimate_inverse_depth(
+    model: DPTForDepthEstimation | DepthAnythingForDepthEstimation,
+    images: np.ndarray,
+    params: DptDinov2Params | DepthAnythingParams,
+) -> np.ndarray:
+    """Relative inverse depth of each frame: larger is nearer.
+
+    DPT-DINOv2 gives metric depth, which is inverted; Depth Anything V2 gives inverse depth up to scale and shift, left
+    as it is: 0 is far away but not at infinity. The motion models allow for both.
+
+    Parameters
+    ----------
+    model : DPTForDepthEstimation or DepthAnythingForDepthEstimation
+        Of `build_dpt_dinov2` or `build_depth_anything`.
+    images : uint8 (B, y, x, 3)
+        RGB frames of one size.
+    params : DptDinov2Params or DepthAnythingParams
+        Those of the model.
+
+    Returns
+    -------
+    inverse_depth : float32 (B, y, x)
+        Finite, not negative.
+
+    Raises
+    ------
+    InputError
+        The images are not uint8 RGB frames, or the network's answer is not finite.
+    """
+    if images.dtype != np.uint8 or images.ndim != 4 or images.shape[3] != 3 or 0 in images.shape[1:3]:
+        raise InputError("not RGB frames", got=f"{images.dtype} {images.shape}", expected="uint8 (B, y, x, 3)")
+    if len(images) == 0:
+        return np.zeros(images.shape[:3], np.float32)
+    with torch.inference_mode():
+        if isinstance(params, DptDinov2Params):
+            inverse_depth = predict_dpt_dinov2(model, images, params)
+        else:
+            inverse_depth = predict_depth_anything(model, images, params)
+    inverse_depth = inverse_depth.cpu().numpy()
+    if not np.isfinite(inverse_depth).all():
+        raise InputError("inverse depth is not finite", where=f"what weights {params.weights} give")
+    return inverse_depth

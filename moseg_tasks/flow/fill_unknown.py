@@ -1,0 +1,26 @@
+"""Flow without gaps, for what can use no others."""
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+
+
+def fill_unknown(flow: np.ndarray) -> np.ndarray:
+    """The flow with the vector of the nearest known pixel wherever it is not known.
+
+    Parameters
+    ----------
+    flow : float32 (y, x, 2)
+        px/frame; not finite where it is unknown.
+
+    Returns
+    -------
+    float32 (y, x, 2)
+        `flow` itself where nothing is unknown; zeros where nothing is known.
+    """
+    unknown = ~np.isfinite(flow).all(axis=-1)
+    if not unknown.any():
+        return flow
+    if unknown.all():
+        return np.zeros_like(flow)
+    rows, columns = distance_transform_edt(unknown, return_distances=False, return_indices=True)
+    return flow[rows, columns]

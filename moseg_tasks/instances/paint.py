@@ -1,0 +1,55 @@
+"""Masks that may overlap as one map of labels."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from schemas.errors import InputError
+
+
+class Painted(NamedTuple):
+    """A map of labels and whose they are.
+
+    Attributes
+    ----------
+    labels : uint16 (y, x)
+        Objects 1 to m, best score first; 0 = background.
+    order : intp (m,)
+        Index of the mask of each object.
+    """
+
+    labels: np.ndarray
+    order: np.ndarray
+
+
+def paint_instances(masks: np.ndarray, scores: np.ndarray) -> Painted:
+    """Give each pixel to one object.
+
+    Where masks overlap the pixel goes to the smallest: a small object in a large one's mask is in front of it, or was
+    found for itself, while the large one is still seen around it. A mask of which nothing is left becomes no object.
+
+    Parameters
+    ----------
+    masks : bool (n, y, x)
+    scores : floating (n,)
+        Of two equal ones the first is better.
+
+    Raises
+    ------
+    InputError
+        There is not one score for each mask, or there are more masks than labels.
+    """
+    if np.shape(scores) != masks.shape[:1]:
+        raise InputError("not one score for each mask", got=np.shape(scores), expected=masks.shape[:1])
+    most = np.iinfo(np.uint16).max
+    if len(masks) > most:
+        raise InputError("more masks than labels", got=len(masks), expected=f"at most {most}")
+    ranked = np.argsort(-np.asarray(scores), kind="stable")
+    areas = np.count_nonzero(masks, axis=(1, 2))[ranked]
+    labels = np.zeros(masks.shape[1:], np.uint16)
+    # The largest first; of equal ones the better last, so that it is on top.
+    for rank in np.lexsort((-np.arange(len(ranked)), -areas)):
+        labels[masks[ranked[rank]]] = rank + 1
+    is_seen = np.bincount(labels.ravel(), minlength=len(ranked) + 1)[1:] > 0
+    renumbered = np.concatenate([[0], np.cumsum(is_seen) * is_seen]).astype(np.uint16)
+    return Painted(renumbered[labels], ranked[is_seen])

@@ -1,0 +1,60 @@
+"""Masks of what the boxes of a frame hold, by SAM 2.1."""
+
+import numpy as np
+import torch
+from torch.nn import functional
+from transformers import Sam2Model
+
+from moseg_tasks.networks.frame_tensor import check_frame, frame_tensor
+from moseg_tasks.networks.sam2 import network_side
+from schemas.errors import InputError
+from schemas.parameters.sam2 import Sam2Params
+
+
+def segment_boxes_sam2(
+    model: Sam2Model, image: np.ndarray, boxes: np.ndarray, params: Sam2Params
+) -> tuple[np.ndarray, np.ndarray]:
+    """One mask for each box: the decoder's single one, or the best of its three where that is unstable.
+
+    The image is encoded once, stretched to the network's square. Under autocast only that encoder works in half
+    precision: the decoder is cheap, and encodes places as sines of large angles.
+
+    Parameters
+    ----------
+    model : Sam2Model
+    image : uint8 (y, x, 3)
+        RGB.
+    boxes : floating (n, 4)
+        Left, top, right, bottom, px.
+    params : Sam2Params
+
+    Returns
+    -------
+    masks : bool (n, y, x)
+    quality : float64 (n,)
+        The overlap (IoU) with the true mask that the network expects of its own.
+
+    Raises
+    ------
+    InputError
+        The image is not an RGB frame, or the boxes are not boxes.
+    """
+    check_frame(image)
+    boxes = np.asarray(boxes, np.float32)
+    if boxes.ndim != 2 or boxes.shape[1] != 4 or not (boxes[:, :2] < boxes[:, 2:]).all():
+        raise InputError("not boxes", got=f"shape {boxes.shape}", expected="(n, 4): left < right and top < bottom, px")
+    size, side = image.shape[:2], network_side(model)
+    if not len(boxes):
+        return np.zeros((0, *size), bool), np.zeros(0)
+    masks, quality = [], []
+    with torch.inference_mode():
+        embeddings = model.get_image_embeddings(frame_tensor(image, (side, side), model.device))
+        embeddings = [embedding.float() for embedding in embeddings]
+        prompts = torch.from_numpy(boxes * np.float32([side / size[1], side / size[0]] * 2)).to(model.device)
+        with torch.autocast(model.device.type, enabled=False):
+            for some in prompts.split(params.boxes_per_pass):
+                output = model(image_embeddings=embeddings, input_boxes=some[None], multimask_output=False)
+                logits = functional.interpolate(output.pred_masks[0], size=size, mode="bilinear")
+                masks.append((logits[:, 0] > 0).cpu().numpy())
+                quality.append(output.iou_scores[0, :, 0].double().cpu().numpy())
+    return np.concatenate(masks), np.concatenate(quality)

@@ -1,0 +1,64 @@
+"""Masks of what the boxes of a frame hold, by SAM-HQ."""
+
+import numpy as np
+import torch
+from torch.nn import functional
+
+from moseg_tasks.networks.frame_tensor import check_frame, frame_tensor
+from moseg_tasks.networks.sam_hq import decode_boxes, encode_image
+from schemas.errors import InputError
+from schemas.parameters.sam_hq import SamHqParams
+
+
+def segment_boxes_sam_hq(
+    model: torch.nn.Module, image: np.ndarray, boxes: np.ndarray, params: SamHqParams
+) -> tuple[np.ndarray, np.ndarray]:
+    """One mask for each box.
+
+    The image is encoded once, resized until its longer side fills the network's square (1024 px in the published
+    ones) and padded below and to the right.
+
+    Parameters
+    ----------
+    model : torch.nn.Module
+        Of `build_sam_hq`.
+    image : uint8 (y, x, 3)
+        RGB.
+    boxes : floating (n, 4)
+        Left, top, right, bottom, px.
+    params : SamHqParams
+
+    Returns
+    -------
+    masks : bool (n, y, x)
+    quality : float64 (n,)
+        The overlap (IoU) with the true mask that the network expects of its own.
+
+    Raises
+    ------
+    InputError
+        The image is not an RGB frame, or the boxes are not boxes.
+    """
+    check_frame(image)
+    boxes = np.asarray(boxes, np.float32)
+    if boxes.ndim != 2 or boxes.shape[1] != 4 or not (boxes[:, :2] < boxes[:, 2:]).all():
+        raise InputError("not boxes", got=f"shape {boxes.shape}", expected="(n, 4): left < right and top < bottom, px")
+    size = image.shape[:2]
+    if not len(boxes):
+        return np.zeros((0, *size), bool), np.zeros(0)
+    side = model.config.vision_config.image_size
+    scale = side / max(size)
+    seen = tuple(int(length * scale + 0.5) for length in size)
+    masks, quality = [], []
+    stretch = np.tile([seen[1] / size[1], seen[0] / size[0]], 2)
+    prompts = torch.from_numpy((boxes * stretch).astype(np.float32)).to(model.device)
+    with torch.inference_mode():
+        pixels = frame_tensor(image, seen, model.device)
+        features = encode_image(model, functional.pad(pixels, (0, side - seen[1], 0, side - seen[0])))
+        for some in prompts.split(params.boxes_per_pass):
+            logits, expected = decode_boxes(model, features, some, params.hq_token_only)
+            logits = functional.interpolate(logits[:, None], size=(side, side), mode="bilinear")
+            logits = functional.interpolate(logits[..., : seen[0], : seen[1]], size=size, mode="bilinear")
+            masks.append((logits[:, 0] > 0).cpu().numpy())
+            quality.append(expected.cpu().double().numpy())
+    return np.concatenate(masks), np.concatenate(quality)

@@ -1,0 +1,53 @@
+"""The best of the masks that show the same thing."""
+
+import numpy as np
+
+from schemas.errors import InputError
+from schemas.parameters.instances import InstanceParams
+
+
+def select_instances(masks: np.ndarray, scores: np.ndarray, params: InstanceParams) -> np.ndarray:
+    """Masks that are neither specks nor background nor shown by a better one.
+
+    Going from the best score to the worst, a mask is dropped where it overlaps one that was kept (non-maximum
+    suppression by IoU), or lies within it for the most part: a wheel that was found beside its car moves with the car
+    and would only cut a hole into it. The other way round nothing is dropped: a worse mask may surround better ones, as
+    that of a crowd does.
+
+    Parameters
+    ----------
+    masks : bool (n, y, x)
+    scores : floating (n,)
+        Of two equal ones the first is better.
+    params : InstanceParams
+
+    Returns
+    -------
+    kept : intp (m,)
+        Indices, best score first.
+
+    Raises
+    ------
+    InputError
+        There is not one score for each mask.
+    """
+    if np.shape(scores) != masks.shape[:1]:
+        raise InputError("not one score for each mask", got=np.shape(scores), expected=masks.shape[:1])
+    frame = masks.shape[1] * masks.shape[2]
+    flat = masks.reshape(len(masks), frame)
+    areas = np.count_nonzero(flat, axis=1)
+    is_object = (areas > 0) & (areas >= params.min_area * frame) & (areas <= params.max_area * frame)
+    kept: list[int] = []
+    for index in np.argsort(-np.asarray(scores), kind="stable"):
+        if len(kept) == params.max_objects:
+            break
+        if is_object[index] and not _is_shown(flat, areas, index, kept, params):
+            kept.append(index)
+    return np.array(kept, np.intp)
+
+
+def _is_shown(flat: np.ndarray, areas: np.ndarray, index: int, kept: list[int], params: InstanceParams) -> bool:
+    """Whether a mask is the same as one of those kept, or a part of it."""
+    shared = np.array([np.count_nonzero(flat[index] & flat[better]) for better in kept])
+    union = areas[index] + areas[kept] - shared
+    return bool((shared > params.nms_iou * union).any() or (shared > params.containment * areas[index]).any())

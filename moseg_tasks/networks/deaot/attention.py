@@ -1,0 +1,122 @@
+"""Gated propagation: attention whose result is gated, smoothed in space and projected."""
+
+import torch
+from torch import nn
+from torch.nn import functional as F
+
+from moseg_tasks.networks.deaot.window import Window
+
+MAX_SCORES = 1 << 24
+"""Attention scores held at a time (64 MB): queries beyond are taken in turn, which changes nothing but the peak."""
+
+
+def at_least_float32(x: torch.Tensor) -> torch.Tensor:
+    """`x` in float32 where it was in half precision: a softmax over thousands of places needs the digits."""
+    return x.to(torch.promote_types(x.dtype, torch.float32))
+
+
+def attend(query: torch.Tensor, keys: torch.Tensor, values: torch.Tensor) -> torch.Tensor:
+    """Values averaged by the softmax of scaled dot products.
+
+    Parameters
+    ----------
+    query : (batch, query, d_att)
+    keys : (batch, key, d_att)
+    values : (batch, key, channel)
+
+    Returns
+    -------
+    (batch, query, channel)
+    """
+    rows = max(1, MAX_SCORES // (keys.shape[0] * keys.shape[1]))
+    parts = []
+    for part in (query / keys.shape[-1] ** 0.5).split(rows, dim=1):
+        scores = at_least_float32(part @ keys.transpose(1, 2))
+        parts.append(scores.softmax(dim=-1) @ values)
+    return torch.cat(parts, dim=1)
+
+
+class DepthwiseConv(nn.Module):
+    """A 5x5 convolution of each channel on the frame's grid."""
+
+    def __init__(self, width: int):
+        super().__init__()
+        self.conv = nn.Conv2d(width, width, 5, padding=2, groups=width, bias=False)
+
+    def forward(self, tokens: torch.Tensor, size: tuple[int, int]) -> torch.Tensor:
+        grid = tokens.transpose(1, 2).unflatten(2, size)
+        return self.conv(grid).flatten(2).transpose(1, 2)
+
+
+class GatedPropagation(nn.Module):
+    """Long-term propagation: attention to all that is remembered.
+
+    References
+    ----------
+    Yang and Yang, "Decoupling Features in Hierarchical Propagation for Video Object Segmentation", NeurIPS 2022,
+    section 4.2.
+    """
+
+    def __init__(self, d_model: int):
+        super().__init__()
+        self.dw_conv = DepthwiseConv(4 * d_model)
+        self.projection = nn.Linear(4 * d_model, 2 * d_model)
+
+    def forward(
+        self,
+        query: torch.Tensor,
+        keys: torch.Tensor,
+        values: torch.Tensor,
+        gate: torch.Tensor,
+        size: tuple[int, int],
+    ) -> torch.Tensor:
+        """Both branches' update, (batch, cell, 2 d_model), from values and gate of 4 d_model channels."""
+        return self.put_out(attend(query, keys, values), gate, size)
+
+    def put_out(self, attended: torch.Tensor, gate: torch.Tensor, size: tuple[int, int]) -> torch.Tensor:
+        """Gate, smooth and project what attention gathered."""
+        return self.projection(self.dw_conv(attended * gate, size))
+
+
+class LocalGatedPropagation(GatedPropagation):
+    """Short-term propagation: attention to a window in the frame before, with a learned term of the offset."""
+
+    def __init__(self, d_model: int, radius: int):
+        super().__init__(d_model)
+        self.relative_emb_k = nn.Conv2d(d_model // 2, (2 * radius + 1) ** 2, 1)
+
+    def forward(
+        self,
+        query: torch.Tensor,
+        keys: torch.Tensor,
+        values: torch.Tensor,
+        gate: torch.Tensor,
+        size: tuple[int, int],
+        window: Window,
+    ) -> torch.Tensor:
+        """As for long-term propagation; `keys` and `values` are those of one frame."""
+        # A window's values side by side would take (2 radius + 1)^2 times their memory: the whole grid is cheaper.
+        relative = F.linear(query, self.relative_emb_k.weight.flatten(1), self.relative_emb_k.bias)
+        relative = relative.gather(2, window.places.expand(len(query), -1, -1))
+        scores = at_least_float32((query / keys.shape[-1] ** 0.5) @ keys.transpose(1, 2)) + relative
+        scores = scores.masked_fill(window.outside_mask, -torch.inf)
+        return self.put_out(scores.softmax(dim=-1) @ values, gate, size)
+
+
+class SelfGatedPropagation(GatedPropagation):
+    """Propagation inside one frame, of both branches at once."""
+
+    def __init__(self, d_model: int):
+        super().__init__(d_model)
+        self.linear_QK = nn.Linear(2 * d_model, d_model // 2)
+        self.linear_V1 = nn.Linear(d_model, 2 * d_model)
+        self.linear_V2 = nn.Linear(d_model, 2 * d_model)
+        self.linear_U1 = nn.Linear(d_model, 2 * d_model)
+        self.linear_U2 = nn.Linear(d_model, 2 * d_model)
+
+    def forward(self, visual: torch.Tensor, identity: torch.Tensor, size: tuple[int, int]) -> torch.Tensor:
+        """Both branches' update, (batch, cell, 2 d_model), from normalised branches of d_model channels each."""
+        query = self.linear_QK(torch.cat([visual, identity], dim=-1))
+        values = F.silu(torch.cat([self.linear_V1(visual), self.linear_V2(identity)], dim=-1))
+        gate = F.silu(torch.cat([self.linear_U1(visual), self.linear_U2(identity)], dim=-1))
+        return self.put_out(attend(query, query, values), gate, size)

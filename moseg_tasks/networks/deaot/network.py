@@ -1,0 +1,83 @@
+"""The DeAOT network."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import torch
+from torch import nn
+
+from moseg_tasks.networks.deaot.attention import at_least_float32
+from moseg_tasks.networks.deaot.branches import DualBranchPropagation, Grid
+from moseg_tasks.networks.deaot.config import DeaotConfig
+from moseg_tasks.networks.deaot.decoder import FpnDecoder
+from moseg_tasks.networks.deaot.encoder import EXPANSION, Pyramid, ResNetEncoder
+from moseg_tasks.networks.deaot.memory import LayerMemory
+from moseg_tasks.networks.deaot.propagation import Projected
+from moseg_tasks.networks.deaot.window import neighbourhood
+
+STRIDE = 16
+"""Side of a cell, px; a frame's sides are 1 modulo this, so that corner cells lie on corner pixels."""
+
+
+class Encoded(NamedTuple):
+    """A frame's pyramid, and its cells (1, cell, d_model) as propagation takes them."""
+
+    pyramid: Pyramid
+    cells: torch.Tensor
+
+
+class Deaot(nn.Module):
+    """Semi-supervised video object segmentation by propagating masks from remembered frames.
+
+    The batch of every memory, mask and logit is the groups of at most `max_objects` objects, tracked side by side; the
+    frame itself is encoded once for all of them.
+
+    References
+    ----------
+    Yang and Yang, "Decoupling Features in Hierarchical Propagation for Video Object Segmentation", NeurIPS 2022.
+    """
+
+    def __init__(self, config: DeaotConfig):
+        super().__init__()
+        self.config = config
+        self.encoder = ResNetEncoder(config)
+        self.encoder_projector = nn.Conv2d(EXPANSION * config.stage_widths[-1], config.d_model, 1)
+        self.LSTT = DualBranchPropagation(config)
+        self.decoder = FpnDecoder(config)
+        self.patch_wise_id_bank = nn.Conv2d(
+            1 + config.max_objects, config.d_model, STRIDE + 1, stride=STRIDE, padding=STRIDE // 2
+        )
+        self.id_norm = nn.LayerNorm(config.d_model)
+
+    def grid(self, size: tuple[int, int]) -> Grid:
+        """The cells of frames of `size` (y, x); the same for all frames of a video."""
+        height, width = ((side - 1) // STRIDE + 1 for side in size)
+        return Grid(
+            (height, width), neighbourhood((height, width), self.config.window_radius, self.id_norm.weight.device)
+        )
+
+    def encode(self, image: torch.Tensor) -> Encoded:
+        """Features of a normalised RGB frame (1, 3, y, x) with sides of 1 modulo 16."""
+        pyramid = self.encoder(image)
+        return Encoded(pyramid, self.encoder_projector(pyramid.stride16).flatten(2).transpose(1, 2))
+
+    def assign(self, masks: torch.Tensor) -> torch.Tensor:
+        """Embedding (group, cell, d_model) of masks (group, 1 + max_objects, y, x) that are 1 in their object."""
+        return self.id_norm(self.patch_wise_id_bank(masks).flatten(2).transpose(1, 2))
+
+    def memorize(self, frame: Encoded, masks: torch.Tensor, grid: Grid) -> list[LayerMemory]:
+        """Memory of a frame whose masks are given."""
+        return self.LSTT.memorize(frame.cells.expand(len(masks), -1, -1), self.assign(masks), grid)
+
+    def propagate(
+        self, frame: Encoded, long_term: Sequence[LayerMemory], short_term: Sequence[LayerMemory], grid: Grid
+    ) -> tuple[torch.Tensor, list[Projected]]:
+        """Logits (group, 1 + max_objects, y / 4, x / 4) of a frame, and what `remember` needs of it."""
+        num_groups = len(short_term[0].keys)
+        cells, frames = self.LSTT(frame.cells.expand(num_groups, -1, -1), long_term, short_term, grid)
+        logits = self.decoder(cells.transpose(1, 2).unflatten(2, grid.size), frame.pyramid)
+        return at_least_float32(logits), frames
+
+    def remember(self, frames: Sequence[Projected], masks: torch.Tensor) -> list[LayerMemory]:
+        """Memory of a propagated frame, once its masks are decided."""
+        return self.LSTT.remember(frames, self.assign(masks))

@@ -1,0 +1,71 @@
+"""Names of objects as the texts that Grounding DINO reads."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from transformers import BertTokenizer
+
+from schemas.errors import InputError
+
+
+class Prompt(NamedTuple):
+    """A text of several names, ``[CLS] a dog . tennis ball . [SEP]``.
+
+    Attributes
+    ----------
+    token_ids : list of int
+    tags : list of str
+        The names.
+    spans : list of slice
+        Where each name's own tokens stand, without the full stop.
+    """
+
+    token_ids: list[int]
+    tags: list[str]
+    spans: list[slice]
+
+
+def compose_prompts(
+    tokenizer: BertTokenizer, tags: Sequence[str], tags_per_prompt: int, max_tokens: int
+) -> list[Prompt]:
+    """The names, in lower case and each once, in as few texts as the limits allow.
+
+    Where one text does not take them all they are spread evenly, as scores fall with the length of a text. A full stop
+    or question mark within a name is left out: the network takes it for the name's end.
+
+    Parameters
+    ----------
+    tokenizer : BertTokenizer
+    tags : sequence of str
+    tags_per_prompt, max_tokens : int
+        Limits of one text.
+
+    Raises
+    ------
+    InputError
+        A name has no word, one that the tokenizer does not know, or more than a text holds.
+    """
+    names = list(dict.fromkeys(" ".join(tag.lower().split()) for tag in tags))
+    ends = set(tokenizer.convert_tokens_to_ids([".", "?"]))
+    stop = tokenizer.convert_tokens_to_ids(".")
+    per_prompt = -(-len(names) // -(-len(names) // tags_per_prompt)) if names else 0
+    prompts: list[Prompt] = []
+    for name in names:
+        words = [token for token in tokenizer(name, add_special_tokens=False)["input_ids"] if token not in ends]
+        room = max_tokens - 3
+        if not 0 < len(words) <= room or tokenizer.unk_token_id in words:
+            raise InputError(
+                "no words that the detector knows, or too many",
+                where="tags",
+                got=repr(name),
+                expected=f"1 to {room} of BERT's tokens",
+            )
+        is_full = not prompts or len(prompts[-1].tags) == per_prompt
+        if is_full or len(prompts[-1].token_ids) + len(words) + 1 > max_tokens:
+            prompts.append(Prompt([tokenizer.cls_token_id, tokenizer.sep_token_id], [], []))
+        token_ids, tags_of, spans = prompts[-1]
+        start = len(token_ids) - 1
+        token_ids[start:start] = [*words, stop]
+        tags_of.append(name)
+        spans.append(slice(start, start + len(words)))
+    return prompts

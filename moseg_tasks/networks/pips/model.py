@@ -1,0 +1,108 @@
+"""The PIPs network: where points of a window's first frame lie in its other frames."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import torch
+from torch import nn
+
+from moseg_tasks.networks.pips.config import PipsConfig
+from moseg_tasks.networks.pips.correlation import correlate, feature_pyramid, sample_appearances
+from moseg_tasks.networks.pips.encoder import Encoder
+from moseg_tasks.networks.pips.mixer import Update
+
+
+class Trajectories(NamedTuple):
+    """What the network says of N points in the S frames of a window.
+
+    Attributes
+    ----------
+    points : torch.Tensor (N, S, 2)
+        xy, px of the images; in the first frame the points that were asked for.
+    visibility : torch.Tensor (N, S)
+        Logits.
+    """
+
+    points: torch.Tensor
+    visibility: torch.Tensor
+
+
+class Pips(nn.Module):
+    """Persistent independent particles: each point is followed for itself, and through occlusions within a window.
+
+    Attribute names are those of the published state dict.
+
+    References
+    ----------
+    A. Harley, Z. Fang and K. Fragkiadaki, Particle video revisited: tracking through occlusions using point
+    trajectories, ECCV 2022.
+    """
+
+    def __init__(self, config: PipsConfig):
+        super().__init__()
+        self.config = config
+        self.fnet = Encoder(config)
+        self.delta_block = Update(config)
+        self.norm = nn.GroupNorm(1, config.latent)
+        self.ffeat_updater = nn.Sequential(nn.Linear(config.latent, config.latent), nn.GELU())
+        self.vis_predictor = nn.Sequential(nn.Linear(config.latent, 1))
+
+    def encode(self, images: torch.Tensor) -> tuple[torch.Tensor, ...]:
+        """Feature pyramid of frames, of each for itself, so that frames that windows share are encoded once.
+
+        Parameters
+        ----------
+        images : uint8 torch.Tensor (B, y, x, 3)
+            RGB; sides of at least `config.least_side`.
+
+        Returns
+        -------
+        pyramid : tuple of torch.Tensor (B, y // stride, x // stride, C)
+            Finest level first; each next one has half the size.
+        """
+        dtype = self.dtype
+        maps = self.fnet(2 * (images.permute(0, 3, 1, 2).to(dtype) / 255) - 1)
+        return feature_pyramid(maps.to(dtype), self.config.levels)
+
+    def appearances(self, pyramid: Sequence[torch.Tensor], points: torch.Tensor) -> torch.Tensor:
+        """Appearance (N, C) of points (N, 2), px, in the first frame of a pyramid."""
+        return sample_appearances(pyramid[0][0], points / self.config.stride)
+
+    def forward(
+        self, pyramid: Sequence[torch.Tensor], points: torch.Tensor, appearances: torch.Tensor, iterations: int
+    ) -> Trajectories:
+        """Follow points through a window.
+
+        Parameters
+        ----------
+        pyramid : sequence of torch.Tensor (S, y, x, C)
+            Of `encode`, for the S frames of the window.
+        points : torch.Tensor (N, 2)
+            xy in the first frame, px.
+        appearances : torch.Tensor (N, C)
+            What to look for: of `appearances` in the first frame, or in the frame in which a point was first seen.
+        iterations : int
+            Steps of refinement, from points at rest and appearances that do not change.
+
+        Returns
+        -------
+        Trajectories
+        """
+        shape = (len(points), self.config.window, -1)
+        start = (points / self.config.stride)[:, None]
+        positions = start.expand(shape)
+        appearances = appearances[:, None].expand(shape)
+        for _ in range(iterations):
+            correlations = correlate(pyramid, appearances, positions, self.config.radius)
+            shift, change = self.delta_block(appearances, correlations, positions - start)
+            change = self.ffeat_updater(self.norm(change.flatten(0, 1))).view(shape)
+            # Summed in full precision whatever the layers compute in.
+            appearances = appearances + change.to(appearances.dtype)
+            positions = torch.cat([start, (positions + shift)[:, 1:]], dim=1)
+        visibility = self.vis_predictor(appearances).squeeze(-1)
+        return Trajectories(positions * self.config.stride, visibility.to(points.dtype))
+
+    @property
+    def dtype(self) -> torch.dtype:
+        """Type of the network's parameters, and so of its maps and points, autocast or not."""
+        return self.vis_predictor[0].weight.dtype

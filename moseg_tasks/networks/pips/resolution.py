@@ -1,0 +1,48 @@
+"""The size at which the network sees a frame, and points at either size."""
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+MULTIPLE = 8
+"""Sides the network sees are multiples of this, as those of its published evaluation (360 x 640) are, px."""
+
+
+class Resolution(NamedTuple):
+    """A frame's size and the one the network sees it at, (height, width), px.
+
+    Pixel centres lie at integers in both, and both show the same edges, which lie half a pixel outside the outermost
+    centres: x_network + 1/2 = (x_frame + 1/2) width_network / width_frame, and likewise y. The two axes have each
+    their own scale, as sides are rounded; both are undone exactly.
+    """
+
+    frame: tuple[int, int]
+    network: tuple[int, int]
+
+    @classmethod
+    def capped(cls, frame: tuple[int, int], max_side: int, least_side: int) -> "Resolution":
+        """The resolution whose longer side is at most about `max_side`; no side is below `least_side`."""
+        scale = min(1.0, max_side / max(frame))
+        height, width = (max(least_side, MULTIPLE * round(side * scale / MULTIPLE)) for side in frame)
+        return cls(frame, (height, width))
+
+    def resize(self, image: np.ndarray) -> np.ndarray:
+        """A frame uint8 (y, x, 3) at the network's size."""
+        height, width = self.network
+        if (height, width) == self.frame:
+            return image
+        shrinks = height <= self.frame[0] and width <= self.frame[1]
+        # Means over areas, so that detail finer than the network's pixels does not turn into false motion.
+        return cv2.resize(image, (width, height), interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR)
+
+    def to_network(self, points: np.ndarray) -> np.ndarray:
+        """Points (..., 2), xy px of the frame, in px of the network's image; float64."""
+        return (points + 0.5) * self._scale() - 0.5
+
+    def to_frame(self, points: np.ndarray) -> np.ndarray:
+        """Points (..., 2), xy px of the network's image, in px of the frame; float64."""
+        return (points + 0.5) / self._scale() - 0.5
+
+    def _scale(self) -> np.ndarray:
+        return np.array(self.network[::-1]) / np.array(self.frame[::-1])

@@ -1,0 +1,84 @@
+"""RAFT as a module: its attributes are named as in torchvision's state dicts."""
+
+import torch
+from torch import Tensor, nn
+
+from moseg_tasks.networks.raft.config import RaftConfig
+from moseg_tasks.networks.raft.correlation import CorrelationPyramid
+from moseg_tasks.networks.raft.encoder import Encoder
+from moseg_tasks.networks.raft.update import UpdateBlock
+from moseg_tasks.networks.raft.upsampling import STRIDE, MaskPredictor, upsample_bilinear, upsample_convex
+
+
+class Raft(nn.Module):
+    """Flow by iterated look-ups in the correlation of all pairs of cells.
+
+    References
+    ----------
+    Teed, Deng, "RAFT: Recurrent All-Pairs Field Transforms for Optical Flow", ECCV 2020.
+    """
+
+    def __init__(self, config: RaftConfig):
+        super().__init__()
+        self.config = config
+        context_channels = config.hidden_channels + config.context_channels
+        context_norm = nn.BatchNorm2d if config.has_context_norm else None
+        self.feature_encoder = Encoder(
+            config.block, config.stage_channels, config.feature_channels, norm=nn.InstanceNorm2d
+        )
+        self.context_encoder = Encoder(config.block, config.stage_channels, context_channels, norm=context_norm)
+        self.update_block = UpdateBlock(config)
+        self.mask_predictor = (
+            None if config.mask_channels is None else MaskPredictor(config.hidden_channels, config.mask_channels)
+        )
+
+    @property
+    def smallest_side(self) -> int:
+        """Pixels that leave the coarsest level of the correlation pyramid two cells; 128 for the published sizes.
+
+        With a single cell the published code divides by zero. So no published network has seen smaller images.
+        """
+        return STRIDE * 2**self.config.correlation_levels
+
+    def forward(self, images0: Tensor, images1: Tensor, iterations: int, on_demand: bool = False) -> Tensor:
+        """Flow from the first images to the second.
+
+        Parameters
+        ----------
+        images0, images1 : Tensor (B, 3, y, x)
+            RGB in [-1, 1]; both sides multiples of 8 and not below `smallest_side`.
+        iterations : int
+            Steps of the flow.
+        on_demand : bool
+            Compute correlations at each look-up instead of holding them all.
+
+        Returns
+        -------
+        Tensor (B, 2, y, x)
+            xy, px; float32, or float64 with a network in float64.
+        """
+        config = self.config
+        features0, features1 = self.feature_encoder(torch.cat([images0, images1])).chunk(2)
+        correlation = CorrelationPyramid(
+            features0, features1, config.correlation_levels, config.correlation_radius, on_demand
+        )
+        state = self.context_encoder(images0)
+        hidden, context = state.split([config.hidden_channels, config.context_channels], dim=1)
+        hidden, context = hidden.tanh(), context.relu()
+
+        # The flow is summed over the iterations and added to coordinates: half precision would round it to 1/16 cell.
+        dtype = torch.promote_types(features0.dtype, torch.float32)
+        cells = _cell_grid(features0).to(dtype)
+        flow = torch.zeros_like(cells).repeat(len(images0), 1, 1, 1)
+        for _ in range(iterations):
+            hidden, step = self.update_block(hidden, context, correlation.look_up(cells + flow), flow)
+            flow = flow + step.to(dtype)
+        if self.mask_predictor is None:
+            return upsample_bilinear(flow)
+        return upsample_convex(flow, self.mask_predictor(hidden))
+
+
+def _cell_grid(features: Tensor) -> Tensor:
+    """Each cell's own xy, (1, 2, h, w)."""
+    y, x = (torch.arange(side, device=features.device) for side in features.shape[2:])
+    return torch.stack(torch.meshgrid(x, y, indexing="xy"))[None]

@@ -1,0 +1,108 @@
+"""RAM and RAM++ from their official checkpoints."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import torch
+from pydantic import ValidationError
+
+from moseg_tasks.networks.checkpoint import Checkpoint
+from moseg_tasks.networks.ram.config import RamConfig
+from moseg_tasks.networks.ram.model import Ram, RamPlus
+from moseg_tasks.networks.ram.tagger import Tagger
+from moseg_tasks.networks.strict import load_strictly
+from schemas.errors import InputError
+
+TRAINING_ONLY = ("tag_encoder.", "text_decoder.", "logit_scale")
+"""Beginnings of the names of what tagging does not use: the captioner, and the temperature of a training loss."""
+DERIVED = (".relative_position_index", ".attn_mask")
+"""Endings of the names of buffers that follow from the windows' size and are computed anew."""
+OLD_NAME = "vision_multi."
+"""The tagging head's name in checkpoints from before it was called so."""
+REWEIGHT_SCALE = math.log(1 / 0.07)
+"""Log of RAM++'s scale of likenesses. The released checkpoint has no such tensor, and the official code then uses the
+value that it sets at the start, which is CLIP's initial temperature."""
+TAGS, THRESHOLDS = "tags.txt", "thresholds.txt"
+
+
+def build_ram(checkpoint: Checkpoint) -> Tagger:
+    """RAM in evaluation mode, with its tags.
+
+    Parameters
+    ----------
+    checkpoint : Checkpoint
+        The official state dict; documents ``tags.txt`` and ``thresholds.txt``, one a line; the sizes (`RamConfig`)
+        where they are not the published ones.
+
+    Returns
+    -------
+    Tagger
+
+    Raises
+    ------
+    InputError
+        Tensors do not fit the network, or the documents do not fit its number of tags.
+    """
+    config = _read_config(checkpoint)
+    return _assemble(checkpoint, Ram(config), select_tensors(checkpoint.tensors))
+
+
+def build_ram_plus(checkpoint: Checkpoint) -> Tagger:
+    """RAM++ in evaluation mode, with its tags; parameters, result and errors are those of `build_ram`."""
+    config = _read_config(checkpoint)
+    tensors = {"reweight_scale": torch.tensor(REWEIGHT_SCALE)} | select_tensors(checkpoint.tensors)
+    return _assemble(checkpoint, RamPlus(config), tensors)
+
+
+def select_tensors(tensors: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
+    """The tensors that tagging uses, by their present names; whatever is not named above stays, to be refused."""
+    renamed = {
+        "tagging_head." + name.removeprefix(OLD_NAME) if name.startswith(OLD_NAME) else name: tensor
+        for name, tensor in tensors.items()
+    }
+    return {
+        name: tensor
+        for name, tensor in renamed.items()
+        if not name.startswith(TRAINING_ONLY) and not name.endswith(DERIVED)
+    }
+
+
+def _read_config(checkpoint: Checkpoint) -> RamConfig:
+    try:
+        return RamConfig.model_validate(dict(checkpoint.config))
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = f"config of weights {checkpoint.name}"
+        raise InputError("sizes of no network", where=where, got=f"{first['loc']}: {first['msg']}") from error
+
+
+def _assemble(checkpoint: Checkpoint, network: Ram, tensors: Mapping[str, torch.Tensor]) -> Tagger:
+    num_tags = network.config.num_tags
+    names = _read_lines(checkpoint, TAGS, num_tags)
+    if not all(names) or len(set(names)) != num_tags:
+        raise InputError("an empty or doubled tag", where=f"{TAGS} of weights {checkpoint.name}")
+    thresholds = _read_thresholds(checkpoint, num_tags)
+    return Tagger(load_strictly(network, tensors, checkpoint.name), names, thresholds)
+
+
+def _read_thresholds(checkpoint: Checkpoint, num_tags: int) -> np.ndarray:
+    lines = _read_lines(checkpoint, THRESHOLDS, num_tags)
+    try:
+        thresholds = np.array([float(line) for line in lines])
+    except ValueError as error:
+        where = f"{THRESHOLDS} of weights {checkpoint.name}"
+        raise InputError("a line that is no number", where=where, got=str(error)) from error
+    if not ((thresholds >= 0) & (thresholds <= 1)).all():
+        raise InputError("a threshold beyond 0..1", where=f"{THRESHOLDS} of weights {checkpoint.name}")
+    return thresholds
+
+
+def _read_lines(checkpoint: Checkpoint, document: str, count: int) -> tuple[str, ...]:
+    if document not in checkpoint.documents:
+        raise InputError("no such file", where=f"weights {checkpoint.name}", got=None, expected=document)
+    lines = tuple(line.strip() for line in checkpoint.documents[document].splitlines())
+    if len(lines) != count:
+        where = f"{document} of weights {checkpoint.name}"
+        raise InputError("wrong number of lines", where=where, got=len(lines), expected=f"{count}, one a tag")
+    return lines

@@ -1,0 +1,86 @@
+"""What SAM 2.1 remembers of the objects it tracks, kept as small as it can be."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import torch
+from torch.nn import functional
+from transformers import Sam2VideoInferenceSession, Sam2VideoModel
+
+from moseg_tasks.networks.sam2.side import network_side
+
+# Of an output of the network: what only the frame itself needs, and what the next few frames need.
+_OF_ITS_FRAME = ("pred_masks", "high_res_masks")
+_OF_MASK_MEMORY = ("maskmem_features", "maskmem_pos_enc")
+
+
+def start_sessions(
+    model: Sam2VideoModel, seeds: np.ndarray, objects_per_session: int
+) -> list[Sam2VideoInferenceSession]:
+    """Sessions that are ready for frame 0, with the seeds as its masks.
+
+    The masks of all objects of a session are encoded in one pass, so their number bounds the memory that this takes.
+    The sessions share the features of the current frame.
+
+    Parameters
+    ----------
+    model : Sam2VideoModel
+    seeds : uint16 (y, x)
+        Objects in the first frame, 0 = background.
+    objects_per_session : int
+    """
+    side = network_side(model)
+    objects = np.unique(seeds[seeds > 0]).tolist()
+    sessions = []
+    for some in _parts(objects, objects_per_session):
+        session = Sam2VideoInferenceSession(
+            video_height=seeds.shape[0],
+            video_width=seeds.shape[1],
+            inference_device=model.device,
+            inference_state_device=model.device,
+            video_storage_device=model.device,
+            # Its default is a string, which tensors do not take.
+            dtype=torch.float32,
+        )
+        for label in some:
+            mask = torch.from_numpy(seeds == label).float()[None, None]
+            mask = functional.interpolate(mask, size=(side, side), mode="bilinear", antialias=True)
+            session.add_mask_inputs(session.obj_id_to_idx(label), 0, mask >= 0.5)
+        session.obj_with_new_inputs = list(some)
+        sessions.append(session)
+        session.cache = sessions[0].cache
+    return sessions
+
+
+def forget_past(session: Sam2VideoInferenceSession, index: int, num_masks: int, num_frames: int) -> None:
+    """Drop what frames after `index` do not look at. The session by itself keeps every frame and every output.
+
+    Parameters
+    ----------
+    session : Sam2VideoInferenceSession
+    index : int
+        Current frame.
+    num_masks, num_frames : int
+        Frames before the next one of which masks, and of which anything is kept. The first frame is always kept.
+    """
+    session.processed_frames.clear()
+    for outputs in session.output_dict_per_obj.values():
+        first, tracked = outputs["cond_frame_outputs"], outputs["non_cond_frame_outputs"]
+        for past in [past for past in tracked if past <= index - num_frames]:
+            del tracked[past]
+        for output in (*first.values(), *tracked.values()):
+            _drop(output, _OF_ITS_FRAME)
+        for past in tracked:
+            if past <= index - num_masks:
+                _drop(tracked[past], _OF_MASK_MEMORY)
+    for is_tracked in session.frames_tracked_per_obj.values():
+        is_tracked.clear()
+
+
+def _drop(output: dict, names: tuple[str, ...]) -> None:
+    for name in names:
+        output.pop(name, None)
+
+
+def _parts(items: list, length: int) -> Iterator[list]:
+    return (items[start : start + length] for start in range(0, len(items), length))

@@ -1,0 +1,129 @@
+"""Models of transformers, built from a checkpoint's tensors: no path, no network, nothing left at random values."""
+
+import json
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+import torch
+from transformers import PreTrainedConfig, PreTrainedModel
+from transformers.utils import logging
+
+from moseg_tasks.networks.checkpoint import Checkpoint
+from moseg_tasks.networks.strict import SHOWN
+from schemas.errors import InputError
+
+CONFIG = "config.json"
+
+
+def build_transformers(
+    model_class: type[PreTrainedModel],
+    config_class: type[PreTrainedConfig],
+    checkpoint: Checkpoint,
+    ignored_prefixes: Sequence[str] = (),
+) -> PreTrainedModel:
+    """The model with every tensor set from the checkpoint, in float32, evaluation mode and without gradients.
+
+    Names of older published checkpoints are converted as transformers itself does. Its loader only warns of what is
+    missing and leaves it random; here that is an error.
+
+    Parameters
+    ----------
+    model_class, config_class
+        Classes of transformers.
+    checkpoint : Checkpoint
+        With ``config.json`` among its documents.
+    ignored_prefixes : sequence of str
+        Tensors whose names begin so belong to parts that this model does not have.
+
+    Raises
+    ------
+    InputError
+        There is no readable ``config.json``; or a tensor is missing, left over (but for those that the class declares
+        ignorable) or of another shape: the first of them are named.
+    """
+    where = f"weights {checkpoint.name}"
+    ignored = tuple(ignored_prefixes)
+    tensors = {key: value for key, value in checkpoint.tensors.items() if not key.startswith(ignored)}
+    if not tensors:
+        raise InputError("no tensors", where=where)
+    with quiet_transformers():
+        config = _read_config(config_class, checkpoint)
+        try:
+            model, report = model_class.from_pretrained(
+                None,
+                config=config,
+                state_dict=tensors,
+                dtype=torch.float32,
+                ignore_mismatched_sizes=True,  # they are reported, and refused below
+                output_loading_info=True,
+            )
+        except RuntimeError as error:
+            # Its loader stumbles over some shapes (of shared tensors, of those it converts) before it reports them.
+            _refuse("tensors of another shape", _misshapen(model_class, config, tensors), where)
+            raise InputError("tensors do not fit the network", where=where, got=error) from error
+    _refuse("tensors are missing", sorted(report["missing_keys"]), where)
+    _refuse("tensors are not the network's", sorted(report["unexpected_keys"]), where)
+    _refuse("tensors of another shape", [_shapes(*found) for found in sorted(report["mismatched_keys"])], where)
+    return model.eval().requires_grad_(False)
+
+
+def read_json(checkpoint: Checkpoint, name: str) -> dict:
+    """The object in one of the checkpoint's JSON documents.
+
+    Raises
+    ------
+    InputError
+        The document is not there or holds no JSON object.
+    """
+    where = f"{name} of weights {checkpoint.name}"
+    if name not in checkpoint.documents:
+        raise InputError(f"no {name}", where=f"weights {checkpoint.name}", got=sorted(checkpoint.documents))
+    try:
+        content = json.loads(checkpoint.documents[name])
+    except ValueError as error:
+        raise InputError("not JSON", where=where, got=error) from error
+    if not isinstance(content, dict):
+        raise InputError("no JSON object", where=where, got=type(content).__name__)
+    return content
+
+
+def _read_config(config_class: type[PreTrainedConfig], checkpoint: Checkpoint) -> PreTrainedConfig:
+    content = read_json(checkpoint, CONFIG)
+    try:
+        return config_class.from_dict(content)
+    # What transformers raises for a value it does not take derives from Exception itself.
+    except Exception as error:
+        where = f"{CONFIG} of weights {checkpoint.name}"
+        raise InputError(f"no configuration of {config_class.__name__}", where=where, got=error) from error
+
+
+def _misshapen(model_class: type[PreTrainedModel], config: PreTrainedConfig, tensors) -> list[str]:
+    """The tensors that differ in shape from those of the same name in the model."""
+    with torch.device("meta"):
+        expected = model_class(config).state_dict()
+    pairs = [(key, value, expected[key]) for key, value in tensors.items() if key in expected]
+    return [_shapes(key, got.shape, wanted.shape) for key, got, wanted in pairs if got.shape != wanted.shape]
+
+
+def _shapes(key: str, got: torch.Size, expected: torch.Size) -> str:
+    return f"{key} {tuple(got)} instead of {tuple(expected)}"
+
+
+def _refuse(what: str, names: list[str], where: str) -> None:
+    """Raise where there are such tensors."""
+    if names:
+        more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+        raise InputError(what, where=where, got=", ".join(names[:SHOWN]) + more)
+
+
+@contextmanager
+def quiet_transformers() -> Iterator[None]:
+    """transformers without its progress bar and its report, both of which would go to the user's terminal."""
+    verbosity = logging.get_verbosity()
+    hook = logging.set_tqdm_hook(lambda factory, args, kwargs: args[0])
+    logging.set_verbosity(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logging.set_verbosity(verbosity)
+        logging.set_tqdm_hook(hook)

@@ -1,0 +1,66 @@
+"""The tags of a frame."""
+
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from scipy.special import expit
+
+from moseg_tasks.networks.frame_tensor import frame_tensor
+from moseg_tasks.networks.ram import Tagger
+from schemas.errors import InputError
+from schemas.parameters.ram import RamParams
+
+
+class Tags(NamedTuple):
+    """What a frame shows.
+
+    Attributes
+    ----------
+    names : tuple of str
+        By falling score; tags of one score in the order of the tagger's list.
+    scores : float64 (n,)
+        Probability of each.
+    """
+
+    names: tuple[str, ...]
+    scores: np.ndarray
+
+
+def recognise_tags(tagger: Tagger, image: np.ndarray, params: RamParams) -> Tags:
+    """Tags whose probability exceeds their own threshold.
+
+    Parameters
+    ----------
+    tagger : Tagger
+        RAM or RAM++.
+    image : uint8 (y, x, 3)
+        RGB; squeezed to the network's square, as in its training.
+    params : RamParams
+
+    Returns
+    -------
+    Tags
+        None, where no tag exceeds its threshold.
+
+    Raises
+    ------
+    InputError
+        The image is not an RGB frame, or a tag to leave out is not one of the tagger's.
+
+    References
+    ----------
+    Zhang et al., "Recognize Anything: A Strong Image Tagging Model", 2023.
+    """
+    unknown = [name for name in params.excluded_tags if name not in tagger.names]
+    if unknown:
+        raise InputError("not a tag of the tagger's list", where="ram.excluded_tags", got=", ".join(unknown))
+    network = tagger.network
+    side = network.config.image.image_size
+    with torch.inference_mode():
+        logits = network(frame_tensor(image, (side, side), next(network.parameters()).device))[0]
+    scores = expit(logits.cpu().numpy().astype(np.float64))
+    is_wanted = np.array([name not in params.excluded_tags for name in tagger.names])
+    order = np.flatnonzero(is_wanted & (scores > params.threshold_scale * tagger.thresholds))
+    order = order[np.argsort(-scores[order], kind="stable")][: params.max_tags]
+    return Tags(tuple(tagger.names[index] for index in order), scores[order])

@@ -1,0 +1,138 @@
+"""Object-specific point tracks through one section of a video, by PIPs."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import torch
+
+from moseg_tasks.networks.pips import Pips, Resolution
+from moseg_tasks.tracks.assemble import Tracks, assemble_tracks
+from moseg_tasks.tracks.front import NO_TRACKS, Front, check_front
+from moseg_tasks.tracks.lucas_kanade import inside_border
+from moseg_tasks.tracks.windows import overlapping_windows
+from schemas.errors import InputError
+from schemas.parameters import TrackParams
+from schemas.parameters.pips import PipsParams
+
+
+class _EncodedFrame(NamedTuple):
+    """A frame, its resolution and its feature pyramid (1, y, x, C)."""
+
+    image: np.ndarray
+    resolution: Resolution
+    pyramid: tuple[torch.Tensor, ...]
+
+
+def track_points_pips(
+    model: Pips,
+    frames: Iterable[np.ndarray],
+    masks: Sequence[np.ndarray] | np.ndarray,
+    track_params: TrackParams,
+    pips_params: PipsParams,
+    rng: np.random.Generator,
+) -> Tracks:
+    """Sample points in every object and follow them window by window.
+
+    A window is 8 frames of the published network, and it begins with a check: points outside their object's mask are
+    dropped (their tracks stay as they were before) and new ones sampled until each object has its quota again. A window
+    begins where the one before ends, in the frame that both share, so that tracks run through: the check that the paper
+    makes every 8 frames is made every 7. `track_params.resample_every` below that makes windows begin so often, and
+    each is followed only up to where the next begins; above it, it has no effect. The last window of a section is
+    filled up by repeating the last frame.
+
+    A track ends where the network thinks its point hidden, where it nears the frame's border, or at a check. In each
+    window the network looks for the appearance that the point had in its track's first frame, as the published code
+    does where it chains windows.
+
+    Parameters
+    ----------
+    model : Pips
+    frames : iterable of uint8 (y, x, 3)
+        RGB, F frames of one size; read once, in order, and encoded once each.
+    masks : uint16 (M, y, x)
+        Objects in the first M <= F frames, 0 = background, which gets points as well. Later frames only extend tracks.
+    track_params : TrackParams
+        Those of Lucas-Kanade have no effect.
+    pips_params : PipsParams
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    Tracks
+        In order of first frame, then object.
+
+    Raises
+    ------
+    InputError
+        A frame is not RGB or not of the first one's size, a mask is not of its frame's size, or there are fewer frames
+        than masks.
+
+    References
+    ----------
+    A. Harley, Z. Fang and K. Fragkiadaki, Particle video revisited, ECCV 2022.
+    """
+    advance = min(track_params.resample_every, model.config.window - 1)
+    front = NO_TRACKS
+    fronts: list[Front] = []
+    with torch.inference_mode():
+        appearances = torch.zeros(0, model.config.latent, dtype=model.dtype, device=_device(model))
+        encoded = _encode_frames(model, frames, pips_params)
+        for first, window in overlapping_windows(encoded, model.config.window, advance):
+            start = window[0]
+            if first < len(masks):
+                front = check_front(front, first, start.image, masks[first], track_params, rng)
+                new = front.points[front.track >= len(appearances)]
+                new = _as_tensor(start.resolution.to_network(new), model)
+                appearances = torch.cat([appearances, model.appearances(start.pyramid, new)])
+            fronts.append(front)
+            points, visible = _follow(model, window, front.points, appearances[front.track], pips_params)
+            inside = inside_border(points.reshape(-1, 2), start.image.shape[:2], track_params.border)
+            lasting = np.logical_and.accumulate(visible & inside.reshape(visible.shape), axis=0)
+            moved = [front.move(*frame) for frame in zip(points[:advance], lasting[:advance], strict=True)]
+            # The frame in which the next window begins is checked there.
+            fronts += moved[: advance - 1]
+            front = moved[-1] if moved else front
+    return assemble_tracks(fronts, len(masks))
+
+
+def _encode_frames(model: Pips, frames: Iterable[np.ndarray], params: PipsParams) -> Iterator[_EncodedFrame]:
+    """Each frame with its feature pyramid, one by one."""
+    size = None
+    for index, frame in enumerate(frames):
+        if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3 or frame.size == 0:
+            got = f"{frame.dtype} {frame.shape}"
+            raise InputError("not an RGB frame", where=f"frame {index}", got=got, expected="uint8 (y, x, 3)")
+        size = size or frame.shape[:2]
+        if frame.shape[:2] != size:
+            raise InputError("frames differ in size", where=f"frame {index}", got=frame.shape[:2], expected=size)
+        resolution = Resolution.capped(size, params.max_side, model.config.least_side)
+        image = torch.tensor(resolution.resize(frame), device=_device(model))
+        yield _EncodedFrame(frame, resolution, model.encode(image[None]))
+
+
+def _follow(
+    model: Pips, window: list[_EncodedFrame], points: np.ndarray, appearances: torch.Tensor, params: PipsParams
+) -> tuple[np.ndarray, np.ndarray]:
+    """Points (P, 2) of a window's first frame in its T other frames, float32 (T, P, 2), and if visible, bool (T, P)."""
+    num_frames = len(window) - 1
+    if num_frames == 0 or len(points) == 0:
+        return np.zeros((num_frames, len(points), 2), np.float32), np.zeros((num_frames, len(points)), bool)
+    resolution = window[0].resolution
+    filled_up = window + window[-1:] * (model.config.window - len(window))
+    pyramid = [torch.cat(level) for level in zip(*(frame.pyramid for frame in filled_up), strict=True)]
+    starts = _as_tensor(resolution.to_network(points), model).split(params.points_per_pass)
+    targets = appearances.split(params.points_per_pass)
+    passes = [model(pyramid, *particles, params.iterations) for particles in zip(starts, targets, strict=True)]
+    found = torch.cat([result.points for result in passes]).transpose(0, 1)[1 : len(window)].cpu().numpy()
+    visibility = torch.cat([result.visibility for result in passes]).T[1 : len(window)].sigmoid().cpu().numpy()
+    return resolution.to_frame(found).astype(np.float32), visibility >= params.min_visibility
+
+
+def _as_tensor(points: np.ndarray, model: Pips) -> torch.Tensor:
+    # The type first: not every device knows float64.
+    return torch.from_numpy(points).to(model.dtype).to(_device(model))
+
+
+def _device(model: Pips) -> torch.device:
+    return next(model.parameters()).device

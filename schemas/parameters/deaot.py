@@ -1,0 +1,29 @@
+"""Parameters of mask tracking by DeAOT."""
+
+from pydantic import Field
+
+from schemas.frozen import Frozen
+
+
+class DeaotParams(Frozen):
+    """How large frames are shown to DeAOT, and what it remembers of them.
+
+    References
+    ----------
+    Yang and Yang, "Decoupling Features in Hierarchical Propagation for Video Object Segmentation", NeurIPS 2022.
+    """
+
+    weights: str = Field("deaot-r50-l", description="weights item; `moseg backends` lists them")
+    max_side: int = Field(
+        1040,
+        ge=17,
+        description="frames with a longer side are shrunk to this for the network, px; the authors' evaluation takes "
+        "1.3 x 800, which leaves 854x480 as it is. Time and memory grow by its fourth power",
+    )
+    memory_every: int = Field(5, ge=1, description="frames from one that is remembered for good to the next")
+    memory_frames: int = Field(
+        8,
+        ge=1,
+        description="frames remembered for good: the first and the newest of the others. The authors keep all; time "
+        "and memory grow with it (23 MB a frame for each ten objects at 854x480, in float32)",
+    )

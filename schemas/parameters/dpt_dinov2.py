@@ -1,0 +1,20 @@
+"""Parameters of depth by DINOv2 with a DPT head."""
+
+from pydantic import Field
+
+from schemas.frozen import Frozen
+
+
+class DptDinov2Params(Frozen):
+    """How large frames are shown to the network, and how its metric depth is inverted."""
+
+    weights: str = Field("dpt-dinov2-large-nyu", description="weights item; `moseg backends` lists them")
+    max_side: int = Field(
+        1022, ge=14, description="frames with a longer side are shrunk to this for the network, px; its cost is bounded"
+    )
+    nearest: float = Field(
+        0.1,
+        gt=0,
+        description="depth under this counts as this much, m; the networks were trained up to 10 m (nyu) or 80 m "
+        "(kitti) and may give 0, the inverse of which is no number",
+    )

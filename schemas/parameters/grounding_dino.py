@@ -1,0 +1,34 @@
+"""Parameters of open-vocabulary detection by Grounding DINO."""
+
+from pydantic import Field
+
+from schemas.frozen import Frozen
+
+
+class GroundingDinoParams(Frozen):
+    """Boxes of named objects in one frame.
+
+    The thresholds are those with which the authors' group runs RAM, Grounding DINO and SAM-HQ one after the other
+    (``automatic_label_ram_demo.py`` of Grounded-Segment-Anything).
+    """
+
+    weights: str = Field("grounding-dino-tiny", description="weights item; `moseg backends` lists them")
+    box_threshold: float = Field(
+        0.25, ge=0, le=1, description="probability that a box's best matching word must exceed, which is its score"
+    )
+    text_threshold: float = Field(
+        0.2, ge=0, le=1, description="probability that the mean over the words of a box's name must exceed"
+    )
+    tags_per_prompt: int = Field(
+        40, ge=1, description="names looked for at once, at most; fewer where 256 tokens do not hold them"
+    )
+    nms_iou: float = Field(0.5, ge=0, le=1, description="overlap (IoU) with a better box above which a box is dropped")
+    nms_per_tag: bool = Field(False, description="only boxes of one name compete; else those of all names")
+    max_boxes: int = Field(100, ge=1, description="boxes kept at most, best score first")
+    resolution: float = Field(
+        1.0,
+        ge=0.3,
+        le=1,
+        description="share of the published input size (shorter side 800 px, longer at most 1333 px): less is faster"
+        " and misses small objects",
+    )

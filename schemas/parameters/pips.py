@@ -1,0 +1,24 @@
+"""Parameters of point tracking by PIPs."""
+
+from pydantic import Field
+
+from schemas.frozen import Frozen
+
+
+class PipsParams(Frozen):
+    """How the PIPs network is run; what is sampled where is in `TrackParams`."""
+
+    weights: str = Field("pips", description="weights item; `moseg backends` lists them")
+    max_side: int = Field(
+        640,
+        ge=32,
+        multiple_of=8,
+        description="longer side at which the network sees the frames, px; 640 is that of its published evaluation",
+    )
+    iterations: int = Field(6, ge=1, description="steps of refinement of a window")
+    min_visibility: float = Field(
+        0.5, ge=0, le=1, description="a track ends where the network's probability that its point is seen is below this"
+    )
+    points_per_pass: int = Field(
+        256, ge=1, description="points followed at once: memory grows with it, about 0.5 MB a point"
+    )

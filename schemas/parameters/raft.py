@@ -1,0 +1,33 @@
+"""Parameters of RAFT's optical flow."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from schemas.frozen import Frozen
+
+
+class RaftParams(Frozen):
+    """Weights of RAFT and the effort that it spends on a frame pair.
+
+    References
+    ----------
+    Teed, Deng, "RAFT: Recurrent All-Pairs Field Transforms for Optical Flow", ECCV 2020.
+    """
+
+    weights: str = Field("raft-large", description="weights item; `moseg backends` lists them")
+    iterations: int = Field(
+        20,
+        ge=1,
+        le=100,
+        description="steps of the flow; the authors take 20 for any video, 24 on KITTI and 32 on Sintel",
+    )
+    max_side: int = Field(
+        1024,
+        ge=128,
+        description="longest side at which flow is sought, px; larger frames are reduced, their flow enlarged again. "
+        "Held correlations take memory by its fourth power: 0.45 GB a pair at 1024x576, 5.6 GB at 1920x1080",
+    )
+    correlation: Literal["volume", "on_demand"] = Field(
+        "volume", description="hold all correlations, or compute them anew at each step: slower, in little memory"
+    )

@@ -1,0 +1,27 @@
+"""Parameters of image tagging by RAM and RAM++."""
+
+from pydantic import Field, field_validator
+
+from schemas.frozen import Frozen
+
+
+class RamParams(Frozen):
+    """Which of a frame's tags are looked for.
+
+    All tags are used unless some are excluded, as in the paper. The tagger also names scenes, colours and actions
+    ("sky", "blue", "walk"), and no list of those of its 4,585 tags that name things comes with it.
+    """
+
+    weights: str | None = Field(
+        None, description="weights item, that of the tagger's own name if none; `moseg backends` lists them"
+    )
+    threshold_scale: float = Field(
+        1.0, ge=0, description="factor of the published thresholds of the tags' probabilities; lower finds more tags"
+    )
+    max_tags: int = Field(100, ge=1, description="tags kept of a frame, the most probable ones")
+    excluded_tags: tuple[str, ...] = Field((), description="tags left out, in the spelling of the tagger's list")
+
+    @field_validator("excluded_tags", mode="before")
+    @classmethod
+    def _split_names(cls, value: object) -> object:
+        return tuple(name.strip() for name in value.split(",")) if isinstance(value, str) else value

@@ -1,0 +1,21 @@
+"""Parameters of SAM 2.1: masks from boxes, and masks tracked through a video."""
+
+from pydantic import Field
+
+from schemas.frozen import Frozen
+
+
+class Sam2Params(Frozen):
+    """Which SAM 2.1, and what bounds its memory."""
+
+    weights: str = Field("sam2.1-hiera-large", description="weights item; `moseg backends` lists them")
+    boxes_per_pass: int = Field(8, ge=1, description="boxes whose masks are decoded together: a bound on memory")
+    objects_per_pass: int = Field(
+        8, ge=1, description="objects whose masks are put to memory together: a bound on memory"
+    )
+    memory_frames: int = Field(
+        15,
+        ge=1,
+        description="frames back that the memory of an object reaches, beside its first; the network itself looks at "
+        "15 at most, at the masks of the last 6. These take 1.5 MB a frame and object, in float32",
+    )

@@ -1,0 +1,16 @@
+"""Parameters of masks from boxes by SAM-HQ."""
+
+from pydantic import Field
+
+from schemas.frozen import Frozen
+
+
+class SamHqParams(Frozen):
+    """Masks of what the boxes of one frame hold."""
+
+    weights: str = Field("sam-hq-vit-large", description="weights item; `moseg backends` lists them")
+    hq_token_only: bool = Field(
+        False,
+        description="masks by the high-quality token alone, which suits frames of one object; else it corrects SAM's",
+    )
+    boxes_per_pass: int = Field(8, ge=1, description="boxes whose masks are decoded together: a bound on memory")

@@ -1,0 +1,177 @@
+import io
+
+import numpy as np
+import pytest
+import torch
+from safetensors.torch import load
+from torch.nn import functional
+from transformers import DPTImageProcessorPil
+
+from moseg_tasks.depth import estimate_inverse_depth
+from moseg_tasks.depth.depth_anything import network_size
+from moseg_tasks.depth.pixels import see_frames
+from moseg_tasks.networks import Checkpoint
+from moseg_tasks.networks.depth import build_depth_anything, build_dpt_dinov2
+from schemas.errors import InputError
+from schemas.parameters.depth_anything import DepthAnythingParams
+from schemas.parameters.dpt_dinov2 import DptDinov2Params
+from workflows.weights.tiny.depth_anything import make_depth_anything
+from workflows.weights.tiny.dpt_dinov2 import make_dpt_dinov2
+
+CPU = torch.device("cpu")
+SMALL = DepthAnythingParams(short_side=56)
+
+
+class Brightness(torch.nn.Module):
+    """Stands for a DPT network: its depth is the brightness of a frame's red, at 16 px a patch of 14."""
+
+    device = CPU
+
+    def forward(self, pixels):
+        red = pixels[:, :1] * 0.229 + 0.485
+        self.predicted_depth = functional.interpolate(red, scale_factor=16 / 14, mode="bilinear")[:, 0]
+        return self
+
+
+@pytest.fixture(scope="module")
+def networks():
+    dpt, anything = make_dpt_dinov2(0).files, make_depth_anything(0).files
+    dpt_tensors = torch.load(io.BytesIO(dpt["model.bin"]), weights_only=True)
+    documents = [{"config.json": files["config.json"].decode()} for files in (dpt, anything)]
+    return {
+        DptDinov2Params(): build_dpt_dinov2(Checkpoint("tiny", dpt_tensors, documents[0])),
+        SMALL: build_depth_anything(Checkpoint("tiny", load(anything["model.safetensors"]), documents[1])),
+    }
+
+
+def noise(*shape):
+    return np.random.default_rng(0).integers(0, 256, shape, np.uint8)
+
+
+PARAMS = pytest.mark.parametrize("params", [DptDinov2Params(), SMALL], ids=["dpt-dinov2", "depth-anything"])
+
+
+@PARAMS
+@pytest.mark.parametrize("size", [(96, 128), (45, 61), (14, 14), (5, 40)])
+def test_maps_have_the_frames_size(networks, params, size):
+    inverse_depth = estimate_inverse_depth(networks[params], noise(2, *size, 3), params)
+    assert inverse_depth.shape == (2, *size)
+    assert inverse_depth.dtype == np.float32
+    assert np.isfinite(inverse_depth).all()
+    assert (inverse_depth >= 0).all()
+
+
+@PARAMS
+def test_a_frame_of_a_batch_is_as_alone(networks, params):
+    frames = noise(3, 45, 61, 3)
+    together = estimate_inverse_depth(networks[params], frames, params)
+    alone = [estimate_inverse_depth(networks[params], frame[None], params)[0] for frame in frames]
+    np.testing.assert_allclose(together, alone, rtol=1e-4, atol=1e-5)
+
+
+@PARAMS
+def test_no_frames_give_no_maps(networks, params):
+    assert estimate_inverse_depth(networks[params], noise(0, 45, 61, 3), params).shape == (0, 45, 61)
+
+
+@PARAMS
+def test_half_precision_is_near_full(networks, params):
+    frames = noise(1, 45, 61, 3)
+    full = estimate_inverse_depth(networks[params], frames, params)
+    with torch.autocast("cpu", dtype=torch.bfloat16):
+        half = estimate_inverse_depth(networks[params], frames, params)
+    assert half.dtype == np.float32
+    np.testing.assert_allclose(half, full, rtol=0.1)
+
+
+@PARAMS
+def test_frames_may_be_read_only(networks, params):
+    frames = noise(1, 28, 28, 3)
+    frames.flags.writeable = False
+    estimate_inverse_depth(networks[params], frames, params)
+
+
+@pytest.mark.parametrize("frames", [noise(4, 5, 3), noise(1, 4, 5, 4), noise(1, 4, 5, 3) / 255.0])
+def test_what_is_no_frame_is_refused(networks, frames):
+    with pytest.raises(InputError, match="not RGB frames"):
+        estimate_inverse_depth(networks[SMALL], frames, SMALL)
+
+
+def test_depth_that_is_not_finite_is_refused(networks):
+    class Broken(Brightness):
+        def forward(self, pixels):
+            return super().forward(pixels * torch.nan)
+
+    with pytest.raises(InputError, match="not finite in what weights dpt-dinov2-large-nyu give"):
+        estimate_inverse_depth(Broken(), noise(1, 28, 28, 3), DptDinov2Params())
+
+
+@pytest.mark.parametrize("max_side", [1022, 100])
+def test_dpt_depth_is_inverted_where_it_was_seen(max_side):
+    ramp = np.linspace(60, 250, 131).astype(np.uint8)
+    frames = np.broadcast_to(ramp[None, None, :, None], (1, 71, 131, 3))
+    inverse_depth = estimate_inverse_depth(Brightness(), frames, DptDinov2Params(max_side=max_side))
+    # The border beside the frame bleeds in by a pixel; a frame stretched over it would be 6 px off.
+    inner = (0, slice(3, -3), slice(3, -3))
+    np.testing.assert_allclose(1 / inverse_depth[inner], frames[..., 0][inner] / 255, atol=0.009)
+
+
+def test_dpt_depth_has_a_floor():
+    frames = np.zeros((1, 28, 28, 3), np.uint8)
+    inverse_depth = estimate_inverse_depth(Brightness(), frames, DptDinov2Params(nearest=0.25))
+    np.testing.assert_allclose(inverse_depth, 4, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("size", "params", "expected"),
+    [
+        ((480, 854), DepthAnythingParams(), (518, 924)),
+        ((1080, 1920), DepthAnythingParams(), (518, 924)),
+        ((128, 96), DepthAnythingParams(), (686, 518)),
+        ((200, 2000), DepthAnythingParams(), (154, 1540)),
+        ((480, 854), DepthAnythingParams(short_side=20), (14, 42)),
+        ((2, 2000), DepthAnythingParams(), (14, 1540)),
+    ],
+)
+def test_depth_anything_sees_whole_patches(size, params, expected):
+    assert network_size(size, params) == expected
+
+
+def test_frames_are_seen_as_by_the_official_preprocessing():
+    y, x = np.mgrid[:96, :170]
+    frame = np.stack([x + y, 250 - x, 128 + 100 * np.sin(x / 9)], axis=2).astype(np.uint8)
+    official = DPTImageProcessorPil(
+        size={"height": 112, "width": 112},
+        keep_aspect_ratio=True,
+        ensure_multiple_of=14,
+        resample=3,
+        image_mean=[0.485, 0.456, 0.406],
+        image_std=[0.229, 0.224, 0.225],
+    )
+    expected = official(frame, return_tensors="pt").pixel_values
+    size = network_size((96, 170), DepthAnythingParams(short_side=112))
+    grey_level = 1 / 255 / 0.224
+    assert expected.shape[2:] == size
+    torch.testing.assert_close(see_frames(frame[None], size, "bicubic", CPU), expected, rtol=0, atol=2.1 * grey_level)
+
+
+def test_a_border_is_added_as_by_the_official_preprocessing():
+    frame = noise(45, 61, 3)
+    official = DPTImageProcessorPil(
+        do_resize=False,
+        do_rescale=False,
+        do_pad=True,
+        size_divisor=14,
+        image_mean=[123.675, 116.28, 103.53],
+        image_std=[58.395, 57.12, 57.375],
+    )
+    expected = official(frame.transpose(2, 0, 1), input_data_format="channels_first", return_tensors="pt").pixel_values
+    seen = []
+
+    class Watched(Brightness):
+        def forward(self, pixels):
+            seen.append(pixels)
+            return super().forward(pixels)
+
+    estimate_inverse_depth(Watched(), frame[None], DptDinov2Params())
+    torch.testing.assert_close(seen[0], expected, rtol=0, atol=1e-5)

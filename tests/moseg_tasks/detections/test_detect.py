@@ -1,0 +1,131 @@
+import numpy as np
+import pytest
+import torch
+
+from moseg_tasks.detections import detect_objects
+from moseg_tasks.networks.frame_tensor import frame_tensor
+from moseg_tasks.networks.grounding_dino import compose_prompts
+from schemas.errors import InputError
+from schemas.parameters.grounding_dino import GroundingDinoParams
+
+TAGS = ["person", "car", "dog", "ball"]
+ANY = GroundingDinoParams(box_threshold=0, text_threshold=0, nms_iou=1, max_boxes=1000)
+
+
+def assert_same(found, wanted):
+    np.testing.assert_array_equal(found.boxes, wanted.boxes)
+    np.testing.assert_array_equal(found.scores, wanted.scores)
+    assert found.tags == wanted.tags
+
+
+def test_a_few_distinct_boxes_are_found_in_any_frame(detector, frame):
+    frames = {"flat": np.zeros_like(frame), "smooth": frame, "small": frame[:20, :24], "tall": np.rot90(frame)}
+    for name, image in frames.items():
+        found = detect_objects(detector, image, TAGS, GroundingDinoParams())
+        assert 3 <= len(found.boxes) == len(found.scores) == len(found.tags) <= 10, name
+        assert set(found.tags) <= set(TAGS)
+        assert (np.diff(found.scores) <= 0).all() and (found.scores > 0.25).all()
+        height, width = image.shape[:2]
+        assert (found.boxes >= 0).all() and (found.boxes <= [width, height, width, height]).all()
+        assert (found.boxes[:, 2:] - found.boxes[:, :2] >= 1).all()
+        assert found.boxes.dtype == np.float32 and found.scores.dtype == np.float64
+
+
+@torch.inference_mode()
+def test_boxes_and_scores_are_the_networks_own(detector, frame):
+    found = detect_objects(detector, frame, TAGS, ANY)
+    (prompt,) = compose_prompts(detector.tokenizer, TAGS, 40, 256)
+    pixels = frame_tensor(frame, detector.input_size(96, 128, 1.0), torch.device("cpu"))
+    output = detector.model(pixel_values=pixels, input_ids=torch.tensor([prompt.token_ids]))
+    logits = output.logits[0].numpy().astype(float)
+    wanted = {}
+    for tag, span in zip(prompt.tags, prompt.spans, strict=True):
+        assert span.stop - span.start == 1
+        wanted[tag] = 1 / (1 + np.exp(-logits[:, span.start]))
+    best = np.stack(list(wanted.values())).max(axis=0)
+    np.testing.assert_allclose(found.scores, np.sort(best)[::-1], rtol=1e-6)
+    order = np.argsort(-best, kind="stable")
+    x, y, width, height = output.pred_boxes[0].double().numpy()[order].T
+    corners = np.stack([x - width / 2, y - height / 2, x + width / 2, y + height / 2], axis=1)
+    np.testing.assert_allclose(found.boxes, np.clip(corners, 0, 1) * [128, 96, 128, 96], atol=1e-3)
+    assert found.tags == tuple(np.array(TAGS)[np.stack([wanted[tag] for tag in TAGS]).argmax(axis=0)[order]])
+
+
+def test_detection_is_repeatable(detector, frame):
+    assert_same(*(detect_objects(detector, frame, TAGS, GroundingDinoParams()) for _ in range(2)))
+
+
+def test_without_names_nothing_is_found(detector, frame):
+    found = detect_objects(detector, frame, [], GroundingDinoParams())
+    assert found.boxes.shape == (0, 4) and found.scores.shape == (0,) and found.tags == ()
+
+
+def test_where_nothing_passes_there_are_no_boxes(detector, frame):
+    found = detect_objects(detector, frame, TAGS, GroundingDinoParams(box_threshold=1))
+    assert found.boxes.shape == (0, 4) and found.tags == ()
+
+
+def test_higher_thresholds_only_take_boxes_away(detector, frame):
+    boxes = {}
+    for threshold in (0.3, 0.6):
+        for name in ("box_threshold", "text_threshold"):
+            found = detect_objects(detector, frame, TAGS, ANY.model_copy(update={name: threshold}))
+            boxes[name, threshold] = {tuple(box) for box in found.boxes.tolist()}
+            assert name != "box_threshold" or (found.scores > threshold).all()
+    for name in ("box_threshold", "text_threshold"):
+        assert boxes[name, 0.6] < boxes[name, 0.3]
+
+
+def test_a_name_needs_all_its_words(detector, frame):
+    tags = ["person", "qqq www"]
+    loose = detect_objects(detector, frame, tags, ANY)
+    strict = detect_objects(detector, frame, tags, ANY.model_copy(update={"text_threshold": 0.9}))
+    assert len(strict.boxes) < len(loose.boxes)
+
+
+def test_boxes_of_all_prompts_compete(detector, frame):
+    apart = detect_objects(detector, frame, TAGS, ANY.model_copy(update={"tags_per_prompt": 1}))
+    assert len(apart.boxes) > len(detect_objects(detector, frame, TAGS, ANY).boxes)
+    assert set(apart.tags) == set(TAGS)
+    params = GroundingDinoParams(tags_per_prompt=1)
+    assert len(detect_objects(detector, frame, TAGS, params).boxes) < len(apart.boxes)
+
+
+def test_boxes_of_different_names_may_be_let_be(detector, frame):
+    params = GroundingDinoParams(tags_per_prompt=1, nms_iou=0.1)
+    among_all = detect_objects(detector, frame, TAGS, params)
+    per_tag = detect_objects(detector, frame, TAGS, params.model_copy(update={"nms_per_tag": True}))
+    assert len(per_tag.boxes) > len(among_all.boxes)
+
+
+def test_the_best_boxes_are_kept(detector, frame):
+    found = detect_objects(detector, frame, TAGS, GroundingDinoParams())
+    fewer = detect_objects(detector, frame, TAGS, GroundingDinoParams(max_boxes=2))
+    np.testing.assert_array_equal(fewer.boxes, found.boxes[:2])
+
+
+def test_autocast_changes_nothing(detector, frame):
+    plain = detect_objects(detector, frame, TAGS, GroundingDinoParams())
+    with torch.autocast("cpu", dtype=torch.bfloat16):
+        cast = detect_objects(detector, frame, TAGS, GroundingDinoParams())
+    assert_same(cast, plain)
+
+
+def test_a_frame_may_be_read_only(detector, frame):
+    locked = frame.copy()
+    locked.flags.writeable = False
+    assert_same(
+        detect_objects(detector, locked, TAGS, GroundingDinoParams()),
+        detect_objects(detector, frame, TAGS, GroundingDinoParams()),
+    )
+
+
+@pytest.mark.parametrize("shape", [(96, 128), (96, 128, 4), (0, 128, 3), (5,)])
+def test_what_is_no_frame_is_refused(detector, shape):
+    with pytest.raises(InputError, match="not an RGB frame"):
+        detect_objects(detector, np.zeros(shape, np.uint8), TAGS, GroundingDinoParams())
+
+
+def test_a_detector_moves_as_a_whole(detector):
+    moved = detector.to("cpu")
+    assert moved.tokenizer is detector.tokenizer and moved.model.device.type == "cpu"

@@ -1,0 +1,62 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from moseg_tasks.networks.grounding_dino import compose_prompts
+from schemas.errors import InputError
+
+TAGS = ["a dog", "Tennis Ball", "person"]
+
+
+def words_of(tokenizer, prompt):
+    return [tokenizer.decode(prompt.token_ids[span]) for span in prompt.spans]
+
+
+def test_a_prompt_is_the_names_parted_by_full_stops(detector):
+    (prompt,) = compose_prompts(detector.tokenizer, TAGS, 40, 256)
+    assert prompt.token_ids == detector.tokenizer("a dog. tennis ball. person.")["input_ids"]
+
+
+def test_each_name_has_its_own_words(detector):
+    (prompt,) = compose_prompts(detector.tokenizer, TAGS, 40, 256)
+    assert prompt.tags == words_of(detector.tokenizer, prompt) == ["a dog", "tennis ball", "person"]
+
+
+def test_a_name_is_looked_for_once_whatever_its_case_and_spaces(detector):
+    (prompt,) = compose_prompts(detector.tokenizer, ["Dog", " dog", "a  dog", "dog"], 40, 256)
+    assert prompt.tags == ["dog", "a dog"]
+
+
+@given(st.lists(st.sampled_from("abcdefghij"), unique=True), st.integers(1, 12), st.integers(6, 20))
+def test_no_prompt_exceeds_a_limit_and_no_name_is_lost(detector, letters, tags_per_prompt, max_tokens):
+    names = [letter * 3 for letter in letters]
+    prompts = compose_prompts(detector.tokenizer, names, tags_per_prompt, max_tokens)
+    assert [name for prompt in prompts for name in prompt.tags] == names
+    assert all(len(prompt.tags) <= tags_per_prompt and len(prompt.token_ids) <= max_tokens for prompt in prompts)
+    assert [words_of(detector.tokenizer, prompt) for prompt in prompts] == [prompt.tags for prompt in prompts]
+
+
+def test_names_are_spread_evenly(detector):
+    prompts = compose_prompts(detector.tokenizer, list("abcdefghij"), 4, 256)
+    assert [len(prompt.tags) for prompt in prompts] == [4, 4, 2]
+    prompts = compose_prompts(detector.tokenizer, list("abcdefghij"), 9, 256)
+    assert [len(prompt.tags) for prompt in prompts] == [5, 5]
+
+
+def test_a_full_stop_does_not_end_a_name(detector):
+    (prompt,) = compose_prompts(detector.tokenizer, ["st. bernard?", "dog"], 40, 256)
+    assert words_of(detector.tokenizer, prompt) == ["st bernard", "dog"]
+
+
+@pytest.mark.parametrize("tag", ["", " ", "?", "...", "x " * 300, "犬", "dog \N{DOG FACE}"])
+def test_a_name_without_known_words_or_with_too_many_is_refused(detector, tag):
+    with pytest.raises(InputError, match="no words that the detector knows, or too many in tags"):
+        compose_prompts(detector.tokenizer, ["dog", tag], 40, 256)
+
+
+def test_the_tiny_network_knows_every_english_name(detector):
+    compose_prompts(detector.tokenizer, ["t-shirt", "Café", "rubik's cube", "b&b", "7 up", "a/c (unit)"], 40, 256)
+
+
+def test_without_names_there_are_no_prompts(detector):
+    assert compose_prompts(detector.tokenizer, [], 40, 256) == []

@@ -1,0 +1,26 @@
+import numpy as np
+import pytest
+import torch
+from PIL import Image
+
+from moseg_tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD, frame_tensor
+
+CPU = torch.device("cpu")
+
+
+def grey_levels(tensor):
+    return tensor[0].permute(1, 2, 0).numpy() * np.float32(IMAGENET_STD) * 255 + np.float32(IMAGENET_MEAN) * 255
+
+
+@pytest.mark.parametrize("size", [(96, 128), (150, 200), (48, 64), (31, 150)])
+def test_frames_are_resized_as_by_pil(frame, size):
+    wanted = np.asarray(Image.fromarray(frame).resize(size[::-1], Image.Resampling.BILINEAR)).astype(float)
+    difference = np.abs(grey_levels(frame_tensor(frame, size, CPU)) - wanted)
+    assert difference.max() < 1.01
+    assert (difference > 0.01).mean() < 0.03
+
+
+def test_a_frame_of_the_right_size_is_only_normalised(frame):
+    tensor = frame_tensor(frame, (96, 128), CPU)
+    assert tensor.dtype == torch.float32 and tensor.shape == (1, 3, 96, 128)
+    np.testing.assert_allclose(grey_levels(tensor), frame, atol=1e-3)
