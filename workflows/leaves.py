@@ -10,6 +10,7 @@ from workflows.graph import GIVEN_SOURCES, SequenceLeaves
 from workflows.ingest import IngestJob
 from workflows.session import Session
 from workflows.sources import SceneFrames
+from workflows.weights.needed import needed_items
 
 FRAMES_PER_JOB = 16
 
@@ -18,12 +19,13 @@ def ingest_sequences(
     session: Session, sources: Sequence[SequenceSource], config: PipelineConfig, annotated: bool
 ) -> list[SequenceLeaves]:
     """Leaves of every sequence: frames, the cues that `config` takes as given, and the annotation where asked."""
+    weights = session.add_weights(needed_items(config))
     plans = [ingest_jobs(source, config, annotated) for source in sources]
     found = iter(session.ingest([job for jobs in plans for job in chain.from_iterable(jobs.values())]))
     leaves = []
     for source, jobs in zip(sources, plans, strict=True):
         ingested = {role: [next(found) for _ in group] for role, group in jobs.items()}
-        leaves.append(make_leaves(source, ingested))
+        leaves.append(make_leaves(source, ingested)._replace(weights=weights))
     return leaves
 
 
@@ -42,13 +44,20 @@ def ingest_jobs(source: SequenceSource, config: PipelineConfig, annotated: bool)
         jobs["annotation"] = [IngestJob("annotation", source.annotations, batch)]
     if config.proposal_source in GIVEN_SOURCES:
         add("masks", "given_masks", source.objects or source.annotations, f"proposals: {config.proposal_source}")
-    if config.depth.method != "none":
+    if config.depth.method in GIVEN_SOURCES:
         add("depth", "given_depth", source.depth, f"depth: {config.depth.method}")
-    if config.flow.method == "groundtruth":
-        add("flow_forward", "given_flow", source.flow_forward, "flow: groundtruth")
-        add("flow_backward", "given_flow", source.flow_backward, "flow: groundtruth")
-    if config.tracks.method == "groundtruth":
-        add("tracks", "given_tracks", source.tracks, "tracks: groundtruth")
+    if config.flow.method in GIVEN_SOURCES:
+        add("flow_forward", "given_flow", source.flow_forward, f"flow: {config.flow.method}")
+        if config.proposal_source == "saliency":
+            if config.flow.method == "folder" and source.flow_backward is None:
+                raise InputError(
+                    "motion saliency needs flow in both directions",
+                    where=f"the flow folder of sequence {source.name}",
+                    expected="forward/ and backward/ in it, or other --proposals",
+                )
+            add("flow_backward", "given_flow", source.flow_backward, f"flow: {config.flow.method}")
+    if config.tracks.method in GIVEN_SOURCES:
+        add("tracks", "given_tracks", source.tracks, f"tracks: {config.tracks.method}")
     return jobs
 
 

@@ -3,7 +3,16 @@
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
-from workflows.sources import DepthFiles, FrameSource, MaskSource, SceneDepth, SceneFlow, SceneTracks
+from workflows.sources import (
+    DepthFiles,
+    FlowFiles,
+    FrameSource,
+    MaskSource,
+    SceneDepth,
+    SceneFlow,
+    SceneTracks,
+    TrackFile,
+)
 from workflows.sources.spelling import unknown_name
 
 
@@ -36,9 +45,9 @@ class SequenceSource(NamedTuple):
     objects: MaskSource | None = None
     objects_void: int | None = None
     depth: SceneDepth | DepthFiles | None = None
-    flow_forward: SceneFlow | None = None
-    flow_backward: SceneFlow | None = None
-    tracks: SceneTracks | None = None
+    flow_forward: SceneFlow | FlowFiles | None = None
+    flow_backward: SceneFlow | FlowFiles | None = None
+    tracks: SceneTracks | TrackFile | None = None
 
 
 class DatasetLayout(Protocol):

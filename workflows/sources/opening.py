@@ -6,9 +6,11 @@ from itertools import pairwise
 from schemas.errors import InputError, MissingInputError
 from workflows.sources.depth_files import DEPTH_SUFFIXES, DepthFiles
 from workflows.sources.files import list_files, stem
+from workflows.sources.flow_files import FLOW_SUFFIXES, FlowFiles
 from workflows.sources.frames import FrameSource
 from workflows.sources.image_files import IMAGE_SUFFIXES, ImageFiles
 from workflows.sources.mask_files import MASK_SUFFIXES, MaskFiles, MaskKind, find_mask_kind
+from workflows.sources.track_files import TRACK_SUFFIXES, TrackFile
 from workflows.sources.video_file import VideoFile
 
 
@@ -71,6 +73,41 @@ def open_depth(folder: str, frames: FrameSource, num_frames: int, max_side: int)
         expected = f"{num_frames} files ({' or '.join(DEPTH_SUFFIXES)}), one for each frame"
         raise InputError("wrong number of depth maps", where=folder, got=len(paths), expected=expected)
     return DepthFiles(paths, frames.describe().size, max_side)
+
+
+def open_flow(folder: str, frames: FrameSource, num_frames: int, max_side: int) -> FlowFiles:
+    """Flow fields of a folder in natural order, one a frame pair; raises InputError where they are not one fewer than
+    `num_frames`."""
+    folder = os.path.abspath(folder)
+    paths = list_files(folder, FLOW_SUFFIXES)
+    if len(paths) != num_frames - 1:
+        expected = f"{num_frames - 1} files ({' or '.join(FLOW_SUFFIXES)}), one for each pair of neighbouring frames"
+        raise InputError("wrong number of flow fields", where=folder, got=len(paths), expected=expected)
+    return FlowFiles(paths, frames.describe().size, max_side)
+
+
+def open_tracks(path: str, name: str, frames: FrameSource, num_frames: int, max_side: int) -> TrackFile:
+    """Point tracks of the sequence `name`: the file `path` itself, or in that folder ``<name>.npz`` or the only .npz.
+
+    Raises
+    ------
+    MissingInputError
+        The folder holds no .npz.
+    InputError
+        Several files of which none is named as the sequence, or a file that is no .npz.
+    """
+    path = os.path.abspath(path)
+    if not os.path.isdir(path):
+        if not path.lower().endswith(TRACK_SUFFIXES):
+            raise InputError("not tracks", where=path, expected=f"a file of {' '.join(TRACK_SUFFIXES)}")
+        return TrackFile(path, num_frames, frames.describe().size, max_side)
+    files = list_files(path, TRACK_SUFFIXES)
+    named = tuple(file for file in files if stem(file) == name) or files
+    if not named:
+        raise MissingInputError("no tracks", where=path, expected=f"{name}.npz")
+    if len(named) > 1:
+        raise InputError("no tracks of this sequence", where=path, got=f"{len(files)} files", expected=f"{name}.npz")
+    return TrackFile(named[0], num_frames, frames.describe().size, max_side)
 
 
 def _frame_of(path: str, indices: dict[str, int] | None) -> int:

@@ -1,5 +1,6 @@
 """Motion saliency of a frame from the flows to its neighbours."""
 
+from moseg_tasks.flow.fill_unknown import fill_unknown
 from moseg_tasks.saliency import estimate_saliency
 from schemas.parameters import SaliencyParams
 from workflows.stages.task import Output, Task
@@ -10,7 +11,8 @@ def _run(params, inputs, rng):
         return inputs[role].cached("image") if role in inputs else None
 
     def flow(role):
-        return inputs[role].array("flow") if role in inputs else None
+        # Given flow has gaps where its files know none; every pixel of a map needs some.
+        return fill_unknown(inputs[role].array("flow")) if role in inputs else None
 
     result = estimate_saliency(
         image("frame"),

@@ -1,0 +1,108 @@
+"""Point tracks of a whole sequence from a file."""
+
+import io
+import zipfile
+import zlib
+from dataclasses import dataclass
+from tokenize import TokenError
+
+import numpy as np
+from numpy.lib.npyio import NpzFile
+
+from schemas.digests import digest_json
+from schemas.errors import InputError
+from workflows.sources.files import digest_file, read_bytes
+from workflows.sources.frames import working_size
+
+TRACK_SUFFIXES = (".npz",)
+DECODING_VERSION = 1
+"""Raised when `TrackFile.read` starts to yield other values for the same bytes."""
+
+# zipfile raises RuntimeError for encryption and unknown methods, numpy TokenError for a damaged header.
+_UNDECODABLE = (OSError, ValueError, EOFError, RuntimeError, TokenError, zipfile.BadZipFile, zlib.error)
+_LEAST_INSIDE = 0.5  # share of the visible points; fewer come from frames of another size
+_LAYOUT = "points float (N, F, 2) and visible bool (N, F)"
+
+
+@dataclass(frozen=True)
+class TrackFile:
+    """Tracks of points through all frames of a sequence.
+
+    Attributes
+    ----------
+    path : str
+        ``.npz`` with ``points`` float (N, F, 2), xy in px of the original frames, pixel centres at integers, and
+        ``visible`` bool (N, F).
+    num_frames : int
+        F: frames of the sequence.
+    size : (int, int)
+        Original (height, width) of the frames, px.
+    max_side : int
+        As the frames': points are scaled with them.
+    """
+
+    path: str
+    num_frames: int
+    size: tuple[int, int]
+    max_side: int
+
+    def fingerprint(self) -> str:
+        """Digest of the file's bytes and the decode parameters."""
+        params = [self.num_frames, self.size, self.max_side]
+        return digest_json("source", ["tracks", DECODING_VERSION, *params, digest_file(self.path)])
+
+    def read(self) -> tuple[np.ndarray, np.ndarray]:
+        """Points and where they are seen, at the frames' working size.
+
+        A point outside its frame is not seen there, whatever the file says: trackers follow points over the border.
+
+        Returns
+        -------
+        points : float32 (track, frame, xy)
+            px; 0 where not visible.
+        visible : bool (track, frame)
+
+        Raises
+        ------
+        InputError
+            Not such a file, another number of frames, a visible point that is not finite, or most visible points
+            outside the frame, as those of frames of another size are.
+        """
+        points, visible = decode_tracks(read_bytes(self.path), self.path)
+        if points.shape[1] != self.num_frames:
+            got = f"{points.shape[1]} frames"
+            raise InputError("tracks of another sequence", where=self.path, got=got, expected=f"{self.num_frames}")
+        height, width = self.size
+        inside = visible & ((points >= -0.5) & (points < (width - 0.5, height - 0.5))).all(axis=-1)
+        if np.count_nonzero(inside) < _LEAST_INSIDE * np.count_nonzero(visible):
+            raise InputError(
+                "most points outside the frame",
+                where=self.path,
+                got=f"{np.count_nonzero(inside)} of {np.count_nonzero(visible)} visible points inside",
+                expected=f"xy in px of the original frames, {width}x{height} px",
+            )
+        reduced = working_size(self.size, self.max_side)
+        scaled = (points + 0.5) * (reduced[1] / width, reduced[0] / height) - 0.5
+        return np.where(inside[..., None], scaled, 0).astype(np.float32), inside
+
+
+def decode_tracks(content: bytes, path: str) -> tuple[np.ndarray, np.ndarray]:
+    """Points float64 (N, F, 2), 0 where not visible, and visible bool (N, F); raises InputError unless these are."""
+    try:
+        archive = np.load(io.BytesIO(content), allow_pickle=False)
+        arrays = {name: archive[name] for name in ("points", "visible")} if isinstance(archive, NpzFile) else {}
+    except KeyError as error:
+        raise InputError("not tracks", where=path, got=error, expected=_LAYOUT) from error
+    except _UNDECODABLE as error:
+        got = f"{len(content)} bytes"
+        raise InputError("tracks cannot be decoded", where=path, got=got, expected=f"a .npz of {_LAYOUT}") from error
+    if not arrays:
+        raise InputError("not tracks", where=path, got="a single array", expected=f"a .npz of {_LAYOUT}")
+    points, visible = arrays["points"], arrays["visible"]
+    is_pair = points.ndim == 3 and points.shape[2:] == (2,) and visible.shape == points.shape[:2]
+    if not is_pair or points.dtype.kind != "f" or visible.dtype != bool:
+        got = f"{points.dtype} of shape {points.shape} and {visible.dtype} of shape {visible.shape}"
+        raise InputError("not tracks", where=path, got=got, expected=_LAYOUT)
+    if num_bad := int(np.count_nonzero(visible & ~np.isfinite(points).all(axis=-1))):
+        raise InputError("tracks are not finite", where=path, got=f"{num_bad} visible points with NaN or infinity")
+    return np.where(visible[..., None], points, 0).astype(np.float64), visible
