@@ -1,30 +1,33 @@
 """Running calls that depend on each other: in this process, on local workers, or on an existing Dask cluster."""
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
-from importlib import import_module
+import uuid
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, nullcontext
 from typing import Any, NamedTuple, Protocol
 
 import dask
 from dask.callbacks import Callback
 from dask.delayed import Delayed, delayed
-from distributed import Client, LocalCluster, WorkerPlugin, as_completed
+from distributed import Client, LocalCluster, as_completed
 
 from schemas.errors import InputError
+from workflows.devices import current_device, parse_device, read_device, set_device
 from workflows.interrupts import defer_interrupts
-from workflows.threads import THREAD_VARIABLES, pin_threads
-
-# Dask's own setting also has MALLOC_TRIM_THRESHOLD_, which makes glibc map and unmap memory for every flow field.
-WORKER_ENVIRON = dict.fromkeys(THREAD_VARIABLES, "1")
+from workflows.placement import GPU, ForeignGpus, Gpus, OwnGpus
+from workflows.threads import pin_threads, thread_environ
 
 
 class Call(NamedTuple):
-    """A function, its arguments, and the names of the calls that it waits for (their results follow the arguments)."""
+    """A function, its arguments, and the names of the calls that it waits for (their results follow the arguments).
+
+    A call that runs a network has `needs_gpu`: where there are GPUs, no other such call shares its own.
+    """
 
     name: str
     function: Callable[..., Any]
     arguments: tuple
     after: tuple[str, ...] = ()
+    needs_gpu: bool = False
 
 
 class Runner(Protocol):
@@ -33,6 +36,9 @@ class Runner(Protocol):
     def run(self, calls: Sequence[Call], on_done: Callable[[str, Any], None]) -> None:
         """Run all `calls` (each listed after those it waits for); tell `on_done` each name and result; raise the first
         error."""
+
+    def has_gpu(self) -> bool:
+        """Whether calls that run a network run it on a GPU; raises InputError where one was asked for in vain."""
 
 
 class SynchronousRunner:
@@ -49,50 +55,78 @@ class SynchronousRunner:
         with Callback(posttask=posttask):
             dask.compute(*graph.values(), scheduler="synchronous", optimize_graph=False)
 
+    def has_gpu(self) -> bool:
+        """See `Runner.has_gpu`."""
+        return current_device().type != "cpu"
+
 
 class DistributedRunner:
     """On the workers of a Dask cluster; only references and reports travel through its scheduler."""
 
-    def __init__(self, client: Client):
+    def __init__(self, client: Client, gpus: Gpus):
         self._client = client
+        self._gpus = gpus
 
     def run(self, calls: Sequence[Call], on_done: Callable[[str, Any], None]) -> None:
         """See `Runner.run`."""
-        futures = self._client.compute(list(_delayed_graph(calls).values()), optimize_graph=False)
+        has_gpus = any(call.needs_gpu for call in calls) and self._gpus.claim()
+        # The scheduler would take a call of the same name, of another or an earlier run, for this one.
+        suffix = f"-{uuid.uuid4().hex}"
+        graph = _delayed_graph(calls, {GPU: 1} if has_gpus else None, suffix)
+        futures = self._client.compute(list(graph.values()), optimize_graph=False)
         try:
             for future, result in as_completed(futures, with_results=True):
-                on_done(future.key, result)
+                on_done(future.key.removesuffix(suffix), result)
         finally:
             self._client.cancel(futures)
 
-
-class _PinThreads(WorkerPlugin):
-    """Binds every worker, also one that joins later, to one thread."""
-
-    name = "moseg-pin-threads"
-
-    def setup(self, worker):
-        pin_threads()
-        # A worker that cannot import the tasks is found out now; a call sent to it would never come back.
-        import_module("workflows.execution")
+    def has_gpu(self) -> bool:
+        """See `Runner.has_gpu`."""
+        return self._gpus.claim()
 
 
 @contextmanager
-def open_runner(workers: int = 0, scheduler: str | None = None) -> Iterator[Runner]:
-    """A runner for the block: synchronous for 0 workers, else local worker processes or the cluster at `scheduler`."""
+def open_runner(
+    workers: int = 0, scheduler: str | None = None, device: str = "auto", threads: int = 1
+) -> Iterator[Runner]:
+    """A runner for the block: synchronous for 0 workers, else local worker processes or the cluster at `scheduler`.
+
+    Parameters
+    ----------
+    workers : int
+    scheduler : str, optional
+        Address of an existing cluster.
+    device : str
+        Where networks run, see `parse_device`. Each CUDA device goes to one local worker. In an existing cluster calls
+        that run a network go to workers that declare the resource ``GPU``; for ``auto`` to any on its CPU where none
+        does.
+    threads : int
+        CPU threads of each process.
+
+    Raises
+    ------
+    InputError
+        There is no such scheduler or device, or the numbers make no sense.
+    """
     if scheduler is not None and workers:
         raise InputError("--workers and --scheduler exclude each other", got=f"{workers} and {scheduler}")
     if workers < 0:
         raise InputError("not a number of workers", where="--workers", got=workers, expected="0 (this process) or more")
-    pin_threads()
+    pin_threads(threads)
     if scheduler is not None:
+        read_device(device)
         with _connect(scheduler) as client:
-            yield _pinned(client)
+            yield DistributedRunner(client, ForeignGpus(client, threads, device))
     elif workers == 0:
+        set_device(device)
         yield SynchronousRunner()
     else:
+        parse_device(device)
+        # Dask's own setting also has MALLOC_TRIM_THRESHOLD_, which makes glibc map and unmap memory for every flow
+        # field.
+        environ = {"distributed.nanny.pre-spawn-environ": thread_environ(threads)}
         with ExitStack() as stack:
-            with defer_interrupts(), dask.config.set({"distributed.nanny.pre-spawn-environ": WORKER_ENVIRON}):
+            with defer_interrupts(), dask.config.set(environ):
                 cluster = LocalCluster(
                     n_workers=workers,
                     threads_per_worker=1,
@@ -102,17 +136,8 @@ def open_runner(workers: int = 0, scheduler: str | None = None) -> Iterator[Runn
                     silence_logs="CRITICAL",
                 )
                 client = stack.enter_context(Client(stack.enter_context(cluster)))
-                runner = _pinned(client)
+                runner = DistributedRunner(client, OwnGpus(client, threads, device))
             yield runner
-
-
-def _pinned(client: Client) -> DistributedRunner:
-    try:
-        client.register_plugin(_PinThreads())
-    except ImportError as error:
-        expected = "the same moseg on every worker"
-        raise InputError("workers that cannot run moseg's tasks", got=error, expected=expected) from error
-    return DistributedRunner(client)
 
 
 def _connect(scheduler: str) -> Client:
@@ -124,10 +149,14 @@ def _connect(scheduler: str) -> Client:
         ) from error
 
 
-def _delayed_graph(calls: Sequence[Call]) -> dict[str, Delayed]:
+def _delayed_graph(
+    calls: Sequence[Call], for_network: Mapping[str, int] | None = None, suffix: str = ""
+) -> dict[str, Delayed]:
+    """Calls as tasks, by name; those that run a network take the resources `for_network`, keys end in `suffix`."""
     graph: dict[str, Delayed] = {}
     for call in calls:
         function = delayed(call.function, pure=False, traverse=False)
         waits = [graph[name] for name in call.after if name in graph]
-        graph[call.name] = function(*call.arguments, *waits, dask_key_name=call.name)
+        with dask.annotate(resources=for_network) if call.needs_gpu and for_network else nullcontext():
+            graph[call.name] = function(*call.arguments, *waits, dask_key_name=call.name + suffix)
     return graph

@@ -1,19 +1,35 @@
-"""One thread a process: the same bytes on every scheduler, and workers that do not fight for cores."""
+"""A fixed number of threads a process: one gives the same bytes on every scheduler, and workers that do not fight for
+cores."""
 
 import os
+import sys
 
 import cv2
 import dask
 import threadpoolctl
 
+from schemas.errors import InputError
+
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 
 
-def pin_threads() -> None:
-    """Bind OpenCV's pool, the BLAS libraries and OpenMP of this process to one thread each."""
-    for name in THREAD_VARIABLES:
-        os.environ[name] = "1"
+def thread_environ(count: int) -> dict[str, str]:
+    """Environment that binds libraries loaded from now on to `count` threads; raises InputError below 1."""
+    if count < 1:
+        raise InputError("not a number of threads", where="--threads", got=count, expected="1 or more")
+    return dict.fromkeys(THREAD_VARIABLES, str(count))
+
+
+def pin_threads(count: int = 1) -> None:
+    """Bind OpenCV's pool, the BLAS libraries, OpenMP and torch of this process to `count` threads each.
+
+    With more than one, sums may be taken in another order and results differ in their last digits.
+    """
+    os.environ.update(thread_environ(count))
     # OMP_NUM_THREADS does not bind OpenCV's own pool.
-    cv2.setNumThreads(1)
-    threadpoolctl.threadpool_limits(1)
+    cv2.setNumThreads(count)
+    threadpoolctl.threadpool_limits(count)
+    # A torch that is loaded later reads the environment.
+    if "torch" in sys.modules:
+        sys.modules["torch"].set_num_threads(count)
     dask.config.set(scheduler="synchronous")
