@@ -29,6 +29,20 @@ LAYOUTS: dict[str, dict[str, ArrayLayout]] = {
         "visible": _layout("bool", "track frame"),
     },
     "flow": {"flow": _layout("float32", "y x uv", "px/frame")},
+    "depth": {"inverse_depth": _layout("float32", "y x", "relative")},
+    "detections": {
+        "boxes": _layout("float32", "detection xyxy", "px"),
+        "scores": _layout("float64", "detection", "0..1"),
+    },
+    "instances": {
+        "labels": _layout("uint16", "y x", "object of the frame, 0 = background"),
+        "scores": _layout("float64", "object"),
+    },
+    "seeds": {
+        "labels": _layout("uint16", "y x", "object of the section, 0 = background"),
+        "scores": _layout("float64", "object"),
+        "identities": _layout("uint16", "object", "object of the sequence"),
+    },
     "saliency": {
         "saliency": _layout("float32", "y x", "0..1"),
         "flows": _layout("float32", "direction y x uv", "px/frame of the working grid"),

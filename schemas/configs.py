@@ -9,14 +9,26 @@ from schemas.frozen import Frozen
 from schemas.parameters import (
     AffinityParams,
     ClusteringParams,
+    DeaotParams,
+    DepthAnythingParams,
     DepthParams,
+    DetectionParams,
+    DptDinov2Params,
     FlowModelName,
     FlowModelParams,
     FlowParams,
     FundamentalParams,
+    GroundingDinoParams,
+    InstanceParams,
     LinkingParams,
+    PipsParams,
     ProposalParams,
+    RaftParams,
+    RamParams,
     SaliencyParams,
+    Sam2Params,
+    SamHqParams,
+    SeedParams,
     TrackParams,
 )
 
@@ -43,13 +55,27 @@ class PipelineConfig(Frozen):
     """Every parameter of the pipeline; each stage's recipe takes only its own."""
 
     max_side: int = Field(1280, ge=16, description="frames with a longer side are reduced to this for analysis, px")
-    proposal_source: Literal["saliency", "groundtruth", "folder"] = Field(
-        "saliency", description="object proposals: motion saliency, the ground truth's objects, or a folder of masks"
+    proposal_source: Literal["saliency", "detections", "groundtruth", "folder"] = Field(
+        "saliency",
+        description="object proposals: motion saliency, detections (objects that networks name, find, outline and"
+        " track), the ground truth's objects, or a folder of masks",
     )
     fused_flow_model: FlowModelName = Field("oc_depth", description="flow model that the fused variant combines")
     flow: FlowParams = FlowParams()
     depth: DepthParams = DepthParams()
     sections: SectionParams = SectionParams()
+    detections: DetectionParams = DetectionParams()
+    ram: RamParams = RamParams()
+    grounding_dino: GroundingDinoParams = GroundingDinoParams()
+    sam_hq: SamHqParams = SamHqParams()
+    sam2: Sam2Params = Sam2Params()
+    instances: InstanceParams = InstanceParams()
+    seeds: SeedParams = SeedParams()
+    deaot: DeaotParams = DeaotParams()
+    pips: PipsParams = PipsParams()
+    raft: RaftParams = RaftParams()
+    dpt_dinov2: DptDinov2Params = DptDinov2Params()
+    depth_anything_v2: DepthAnythingParams = DepthAnythingParams()
     saliency: SaliencyParams = SaliencyParams()
     proposals: ProposalParams = ProposalParams()
     linking: LinkingParams = LinkingParams()

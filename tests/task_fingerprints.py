@@ -21,13 +21,15 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 RECORD = Path(__file__).with_suffix(".json")
 FOLLOWED = ("moseg_tasks", "workflows")
-PLUMBING = ("workflows.stages.task", "workflows.stages.inputs")
+PLUMBING = ("workflows.stages.task", "workflows.stages.inputs", "workflows.weights.resident")
 LEAF_READERS = (
     ("ingest:leaves", "workflows.ingest", "_LEAVES", "INGEST_VERSION"),
     ("ingest:images", "workflows.sources.image_files", "ImageFiles", "DECODING_VERSION"),
     ("ingest:video", "workflows.sources.video_file", "VideoFile", "DECODING_VERSION"),
     ("ingest:masks", "workflows.sources.mask_files", "MaskFiles", "DECODING_VERSION"),
     ("ingest:depth", "workflows.sources.depth_files", "DepthFiles", "DECODING_VERSION"),
+    ("ingest:flow", "workflows.sources.flow_files", "FlowFiles", "DECODING_VERSION"),
+    ("ingest:tracks", "workflows.sources.track_files", "TrackFile", "DECODING_VERSION"),
     ("ingest:scenes", "workflows.sources.scenes", "_rendered", "RENDERER_VERSION"),
 )
 """What decodes files into leaves: an `ingest` artifact remembers its outcome, so it too has a version."""
@@ -133,7 +135,7 @@ def _roots() -> dict[str, tuple[int, ModuleName]]:
 
     roots = {}
     for (name, method), task in TASKS.items():
-        adapter = task.run.__module__
+        adapter = (task.run or task.run_together).__module__
         (variable,) = (key for key, value in vars(import_module(adapter)).items() if value is task)
         roots[f"{name}:{method}"] = (task.version, ModuleName(adapter, variable))
     for name, module, variable, version in LEAF_READERS:

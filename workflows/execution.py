@@ -1,15 +1,17 @@
-"""Computing one recipe: inputs out of the store, the task's function, its output into the store."""
+"""Computing recipes: inputs out of the store, the task's function, its outputs into the store."""
 
 import time
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from schemas.errors import CorruptArtifactError
 from schemas.recipes import Recipe
-from store import PutOutcome, open_store
+from store import ArtifactStore, PutOutcome, open_store
 from workflows.stages.inputs import Inputs
 from workflows.stages.registry import find_task
+from workflows.stages.task import Output
 
 
 class TaskReport(NamedTuple):
@@ -20,18 +22,28 @@ class TaskReport(NamedTuple):
     outcome: str
 
 
-def execute_recipe(store_url: str, recipe: Recipe, *_dependencies: object) -> TaskReport:
-    """Compute a recipe's artifact unless another process already has; `_dependencies` only order the graph."""
+def execute_recipes(store_url: str, recipes: Sequence[Recipe], *_dependencies: object) -> list[TaskReport]:
+    """Compute the artifacts of recipes that differ in their inputs only, but for those that another process has
+    computed; `_dependencies` only order the graph."""
     store = open_store(store_url)
-    if store.has(recipe.ref):
-        return TaskReport(recipe.ref, 0.0, PutOutcome.LOST_RACE)
-    params = dict(recipe.params)
-    task = find_task(recipe.task, params.pop("method"))
-    started = time.perf_counter()
-    output = task.run(params, Inputs(store, recipe), seeded_generator(recipe.key))
-    seconds = time.perf_counter() - started
-    outcome = store.put(recipe, output.arrays, output.attributes, seconds=seconds)
-    return TaskReport(recipe.ref, seconds, outcome)
+    stored = [recipe for recipe in recipes if store.has(recipe.ref)]
+    missing = [recipe for recipe in recipes if recipe not in stored]
+    reports = [TaskReport(recipe.ref, 0.0, PutOutcome.LOST_RACE) for recipe in stored]
+    if missing:
+        started = time.perf_counter()
+        outputs = _run(store, missing)
+        seconds = (time.perf_counter() - started) / len(missing)
+        for recipe, output in zip(missing, outputs, strict=True):
+            outcome = store.put(recipe, output.arrays, output.attributes, seconds=seconds)
+            reports.append(TaskReport(recipe.ref, seconds, outcome))
+    return reports
+
+
+def _run(store: ArtifactStore, recipes: Sequence[Recipe]) -> Sequence[Output]:
+    params = dict(recipes[0].params)
+    task = find_task(recipes[0].task, params.pop("method"))
+    inputs = [Inputs(store, recipe) for recipe in recipes]
+    return task.compute(params, inputs, [seeded_generator(recipe.key) for recipe in recipes])
 
 
 def seeded_generator(key: str) -> np.random.Generator:

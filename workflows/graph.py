@@ -4,15 +4,19 @@ A `SequenceGraph` only writes recipes; it neither looks into the store nor compu
 the same recipe, whichever variant or run asks.
 """
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from schemas.configs import PipelineConfig, Variant
 from schemas.errors import InputError
+from schemas.frozen import Frozen
 from schemas.recipes import Recipe
 from workflows.sections import cut_sections
 from workflows.stages.registry import find_task
+from workflows.weights.needed import tagger_item
 
 GIVEN_SOURCES = ("groundtruth", "folder")
+LUCAS_KANADE_PARAMS = {"window", "pyramid_levels", "forward_backward"}
 
 
 class SequenceLeaves(NamedTuple):
@@ -36,6 +40,8 @@ class SequenceLeaves(NamedTuple):
         Label of the given proposals that is no object.
     depth, flow_forward, flow_backward : tuple of references or None
         Given cues, one a frame or a frame pair.
+    weights : dict of str to reference
+        The weights that the configuration's networks read, by name of their item.
     """
 
     name: str
@@ -50,6 +56,7 @@ class SequenceLeaves(NamedTuple):
     depth: tuple[str, ...] | None = None
     flow_forward: tuple[str, ...] | None = None
     flow_backward: tuple[str, ...] | None = None
+    weights: Mapping[str, str] = {}
 
 
 class SequenceGraph:
@@ -60,7 +67,7 @@ class SequenceGraph:
         self.leaves = leaves
         self._config = config
         self._sections = cut_sections(len(leaves.frames), config.sections)
-        self._proposals: dict[int, str] = {}
+        self._proposals: list[str] = []
         self._tracks: dict[int, str] = {}
         self._linking: str | None = None
 
@@ -162,8 +169,9 @@ class SequenceGraph:
 
     def proposals(self, index: int) -> str:
         """Reference of a section's object proposals."""
-        if index not in self._proposals:
-            self._proposals[index] = self._propose(index)
+        # In order, because a section starts with what was tracked into it.
+        while len(self._proposals) <= index:
+            self._proposals.append(self._propose(len(self._proposals)))
         return self._proposals[index]
 
     def linking(self) -> str:
@@ -185,6 +193,8 @@ class SequenceGraph:
             params = {"start": section.start, "stop": section.proposal_stop, "shape": list(self.leaves.shape)}
             params["void"] = self.leaves.masks_void
             return self._node("proposals", "given", params, {"masks": masks})
+        if self._config.proposal_source == "detections":
+            return self._track_objects(index)
         saliency = tuple(self.saliency(frame) for frame in range(section.context_start, section.context_stop))
         return self._node(
             "proposals",
@@ -200,13 +210,60 @@ class SequenceGraph:
 
     def _link(self) -> str:
         proposals = tuple(self.proposals(index) for index in range(len(self._sections)))
-        if self._config.proposal_source in GIVEN_SOURCES:
+        if self._config.proposal_source != "saliency":
             return self._node("linking", "identity", {}, {"proposals": proposals})
         params = {
             "lengths": [section.stop - section.start for section in self._sections],
             "linking": self._config.linking.model_dump(mode="json"),
         }
         return self._node("linking", "overlap", params, {"proposals": proposals})
+
+    def _track_objects(self, index: int) -> str:
+        """A section's objects from the masks of its first frame on."""
+        section = self._sections[index]
+        frames = self.leaves.frames[section.start : self._proposal_stop(index)]
+        tracker = self._config.detections.tracker
+        params, weights = self._network(tracker)
+        inputs = {"frames": frames, "seeds": self._seeds(index), "weights": weights}
+        return self._node("proposals", tracker, params, inputs)
+
+    def _seeds(self, index: int) -> str:
+        """What is found in a section's first frame, linked with what was tracked into it."""
+        inputs = {"found": self.instances(self._sections[index].start)}
+        if index:
+            inputs["tracked"] = self.proposals(index - 1)
+        params = {"seeds": self._config.seeds.model_dump(mode="json")}
+        return self._node("seeds", "mask-overlap", params, inputs)
+
+    def instances(self, frame: int) -> str:
+        """Reference of the objects that the networks find in one frame."""
+        image, masks = self.leaves.frames[frame], self._config.detections.masks
+        params, weights = self._network(masks)
+        params["instances"] = self._config.instances.model_dump(mode="json")
+        inputs = {"frame": image, "detections": self._detections(image), "weights": weights}
+        return self._node("instances", masks, params, inputs)
+
+    def _detections(self, image: str) -> str:
+        params, weights = self._network("grounding-dino")
+        inputs = {"frame": image, "weights": weights}
+        if self._config.detections.tags is not None:
+            params["tags"] = list(self._config.detections.tags)
+        else:
+            inputs["tags"] = self._tags(image)
+        return self._node("detections", "grounding-dino", params, inputs)
+
+    def _tags(self, image: str) -> str:
+        params = {"ram": self._config.ram.model_dump(mode="json", exclude={"weights"})}
+        inputs = {"frame": image, "weights": self._weights(tagger_item(self._config))}
+        return self._node("tags", self._config.detections.tagger, params, inputs)
+
+    def _proposal_stop(self, index: int) -> int:
+        """End of the frames in which a section's objects are labelled."""
+        section = self._sections[index]
+        if self._config.proposal_source == "detections":
+            # The next section takes up what was tracked into its first frame.
+            return min(section.stop + 1, len(self.leaves.frames))
+        return section.proposal_stop
 
     def saliency(self, frame: int) -> str:
         """Reference of a frame's motion saliency."""
@@ -221,33 +278,40 @@ class SequenceGraph:
     def flow(self, frame0: int, frame1: int) -> str:
         """Reference of the flow from one frame to a neighbour."""
         params = self._config.flow
-        if params.method == "groundtruth":
+        if params.method in GIVEN_SOURCES:
             direction = "flow_forward" if frame1 > frame0 else "flow_backward"
-            return self._required(direction, "flow: groundtruth")[min(frame0, frame1)]
-        frames = self.leaves.frames
-        return self._node(
-            "flow",
-            params.method,
-            params.model_dump(mode="json", exclude={"method"}),
-            {"frame0": frames[frame0], "frame1": frames[frame1]},
-        )
+            return self._required(direction, f"flow: {params.method}")[min(frame0, frame1)]
+        inputs = {"frame0": self.leaves.frames[frame0], "frame1": self.leaves.frames[frame1]}
+        if params.method == "dis":
+            return self._node("flow", "dis", params.model_dump(mode="json", exclude={"method"}), inputs)
+        read, weights = self._network(params.method)
+        return self._node("flow", params.method, read, {**inputs, "weights": weights})
+
+    def depth(self, frame: int) -> str:
+        """Reference of a frame's inverse depth."""
+        method = self._config.depth.method
+        if method in GIVEN_SOURCES:
+            return self._required("depth", f"depth: {method}")[frame]
+        params, weights = self._network(method)
+        return self._node("depth", method, params, {"frame": self.leaves.frames[frame], "weights": weights})
 
     def _track(self, index: int) -> str:
         section = self._sections[index]
         stop = min(section.stop + self._config.fundamental.gap, len(self.leaves.frames))
         params = self._config.tracks
-        if params.method == "groundtruth":
-            inputs = {"tracks": self._required("tracks", "tracks: groundtruth"), "proposals": self.proposals(index)}
+        if params.method in GIVEN_SOURCES:
+            given = self._required("tracks", f"tracks: {params.method}")
+            inputs = {"tracks": given, "proposals": self.proposals(index)}
             return self._node("tracks", "given", {"start": section.start, "stop": stop}, inputs)
-        return self._node(
-            "tracks",
-            params.method,
-            {
-                "num_frames": min(section.proposal_stop, stop) - section.start,
-                "tracks": params.model_dump(mode="json", exclude={"method"}),
-            },
-            {"frames": self.leaves.frames[section.start : stop], "proposals": self.proposals(index)},
-        )
+        inputs = {"frames": self.leaves.frames[section.start : stop], "proposals": self.proposals(index)}
+        read = {"num_frames": min(self._proposal_stop(index), stop) - section.start}
+        unread = {"method"}
+        if params.method != "lucas-kanade":
+            unread |= LUCAS_KANADE_PARAMS
+            network, inputs["weights"] = self._network(params.method)
+            read |= network
+        read["tracks"] = params.model_dump(mode="json", exclude=unread)
+        return self._node("tracks", params.method, read, inputs)
 
     def _fundamental_residual(self, index: int, num_pairs: int, gap: int) -> str:
         cues = {"tracks": self.tracks(index), "linking": self.linking()}
@@ -268,11 +332,19 @@ class SequenceGraph:
             "linking": self.linking(),
         }
         if model != "oc" and self._config.depth.method != "none":
-            depth = self._required("depth", f"depth: {self._config.depth.method}")
-            inputs["depth"] = tuple(depth[frame] for frame in frames)
+            inputs["depth"] = tuple(self.depth(frame) for frame in frames)
         params = {"section": index, "model": model, "flow_model": self._config.flow_model.model_dump(mode="json")}
         fits = self._node("flow_model", "least-squares", params, inputs)
         return self._node("flow_residual", "mean-squared-error", {}, {"fits": fits})
+
+    def _network(self, method: str) -> tuple[dict, str]:
+        """The parameters that a network reads, under its name, and its weights."""
+        name = method.replace("-", "_")
+        params: Frozen = getattr(self._config, name)
+        return {name: params.model_dump(mode="json", exclude={"weights"})}, self._weights(params.weights)
+
+    def _weights(self, item: str) -> str:
+        return self.leaves.weights[item]
 
     def _required(self, leaf: str, option: str):
         value = getattr(self.leaves, leaf)

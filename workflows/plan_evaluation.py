@@ -1,5 +1,6 @@
 """What an evaluation would compute and reuse, with nothing computed or stored."""
 
+import os
 from collections.abc import Sequence
 
 from schemas.configs import PipelineConfig, Variant
@@ -11,6 +12,9 @@ from workflows.ingest import IngestJob, preview_ingest, recall_ingest
 from workflows.leaves import ingest_jobs, make_leaves
 from workflows.planning import make_plan
 from workflows.session import StageUse
+from workflows.weights.folder import open_weights
+from workflows.weights.leaf import weights_leaf
+from workflows.weights.needed import needed_items
 
 
 class EmptyStore:
@@ -31,6 +35,10 @@ def plan_evaluation(
 
     Frames that were never ingested are decoded, because keys are digests of what files decode to.
     """
+    folder = open_weights(os.environ, offline=True)
+    weights = {
+        name: weights_leaf(folder, name, architecture)[0].ref for name, architecture in needed_items(config).items()
+    }
     recipes, sinks, num_ingests = {}, [], 0
     for source in sources:
         ingested = {}
@@ -40,7 +48,7 @@ def plan_evaluation(
             ingested[role] = [
                 preview_ingest(job) if entry is None else entry for job, entry in zip(jobs, known, strict=True)
             ]
-        graph = SequenceGraph(make_leaves(source, ingested), config)
+        graph = SequenceGraph(make_leaves(source, ingested)._replace(weights=weights), config)
         sinks.extend(graph.score(variant) for variant in variants)
         sinks.extend(graph.cues())
         recipes |= graph.recipes

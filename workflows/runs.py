@@ -1,16 +1,41 @@
 """Opening what a command runs on: its store and its runner."""
 
+import os
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 
+from schemas.errors import InputError
 from store import open_store
 from workflows.runners import open_runner
 from workflows.session import Session
+from workflows.weights.folder import open_weights
 
 
 @contextmanager
-def open_session(store: str, workers: int, scheduler: str | None, quiet: bool) -> Iterator[Session]:
-    """A session on the store at `store` for the block; the runner's processes end with it."""
+def open_session(
+    store: str,
+    workers: int = 0,
+    scheduler: str | None = None,
+    quiet: bool = False,
+    device: str = "auto",
+    threads: int = 1,
+    batch: int | None = None,
+    offline: bool = False,
+    non_commercial: bool = False,
+) -> Iterator[Session]:
+    """A session on the store at `store` for the block; the runner's processes end with it.
+
+    Raises
+    ------
+    InputError
+        The store, the workers, the device or the size of a batch cannot be had.
+    """
+    if batch is not None and batch < 1:
+        raise InputError("not a number of frames", where="--batch", got=batch, expected="1 or more")
     opened = open_store(store)
-    with open_runner(workers, scheduler) as runner, closing(Session(opened, runner, quiet)) as session:
+    weights = open_weights(os.environ, offline=offline, allow_non_commercial=non_commercial, quiet=quiet)
+    with (
+        open_runner(workers, scheduler, device, threads) as runner,
+        closing(Session(opened, runner, quiet, weights, batch)) as session,
+    ):
         yield session

@@ -28,6 +28,8 @@ class MotionSegmentation(NamedTuple):
         Motion groups found, the background's included.
     motions : dict of int to int
         Motion group of each object by identity; 0 = static, with the background.
+    tags : dict of int to str
+        What networks called the objects, by identity; empty where none did.
     frame_refs, label_refs : tuple of references
         The frames, and the labels of every section.
     """
@@ -37,6 +39,7 @@ class MotionSegmentation(NamedTuple):
     analysed_shape: tuple[int, int]
     num_motions: int
     motions: dict[int, int]
+    tags: dict[int, str]
     frame_refs: tuple[str, ...]
     label_refs: tuple[str, ...]
 
@@ -98,6 +101,7 @@ def segment(
             analysed_shape=graph.leaves.shape,
             num_motions=len(np.unique(motion)),
             motions={int(identity): int(group) for identity, group in zip(identities, motion[1:], strict=True)},
+            tags=dict(zip(identities, linking["tags"], strict=True)) if "tags" in linking else {},
             frame_refs=graph.leaves.frames,
             label_refs=graph.segmentations(variant),
         )

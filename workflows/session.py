@@ -1,9 +1,10 @@
 """A session: one store and one runner, and the work that a command has them do."""
 
+import os
 import time
 import uuid
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, TypeVar
 
 from schemas.digests import digest_json
@@ -11,14 +12,20 @@ from schemas.errors import CorruptArtifactError, MissingArtifactError, StoreErro
 from schemas.recipes import Recipe, split_ref
 from schemas.scores import StoreUse
 from store import ArtifactStore, PutOutcome
-from workflows.execution import execute_recipe, quarantine_corrupt
+from workflows.execution import execute_recipes, quarantine_corrupt
 from workflows.ingest import IngestJob, recall_ingest, run_ingest
+from workflows.phases import batch_recipes, network_of, split_phases
 from workflows.planning import Plan, make_plan
 from workflows.progress import StageProgress
 from workflows.runners import Call, Runner
+from workflows.stages.registry import find_task
+from workflows.weights.folder import Weights, open_weights
+from workflows.weights.leaf import weights_leaf
 
 MAX_REPAIRS = 1000
 """Corrupt artifacts that one run mends before it gives up: a disk that fails everywhere is not mended so."""
+GPU_BATCH = 8
+"""Frames that a GPU is given at once unless the user says otherwise: RAFT then takes some 4 GB at 1024x576."""
 LEASE_SECONDS = 7 * 86_400.0
 """For how long `gc` spares what a run in progress touches, should the run die without a word."""
 
@@ -42,8 +49,17 @@ class Session:
         Artifacts written by this session, and stored artifacts that its plans built on.
     """
 
-    def __init__(self, store: ArtifactStore, runner: Runner, quiet: bool = False):
+    def __init__(
+        self,
+        store: ArtifactStore,
+        runner: Runner,
+        quiet: bool = False,
+        weights: Weights | None = None,
+        batch: int | None = None,
+    ):
         self.store = store
+        self._weights = weights or open_weights(os.environ)
+        self._batch = batch
         self.computed: Counter[str] = Counter()
         self.reused: Counter[str] = Counter()
         self._seconds: Counter[str] = Counter()
@@ -91,6 +107,16 @@ class Session:
             self._runner.run(calls, done)
         self._ingests.update(found)
         return [found[recipe.ref] for recipe in recipes]
+
+    def add_weights(self, items: Mapping[str, str]) -> dict[str, str]:
+        """Leaves of weights items, by name; `items` gives the architecture that each must have."""
+        leaves = {}
+        for name, architecture in items.items():
+            recipe, attributes = weights_leaf(self._weights, name, architecture)
+            if not self.store.has(recipe.ref):
+                self.store.put(recipe, {}, attributes)
+            leaves[name] = recipe.ref
+        return leaves
 
     def compute(
         self,
@@ -160,22 +186,43 @@ class Session:
 
     def _run(self, plan: Plan) -> None:
         totals, _ = plan.count()
-        calls = [
-            Call(
-                ref.replace("/", "-"),
-                execute_recipe,
-                (str(self.store.root), recipe),
-                tuple(parent.replace("/", "-") for parent in recipe.input_refs() if parent in plan.compute),
-            )
-            for ref, recipe in plan.compute.items()
-        ]
+        self._fetch_weights(plan)
         with StageProgress(totals, self._quiet) as progress:
 
-            def done(name, report):
-                stage = split_ref(report.ref)[0]
-                count = self.reused if report.outcome == PutOutcome.LOST_RACE else self.computed
-                count[stage] += 1
-                self._seconds[stage] += report.seconds
-                progress.advance(stage)
+            def done(name, reports):
+                for report in reports:
+                    stage = split_ref(report.ref)[0]
+                    count = self.reused if report.outcome == PutOutcome.LOST_RACE else self.computed
+                    count[stage] += 1
+                    self._seconds[stage] += report.seconds
+                    progress.advance(stage)
 
-            self._runner.run(calls, done)
+            for recipes in split_phases(plan.compute):
+                self._runner.run(self._calls(recipes), done)
+
+    def _calls(self, recipes: dict[str, Recipe]) -> list[Call]:
+        """Calls that compute the recipes of one phase."""
+        batch_size = self._batch or 1
+        if self._batch is None and any(network_of(recipe) is not None for recipe in recipes.values()):
+            batch_size = GPU_BATCH if self._runner.has_gpu() else 1
+
+        def size(recipe: Recipe) -> int:
+            task = find_task(recipe.task, recipe.params["method"])
+            return 1 if task.run_together is None else batch_size
+
+        calls: list[Call] = []
+        call_of: dict[str, str] = {}
+        for batch in batch_recipes(recipes, size):
+            name = batch[0].ref.replace("/", "-")
+            call_of |= {recipe.ref: name for recipe in batch}
+            parents = (parent for recipe in batch for parent in recipe.input_refs())
+            after = tuple(dict.fromkeys(call_of[parent] for parent in parents if parent in call_of))
+            arguments = (str(self.store.root), tuple(batch))
+            calls.append(Call(name, execute_recipes, arguments, after, network_of(batch[0]) is not None))
+        return calls
+
+    def _fetch_weights(self, plan: Plan) -> None:
+        """Have the files of every network that the plan runs, before any of its tasks waits for them."""
+        refs = {recipe.inputs["weights"]: None for recipe in plan.compute.values() if network_of(recipe) is not None}
+        for ref in refs:
+            self._weights.ensure(self._weights.item(self.store.attributes(ref)["item"]))

@@ -10,6 +10,6 @@ from schemas.frozen import Frozen
 class DepthParams(Frozen):
     """Where the relative inverse depth of each frame comes from."""
 
-    method: Literal["none", "groundtruth", "folder"] = Field(
-        "none", description="none, exact maps of the data set, or a folder"
+    method: Literal["none", "dpt-dinov2", "depth-anything-v2", "groundtruth", "folder"] = Field(
+        "none", description="none, a network, exact maps of the data set, or a folder"
     )

@@ -10,5 +10,7 @@ from schemas.frozen import Frozen
 class FlowParams(Frozen):
     """Where the flow of each frame pair comes from."""
 
-    method: Literal["dis", "groundtruth"] = Field("dis", description="backend: dis (OpenCV DIS) or groundtruth")
+    method: Literal["dis", "raft", "groundtruth", "folder"] = Field(
+        "dis", description="backend: dis (OpenCV DIS), raft, exact maps of the data set, or a folder"
+    )
     preset: Literal["ultrafast", "fast", "medium"] = Field("medium", description="DIS preset (dis only)")

@@ -10,7 +10,9 @@ from schemas.frozen import Frozen
 class TrackParams(Frozen):
     """Points sampled in every object and followed through a section."""
 
-    method: Literal["lucas-kanade", "groundtruth"] = Field("lucas-kanade", description="point tracker")
+    method: Literal["lucas-kanade", "pips", "groundtruth", "folder"] = Field(
+        "lucas-kanade", description="point tracker, exact tracks of the data set, or a folder"
+    )
     points_per_object: int = Field(60, ge=8, description="points kept in each object")
     background_points: int = Field(160, ge=8, description="points kept in the background, spread over the frame")
     resample_every: int = Field(8, ge=1, description="frames between checks of a point against its object's mask")

@@ -30,7 +30,7 @@ def _assert_bad_input(ran, *words):
         ("eval --dataset sintetic", "sintetic"),
         ("eval --sequences panning", "panning"),
         ("eval --variant fuse", "--variant"),
-        ("eval --flow raft", "flow.method"),
+        ("eval --flow farneback", "flow.method"),
         ("eval --depth monodepth", "depth.method"),
         ("eval --tracks cotracker", "tracks.method"),
         ("eval --proposals sam", "proposal"),

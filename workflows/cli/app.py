@@ -10,6 +10,7 @@ from typer.main import get_command
 from schemas.errors import InputError, StoreError
 from workflows.cli import evaluate, inspect, score, segment
 from workflows.cli.store import store_app
+from workflows.cli.weights import weights_app
 
 EXIT_FAULT, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 1, 2, 130
 
@@ -26,6 +27,7 @@ app.command("score")(score.score)
 app.command("datasets")(inspect.datasets)
 app.command("backends")(inspect.backends)
 app.add_typer(store_app, name="store")
+app.add_typer(weights_app, name="weights")
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -19,28 +19,36 @@ def datasets() -> None:
 
 
 def backends() -> None:
-    """Methods of every stage, with the option that chooses each; none of them needs weights."""
+    """Methods of every stage, the option that chooses each, and the weights: licence, size, whether they are here."""
     from rich.table import Table
 
+    from workflows.backends import BACKENDS, weights_rows
     from workflows.cli.tables import console
+    from workflows.weights.folder import open_weights
+    from workflows.weights.progress import describe_size
 
-    table = Table(title="backends (none needs weights; all are present)")
-    for column in ("stage", "method", "chosen by", "code"):
-        table.add_column(column)
-    for row in BACKENDS:
-        table.add_row(*row)
-    console().print(table)
-
-
-BACKENDS = (
-    ("flow", "DIS, both directions", "--flow dis", "OpenCV, Apache-2.0"),
-    ("flow", "exact (synthetic)", "--flow groundtruth", "this project, MIT"),
-    ("proposals", "motion saliency", "--proposals saliency", "this project, MIT"),
-    ("proposals", "annotated objects (an oracle)", "--proposals groundtruth", "this project, MIT"),
-    ("proposals", "your own masks", "--proposals folder:PATH", "this project, MIT"),
-    ("tracks", "pyramidal Lucas-Kanade", "--tracks lucas-kanade", "OpenCV, Apache-2.0"),
-    ("tracks", "exact (synthetic)", "--tracks groundtruth", "this project, MIT"),
-    ("depth", "none", "--depth none", "this project, MIT"),
-    ("depth", "exact (synthetic)", "--depth groundtruth", "this project, MIT"),
-    ("depth", "your own maps", "--depth folder:PATH", "this project, MIT"),
-)
+    weights = open_weights(os.environ)
+    methods = Table(title="backends")
+    for column in ("stage", "method", "chosen by", "code", "weights"):
+        methods.add_column(column)
+    for backend in BACKENDS:
+        methods.add_row(backend.stage, backend.what, backend.option, backend.code, backend.weights[1])
+    items = Table(title="weights")
+    for column in ("weights", "named by --set", "licence", "size", "here", "fixed by"):
+        items.add_column(column)
+    rows = weights_rows(weights)
+    for row in rows:
+        licence = row.item.licence + (" (opt-in)" if row.item.is_non_commercial else "")
+        size, here = describe_size(row.item.size), "yes" if row.is_present else "no"
+        parameters = ", ".join(f"{parameter}=…" for parameter in row.parameters)
+        items.add_row(row.item.name, parameters, licence, size, here, row.pin)
+    out = console()
+    out.print(methods)
+    out.print(items)
+    print(f"Weights lie in {weights.folder} ($MOSEG_WEIGHTS); a run fetches what it needs and does not find there.")
+    print("Fixed by: a published SHA-256; a revision, whose record gives it; or what the first download gave.")
+    commands = [row.command for row in rows if row.command]
+    if commands:
+        print("To get beforehand what is not here:")
+        for command in commands:
+            print(f"    {command}")

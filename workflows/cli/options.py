@@ -1,7 +1,7 @@
 """Options that several commands share, in groups, and what each group makes of them."""
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from difflib import get_close_matches
 from functools import wraps
@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from schemas.configs import PipelineConfig, Variant
 from schemas.errors import InputError
+from schemas.presets import GEOMETRIES, GEOMETRY_STAGES, PRESETS
 
 DEFAULT_STORE = ".moseg/store"
 
@@ -47,21 +48,49 @@ class DataOptions:
 class PipelineOptions:
     """How the pipeline differs from its defaults."""
 
+    preset: Annotated[
+        str,
+        typer.Option(
+            "--preset", help="Set of backends: weights-free, paper or modern; the other options change single ones."
+        ),
+    ] = "weights-free"
     motions: Annotated[
         str | None,
         typer.Option("--motions", help="Number of motions, the background's included: gt, auto or N (default: auto)."),
     ] = None
     proposals: Annotated[
-        str | None, typer.Option("--proposals", help="saliency, groundtruth or folder:PATH (default: saliency).")
+        str | None,
+        typer.Option("--proposals", help="saliency, detections, groundtruth or folder:PATH (default: saliency)."),
     ] = None
-    depth: Annotated[str | None, typer.Option("--depth", help="none, groundtruth or folder:PATH (default: none).")] = (
-        None
-    )
-    flow: Annotated[str | None, typer.Option("--flow", help="dis or groundtruth (default: dis).")] = None
+    tags: Annotated[
+        str | None,
+        typer.Option("--tags", help="What to look for (car,person), in place of tagging; with --proposals detections."),
+    ] = None
+    tagger: Annotated[str | None, typer.Option("--tagger", help="ram or ram-plus (default: ram).")] = None
+    masks: Annotated[
+        str | None, typer.Option("--masks", help="Masks of detections: sam-hq or sam2 (default: sam-hq).")
+    ] = None
+    tracker: Annotated[
+        str | None, typer.Option("--tracker", help="Tracker of detected objects: deaot or sam2 (default: deaot).")
+    ] = None
+    depth: Annotated[
+        str | None,
+        typer.Option(
+            "--depth", help="none, dpt-dinov2, depth-anything-v2, groundtruth or folder:PATH (default: none)."
+        ),
+    ] = None
+    flow: Annotated[
+        str | None, typer.Option("--flow", help="dis, raft, groundtruth or folder:PATH (default: dis).")
+    ] = None
     tracks: Annotated[
-        str | None, typer.Option("--tracks", help="lucas-kanade or groundtruth (default: lucas-kanade).")
+        str | None,
+        typer.Option("--tracks", help="lucas-kanade, pips, groundtruth or folder:PATH (default: lucas-kanade)."),
     ] = None
     affinity: Annotated[str | None, typer.Option("--affinity", help="residual or ork (default: residual).")] = None
+    geometry: Annotated[
+        str | None,
+        typer.Option("--geometry", help="Fits, affinity and clustering: default or paper (default: the preset's)."),
+    ] = None
     section_length: Annotated[
         int | None, typer.Option("--section-length", help="Frames of a section (l of the paper).")
     ] = None
@@ -73,13 +102,17 @@ class PipelineOptions:
     def read(self) -> tuple[PipelineConfig, dict[str, str]]:
         """The configuration, and the folders of cues given by `folder:PATH`, by cue; raises InputError."""
         folders: dict[str, str] = {}
-        values: dict[str, Any] = {}
+        values = choose_preset(self.preset, self.geometry)
         chosen = {
             "clustering.motions": self.motions,
             "proposal_source": _folder_choice("proposals", self.proposals, folders),
+            "detections.tags": self.tags,
+            "detections.tagger": self.tagger,
+            "detections.masks": self.masks,
+            "detections.tracker": self.tracker,
             "depth.method": _folder_choice("depth", self.depth, folders),
-            "flow.method": self.flow,
-            "tracks.method": self.tracks,
+            "flow.method": _folder_choice("flow", self.flow, folders),
+            "tracks.method": _folder_choice("tracks", self.tracks, folders),
             "affinity.method": self.affinity,
             "sections.length": self.section_length,
         }
@@ -95,11 +128,24 @@ class PipelineOptions:
             config = PipelineConfig.model_validate(values)
         except ValidationError as error:
             raise InputError(**_explain(error.errors())) from error
-        for cue, source in (("proposals", config.proposal_source), ("depth", config.depth.method)):
+        sources = {
+            "proposals": config.proposal_source,
+            "depth": config.depth.method,
+            "flow": config.flow.method,
+            "tracks": config.tracks.method,
+        }
+        for cue, source in sources.items():
             # By --set alone: what the data set gives must not stand in for the user's folder.
             if (source == "folder") != (cue in folders):
                 where, got = f"--{cue}", f"{source} by --set"
                 raise InputError("a folder and its use disagree", where=where, got=got, expected=f"--{cue} folder:PATH")
+        if config.proposal_source != "detections":
+            options = {"--tags": self.tags, "--tagger": self.tagger, "--masks": self.masks, "--tracker": self.tracker}
+            for option, value in options.items():
+                if value is not None:
+                    expected = "--proposals detections, or a preset that has it"
+                    got = f"proposals {config.proposal_source}"
+                    raise InputError("an option of detections", where=option, got=got, expected=expected)
         return config, folders
 
 
@@ -110,13 +156,42 @@ class RunOptions:
     store: StoreOption = DEFAULT_STORE
     workers: Annotated[int, typer.Option("--workers", help="Worker processes; 0 runs in this process.")] = 0
     scheduler: Annotated[str | None, typer.Option("--scheduler", help="Existing Dask cluster, tcp://host:8786.")] = None
+    device: Annotated[
+        str, typer.Option("--device", help="Where networks run: auto, cpu, cuda, cuda:N or mps; auto takes a GPU.")
+    ] = "auto"
+    threads: Annotated[int, typer.Option("--threads", help="CPU threads of each process.")] = 1
+    batch: Annotated[
+        int | None,
+        typer.Option("--batch", help="Frames in one pass of a network (default: 8 on CUDA, else 1)."),
+    ] = None
+    offline: Annotated[
+        bool, typer.Option("--offline", envvar="MOSEG_OFFLINE", help="Fetch no weights; what is missing is an error.")
+    ] = False
+    non_commercial: Annotated[
+        bool,
+        typer.Option(
+            "--non-commercial",
+            envvar="MOSEG_NON_COMMERCIAL",
+            help="Allow weights licensed for non-commercial use only.",
+        ),
+    ] = False
     quiet: QuietOption = False
 
     def open(self):
         """A session, as a context manager."""
         from workflows.runs import open_session
 
-        return open_session(self.store, self.workers, self.scheduler, self.quiet)
+        return open_session(
+            self.store,
+            workers=self.workers,
+            scheduler=self.scheduler,
+            quiet=self.quiet,
+            device=self.device,
+            threads=self.threads,
+            batch=self.batch,
+            offline=self.offline,
+            non_commercial=self.non_commercial,
+        )
 
 
 def with_option_groups(function: Callable[..., None]) -> Callable[..., None]:
@@ -157,6 +232,21 @@ def sequence_names(text: str | None) -> tuple[str, ...] | None:
     if not names:
         raise InputError("no sequence named", where="--sequences", got=repr(text), expected="names separated by commas")
     return names
+
+
+def choose_preset(preset: str, geometry: str | None = None) -> dict[str, Any]:
+    """Values of a preset, those of the geometry put in place of its own where one is named; raises InputError."""
+    for option, name, known in (("--preset", preset, PRESETS), ("--geometry", geometry, GEOMETRIES)):
+        if name is not None and name not in known:
+            close = get_close_matches(name, known, n=1)
+            expected = f"{close[0]}?" if close else " or ".join(known)
+            raise InputError(f"no such {option.removeprefix('--')}", where=option, got=name, expected=expected)
+    values = {stage: dict(value) if isinstance(value, Mapping) else value for stage, value in PRESETS[preset].items()}
+    if geometry is not None:
+        for stage in GEOMETRY_STAGES:
+            values.pop(stage, None)
+        values |= {stage: dict(value) for stage, value in GEOMETRIES[geometry].items()}
+    return values
 
 
 def _folder_choice(cue: str, text: str | None, folders: dict[str, str]) -> str | None:

@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
@@ -21,10 +21,6 @@ def segment(
     fps: Annotated[
         float, typer.Option("--fps", min=0.1, help="Frame rate of the overlay of a folder of frames.")
     ] = 24.0,
-    preset: Annotated[
-        Literal["weights-free"],
-        typer.Option("--preset", help="Set of backends; the other options then change single ones."),
-    ] = "weights-free",
 ) -> None:
     """Masks of what moves on its own in your video: OUT/masks/*.png, OUT/overlay.mp4, OUT/motion.json.
 

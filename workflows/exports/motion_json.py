@@ -26,6 +26,8 @@ class ObjectSummary(Frozen):
         Frames with at least one pixel of it.
     mean_area_fraction : float
         Its share of the frame's pixels, mean over those frames.
+    tag : str or None
+        What a network called it, where one did.
     """
 
     identity: int = Field(ge=1)
@@ -34,6 +36,7 @@ class ObjectSummary(Frozen):
     last_frame: int = Field(ge=0)
     num_frames: int = Field(ge=1)
     mean_area_fraction: float = Field(gt=0, le=1)
+    tag: str | None = None
 
 
 class SequenceSummary(Frozen):
@@ -54,6 +57,7 @@ def summarise_sequence(
     fps: float,
     num_motions: int,
     motions: Mapping[int, int],
+    tags: Mapping[int, str] | None = None,
 ) -> SequenceSummary:
     """Follow each identity through a sequence's masks, one frame in memory at a time.
 
@@ -67,6 +71,8 @@ def summarise_sequence(
         Motion groups of the sequence, the background's included.
     motions : mapping of int to int
         Motion group of each identity that occurs.
+    tags : mapping of int to str, optional
+        What the identities are called, where they have names.
 
     Raises
     ------
@@ -93,6 +99,7 @@ def summarise_sequence(
             last_frame=visible[identity][-1],
             num_frames=len(visible[identity]),
             mean_area_fraction=float(np.mean(areas[identity])) / (height * width),
+            tag=(tags or {}).get(identity),
         )
         for identity in sorted(visible)
     )

@@ -24,6 +24,7 @@ def write_segmentation(folder: Path, store: ArtifactStore, result: MotionSegment
     """
     write_masks(folder / "masks", result.labels(store))
     write_overlay(folder / "overlay.mp4", result.frames(store), result.labels(store, result.analysed_shape), fps)
-    summary = summarise_sequence(result.name, result.labels(store), fps, result.num_motions, result.motions)
+    labels = result.labels(store)
+    summary = summarise_sequence(result.name, labels, fps, result.num_motions, result.motions, result.tags)
     write_motion(folder / "motion.json", summary)
     return summary

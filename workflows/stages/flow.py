@@ -1,8 +1,11 @@
 """Dense optical flow of a frame pair."""
 
+import numpy as np
+
 from moseg_tasks.flow.dis import estimate_flow
-from schemas.parameters import FlowParams
+from schemas.parameters import FlowParams, RaftParams
 from workflows.stages.task import Output, Task
+from workflows.weights.resident import made_on, open_network
 
 
 def _run_dis(params, inputs, rng):
@@ -10,4 +13,15 @@ def _run_dis(params, inputs, rng):
     return Output({"flow": estimate_flow(image0, image1, FlowParams(**params))})
 
 
+def _run_raft(params, inputs):
+    from moseg_tasks.flow.raft import estimate_raft_flow
+    from moseg_tasks.networks.raft import build_raft
+
+    images0, images1 = (np.stack([each[role].cached("image") for each in inputs]) for role in ("frame0", "frame1"))
+    with open_network(build_raft, inputs[0]["weights"]) as network:
+        flows = estimate_raft_flow(network, images0, images1, RaftParams(**params["raft"]))
+    return [Output({"flow": flow}, made_on()) for flow in flows]
+
+
 DIS = Task("flow", "dis", version=1, run=_run_dis)
+RAFT = Task("flow", "raft", version=1, run_together=_run_raft)

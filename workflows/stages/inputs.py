@@ -20,6 +20,11 @@ class ArtifactView:
         self._store = store
         self._ref = ref
 
+    @property
+    def ref(self) -> str:
+        """The artifact's reference."""
+        return self._ref
+
     def array(self, name: str) -> np.ndarray:
         """The whole array."""
         return self._store.read(self._ref, name)

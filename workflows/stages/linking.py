@@ -25,9 +25,15 @@ def _run_overlap(params, inputs, rng):
 
 
 def _run_given(params, inputs, rng):
-    names = [np.array(section.attributes["identities"], np.uint16) for section in inputs.all("proposals")]
-    identity, given = link_identities(names)
-    return Output({"identity": identity}, {"num_objects": len(given) + 1, "given": given.tolist()})
+    sections = [section.attributes for section in inputs.all("proposals")]
+    identity, given = link_identities([np.array(section["identities"], np.uint16) for section in sections])
+    result = {"num_objects": len(given) + 1, "given": given.tolist()}
+    if all("tags" in section for section in sections):
+        tags = {}
+        for section in sections:
+            tags |= dict(zip(section["identities"], section["tags"], strict=True))
+        result["tags"] = [tags[identity] for identity in given.tolist()]
+    return Output({"identity": identity}, result)
 
 
 BY_OVERLAP = Task("linking", "overlap", version=1, run=_run_overlap)

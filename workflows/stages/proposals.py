@@ -1,4 +1,4 @@
-"""Object proposals of a section: space-time components of motion saliency, or masks that were given."""
+"""Object proposals of a section: components of motion saliency, masks tracked from the first frame, or given ones."""
 
 import numpy as np
 
@@ -6,9 +6,10 @@ from moseg_tasks.proposals.boxes import object_boxes
 from moseg_tasks.proposals.components import propose_objects
 from moseg_tasks.proposals.given import relabel_masks
 from moseg_tasks.saliency import accumulate_saliency
-from schemas.parameters import ProposalParams
+from schemas.parameters import DeaotParams, ProposalParams, Sam2Params
 from workflows.resize import resize_labels
 from workflows.stages.task import Output, Task
+from workflows.weights.resident import made_on, open_network
 
 
 def _run_saliency(params, inputs, rng):
@@ -39,5 +40,38 @@ def _run_given(params, inputs, rng):
     )
 
 
+def _run_deaot(params, inputs, rng):
+    from moseg_tasks.networks.deaot import build_deaot
+    from moseg_tasks.proposals.deaot import track_masks_deaot
+
+    return _track(build_deaot, track_masks_deaot, DeaotParams(**params["deaot"]), inputs)
+
+
+def _run_sam2(params, inputs, rng):
+    from moseg_tasks.networks.sam2 import build_sam2_video
+    from moseg_tasks.proposals.sam2 import track_masks_sam2
+
+    return _track(build_sam2_video, track_masks_sam2, Sam2Params(**params["sam2"]), inputs)
+
+
+def _track(build, track_masks, tracker_params, inputs):
+    seeds = inputs["seeds"]
+    frames = (frame.cached("image") for frame in inputs.all("frames"))
+    identities = seeds.array("identities")
+    with open_network(build, inputs["weights"]) as network:
+        masks = track_masks(network, frames, seeds.array("labels"), tracker_params)
+    return Output(
+        {"masks": masks, "scores": seeds.array("scores"), "boxes": object_boxes(masks, len(identities))},
+        {
+            "identities": identities.tolist(),
+            "tags": seeds.attributes["tags"],
+            "num_identities": seeds.attributes["num_identities"],
+            **made_on(),
+        },
+    )
+
+
 SALIENCY_COMPONENTS = Task("proposals", "saliency", version=1, run=_run_saliency)
 GIVEN_MASKS = Task("proposals", "given", version=1, run=_run_given)
+DEAOT = Task("proposals", "deaot", version=1, run=_run_deaot)
+SAM2 = Task("proposals", "sam2", version=1, run=_run_sam2)

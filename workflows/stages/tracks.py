@@ -1,8 +1,9 @@
 """Point tracks of a section's objects."""
 
 from moseg_tasks.tracks import assign_tracks, track_points
-from schemas.parameters import TrackParams
+from schemas.parameters import PipsParams, TrackParams
 from workflows.stages.task import Output, Task
+from workflows.weights.resident import made_on, open_network
 
 
 def _run_lucas_kanade(params, inputs, rng):
@@ -10,6 +11,18 @@ def _run_lucas_kanade(params, inputs, rng):
     masks = inputs["proposals"].cached("masks")[: params["num_frames"]]
     tracks = track_points(frames, masks, TrackParams(**params["tracks"]), rng)
     return Output({"points": tracks.points, "visible": tracks.visible, "object": tracks.object})
+
+
+def _run_pips(params, inputs, rng):
+    from moseg_tasks.networks.pips import build_pips
+    from moseg_tasks.tracks.pips import track_points_pips
+
+    frames = (frame.cached("image") for frame in inputs.all("frames"))
+    masks = inputs["proposals"].cached("masks")[: params["num_frames"]]
+    sampling, network_params = TrackParams(**params["tracks"]), PipsParams(**params["pips"])
+    with open_network(build_pips, inputs["weights"]) as network:
+        tracks = track_points_pips(network, frames, masks, sampling, network_params, rng)
+    return Output({"points": tracks.points, "visible": tracks.visible, "object": tracks.object}, made_on())
 
 
 def _run_given(params, inputs, rng):
@@ -23,4 +36,5 @@ def _run_given(params, inputs, rng):
 
 
 LUCAS_KANADE = Task("tracks", "lucas-kanade", version=1, run=_run_lucas_kanade)
+PIPS = Task("tracks", "pips", version=1, run=_run_pips)
 GIVEN_TRACKS = Task("tracks", "given", version=1, run=_run_given)

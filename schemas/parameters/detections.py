@@ -1,0 +1,28 @@
+"""Parameters of object proposals by foundation models."""
+
+from typing import Literal
+
+from pydantic import Field, field_validator
+
+from schemas.frozen import Frozen
+
+
+class DetectionParams(Frozen):
+    """Which networks name, find, outline and track the objects of a section (proposals: detections)."""
+
+    tagger: Literal["ram", "ram-plus"] = Field("ram", description="names what is in a section's first frame")
+    tags: tuple[str, ...] | None = Field(None, description="names of objects to look for; with them nothing is tagged")
+    masks: Literal["sam-hq", "sam2"] = Field("sam-hq", description="outlines what the detector's boxes hold")
+    tracker: Literal["deaot", "sam2"] = Field("deaot", description="carries the masks through the section")
+
+    @field_validator("tags", mode="before")
+    @classmethod
+    def _split_names(cls, value: object) -> object:
+        return tuple(name.strip() for name in value.split(",")) if isinstance(value, str) else value
+
+    @field_validator("tags")
+    @classmethod
+    def _check_names(cls, value: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        if value is not None and not (value and all(name.strip() for name in value)):
+            raise ValueError("names of objects, separated by commas")
+        return value

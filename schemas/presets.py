@@ -1,0 +1,46 @@
+"""Sets of choices under one name: which networks give the cues, and how the geometry is done."""
+
+from collections.abc import Mapping
+from typing import Any
+
+Choices = Mapping[str, Any]
+"""Values of a `PipelineConfig`, stage by stage; what is not named keeps its default."""
+
+GEOMETRIES: Mapping[str, Choices] = {
+    "default": {},
+    "paper": {
+        "fundamental": {
+            "estimator": "eight_point_ransac",
+            "num_samples": 200,
+            "degenerate": "discard",
+            "statistic": "mean",
+        },
+        "affinity": {"method": "ork"},
+        "clustering": {"grouping": "spectral", "fusion": "coregularised", "auto": "eigengap"},
+    },
+}
+"""`paper`: Huang, Chen and Zelek, sections 3.3 to 3.5; the number of motions is theirs with ``--motions gt``."""
+
+GEOMETRY_STAGES = ("fundamental", "affinity", "clustering")
+
+PRESETS: Mapping[str, Choices] = {
+    "weights-free": {},
+    "paper": {
+        "proposal_source": "detections",
+        "detections": {"tagger": "ram", "masks": "sam-hq", "tracker": "deaot"},
+        "tracks": {"method": "pips"},
+        "flow": {"method": "raft"},
+        "depth": {"method": "dpt-dinov2"},
+        **GEOMETRIES["paper"],
+    },
+    "modern": {
+        "proposal_source": "detections",
+        "detections": {"tagger": "ram-plus", "masks": "sam2", "tracker": "sam2"},
+        "grounding_dino": {"weights": "grounding-dino-base"},
+        "tracks": {"method": "pips"},
+        "flow": {"method": "raft"},
+        "depth": {"method": "depth-anything-v2"},
+    },
+}
+"""`paper`: the models of Huang, Chen and Zelek, sections 3.1 and 3.2, with their geometry. `modern`: networks of today
+under licences that allow any use, with this project's geometry."""

@@ -1,0 +1,126 @@
+"""Weights of networks: the files of an item, where they come from and under which licence."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+from urllib.parse import urlsplit
+
+from pydantic import AfterValidator, Field, StringConstraints, field_validator, model_validator
+
+from schemas.frozen import Frozen
+
+Architecture = Literal[
+    "raft",
+    "pips",
+    "deaot",
+    "ram",
+    "ram_plus",
+    "grounding_dino",
+    "sam_hq",
+    "sam2",
+    "dpt_dinov2",
+    "depth_anything",
+]
+
+TENSOR_SUFFIXES = (".pth", ".bin", ".safetensors")
+DOCUMENTS: Mapping[Architecture, tuple[str, ...]] = {
+    "raft": (),
+    "pips": (),
+    "deaot": (),
+    "ram": ("tags.txt", "thresholds.txt"),
+    "ram_plus": ("tags.txt", "thresholds.txt"),
+    "grounding_dino": ("config.json", "preprocessor_config.json", "vocab.txt"),
+    "sam_hq": ("config.json",),
+    "sam2": ("config.json",),
+    "dpt_dinov2": ("config.json",),
+    "depth_anything": ("config.json",),
+}
+"""Files that each network is built from beside its tensors."""
+PINS = "pins.json"
+RESERVED = (PINS, ".lock")
+RESERVED_SUFFIXES = (".partial", ".refused")
+LOOPBACK = ("localhost", "127.0.0.1", "::1")
+
+
+def is_trusted_url(url: str) -> bool:
+    """Whether what an address answers cannot be changed on its way: ``https``, or this machine."""
+    try:
+        parts = urlsplit(url)
+    except ValueError:
+        return False
+    return (parts.scheme == "https" and bool(parts.hostname)) or (parts.scheme == "http" and parts.hostname in LOOPBACK)
+
+
+def _check_url(url: str) -> str:
+    if not is_trusted_url(url):
+        raise ValueError("Input should be an https:// address")
+    return url
+
+
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9._+-]{0,99}$")]
+"""A name that is one folder's or file's, whatever is done with it: no separators, no leading dot."""
+Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
+
+
+class WeightsFile(Frozen):
+    """One file of an item, under the name that it has on this machine."""
+
+    name: Name
+    url: Annotated[str, AfterValidator(_check_url)] | None = Field(None, description="none: the user puts it there")
+    size: int | None = Field(None, ge=0, description="bytes")
+    sha256: Sha256 | None = Field(None, description="none: what is there counts, or what the address first gave")
+
+    @field_validator("name")
+    @classmethod
+    def _check_name(cls, name: str) -> str:
+        if name in RESERVED or name.endswith(RESERVED_SUFFIXES):
+            raise ValueError("Input should be a name that the folder of weights does not use itself")
+        return name
+
+
+class WeightsItem(Frozen):
+    """The weights of one network."""
+
+    name: Name
+    architecture: Architecture
+    licence: str = Field("not stated", description="SPDX identifier of the weights' licence")
+    is_non_commercial: bool = False
+    files: tuple[WeightsFile, ...]
+    config: dict[str, Any] = Field({}, description="sizes of an own module that differ from the published network's")
+    homepage: str = ""
+    approximate_size: int | None = Field(None, ge=0, description="bytes, where the files' exact sizes are not known")
+
+    @model_validator(mode="after")
+    def _check_files(self) -> "WeightsItem":
+        names = [file.name for file in self.files]
+        tensors = [name for name in names if name.endswith(TENSOR_SUFFIXES)]
+        if len(tensors) != 1 or len(set(names)) != len(names):
+            raise ValueError(
+                f"Input should be files of different names, exactly one of them {_either(TENSOR_SUFFIXES)}"
+            )
+        absent = [name for name in DOCUMENTS[self.architecture] if name not in names]
+        if absent:
+            raise ValueError(f"Input should be an item whose files include {', '.join(absent)}")
+        return self
+
+    @property
+    def size(self) -> int | None:
+        """Bytes of the files, small ones as far as known; None where those of the tensors are not known at all."""
+        tensors = next(file for file in self.files if file.name.endswith(TENSOR_SUFFIXES))
+        return self.approximate_size if tensors.size is None else sum(file.size or 0 for file in self.files)
+
+
+class WeightsList(Frozen):
+    """Items by a user: they add to the catalogue, or take the place of its items of the same name."""
+
+    items: tuple[WeightsItem, ...]
+
+    @field_validator("items")
+    @classmethod
+    def _check_names(cls, items: tuple[WeightsItem, ...]) -> tuple[WeightsItem, ...]:
+        if len({item.name for item in items}) != len(items):
+            raise ValueError("Input should be items of different names")
+        return items
+
+
+def _either(names: tuple[str, ...]) -> str:
+    return f"{', '.join(names[:-1])} or {names[-1]}"

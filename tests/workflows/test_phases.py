@@ -1,0 +1,87 @@
+"""A plan is cut so that every network is loaded once, and frames go through it together."""
+
+from schemas.recipes import Recipe
+from workflows.phases import batch_recipes, network_of, split_phases
+
+WEIGHTS = {name: f"weights/{digit * 64}" for name, digit in (("raft", "a"), ("depth", "b"), ("deaot", "c"))}
+
+
+def _recipe(task, number, weights=None, **inputs):
+    if weights is not None:
+        inputs["weights"] = WEIGHTS[weights]
+    return Recipe(task=task, version=1, params={"method": task}, inputs={"frame": f"frame/{number:064x}", **inputs})
+
+
+def _plan(*recipes):
+    return {recipe.ref: recipe for recipe in recipes}
+
+
+def _video(num_frames):
+    """Flow and depth of every frame, and a fit of both: the order of a walk from the fits down."""
+    recipes = []
+    for number in range(num_frames):
+        flow, depth = _recipe("flow", number, "raft"), _recipe("depth", number, "depth")
+        recipes += [flow, depth, _recipe("flow_model", number, flow=flow.ref, depth=depth.ref)]
+    return _plan(*recipes)
+
+
+def _chain(num_sections):
+    """Sections that start with what was tracked into them."""
+    recipes, tracked = [], {}
+    for number in range(num_sections):
+        found = _recipe("instances", number, "depth")
+        seeds = _recipe("seeds", number, found=found.ref, **tracked)
+        masks = _recipe("proposals", number, "deaot", seeds=seeds.ref)
+        tracked = {"tracked": masks.ref}
+        recipes += [found, seeds, masks]
+    return _plan(*recipes)
+
+
+def test_each_network_works_in_one_phase():
+    phases = split_phases(_video(6))
+    networks = [{network_of(recipe) for recipe in phase.values()} - {None} for phase in phases]
+    assert networks == [{(WEIGHTS["raft"], "flow")}, {(WEIGHTS["depth"], "depth")}]
+
+
+def test_a_chain_of_sections_runs_in_one_phase_of_its_tracker():
+    phases = split_phases(_chain(5))
+    assert [sorted({recipe.task for recipe in phase.values()}) for phase in phases] == [
+        ["instances", "seeds"],
+        ["proposals", "seeds"],
+    ]
+
+
+def test_phases_hold_every_recipe_once_and_after_its_inputs():
+    for plan in (_video(4), _chain(4)):
+        order = [ref for phase in split_phases(plan) for ref in phase]
+        assert sorted(order) == sorted(plan)
+        for ref, recipe in plan.items():
+            assert all(order.index(parent) < order.index(ref) for parent in recipe.input_refs() if parent in plan)
+
+
+def test_a_plan_without_networks_is_one_phase():
+    plan = _plan(*(_recipe("saliency", number) for number in range(3)))
+    assert split_phases(plan) == [plan]
+
+
+def test_frames_go_through_a_network_together():
+    (flows, *_) = split_phases(_plan(*(_recipe("flow", number, "raft") for number in range(5))))
+    batches = list(batch_recipes(flows, lambda recipe: 2))
+    assert [len(batch) for batch in batches] == [2, 2, 1]
+    assert [recipe.ref for batch in batches for recipe in batch] == list(flows)
+
+
+def test_what_waits_for_another_recipe_is_computed_alone():
+    plan = _chain(3)
+    batches = [[recipe.task for recipe in batch] for batch in batch_recipes(plan, lambda recipe: 8)]
+    assert batches == [["instances"] * 3, *[["seeds"], ["proposals"]] * 3]
+
+
+def test_other_parameters_are_another_batch():
+    fast = Recipe(
+        task="flow", version=1, params={"method": "raft", "iterations": 4}, inputs={"weights": WEIGHTS["raft"]}
+    )
+    slow = Recipe(
+        task="flow", version=1, params={"method": "raft", "iterations": 9}, inputs={"weights": WEIGHTS["raft"]}
+    )
+    assert len(list(batch_recipes(_plan(fast, slow), lambda recipe: 8))) == 2

@@ -1,0 +1,187 @@
+"""The presets with networks, from a video to its masks, on tiny checkpoints in the published formats."""
+
+import json
+import re
+import shutil
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from schemas.configs import PipelineConfig
+from schemas.presets import PRESETS
+from workflows.weights.needed import needed_items
+
+NUM_FRAMES = 12
+SECTIONS = ("--section-length", "6")
+STAGES = {"tags", "detections", "instances", "seeds", "proposals", "flow", "depth", "tracks"}
+
+
+@pytest.fixture(scope="module")
+def tiny(tmp_path_factory):
+    """A folder of tiny checkpoints of every network, made by the command that the documentation names."""
+    from workflows.cli.app import run
+
+    folder = tmp_path_factory.mktemp("tiny")
+    assert run(["weights", "tiny", str(folder)]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def video(tmp_path_factory, write_squares):
+    """Twelve frames of two squares in motion."""
+    return write_squares(tmp_path_factory.mktemp("video") / "clip", num_frames=NUM_FRAMES) / "frames"
+
+
+@pytest.fixture
+def weights(tiny, tmp_path, monkeypatch):
+    """A test's own copy of the tiny checkpoints, in place."""
+    folder = tmp_path / "weights"
+    shutil.copytree(tiny, folder)
+    monkeypatch.setenv("MOSEG_WEIGHTS", str(folder))
+    monkeypatch.setenv("MOSEG_OFFLINE", "1")
+    return folder
+
+
+@pytest.fixture
+def segment(moseg, video, weights, tmp_path):
+    """Runs `moseg segment` on the video with one store for the test; returns artifacts computed and how it ended."""
+
+    def call(*arguments):
+        store, out = ("--store", tmp_path / "store"), ("--out", tmp_path / "out")
+        ran = moseg("segment", video, *store, *out, "--quiet", *SECTIONS, *arguments)
+        found = re.search(r"(\d+) artifacts computed", ran.out)
+        return int(found[1]) if found else None, ran
+
+    return call
+
+
+def _stored(tmp_path):
+    """Keys of every stage in the test's store."""
+    found = {}
+    for path in (tmp_path / "store" / "objects").glob("*/*/*"):
+        found.setdefault(path.parent.parent.name, set()).add(path.name)
+    return found
+
+
+def _labels(path):
+    with Image.open(path) as image:
+        return np.array(image)
+
+
+@pytest.mark.parametrize("preset", ["paper", "modern"])
+def test_a_preset_runs_from_the_video_to_its_masks_and_a_second_run_computes_nothing(preset, segment, tmp_path):
+    computed, ran = segment("--preset", preset)
+    assert ran.code == 0, ran.err
+    assert computed > 0 and _stored(tmp_path).keys() >= STAGES
+    masks = sorted((tmp_path / "out" / "masks").glob("*.png"))
+    assert len(masks) == NUM_FRAMES and all(_labels(path).shape == (96, 128) for path in masks)
+    summary = json.loads((tmp_path / "out" / "motion.json").read_text())
+    assert all(found["tag"] for found in summary["objects"])
+    again, ran = segment("--preset", preset)
+    assert ran.code == 0 and again == 0
+
+
+def test_tiny_networks_find_objects_that_last(segment, tmp_path):
+    _, ran = segment("--preset", "paper", "--variant", "base")
+    assert ran.code == 0, ran.err
+    labels = [_labels(path) for path in sorted((tmp_path / "out" / "masks").glob("*.png"))]
+    first, last = (set(np.unique(frame)) - {0} for frame in (labels[0], labels[-1]))
+    assert first & last
+
+
+@pytest.mark.parametrize(
+    ("architecture", "moved", "kept"),
+    [
+        ("raft", {"flow", "flow_model"}, {"tags", "detections", "instances", "proposals", "depth", "tracks"}),
+        ("dpt_dinov2", {"depth", "flow_model"}, {"tags", "proposals", "flow", "tracks", "fundamental"}),
+        ("pips", {"tracks", "fundamental"}, {"proposals", "flow", "depth", "flow_model"}),
+        ("deaot", {"proposals", "tracks", "flow_model"}, {"tags", "detections", "instances", "flow", "depth"}),
+    ],
+)
+def test_another_weights_file_recomputes_its_stage_and_what_lies_behind(
+    architecture, moved, kept, segment, weights, moseg, tmp_path
+):
+    assert segment("--preset", "paper")[1].code == 0
+    before = _stored(tmp_path)
+    items = needed_items(PipelineConfig.model_validate(PRESETS["paper"]))
+    (item,) = (name for name, needed in items.items() if needed == architecture)
+    assert moseg("weights", "tiny", weights, "--seed", "1", "--only", item).code == 0
+    computed, ran = segment("--preset", "paper")
+    assert ran.code == 0, ran.err
+    after = _stored(tmp_path)
+    assert computed > 0
+    for stage in moved:
+        assert after[stage] - before[stage], stage
+    for stage in kept | {"frame"}:
+        assert after[stage] == before[stage], stage
+
+
+def test_stages_can_be_chosen_one_by_one(segment):
+    _, ran = segment("--flow", "raft", "--depth", "depth-anything-v2", "--tracks", "pips")
+    assert ran.code == 0, ran.err
+
+
+def test_named_tags_skip_the_tagger(segment, weights, tmp_path):
+    shutil.rmtree(weights / "ram")
+    _, ran = segment("--preset", "paper", "--tags", "car,person")
+    assert ran.code == 0, ran.err
+    assert "tags" not in _stored(tmp_path)
+
+
+def test_frames_in_one_pass_give_the_keys_of_frames_one_by_one(segment):
+    assert segment("--flow", "raft", "--depth", "dpt-dinov2", "--batch", "4")[1].code == 0
+    assert segment("--flow", "raft", "--depth", "dpt-dinov2", "--batch", "1")[0] == 0
+
+
+def test_missing_weights_are_one_line_with_the_command_that_gets_them(segment, tmp_path, monkeypatch):
+    monkeypatch.setenv("MOSEG_WEIGHTS", str(tmp_path / "nothing"))
+    _, ran = segment("--flow", "raft", "--offline")
+    assert ran.code == 2
+    (line,) = ran.err.splitlines()
+    assert "model.pth" in line and "moseg weights fetch raft-large" in line
+
+
+def test_cut_weights_are_one_line(segment, weights):
+    path = weights / "raft-large" / "model.pth"
+    path.write_bytes(path.read_bytes()[:1000])
+    _, ran = segment("--flow", "raft")
+    assert ran.code == 2
+    (line,) = ran.err.splitlines()
+    assert "model.pth" in line
+
+
+@pytest.mark.parametrize(
+    ("item", "options"),
+    [
+        ("raft-large", ("--flow", "raft")),
+        ("pips", ("--tracks", "pips")),
+        ("dpt-dinov2-large-nyu", ("--depth", "dpt-dinov2")),
+        ("depth-anything-v2-small", ("--depth", "depth-anything-v2")),
+        ("sam-hq-vit-large", ("--preset", "paper")),
+        ("grounding-dino-tiny", ("--preset", "paper")),
+    ],
+)
+@pytest.mark.parametrize("how", ["missing", "unexpected"])
+def test_tensors_that_are_not_the_network_s_are_refused(how, item, options, segment, weights):
+    (path,) = (entry for entry in (weights / item).iterdir() if entry.suffix in (".pth", ".bin", ".safetensors"))
+    _damage(path, how)
+    _, ran = segment(*options)
+    assert ran.code == 2
+    (line,) = ran.err.splitlines()
+    assert item in line and "tensors" in line
+
+
+def _damage(path, how):
+    """Take a tensor out of a checkpoint, or put one into it."""
+    import torch
+    from safetensors.torch import load_file, save_file
+
+    is_safe = path.suffix == ".safetensors"
+    tensors = load_file(path) if is_safe else torch.load(path, weights_only=True)
+    inner = next((value for value in tensors.values() if isinstance(value, dict)), tensors)
+    if how == "missing":
+        del inner[sorted(inner)[len(inner) // 2]]
+    else:
+        inner["an_unknown.weight"] = torch.zeros(3)
+    save_file(tensors, path) if is_safe else torch.save(tensors, path)

@@ -1,0 +1,164 @@
+"""A file server on this machine that misbehaves on demand, and folders of weights that point to it."""
+
+import hashlib
+import json
+import re
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import pytest
+
+from workflows.weights.folder import Weights, open_weights
+
+
+@dataclass
+class Answer:
+    """What a path answers: bytes in ranges, or something else."""
+
+    content: bytes = b""
+    status: int = 200
+    content_type: str = "application/octet-stream"
+    etag: str | None = None
+    knows_ranges: bool = True
+    has_length: bool = True
+    cuts: list[int] = field(default_factory=list)
+    """Bytes after which the first, second … answer is cut off."""
+    location: str = ""
+    gate: threading.Event | None = None
+    """Awaited before the body is sent."""
+
+
+@dataclass
+class Request:
+    """What was asked for, and how many bytes of a body it was sent."""
+
+    path: str
+    headers: dict[str, str]
+    num_sent: int = 0
+
+
+class FileServer:
+    """Answers by path; everything else is 404."""
+
+    def __init__(self):
+        self.answers: dict[str, Answer] = {}
+        self.requests: list[Request] = []
+        self.arrived = threading.Event()
+        self._http = ThreadingHTTPServer(("127.0.0.1", 0), self._handler())
+        self._http.daemon_threads = True
+        self._thread = threading.Thread(target=self._http.serve_forever, kwargs={"poll_interval": 0.01}, daemon=True)
+        self._thread.start()
+        self.url = f"http://127.0.0.1:{self._http.server_port}"
+
+    def serve(self, path: str, content: bytes, **options) -> str:
+        """Answer a path with a file; returns its address."""
+        self.answers[path] = Answer(content, **options)
+        return self.url + path
+
+    def num_sent(self, path: str) -> int:
+        """Bytes of bodies sent for a path."""
+        return sum(request.num_sent for request in self.requests if request.path == path)
+
+    def close(self) -> None:
+        self._http.shutdown()
+        self._thread.join()
+        self._http.server_close()
+
+    def _handler(self):
+        server = self
+
+        class Handler(BaseHTTPRequestHandler):
+            def do_GET(self):
+                request = Request(self.path, {key.lower(): value for key, value in self.headers.items()})
+                server.requests.append(request)
+                server.arrived.set()
+                answer = server.answers.get(self.path, Answer(b"not here", status=404))
+                status, body, headers = server._range(answer, request)
+                self.send_response(status)
+                for name, value in headers.items():
+                    self.send_header(name, value)
+                self.end_headers()
+                if answer.gate is not None:
+                    answer.gate.wait(30)
+                if answer.cuts:
+                    body = body[: answer.cuts.pop(0)]
+                self.wfile.write(body)
+                request.num_sent = len(body)
+                self.close_connection = True
+
+            def log_message(self, *arguments):
+                pass
+
+        return Handler
+
+    @staticmethod
+    def _range(answer: Answer, request: Request) -> tuple[int, bytes, dict[str, str]]:
+        headers = {"Content-Type": answer.content_type, "Connection": "close"}
+        if answer.etag:
+            headers["ETag"] = answer.etag
+        if answer.location:
+            return 302, b"", headers | {"Location": answer.location, "Content-Length": "0"}
+        status, body = answer.status, answer.content
+        asked = re.fullmatch(r"bytes=(\d+)-", request.headers.get("range", ""))
+        is_same = request.headers.get("if-range", answer.etag) == answer.etag
+        if asked and status == 200 and answer.knows_ranges and is_same:
+            start, total = int(asked[1]), len(body)
+            if start >= total:
+                return 416, b"", headers | {"Content-Range": f"bytes */{total}", "Content-Length": "0"}
+            status, body = 206, body[start:]
+            headers["Content-Range"] = f"bytes {start}-{total - 1}/{total}"
+        if answer.has_length:
+            headers["Content-Length"] = str(len(body))
+        return status, body, headers
+
+
+@pytest.fixture
+def server() -> Iterator[FileServer]:
+    """A file server on the loopback interface."""
+    running = FileServer()
+    yield running
+    running.close()
+
+
+@pytest.fixture
+def no_waiting(monkeypatch) -> None:
+    """Repeated requests follow at once."""
+    monkeypatch.setattr("workflows.weights.download.time.sleep", lambda seconds: None)
+
+
+@pytest.fixture
+def sha256() -> Callable[[bytes], str]:
+    """Hexadecimal SHA-256."""
+    return lambda content: hashlib.sha256(content).hexdigest()
+
+
+@pytest.fixture
+def folder(tmp_path) -> Path:
+    """What `$MOSEG_WEIGHTS` names; there is nothing yet."""
+    return tmp_path / "weights"
+
+
+@pytest.fixture
+def describe(folder) -> Callable[..., None]:
+    """Writes ``weights.json`` with items given as dictionaries; of an item only the files are needed."""
+
+    def write(*items: dict) -> None:
+        folder.mkdir(exist_ok=True)
+        described = [{"name": "net", "architecture": "raft", **item} for item in items]
+        (folder / "weights.json").write_text(json.dumps({"items": described}))
+
+    return write
+
+
+@pytest.fixture
+def open_folder(folder) -> Callable[..., Weights]:
+    """Opens the folder; further variables of the environment by name."""
+
+    def opened(offline: bool = False, allow_non_commercial: bool = False, quiet: bool = True, **variables) -> Weights:
+        env = {"MOSEG_WEIGHTS": str(folder), **variables}
+        return open_weights(env, offline, allow_non_commercial, quiet)
+
+    return opened

@@ -1,0 +1,243 @@
+"""A download is the whole right file, or nothing but what the next one can go on from."""
+
+import errno
+import socket
+
+import pytest
+
+from schemas.errors import InputError
+from workflows.weights.download import Retries, Source, download
+
+CONTENT = bytes(range(256)) * 4096
+PATH = "/models/net.pth"
+SOON = Retries(count=2, wait_sec=0.0)
+
+
+def _ignore(done, total):
+    pass
+
+
+@pytest.fixture
+def fetch(server, tmp_path, sha256):
+    """Downloads the content, of known digest and size unless said otherwise."""
+
+    def fetched(url=None, report=_ignore, target=tmp_path / "net.pth", **known):
+        known = {"sha256": sha256(CONTENT), "size": len(CONTENT), **known}
+        return download(Source(url or server.url + PATH, **known), target, report, SOON)
+
+    return fetched
+
+
+def _files(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_a_good_file_arrives_whole(server, fetch, tmp_path, sha256):
+    server.serve(PATH, CONTENT)
+    reports = []
+    found = fetch(report=lambda done, total: reports.append((done, total)))
+    assert found == (sha256(CONTENT), len(CONTENT))
+    assert (tmp_path / "net.pth").read_bytes() == CONTENT
+    assert _files(tmp_path) == ["net.pth"]
+    assert reports[0] == (0, len(CONTENT)) and reports[-1] == (len(CONTENT), len(CONTENT))
+
+
+@pytest.mark.parametrize("known", [{"sha256": None, "size": None}, {"size": None}, {"sha256": None}])
+def test_what_is_not_known_beforehand_is_found_out(server, fetch, sha256, known):
+    server.serve(PATH, CONTENT)
+    assert fetch(**known) == (sha256(CONTENT), len(CONTENT))
+
+
+def test_a_wrong_checksum_is_refused_and_nothing_is_left(server, fetch, tmp_path, sha256):
+    server.serve(PATH, CONTENT[::-1])
+    with pytest.raises(InputError, match=rf"got SHA-256 {sha256(CONTENT[::-1])}; expected {sha256(CONTENT)}"):
+        fetch()
+    assert _files(tmp_path) == []
+
+
+def test_a_refused_download_leaves_the_file_that_was_there(server, fetch, tmp_path):
+    (tmp_path / "net.pth").write_bytes(b"old")
+    server.serve(PATH, CONTENT[::-1])
+    with pytest.raises(InputError):
+        fetch()
+    assert (tmp_path / "net.pth").read_bytes() == b"old"
+
+
+def test_a_file_of_another_size_is_not_even_downloaded(server, fetch, tmp_path):
+    server.serve(PATH, CONTENT[:1000])
+    with pytest.raises(InputError, match=f"got 1000 bytes; expected {len(CONTENT)} bytes"):
+        fetch()
+    assert _files(tmp_path) == []
+
+
+def test_a_truncated_file_is_refused_where_the_server_does_not_say_how_long_it_is(server, fetch, tmp_path):
+    server.serve(PATH, CONTENT, has_length=False, cuts=[70_000])
+    with pytest.raises(InputError, match=f"got 70000 bytes; expected {len(CONTENT)};"):
+        fetch()
+    assert _files(tmp_path) == []
+
+
+def test_a_cut_connection_is_resumed_and_every_byte_asked_for_once(server, fetch, tmp_path):
+    server.serve(PATH, CONTENT, cuts=[300_000, 500_000])
+    fetch()
+    assert (tmp_path / "net.pth").read_bytes() == CONTENT
+    asked = [request.headers.get("range") for request in server.requests]
+    assert asked == [None, "bytes=300000-", "bytes=800000-"]
+    assert server.num_sent(PATH) == len(CONTENT)
+
+
+def test_the_next_download_goes_on_where_the_last_one_was_cut_off(server, fetch, tmp_path):
+    server.serve(PATH, CONTENT, cuts=[300_000, 0, 0])
+    with pytest.raises(
+        InputError, match=f"the download was cut off in {server.url}.*got 300000 of {len(CONTENT)} bytes"
+    ):
+        fetch()
+    assert _files(tmp_path) == ["net.pth.partial"]
+    fetch()
+    assert _files(tmp_path) == ["net.pth"]
+    assert server.requests[-1].headers["range"] == "bytes=300000-"
+    assert server.num_sent(PATH) == len(CONTENT)
+
+
+def test_an_interrupted_download_is_resumed(server, fetch, tmp_path):
+    server.serve(PATH, CONTENT)
+
+    def interrupt(done, total):
+        if done:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fetch(report=interrupt)
+    num_here = (tmp_path / "net.pth.partial").stat().st_size
+    assert 0 < num_here < len(CONTENT)
+    fetch()
+    assert server.requests[-1].headers["range"] == f"bytes={num_here}-"
+    assert (tmp_path / "net.pth").read_bytes() == CONTENT
+
+
+def test_a_server_that_ignores_ranges_is_asked_for_everything_anew(server, fetch, tmp_path):
+    server.serve(PATH, CONTENT, knows_ranges=False, cuts=[300_000])
+    fetch()
+    assert (tmp_path / "net.pth").read_bytes() == CONTENT
+    assert server.num_sent(PATH) == len(CONTENT) + 300_000
+
+
+def test_a_server_that_always_cuts_at_the_same_place_is_given_up(server, fetch):
+    server.serve(PATH, CONTENT, knows_ranges=False, cuts=[300_000] * 10)
+    with pytest.raises(InputError, match="the download was cut off"):
+        fetch()
+    assert len(server.requests) == SOON.count + 1
+
+
+def test_a_whole_partial_file_is_only_checked(server, fetch, tmp_path):
+    server.serve(PATH, CONTENT)
+    (tmp_path / "net.pth.partial").write_bytes(CONTENT)
+    fetch()
+    assert server.requests == []
+
+
+def test_a_whole_partial_file_of_unknown_size_is_recognised(server, fetch, tmp_path):
+    server.serve(PATH, CONTENT)
+    (tmp_path / "net.pth.partial").write_bytes(CONTENT)
+    fetch(size=None)
+    assert server.num_sent(PATH) == 0
+    assert (tmp_path / "net.pth").read_bytes() == CONTENT
+
+
+@pytest.mark.parametrize("left", [b"x" * 1000, CONTENT + b"x", b"x" * len(CONTENT)])
+@pytest.mark.parametrize("size", [len(CONTENT), None])
+def test_a_damaged_partial_file_is_fetched_anew(server, fetch, tmp_path, left, size):
+    server.serve(PATH, CONTENT)
+    (tmp_path / "net.pth.partial").write_bytes(left)
+    fetch(size=size)
+    assert (tmp_path / "net.pth").read_bytes() == CONTENT
+
+
+def test_parts_of_two_versions_are_never_joined(server, fetch, tmp_path, sha256):
+    other = b"y" * len(CONTENT)
+    server.serve(PATH, CONTENT, etag='"1"', cuts=[1000])
+
+    def change(done, total):
+        server.serve(PATH, other, etag='"2"')
+
+    found = fetch(report=change, sha256=None, size=None)
+    assert found.sha256 == sha256(other)
+
+
+@pytest.mark.parametrize("status", [500, 503, 429])
+def test_a_server_that_is_busy_is_asked_again(server, fetch, status):
+    server.serve(PATH, b"", status=status)
+    with pytest.raises(InputError, match=f"the download was cut off.*{status}"):
+        fetch()
+    assert len(server.requests) == SOON.count + 1
+
+
+@pytest.mark.parametrize(
+    ("status", "line"),
+    [
+        (401, "the server gives no access in .*got 401 .*expected access: see https://example.org/net; .*HF_TOKEN"),
+        (403, "the server gives no access in .*got 403 "),
+        (404, "the server has no such file in .*got 404 .*see https://example.org/net"),
+        (400, "the server refuses in .*got 400 "),
+    ],
+)
+def test_a_refusal_says_what_to_do_and_is_final(server, fetch, tmp_path, status, line):
+    server.serve(PATH, b"no", status=status)
+    with pytest.raises(InputError, match=line):
+        fetch(homepage="https://example.org/net")
+    assert len(server.requests) == 1
+    assert _files(tmp_path) == []
+
+
+def test_without_a_network_the_address_is_named(fetch, tmp_path):
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    with pytest.raises(
+        InputError, match=rf"no connection to the server in http://127.0.0.1:{port}/net; got Connection refused"
+    ):
+        fetch(url=f"http://127.0.0.1:{port}/net")
+    assert _files(tmp_path) == []
+
+
+def test_a_web_page_in_place_of_the_file_is_refused(server, fetch, tmp_path):
+    server.serve(PATH, b"<html>Quota exceeded</html>", content_type="text/html; charset=utf-8")
+    with pytest.raises(InputError, match=r"the server sent a web page.*see https://example.org/net"):
+        fetch(sha256=None, size=None, homepage="https://example.org/net")
+    assert _files(tmp_path) == []
+
+
+def test_a_redirect_to_an_unprotected_address_is_not_followed(server, fetch):
+    server.serve(PATH, b"", location="http://example.org/net.pth")
+    with pytest.raises(InputError, match=r"redirected to http://example.org/net.pth, which is not https"):
+        fetch()
+
+
+def test_a_token_stays_with_its_host(server, fetch):
+    away = server.url.replace("127.0.0.1", "localhost") + "/there"
+    server.serve(PATH, b"", location="/here")
+    server.serve("/here", b"", location=away)
+    server.serve("/there", CONTENT)
+    fetch(token="secret")
+    assert [request.headers.get("authorization") for request in server.requests] == ["Bearer secret"] * 2 + [None]
+
+
+def test_a_full_disk_is_noticed_before_the_download(server, fetch, tmp_path, monkeypatch):
+    server.serve(PATH, CONTENT)
+    usage = type("Usage", (), {"free": 1000})
+    monkeypatch.setattr("workflows.weights.download.shutil.disk_usage", lambda path: usage)
+    with pytest.raises(
+        InputError, match=f"no room on the disk in .*got 1000 bytes free; expected {len(CONTENT)} bytes"
+    ):
+        fetch()
+
+
+def test_a_disk_that_fills_up_is_named(server, fetch, tmp_path, monkeypatch):
+    server.serve(PATH, CONTENT)
+
+    def fail(descriptor):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("workflows.weights.download.os.fsync", fail)
+    with pytest.raises(InputError, match=r"cannot write in .*net.pth.partial; got No space left on device"):
+        fetch()

@@ -1,0 +1,137 @@
+"""From files to what a network is built from."""
+
+import pickle
+from argparse import Namespace
+
+import pytest
+import torch
+from safetensors.torch import save_file
+
+from schemas.errors import InputError
+
+TENSORS = {"a.weight": torch.arange(6.0).reshape(2, 3), "a.bias": torch.ones(2)}
+
+
+@pytest.fixture
+def read(describe, open_folder, folder):
+    """Reads an own item with the given files, which the function `save` writes into the item's folder."""
+
+    def read_item(save, *names, architecture="raft", config=None):
+        files = [{"name": name} for name in names]
+        describe({"architecture": architecture, "files": files, "config": config or {}})
+        (folder / "net").mkdir(exist_ok=True)
+        save(folder / "net")
+        weights = open_folder(offline=True)
+        item = weights.item("net")
+        return weights.read(item, weights.digests(item))
+
+    return read_item
+
+
+def _assert_same(tensors):
+    assert sorted(tensors) == sorted(TENSORS)
+    assert all(torch.equal(tensors[name], TENSORS[name]) for name in TENSORS)
+
+
+@pytest.mark.parametrize("content", [TENSORS, {"state_dict": TENSORS, "epoch": 3}, {"model": TENSORS}])
+@pytest.mark.parametrize("is_zip", [True, False])
+def test_saved_by_torch(read, content, is_zip):
+    def save(folder):
+        torch.save(content, folder / "model.pth", _use_new_zipfile_serialization=is_zip)
+
+    checkpoint = read(save, "model.pth", config={"hidden_channels": 8})
+    _assert_same(checkpoint.tensors)
+    assert (checkpoint.name, checkpoint.documents, checkpoint.config) == ("net", {}, {"hidden_channels": 8})
+
+
+def test_tensors_outlive_their_file(read, folder):
+    checkpoint = read(lambda folder: torch.save(TENSORS, folder / "model.pth"), "model.pth")
+    (folder / "net" / "model.pth").unlink()
+    _assert_same(checkpoint.tensors)
+
+
+def test_safetensors_with_documents(read):
+    def save(folder):
+        save_file(TENSORS, folder / "model.safetensors")
+        (folder / "config.json").write_text('{"name": "Grüße"}', encoding="utf-8")
+        (folder / "merges.txt").write_text("")
+
+    checkpoint = read(save, "config.json", "model.safetensors", "merges.txt", architecture="sam2")
+    _assert_same(checkpoint.tensors)
+    assert checkpoint.documents == {"config.json": '{"name": "Grüße"}', "merges.txt": ""}
+
+
+class _Runs:
+    def __reduce__(self):
+        return (print, ("what a file must not do",))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"not tensors at all",
+        pickle.dumps(_Runs()),
+        pickle.dumps({"model": TENSORS, "args": Namespace(lr=0.1)}),
+    ],
+)
+def test_what_torch_does_not_read_safely_is_refused_by_name(read, folder, content, capsys):
+    with pytest.raises(InputError, match=f"unreadable weights in {folder}/net/model.pth; got .*; expected tensors"):
+        read(lambda folder: (folder / "model.pth").write_bytes(content), "model.pth")
+    assert capsys.readouterr().out == ""
+
+
+def test_a_cut_archive_is_refused_by_name(read, folder):
+    def save(folder):
+        torch.save(TENSORS, folder / "model.pth")
+        (folder / "model.pth").write_bytes((folder / "model.pth").read_bytes()[:-100])
+
+    with pytest.raises(InputError, match=f"unreadable weights in {folder}/net/model.pth"):
+        read(save, "model.pth")
+
+
+@pytest.mark.parametrize("content", [b"", b"\x10" + b"\0" * 7 + b"{not a header of}", b"x" * 100])
+def test_what_is_no_safetensors_is_refused_by_name(read, folder, content):
+    def save(folder):
+        (folder / "model.safetensors").write_bytes(content)
+        (folder / "config.json").write_text("{}")
+
+    with pytest.raises(InputError, match=f"unreadable weights in {folder}/net/model.safetensors"):
+        read(save, "config.json", "model.safetensors", architecture="sam2")
+
+
+def test_a_document_that_is_no_text_is_refused_by_name(read, folder):
+    def save(folder):
+        torch.save(TENSORS, folder / "model.pth")
+        (folder / "tags.txt").write_bytes(b"caf\xe9")
+        (folder / "thresholds.txt").write_text("")
+
+    with pytest.raises(InputError, match=f"unreadable file in {folder}/net/tags.txt; .*; expected UTF-8 text"):
+        read(save, "model.pth", "tags.txt", "thresholds.txt", architecture="ram")
+
+
+def test_a_file_without_a_state_dict_is_refused(read):
+    with pytest.raises(InputError, match="no state dict in weights net"):
+        read(lambda folder: torch.save({"epoch": 3}, folder / "model.pth"), "model.pth")
+
+
+def test_digests_of_other_files_are_refused(describe, open_folder):
+    describe({"files": [{"name": "model.pth"}]})
+    weights = open_folder()
+    with pytest.raises(InputError, match=r"other weights files in weights net; got model.pth; expected model.bin"):
+        weights.read(weights.item("net"), {"model.bin": "0" * 64})
+
+
+def test_a_file_written_to_while_it_is_read_is_refused(describe, open_folder, folder, monkeypatch):
+    describe({"files": [{"name": "model.pth"}]})
+    (folder / "net").mkdir()
+    path = folder / "net" / "model.pth"
+    torch.save(TENSORS, path)
+    weights = open_folder()
+
+    def write_meanwhile(item, home):
+        path.write_bytes(b"")
+
+    monkeypatch.setattr("workflows.weights.item_folder.read_checkpoint", write_meanwhile)
+    with pytest.raises(InputError, match=f"written to while it was read in {path}"):
+        weights.read(weights.item("net"), weights.digests(weights.item("net")))

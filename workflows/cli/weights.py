@@ -1,0 +1,108 @@
+"""`moseg weights`: have the networks' weights here before a run needs them, check them, make tiny ones to try with."""
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from schemas.errors import InputError
+from workflows.cli.options import QuietOption
+
+weights_app = typer.Typer(
+    help="The networks' weights: fetch, verify, make tiny ones. `moseg backends` lists them.", no_args_is_help=False
+)
+
+
+@weights_app.command("fetch")
+def fetch(
+    items: Annotated[list[str] | None, typer.Argument(help="Weights items; `moseg backends` lists them.")] = None,
+    preset: Annotated[str | None, typer.Option("--preset", help="Every item that this preset uses.")] = None,
+    non_commercial: Annotated[
+        bool,
+        typer.Option(
+            "--non-commercial",
+            envvar="MOSEG_NON_COMMERCIAL",
+            help="Allow weights licensed for non-commercial use only.",
+        ),
+    ] = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Download what is missing, and replace what is damaged. Example: moseg weights fetch --preset paper"""
+    from workflows.weights.folder import open_weights
+
+    # Asked for by name: what keeps runs from the network is not meant.
+    env = {name: value for name, value in os.environ.items() if name != "MOSEG_OFFLINE"}
+    weights = open_weights(env, allow_non_commercial=non_commercial, quiet=quiet)
+    chosen = [weights.item(name) for name in [*(items or []), *_items_of(preset)]]
+    if not chosen:
+        expected = "weights items, or --preset"
+        raise InputError("nothing to fetch", where="moseg weights fetch", got="no item", expected=expected)
+    for item in chosen:
+        weights.repair(item)
+        print(f"{item.name}: {weights.folder / item.name}")
+
+
+@weights_app.command("verify")
+def verify(
+    items: Annotated[list[str] | None, typer.Argument(help="Weights items (default: all that are here).")] = None,
+) -> None:
+    """Hash weights that are here and compare them with what they must be; exit code 1 where one is wrong or missing."""
+    from workflows.weights.folder import open_weights
+
+    weights = open_weights(os.environ)
+    chosen = [weights.item(name) for name in items] if items else list(weights.items.values())
+    num_bad = count = 0
+    for item in chosen:
+        verdicts = weights.verify(item)
+        if not items and all(verdict.got is None for verdict in verdicts):
+            continue
+        for verdict in verdicts:
+            count += 1
+            num_bad += verdict.is_wrong or verdict.got is None
+            print(f"{item.name}/{verdict.path.name}: {_describe(verdict)}")
+    print(f"{count} files in {weights.folder}, {num_bad} wrong or missing")
+    if num_bad:
+        raise typer.Exit(1)
+
+
+@weights_app.command("tiny")
+def tiny(
+    folder: Annotated[Path, typer.Argument(help="Folder to write; MOSEG_WEIGHTS then names it.", metavar="DIR")],
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Another one gives other random numbers.")] = 0,
+    only: Annotated[
+        str | None,
+        typer.Option("--only", help="Only these items, separated by commas (default: all that presets use)."),
+    ] = None,
+) -> None:
+    """Make tiny random checkpoints, to try presets without the real weights. Example: moseg weights tiny tiny"""
+    from schemas.presets import PRESETS
+    from workflows.weights.catalogue import CATALOGUE
+    from workflows.weights.folder import Weights
+    from workflows.weights.tiny.make_tiny import make_tiny
+
+    names = [name.strip() for name in (only or "").split(",") if name.strip()]
+    names = names or [name for preset in PRESETS for name in _items_of(preset)]
+    catalogue = Weights(folder, {item.name: item for item in CATALOGUE})
+    made = make_tiny(folder, [catalogue.item(name) for name in dict.fromkeys(names)], seed)
+    print(f"{len(made)} items in {folder}: {', '.join(item.name for item in made)}")
+    print(f"use them: export MOSEG_WEIGHTS={folder.resolve()}")
+
+
+def _items_of(preset: str | None) -> tuple[str, ...]:
+    from schemas.presets import PRESETS
+    from workflows.weights.needed import items_of_preset
+
+    if preset is None:
+        return ()
+    if preset not in PRESETS:
+        raise InputError("unknown preset", where="--preset", got=preset, expected=" or ".join(PRESETS))
+    return items_of_preset(preset)
+
+
+def _describe(verdict) -> str:
+    if verdict.got is None:
+        return "missing"
+    if verdict.is_wrong:
+        return f"WRONG, SHA-256 {verdict.got}, expected {verdict.expected}"
+    return f"SHA-256 {verdict.got}" + ("" if verdict.expected else " (nothing says what it must be)")

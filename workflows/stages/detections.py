@@ -1,0 +1,20 @@
+"""Boxes of the named objects in a frame."""
+
+from schemas.parameters import GroundingDinoParams
+from workflows.stages.task import Output, Task
+from workflows.weights.resident import made_on, open_network
+
+
+def _run(params, inputs, rng):
+    from moseg_tasks.detections import detect_objects
+    from moseg_tasks.networks.grounding_dino import build_grounding_dino
+
+    names = inputs["tags"].attributes["names"] if "tags" in inputs else params["tags"]
+    with open_network(build_grounding_dino, inputs["weights"]) as detector:
+        found = detect_objects(
+            detector, inputs["frame"].cached("image"), names, GroundingDinoParams(**params["grounding_dino"])
+        )
+    return Output({"boxes": found.boxes, "scores": found.scores}, {"tags": list(found.tags), **made_on()})
+
+
+GROUNDING_DINO = Task("detections", "grounding-dino", version=1, run=_run)

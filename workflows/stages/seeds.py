@@ -1,0 +1,37 @@
+"""Objects with which a section's tracking starts: those found in its first frame and those tracked into it."""
+
+import numpy as np
+
+from schemas.parameters import SeedParams
+from workflows.stages.task import Output, Task
+
+
+def _run(params, inputs, rng):
+    from moseg_tasks.instances import merge_seeds
+
+    found = inputs["found"]
+    tracked, identities, tags, num_identities = None, np.zeros(0, np.uint16), [], 0
+    if "tracked" in inputs:
+        before = inputs["tracked"]
+        last = before.shape("masks")[0] - 1
+        tracked = before.rows("masks", last, last + 1)[0]
+        identities = np.array(before.attributes["identities"], np.uint16)
+        tags, num_identities = before.attributes["tags"], before.attributes["num_identities"]
+    seeds = merge_seeds(
+        tracked, identities, num_identities, found.array("labels"), found.array("scores"), SeedParams(**params["seeds"])
+    )
+    known = dict(zip(identities.tolist(), tags, strict=True))
+    names = found.attributes["tags"]
+    return Output(
+        {"labels": seeds.labels, "scores": seeds.scores, "identities": seeds.identities},
+        {
+            "num_identities": seeds.num_identities,
+            "tags": [
+                known[identity] if identity in known else names[source - 1]
+                for identity, source in zip(seeds.identities.tolist(), seeds.found.tolist(), strict=True)
+            ],
+        },
+    )
+
+
+MASK_OVERLAP = Task("seeds", "mask-overlap", version=1, run=_run)

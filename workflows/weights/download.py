@@ -1,0 +1,211 @@
+"""Downloading one file: resumed where it was cut, checked, and then in place at once.
+
+The bytes go to ``<file>.partial``. A download that is interrupted leaves it there, and the next one asks only for the
+rest. What is whole is compared with the size and digest that it must have: a wrong file is deleted, a right one is
+renamed.
+"""
+
+import os
+import re
+import shutil
+import time
+from collections.abc import Callable
+from http.client import HTTPException, HTTPResponse
+from pathlib import Path
+from typing import NamedTuple
+from urllib.error import HTTPError
+
+from schemas.errors import InputError
+from workflows.weights.connection import PASSING, explain, open_url
+from workflows.weights.hashing import sha256_of
+
+CHUNK_BYTES = 2**20
+PARTIAL_SUFFIX = ".partial"
+NO_SUCH_RANGE = 416
+_RANGE = re.compile(r"bytes (?:(?P<start>\d+)-\d+|\*)/(?P<total>\d+)")
+
+Report = Callable[[int, int | None], None]
+"""Told how many bytes are here, and of how many if that is known."""
+
+
+class Source(NamedTuple):
+    """Where a file comes from and what it must be; None where that is not known beforehand."""
+
+    url: str
+    sha256: str | None = None
+    size: int | None = None
+    token: str | None = None
+    homepage: str = ""
+
+
+class Retries(NamedTuple):
+    """How often a request is repeated after one that brought nothing new, and the wait before the first repetition."""
+
+    count: int = 4
+    wait_sec: float = 1.0
+
+
+class Downloaded(NamedTuple):
+    """What the file was found to be."""
+
+    sha256: str
+    size: int
+
+
+class _Cut(Exception):
+    """The connection ended before the file did."""
+
+
+def download(source: Source, target: Path, report: Report, retries: Retries | None = None) -> Downloaded:
+    """Fetch a file to `target`, whose folder exists.
+
+    Raises
+    ------
+    InputError
+        The server cannot be reached, gives no access, has no such file or sends another one; the connection is cut
+        time and again; the disk is full or cannot be written. `target` is then as it was before.
+    """
+    partial = target.with_name(target.name + PARTIAL_SUFFIX)
+    # What an earlier download left may be damaged: then the file is fetched once more from its beginning.
+    for is_last in (not partial.exists(), True):
+        _Transfer(source, partial, report, retries or Retries()).receive()
+        found = Downloaded(sha256_of(partial), partial.stat().st_size)
+        if source.size in (None, found.size) and source.sha256 in (None, found.sha256):
+            break
+        partial.unlink()
+        if is_last:
+            got, expected = f"SHA-256 {found.sha256}", source.sha256
+            if source.size not in (None, found.size):
+                got, expected = f"{found.size} bytes", source.size
+            expected = f"{expected}; what was downloaded is deleted"
+            raise InputError("a wrong file was downloaded", where=source.url, got=got, expected=expected)
+    try:
+        os.replace(partial, target)
+    except OSError as error:
+        raise InputError("cannot write", where=target, got=error.strerror) from error
+    return found
+
+
+class _Transfer:
+    """The requests for one file."""
+
+    def __init__(self, source: Source, partial: Path, report: Report, retries: Retries):
+        self._source = source
+        self._partial = partial
+        self._report = report
+        self._retries = retries
+        self._etag: str | None = None
+
+    def receive(self) -> None:
+        """Request what is missing until the file is whole."""
+        furthest = failures = 0
+        is_first = True
+        while True:
+            try:
+                self._request(is_first)
+                return
+            except _Cut as cut:
+                is_first = False
+                reached = self._reached()
+                failures = 1 if reached > furthest else failures + 1
+                furthest = max(reached, furthest)
+                if failures > self._retries.count:
+                    got = f"{reached} of {self._source.size or 'unknown'} bytes ({cut})"
+                    expected = "a connection that lasts; the same command goes on from there"
+                    raise InputError(
+                        "the download was cut off", where=self._source.url, got=got, expected=expected
+                    ) from cut
+                time.sleep(self._retries.wait_sec * 2 ** (failures - 1))
+
+    def _request(self, is_first: bool) -> None:
+        """One request for the rest of the file; raises _Cut where another one may get further."""
+        if self._source.sha256 is None and self._etag is None:
+            # Parts of two files would be joined unnoticed.
+            self._partial.unlink(missing_ok=True)
+        start = self._reached()
+        if self._source.size is not None and start >= self._source.size:
+            return
+        headers = {"Range": f"bytes={start}-"} if start else {}
+        if start and self._etag:
+            headers["If-Range"] = self._etag
+        try:
+            response = open_url(self._source.url, headers, self._source.token)
+        except HTTPError as error:
+            if error.code == NO_SUCH_RANGE and start:
+                self._end_range(error, start)
+            elif error.code in PASSING:
+                error.close()
+                raise _Cut(f"{error.code} {error.reason}") from error
+            else:
+                raise explain(error, self._source.url, self._source.homepage) from error
+        except (OSError, HTTPException) as error:
+            # What cannot be reached at first is not there; what was reached before may come back.
+            if is_first:
+                raise explain(error, self._source.url, self._source.homepage) from error
+            raise _Cut(error) from error
+        else:
+            with response:
+                self._take(response, start)
+
+    def _end_range(self, error: HTTPError, start: int) -> None:
+        """Nothing lies behind what is here: that is all, or it is not the file's beginning."""
+        error.close()
+        match = _RANGE.fullmatch(error.headers.get("Content-Range", ""))
+        if match is None or int(match["total"]) != start:
+            self._partial.unlink()
+            raise _Cut("the server has no such range") from error
+
+    def _take(self, response: HTTPResponse, start: int) -> None:
+        tag = response.headers.get("ETag", "")
+        self._etag = tag if tag.startswith('"') else None
+        start = _accepted_start(response, start)
+        total = None if response.length is None else start + response.length
+        self._check_answer(response, total)
+        free = shutil.disk_usage(self._partial.parent).free
+        if response.length is not None and response.length > free:
+            where, expected = self._partial.parent, f"{response.length} bytes"
+            raise InputError("no room on the disk", where=where, got=f"{free} bytes free", expected=expected)
+        done = start
+        try:
+            with open(self._partial, "ab" if start else "wb") as file:
+                self._report(done, total)
+                while chunk := _read(response):
+                    file.write(chunk)
+                    done += len(chunk)
+                    self._report(done, total)
+                file.flush()
+                os.fsync(file.fileno())
+        except OSError as error:
+            raise InputError("cannot write", where=self._partial, got=error.strerror) from error
+        if total is not None and done < total:
+            raise _Cut("the server closed the connection")
+
+    def _check_answer(self, response: HTTPResponse, total: int | None) -> None:
+        """Refuse what cannot be the file before it is downloaded."""
+        url, size = self._source.url, self._source.size
+        if response.headers.get_content_type() == "text/html":
+            page = self._source.homepage or url
+            expected = f"the file; where this lasts (a quota, a login) get it by hand, see {page}"
+            raise InputError("the server sent a web page", where=url, got="text/html", expected=expected)
+        if total is not None and size not in (None, total):
+            raise InputError("a wrong file is offered", where=url, got=f"{total} bytes", expected=f"{size} bytes")
+
+    def _reached(self) -> int:
+        return self._partial.stat().st_size if self._partial.exists() else 0
+
+
+def _accepted_start(response: HTTPResponse, start: int) -> int:
+    """Where the answer begins: at 0 where the server knows no ranges or has another file by now."""
+    if response.status != 206:
+        return 0
+    match = _RANGE.fullmatch(response.headers.get("Content-Range", ""))
+    if match is None or match["start"] != str(start):
+        raise _Cut("the server sent another range")
+    return start
+
+
+def _read(response: HTTPResponse) -> bytes:
+    try:
+        return response.read1(CHUNK_BYTES)
+    except (OSError, HTTPException) as error:
+        raise _Cut(error) from error

@@ -1,0 +1,147 @@
+"""The folder of weights: every item that there is, what of it is here, and how the rest gets there."""
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from schemas.errors import InputError
+from schemas.weights import WeightsItem
+from workflows.weights.catalogue import CATALOGUE
+from workflows.weights.fetching import fetch_item
+from workflows.weights.item_folder import ItemFolder, Verdict
+from workflows.weights.own_items import OWN_ITEMS, read_own_items, weights_folder
+
+if TYPE_CHECKING:
+    from moseg_tasks.networks import Checkpoint
+
+OFFLINE_VARIABLE, NON_COMMERCIAL_VARIABLE, TOKEN_VARIABLE = "MOSEG_OFFLINE", "MOSEG_NON_COMMERCIAL", "HF_TOKEN"
+_NO = ("", "0", "false", "no", "off")
+
+
+def open_weights(
+    env: Mapping[str, str], offline: bool = False, allow_non_commercial: bool = False, quiet: bool = False
+) -> "Weights":
+    """The folder that the environment names, with the catalogue's items and the user's own.
+
+    `offline` and `allow_non_commercial` hold too where ``MOSEG_OFFLINE`` or ``MOSEG_NON_COMMERCIAL`` is set.
+
+    Raises
+    ------
+    InputError
+        The user's ``weights.json`` cannot be read.
+    """
+    folder = weights_folder(env)
+    return Weights(
+        folder,
+        {item.name: item for item in (*CATALOGUE, *read_own_items(folder))},
+        offline=offline or env.get(OFFLINE_VARIABLE, "").lower() not in _NO,
+        allow_non_commercial=allow_non_commercial or env.get(NON_COMMERCIAL_VARIABLE, "").lower() not in _NO,
+        token=env.get(TOKEN_VARIABLE) or None,
+        quiet=quiet,
+    )
+
+
+class Weights:
+    """Weights items, each in a folder of its name.
+
+    Attributes
+    ----------
+    folder : Path
+        The folder of all items' folders.
+    items : dict of str to WeightsItem
+        The catalogue's and the user's, by name.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        items: Mapping[str, WeightsItem],
+        offline: bool = False,
+        allow_non_commercial: bool = False,
+        token: str | None = None,
+        quiet: bool = False,
+    ):
+        self.folder = folder
+        self.items = items
+        self._offline = offline
+        self._allow_non_commercial = allow_non_commercial
+        self._token = token
+        self._quiet = quiet
+
+    def item(self, name: str) -> WeightsItem:
+        """The item of a name; raises InputError where there is none."""
+        if name not in self.items:
+            close = get_close_matches(name, self.items, n=1)
+            expected = close[0] if close else f"one that `moseg backends` lists, or that {OWN_ITEMS} describes"
+            raise InputError("unknown weights item", where=self.folder, got=name, expected=expected)
+        return self.items[name]
+
+    def is_present(self, item: WeightsItem) -> bool:
+        """Whether all files of an item are here; their bytes are not looked at."""
+        return not self._open(item).missing()
+
+    def ensure(self, item: WeightsItem) -> None:
+        """Have all files of an item here: what is missing is fetched.
+
+        Raises
+        ------
+        MissingInputError
+            A file is missing, and there is no address or no network is to be used; names the command that gets it.
+        InputError
+            The licence was not agreed to, a file has a wrong size, or the download failed.
+        """
+        self._check_licence(item)
+        files = self._open(item)
+        files.check_sizes()
+        for file in (missing := files.missing()):
+            if file.url is None or self._offline:
+                raise files.absence(file)
+        if missing:
+            fetch_item(files, self._token, self._quiet)
+
+    def digests(self, item: WeightsItem) -> dict[str, str]:
+        """SHA-256 of every file by its name; from the bytes where nothing says beforehand what it must be.
+
+        Those files are fetched where they are missing. Raises as `ensure` does.
+        """
+        self._check_licence(item)
+        files = self._open(item)
+        if any(files.digest(file) is None for file in item.files):
+            self.ensure(item)
+        return {file.name: files.digest(file) for file in item.files}
+
+    def read(self, item: WeightsItem, digests: Mapping[str, str]) -> "Checkpoint":
+        """What a network is built from; every file is compared with `digests` before it is used.
+
+        Raises
+        ------
+        MissingInputError
+            A file is missing; names the command that gets it.
+        InputError
+            A file is another one than `digests` say, is unreadable, or is written to meanwhile. One that is not what
+            it must be and can be fetched anew is moved aside.
+        """
+        return self._open(item).read(digests)
+
+    def verify(self, item: WeightsItem) -> list[Verdict]:
+        """Every file of an item, hashed now, beside what it must be."""
+        return self._open(item).verify()
+
+    def repair(self, item: WeightsItem) -> None:
+        """Have all files of an item here and right: what is wrong is moved aside and fetched anew.
+
+        Raises as `ensure` does.
+        """
+        self._check_licence(item)
+        self._open(item).refuse_wrong()
+        self.ensure(item)
+
+    def _open(self, item: WeightsItem) -> ItemFolder:
+        return ItemFolder(item, self.folder / item.name)
+
+    def _check_licence(self, item: WeightsItem) -> None:
+        if item.is_non_commercial and not self._allow_non_commercial:
+            got = f"licence {item.licence}"
+            expected = f"--non-commercial, or {NON_COMMERCIAL_VARIABLE}=1, where your use is none"
+            raise InputError("weights for non-commercial use only", where=item.name, got=got, expected=expected)

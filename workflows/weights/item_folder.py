@@ -1,0 +1,143 @@
+"""The files of one weights item: which are here, what they are, and that they are what they must be."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from schemas.errors import InputError, MissingInputError
+from schemas.weights import WeightsFile, WeightsItem
+from workflows.weights.hashing import remembered_sha256, sha256_of
+from workflows.weights.pins import read_pins
+from workflows.weights.reading import file_state, read_checkpoint
+
+if TYPE_CHECKING:
+    from moseg_tasks.networks import Checkpoint
+
+REFUSED_SUFFIX = ".refused"
+
+
+class Verdict(NamedTuple):
+    """A file beside what it must be: `expected` is None where nothing says that, `got` where the file is missing."""
+
+    path: Path
+    expected: str | None
+    got: str | None
+
+    @property
+    def is_wrong(self) -> bool:
+        """Whether the file is there and another one."""
+        return None not in (self.expected, self.got) and self.expected != self.got
+
+
+class ItemFolder:
+    """One item and the folder of its files; looks at the folder anew each time it is asked."""
+
+    def __init__(self, item: WeightsItem, path: Path):
+        self.item = item
+        self.path = path
+
+    def missing(self) -> list[WeightsFile]:
+        """Files that are not here, or came from an address that is no longer the item's."""
+        pins = read_pins(self.path)
+        return [file for file in self.item.files if pins.is_outdated(file) or not (self.path / file.name).is_file()]
+
+    def check_sizes(self) -> None:
+        """Raise InputError for a file that is here in another size than it must have."""
+        pins = read_pins(self.path)
+        for file in self.item.files:
+            path, pin = self.path / file.name, pins.of(file)
+            size = pin.size if pin is not None and file.sha256 is None else file.size
+            if path.is_file() and not pins.is_outdated(file) and size not in (None, path.stat().st_size):
+                raise self._refusal(file, f"{path.stat().st_size} bytes", f"{size} bytes")
+
+    def digest(self, file: WeightsFile) -> str | None:
+        """SHA-256 that a file must have, else that of its bytes; None where it is not here either."""
+        path, pinned = self.path / file.name, self._pinned(file)
+        if pinned is None and path.is_file() and file not in self.missing():
+            return remembered_sha256(path)
+        return pinned
+
+    def verify(self) -> list[Verdict]:
+        """Every file, hashed now, beside what it must be."""
+        return [Verdict(path, self._pinned(file), _hash(path)) for file, path in self._paths()]
+
+    def refuse_wrong(self) -> None:
+        """Move aside every file that is not what it must be and can be fetched anew."""
+        for file, verdict in zip(self.item.files, self.verify(), strict=True):
+            if verdict.is_wrong and file.url is not None:
+                _move_aside(verdict.path)
+
+    def read(self, digests: Mapping[str, str]) -> "Checkpoint":
+        """What a network is built from; see `Weights.read`."""
+        names = [file.name for file in self.item.files]
+        if set(digests) != set(names):
+            got, expected = ", ".join(sorted(names)), ", ".join(sorted(digests))
+            raise InputError("other weights files", where=f"weights {self.item.name}", got=got, expected=expected)
+        states = {}
+        for file, path in self._paths():
+            states[path] = file_state(path) if path.is_file() else None
+            got = _hash(path)
+            if got is None:
+                raise self.absence(file)
+            if got != digests[file.name]:
+                if got != (self._pinned(file) or got):
+                    raise self._refusal(file, f"SHA-256 {got}", self._pinned(file))
+                expected = f"{digests[file.name]}, as when the run began"
+                raise InputError("another weights file", where=path, got=f"SHA-256 {got}", expected=expected)
+        checkpoint = read_checkpoint(self.item, self.path)
+        for path, state in states.items():
+            if file_state(path) != state:
+                raise InputError("a weights file was written to while it was read", where=path)
+        return checkpoint
+
+    def absence(self, file: WeightsFile) -> MissingInputError:
+        """That a file is not here, and how to get it."""
+        expected = f"`{fetch_command(self.item)}`, with a network"
+        if file.url is None:
+            expected = "your file: its item names no address"
+        return MissingInputError(
+            f"weights {self.item.name} are not here", where=self.path / file.name, expected=expected
+        )
+
+    def _paths(self) -> list[tuple[WeightsFile, Path]]:
+        return [(file, self.path / file.name) for file in self.item.files]
+
+    def _pinned(self, file: WeightsFile) -> str | None:
+        """The digest that the item gives, else what the first download was found to have."""
+        if file.sha256 is not None:
+            return file.sha256
+        pin = read_pins(self.path).of(file)
+        return pin.sha256 if pin is not None else None
+
+    def _refusal(self, file: WeightsFile, got: str, expected: str) -> InputError:
+        """That a file is a wrong one; it is moved aside where it can be fetched anew."""
+        path = self.path / file.name
+        if file.url is not None:
+            expected = f"{expected}; {_move_aside(path)}, `{fetch_command(self.item)}` gets the right one"
+        return InputError("a wrong weights file", where=path, got=got, expected=expected)
+
+
+def fetch_command(item: WeightsItem) -> str:
+    """The command that gets an item."""
+    return f"moseg weights fetch {item.name}{' --non-commercial' if item.is_non_commercial else ''}"
+
+
+def _move_aside(path: Path) -> str:
+    """Take a file out of service; says in what way."""
+    aside = path.with_name(path.name + REFUSED_SUFFIX)
+    try:
+        os.replace(path, aside)
+    except OSError as error:
+        return f"it could not be moved aside ({error.strerror})"
+    return f"it is moved to {aside.name}"
+
+
+def _hash(path: Path) -> str | None:
+    """SHA-256 of a file; None where there is none."""
+    if not path.is_file():
+        return None
+    try:
+        return sha256_of(path)
+    except OSError as error:
+        raise InputError("unreadable weights file", where=path, got=error.strerror) from error

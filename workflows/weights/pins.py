@@ -1,0 +1,64 @@
+"""What the first download of a file without a published checksum was found to be, enforced from then on."""
+
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from schemas.errors import InputError
+from schemas.frozen import Frozen
+from schemas.weights import PINS, Sha256, WeightsFile
+from workflows.exports.atomic_write import atomic_path, blame_output
+
+
+class FilePin(Frozen):
+    """Digest and size of what an address gave."""
+
+    source: str
+    sha256: Sha256
+    size: int
+
+
+class Pins(Frozen):
+    """The pins of one item.
+
+    Attributes
+    ----------
+    commits : dict of str to str
+        By ``<repository>@<branch>`` of the hub: the commit from which all its files are taken.
+    files : dict of str to FilePin
+        By name of the file.
+    """
+
+    commits: dict[str, str] = {}
+    files: dict[str, FilePin] = {}
+
+    def of(self, file: WeightsFile) -> FilePin | None:
+        """The pin of a file; None where there is none, or the file comes from elsewhere by now."""
+        pin = self.files.get(file.name)
+        return pin if pin is not None and pin.source == file.url else None
+
+    def is_outdated(self, file: WeightsFile) -> bool:
+        """Whether what was downloaded came from an address that is no longer the file's, and nothing else tells."""
+        is_unknown = file.url is not None and file.sha256 is None
+        return is_unknown and file.name in self.files and self.of(file) is None
+
+
+def read_pins(folder: Path) -> Pins:
+    """The pins of the item in a folder; none where nothing was pinned.
+
+    Raises InputError where they cannot be read.
+    """
+    path = folder / PINS
+    try:
+        return Pins.model_validate_json(path.read_bytes())
+    except (FileNotFoundError, NotADirectoryError):
+        return Pins()
+    except (OSError, ValidationError) as error:
+        expected = "what a download wrote; delete the file and those beside it to fetch them anew"
+        raise InputError("unreadable pins", where=path, expected=expected) from error
+
+
+def write_pins(folder: Path, pins: Pins) -> None:
+    """Put pins in place of those of the item in a folder."""
+    with atomic_path(folder / PINS) as temporary, blame_output(folder / PINS):
+        temporary.write_text(pins.model_dump_json(indent=2) + "\n", encoding="utf-8")

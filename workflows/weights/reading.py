@@ -1,0 +1,80 @@
+"""From a weights item's files to what a network is built from."""
+
+import os
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from schemas.errors import InputError
+from schemas.weights import TENSOR_SUFFIXES, WeightsItem
+
+if TYPE_CHECKING:
+    import torch
+
+    from moseg_tasks.networks import Checkpoint
+
+
+def read_checkpoint(item: WeightsItem, folder: Path) -> "Checkpoint":
+    """Tensors and documents of an item whose files were checked.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read as what its name says, or changed meanwhile.
+    """
+    from moseg_tasks.networks import Checkpoint
+
+    tensors: Mapping[str, torch.Tensor] = {}
+    documents = {}
+    for file in item.files:
+        path = folder / file.name
+        if file.name.endswith(TENSOR_SUFFIXES):
+            tensors = _read_tensors(path, item.name)
+        else:
+            documents[file.name] = _read_document(path)
+    return Checkpoint(item.name, tensors, documents, item.config)
+
+
+def _read_tensors(path: Path, name: str) -> "Mapping[str, torch.Tensor]":
+    if path.suffix == ".safetensors":
+        return _read_safetensors(path)
+    import torch
+
+    from moseg_tasks.networks import unwrap_state
+
+    try:
+        # Mapped, not read: published checkpoints hold more than the network, an optimiser's state above all.
+        content = torch.load(path, weights_only=True, map_location="cpu", mmap=zipfile.is_zipfile(path))
+    # What a damaged or foreign file raises is of no common kind: pickle's, zip's and torch's own errors, built-in ones.
+    except Exception as error:
+        expected = "tensors saved by torch and nothing that would have to be run"
+        raise InputError("unreadable weights", where=path, got=_first_line(error), expected=expected) from error
+    return unwrap_state(content, name)
+
+
+def _read_safetensors(path: Path) -> "Mapping[str, torch.Tensor]":
+    from safetensors import SafetensorError
+    from safetensors.torch import load_file
+
+    try:
+        return load_file(path)
+    except (SafetensorError, OSError, ValueError) as error:
+        raise InputError("unreadable weights", where=path, got=_first_line(error), expected="safetensors") from error
+
+
+def _read_document(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError("unreadable file", where=path, got=_first_line(error), expected="UTF-8 text") from error
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).partition("\n")[0] or type(error).__name__
+
+
+def file_state(path: Path) -> tuple[int, int, int]:
+    """What changes when a file is written to or another one takes its place."""
+    stat = os.stat(path)
+    return stat.st_ino, stat.st_size, stat.st_mtime_ns

@@ -1,0 +1,49 @@
+"""The one network that a process keeps: loaded when a task first asks for it, given up when a task asks for another."""
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TypeVar
+
+from workflows.devices import current_device, network_context
+from workflows.stages.inputs import ArtifactView
+from workflows.weights.folder import open_weights
+
+Network = TypeVar("Network")
+
+_RESIDENT: list[tuple[tuple[str, str, str], object]] = []
+
+
+@contextmanager
+def open_network(build: Callable[..., Network], weights: ArtifactView) -> Iterator[Network]:
+    """The network that `build` makes of a checkpoint, on this process's device and ready to run.
+
+    Parameters
+    ----------
+    build : function of a `moseg_tasks.networks.Checkpoint`
+    weights : ArtifactView
+        The leaf that names the weights item and the digest of each of its files.
+
+    Raises
+    ------
+    InputError
+        A file of the item is missing here, is not the one whose digest the leaf names, or does not fit the network.
+    """
+    device = current_device()
+    wanted = (weights.ref, f"{build.__module__}.{build.__qualname__}", str(device))
+    if not _RESIDENT or _RESIDENT[0][0] != wanted:
+        # Given up first: two networks at once may not fit.
+        _RESIDENT.clear()
+        leaf = weights.attributes
+        # What a task reads was fetched before the tasks were started; a worker never uses the network.
+        folder = open_weights(os.environ, offline=True, allow_non_commercial=True)
+        item = folder.item(leaf["item"]).model_copy(update={"config": leaf["config"]})
+        checkpoint = folder.read(item, leaf["files"])
+        _RESIDENT.append((wanted, build(checkpoint).to(device)))
+    with network_context(device):
+        yield _RESIDENT[0][1]
+
+
+def made_on() -> dict[str, str]:
+    """What a network's result remembers of its making: it is no part of the key, and other devices round otherwise."""
+    return {"device": str(current_device())}

@@ -1,0 +1,80 @@
+"""A folder of tiny random checkpoints: every network runs in a moment, and finds nothing worth having."""
+
+from collections.abc import Iterable
+from importlib import import_module
+from pathlib import Path
+
+from schemas.errors import InputError
+from schemas.weights import WeightsFile, WeightsItem, WeightsList
+from workflows.exports.atomic_write import atomic_path, blame_output
+from workflows.weights.own_items import OWN_ITEMS, read_own_items
+from workflows.weights.tiny.checkpoint import TinyCheckpoint
+
+TINY_LICENCE = "none: random numbers"
+MODULES = {"ram_plus": "ram"}
+"""Where the maker of an architecture does not lie in a module of its name."""
+
+
+def make_tiny(folder: Path, items: Iterable[WeightsItem], seed: int) -> tuple[WeightsItem, ...]:
+    """Write a tiny checkpoint for each item, and ``weights.json`` that puts them in place of the catalogue's.
+
+    Tiny checkpoints of other items that the folder holds stay.
+
+    Parameters
+    ----------
+    folder : Path
+        What ``$MOSEG_WEIGHTS`` is then set to; made where there is none.
+    seed : int
+        The same one gives the same files.
+
+    Returns
+    -------
+    tuple of WeightsItem
+        What was made.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written, or its ``weights.json`` describes weights of the user's.
+    """
+    described = {item.name: item for item in _tiny_items(folder)}
+    made: dict[str, TinyCheckpoint] = {}
+    written = []
+    for item in items:
+        if item.architecture not in made:
+            made[item.architecture] = _make(item.architecture, seed)
+        tiny = made[item.architecture]
+        for name, content in tiny.files.items():
+            _write(folder / item.name / name, content)
+        described[item.name] = WeightsItem(
+            name=item.name,
+            architecture=item.architecture,
+            licence=TINY_LICENCE,
+            files=tuple(WeightsFile(name=name) for name in tiny.files),
+            config=tiny.config,
+        )
+        written.append(described[item.name])
+    content = WeightsList(items=tuple(described.values()))
+    # Last: what it names is there.
+    _write(folder / OWN_ITEMS, (content.model_dump_json(indent=2, exclude_defaults=True) + "\n").encode("utf-8"))
+    return tuple(written)
+
+
+def _make(architecture: str, seed: int) -> TinyCheckpoint:
+    module = import_module(f"workflows.weights.tiny.{MODULES.get(architecture, architecture)}")
+    return getattr(module, f"make_{architecture}")(seed)
+
+
+def _tiny_items(folder: Path) -> list[WeightsItem]:
+    """Tiny checkpoints that the folder holds; raises InputError where it also holds the user's own weights."""
+    items = list(read_own_items(folder))
+    own = [item.name for item in items if item.licence != TINY_LICENCE]
+    if own:
+        got, expected = f"items of your own: {', '.join(own)}", "another folder"
+        raise InputError("tiny checkpoints would take the place of weights", where=folder, got=got, expected=expected)
+    return items
+
+
+def _write(path: Path, content: bytes) -> None:
+    with atomic_path(path) as temporary, blame_output(path):
+        temporary.write_bytes(content)
