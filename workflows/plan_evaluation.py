@@ -1,10 +1,11 @@
 """What an evaluation would compute and reuse, with nothing computed or stored."""
 
-import os
 from collections.abc import Sequence
 
 from schemas.configs import PipelineConfig, Variant
-from schemas.errors import CorruptArtifactError, MissingArtifactError
+from schemas.digests import digest_json
+from schemas.errors import CorruptArtifactError, MissingArtifactError, MissingInputError
+from schemas.recipes import leaf_recipe
 from store import ArtifactStore
 from workflows.datasets import SequenceSource
 from workflows.graph import SequenceGraph
@@ -12,7 +13,7 @@ from workflows.ingest import IngestJob, preview_ingest, recall_ingest
 from workflows.leaves import ingest_jobs, make_leaves
 from workflows.planning import make_plan
 from workflows.session import StageUse
-from workflows.weights.folder import open_weights
+from workflows.weights.folder import Weights
 from workflows.weights.leaf import weights_leaf
 from workflows.weights.needed import needed_items
 
@@ -30,15 +31,14 @@ def plan_evaluation(
     sources: Sequence[SequenceSource],
     config: PipelineConfig,
     variants: Sequence[Variant],
+    folder: Weights,
 ) -> dict[str, StageUse]:
     """Artifacts to compute and to reuse by stage.
 
-    Frames that were never ingested are decoded, because keys are digests of what files decode to.
+    Frames that were never ingested are decoded, because keys are digests of what files decode to. With weights that are
+    neither here nor pinned nothing can have been made.
     """
-    folder = open_weights(os.environ, offline=True)
-    weights = {
-        name: weights_leaf(folder, name, architecture)[0].ref for name, architecture in needed_items(config).items()
-    }
+    weights = {name: _plan_weights(folder, name, needed) for name, needed in needed_items(config).items()}
     recipes, sinks, num_ingests = {}, [], 0
     for source in sources:
         ingested = {}
@@ -57,6 +57,14 @@ def plan_evaluation(
         computed["ingest"] = num_ingests
     names = dict.fromkeys([*computed, *reused])
     return {name: StageUse(computed[name], reused[name], 0.0) for name in names}
+
+
+def _plan_weights(folder: Weights, name: str, architecture: str) -> str:
+    """Reference of a weights item's leaf; one that nothing was made with where its digest is not known yet."""
+    try:
+        return weights_leaf(folder, name, architecture)[0].ref
+    except MissingInputError:
+        return leaf_recipe("weights", digest_json("absent", name)).ref
 
 
 def _recall(store: ArtifactStore | EmptyStore, job: IngestJob) -> dict | None:

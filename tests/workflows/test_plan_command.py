@@ -64,3 +64,14 @@ def test_the_same_parameter_counts_where_the_method_reads_it(evaluated_copy, mos
     assert moseg(*evaluated_copy.arguments, "--store", evaluated_copy.store, "--set", fusion).code == 0
     assert plan(evaluated_copy.store, fusion)[0] == 0
     assert plan(evaluated_copy.store, fusion, "clustering.co_regularisation=0.3")[0] > 0
+
+
+def test_networks_can_be_planned_before_their_weights_are_here(evaluated, moseg, tmp_path, monkeypatch):
+    monkeypatch.setenv("MOSEG_WEIGHTS", str(tmp_path / "weights"))
+    options = [word for word in evaluated.arguments[1:] if word != "--quiet"]
+    ran = moseg("plan", *options, "--store", evaluated.store, "--preset", "paper")
+    assert (ran.code, ran.err) == (0, "")
+    assert re.search(r"│ detections +│ +3 │ +0 │", ran.out)
+    (line,) = (line for line in ran.out.splitlines() if line.startswith("weights to fetch"))
+    assert "moseg weights fetch ram grounding-dino-tiny" in line
+    assert not (tmp_path / "weights").exists()

@@ -10,6 +10,7 @@ from PIL import Image
 
 from schemas.configs import PipelineConfig
 from schemas.presets import PRESETS
+from store import open_store
 from workflows.weights.needed import needed_items
 
 NUM_FRAMES = 12
@@ -185,3 +186,17 @@ def _damage(path, how):
     else:
         inner["an_unknown.weight"] = torch.zeros(3)
     save_file(tensors, path) if is_safe else torch.save(tensors, path)
+
+
+def test_two_workers_give_the_bytes_of_one_process(segment, moseg, video, tmp_path):
+    assert segment("--preset", "paper")[1].code == 0
+    arguments = ("--store", tmp_path / "other", "--out", tmp_path / "out", "--quiet", *SECTIONS)
+    assert moseg("segment", video, *arguments, "--preset", "paper", "--workers", "2").code == 0
+    assert _contents(tmp_path / "other") == _contents(tmp_path / "store")
+
+
+def _contents(path):
+    """Every artifact of a store: the digests of its arrays, and its results."""
+    store = open_store(str(path), create=False)
+    manifests = {ref: store.manifest(ref) for ref in store.refs()}
+    return {ref: ([entry.digest for entry in found.arrays], found.attributes) for ref, found in manifests.items()}

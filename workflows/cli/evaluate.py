@@ -1,5 +1,7 @@
 """`moseg eval`, `moseg ablate` and `moseg plan`."""
 
+import os
+
 from schemas.configs import PipelineConfig, Variant
 from schemas.errors import MissingStoreError
 from workflows.cli.options import (
@@ -57,6 +59,8 @@ def plan(
     from store import open_store
     from workflows.cli.tables import print_stages
     from workflows.plan_evaluation import EmptyStore, plan_evaluation
+    from workflows.weights.folder import open_weights
+    from workflows.weights.needed import needed_items
 
     config, folders = pipeline.read()
     _, sources = _open(data, config, folders)
@@ -64,10 +68,14 @@ def plan(
         opened = open_store(store, create=False)
     except MissingStoreError:
         opened = EmptyStore()
-    stages = plan_evaluation(opened, sources, config, tuple(variant or (Variant.FUSED,)))
+    weights = open_weights(os.environ, offline=True, allow_non_commercial=True)
+    stages = plan_evaluation(opened, sources, config, tuple(variant or (Variant.FUSED,)), weights)
     print_stages(stages)
     computed, reused = (sum(use[i] for use in stages.values()) for i in (0, 1))
     print(f"{computed} artifacts to compute, {reused} to reuse")
+    absent = [name for name in needed_items(config) if not weights.is_present(weights.item(name))]
+    if absent:
+        print(f"weights to fetch: {', '.join(absent)} (moseg weights fetch {' '.join(absent)})")
 
 
 def _evaluate(
@@ -103,7 +111,12 @@ def _open(data: DataOptions, config: PipelineConfig, folders: dict[str, str]):
 
 def _notes(config: PipelineConfig, variants: tuple[Variant, ...]) -> tuple[str, ...]:
     """What a reader must know to read the figures rightly."""
-    notes = [f"proposals {config.proposal_source}, flow {config.flow.method}, tracks {config.tracks.method}"]
+    proposals = config.proposal_source
+    if proposals == "detections":
+        chosen = config.detections
+        named = chosen.tagger if chosen.tags is None else f"tags {', '.join(chosen.tags)}"
+        proposals += f" ({named}; grounding-dino; {chosen.masks}; {chosen.tracker})"
+    notes = [f"proposals {proposals}, flow {config.flow.method}, tracks {config.tracks.method}"]
     if config.depth.method == "none":
         without = [variant.value for variant in (Variant.FUSED, Variant.OC_DEPTH, Variant.OC) if variant in variants]
         if without:
