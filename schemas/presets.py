@@ -12,6 +12,7 @@ GEOMETRIES: Mapping[str, Choices] = {
         "fundamental": {
             "estimator": "eight_point_ransac",
             "num_samples": 200,
+            "num_refits": 1,
             "degenerate": "discard",
             "statistic": "mean",
         },
@@ -19,7 +20,8 @@ GEOMETRIES: Mapping[str, Choices] = {
         "clustering": {"grouping": "spectral", "fusion": "coregularised", "auto": "eigengap"},
     },
 }
-"""`paper`: Huang, Chen and Zelek, sections 3.3 to 3.5; the number of motions is theirs with ``--motions gt``."""
+"""`paper`: Huang, Chen and Zelek, sections 3.3 to 3.5, with the flow model corrected; with ``--motions gt`` the number of
+motions is theirs."""
 
 GEOMETRY_STAGES = ("fundamental", "affinity", "clustering")
 

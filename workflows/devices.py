@@ -79,6 +79,8 @@ def network_context(device: "torch.device") -> Iterator[None]:
         if device.type == "cuda":
             # Kernels that name no device follow the current one.
             stack.enter_context(torch.cuda.device(device))
+            # What a kernel keeps in single precision is not to be done in TF32, with ten bits.
+            torch.backends.cudnn.allow_tf32 = False
             stack.enter_context(torch.autocast("cuda", dtype=torch.float16))
         yield
 

@@ -4,7 +4,7 @@ A `SequenceGraph` only writes recipes; it neither looks into the store nor compu
 the same recipe, whichever variant or run asks.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from typing import NamedTuple
 
 from schemas.configs import PipelineConfig, Variant
@@ -223,7 +223,7 @@ class SequenceGraph:
         section = self._sections[index]
         frames = self.leaves.frames[section.start : self._proposal_stop(index)]
         tracker = self._config.detections.tracker
-        params, weights = self._network(tracker)
+        params, weights = self._network(tracker, unread={"boxes_per_pass"})
         inputs = {"frames": frames, "seeds": self._seeds(index), "weights": weights}
         return self._node("proposals", tracker, params, inputs)
 
@@ -238,7 +238,7 @@ class SequenceGraph:
     def instances(self, frame: int) -> str:
         """Reference of the objects that the networks find in one frame."""
         image, masks = self.leaves.frames[frame], self._config.detections.masks
-        params, weights = self._network(masks)
+        params, weights = self._network(masks, unread={"objects_per_pass", "memory_reach"})
         params["instances"] = self._config.instances.model_dump(mode="json")
         inputs = {"frame": image, "detections": self._detections(image), "weights": weights}
         return self._node("instances", masks, params, inputs)
@@ -337,11 +337,11 @@ class SequenceGraph:
         fits = self._node("flow_model", "least-squares", params, inputs)
         return self._node("flow_residual", "mean-squared-error", {}, {"fits": fits})
 
-    def _network(self, method: str) -> tuple[dict, str]:
-        """The parameters that a network reads, under its name, and its weights."""
+    def _network(self, method: str, unread: Set[str] = frozenset()) -> tuple[dict, str]:
+        """The parameters that a network reads, under its name, and its weights; `unread` are of its other uses."""
         name = method.replace("-", "_")
         params: Frozen = getattr(self._config, name)
-        return {name: params.model_dump(mode="json", exclude={"weights"})}, self._weights(params.weights)
+        return {name: params.model_dump(mode="json", exclude={"weights", *unread})}, self._weights(params.weights)
 
     def _weights(self, item: str) -> str:
         return self.leaves.weights[item]

@@ -24,7 +24,9 @@ def predict_dpt_dinov2(model: DPTForDepthEstimation, images: np.ndarray, params:
     padded = functional.pad(pixels, (left, right, top, bottom))
     depth = model(padded).predicted_depth.float()
     # Inverted before it is resized: inverse depth, not depth, is linear over a plane's image.
-    inverse = resize_maps(1 / depth.clamp(min=params.nearest), tuple(padded.shape[2:]))
+    # The inverse of an overflow would pass for what is infinitely far.
+    inverse = torch.where(depth.isfinite(), 1 / depth.clamp(min=params.nearest), torch.nan)
+    inverse = resize_maps(inverse, tuple(padded.shape[2:]))
     inverse = inverse[:, top : top + inner[0], left : left + inner[1]]
     return resize_maps(inverse, (height, width))
 

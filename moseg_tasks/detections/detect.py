@@ -69,7 +69,7 @@ def detect_objects(
     prompts = compose_prompts(detector.tokenizer, tags, params.tags_per_prompt, model.config.max_text_len)
     if not prompts:
         return Detections(np.zeros((0, 4), np.float32), np.zeros(0), ())
-    pixels = frame_tensor(image, detector.input_size(height, width, params.resolution), model.device)
+    pixels = frame_tensor(image, detector.input_size(height, width, params.input_scale), model.device)
     with torch.inference_mode(), torch.autocast(model.device.type, enabled=False):
         found = [_run_prompt(model, pixels, prompt, params) for prompt in prompts]
     names = np.array([name for prompt in prompts for name in prompt.tags])

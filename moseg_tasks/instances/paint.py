@@ -22,17 +22,19 @@ class Painted(NamedTuple):
     order: np.ndarray
 
 
-def paint_instances(masks: np.ndarray, scores: np.ndarray) -> Painted:
+def paint_instances(masks: np.ndarray, scores: np.ndarray, min_area: float = 0.0) -> Painted:
     """Give each pixel to one object.
 
     Where masks overlap the pixel goes to the smallest: a small object in a large one's mask is in front of it, or was
-    found for itself, while the large one is still seen around it. A mask of which nothing is left becomes no object.
+    found for itself, while the large one is still seen around it. A mask of which too little is left becomes no object.
 
     Parameters
     ----------
     masks : bool (n, y, x)
     scores : floating (n,)
         Of two equal ones the first is better.
+    min_area : float
+        Least area that must be left of an object, share of the frame; a pixel in any case.
 
     Raises
     ------
@@ -50,6 +52,7 @@ def paint_instances(masks: np.ndarray, scores: np.ndarray) -> Painted:
     # The largest first; of equal ones the better last, so that it is on top.
     for rank in np.lexsort((-np.arange(len(ranked)), -areas)):
         labels[masks[ranked[rank]]] = rank + 1
-    is_seen = np.bincount(labels.ravel(), minlength=len(ranked) + 1)[1:] > 0
+    left = np.bincount(labels.ravel(), minlength=len(ranked) + 1)[1:]
+    is_seen = (left > 0) & (left >= min_area * labels.size)
     renumbered = np.concatenate([[0], np.cumsum(is_seen) * is_seen]).astype(np.uint16)
     return Painted(renumbered[labels], ranked[is_seen])

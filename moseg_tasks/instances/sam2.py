@@ -56,5 +56,5 @@ def segment_boxes_sam2(
                 output = model(image_embeddings=embeddings, input_boxes=some[None], multimask_output=False)
                 logits = functional.interpolate(output.pred_masks[0], size=size, mode="bilinear")
                 masks.append((logits[:, 0] > 0).cpu().numpy())
-                quality.append(output.iou_scores[0, :, 0].double().cpu().numpy())
+                quality.append(output.iou_scores[0, :, 0].cpu().double().numpy())
     return np.concatenate(masks), np.concatenate(quality)

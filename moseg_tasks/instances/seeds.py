@@ -48,10 +48,12 @@ def merge_seeds(
     tracked identity, and the tracked mask or, with `params.refresh`, the found one. A tracked object without a match
     goes on as it is while it is seen at all: that it was not detected does not mean that it left. A found one without a
     match is a newcomer, with an identity that none had before, where enough of it is free of all those; the rest of it
-    is left to them.
+    is left to them. Tracked masks of a size that no object has (`params.min_area`, `max_area`) are given up first.
 
-    The paper proposes objects anew in every section and does not say how they are linked; it builds on SAM-Track, which
-    keeps the tracked masks and adds what is new in the background, as here without `params.refresh`.
+    An object without a pixel in this frame has ended: when it comes back it is a newcomer.
+
+    The paper proposes objects anew in every section and does not say how they are linked. SAM-Track, on which it
+    builds, keeps the tracked masks and adds what is new in the background, as here without `params.refresh`.
 
     Parameters
     ----------
@@ -79,6 +81,7 @@ def merge_seeds(
         tracked, tracked_identities = np.zeros_like(found), np.zeros(0, np.uint16)
     _check(tracked, tracked_identities, num_identities, found, found_scores)
     num_tracked = len(tracked_identities)
+    tracked = _plausible(tracked, num_tracked, params)
     matched = _match(count_overlaps(tracked[None], found[None], num_tracked, len(found_scores)), params.min_iou)
 
     # Labels below are tracked ones, then one more for each newcomer.
@@ -86,7 +89,7 @@ def merge_seeds(
     if params.refresh:
         labels[np.isin(labels, list(matched))] = 0
         for label, match in matched.items():
-            labels[found == match] = label
+            labels[(found == match) & (labels == 0)] = label
     newcomers = _newcomers(labels, found, found_scores, set(matched.values()), params)
     most = np.iinfo(np.uint16).max
     if num_identities + len(newcomers) > most:
@@ -98,6 +101,13 @@ def merge_seeds(
     identities = np.concatenate([tracked_identities, num_identities + 1 + np.arange(len(newcomers))])
     sources = [*(matched.get(label, 0) for label in range(1, num_tracked + 1)), *newcomers]
     return _by_identity(labels, identities, np.array(sources, np.uint16), found_scores, num_identities + len(newcomers))
+
+
+def _plausible(tracked: np.ndarray, num_tracked: int, params: SeedParams) -> np.ndarray:
+    """The tracked labels without those of a size that no object has."""
+    share = np.bincount(tracked.ravel(), minlength=num_tracked + 1) / tracked.size
+    kept = (share >= params.min_area) & (share <= params.max_area)
+    return np.where(kept[tracked], tracked, 0).astype(np.uint16)
 
 
 def _match(overlaps: np.ndarray, min_iou: float) -> dict[int, int]:

@@ -79,5 +79,5 @@ def _advance(
             labels[logits > surest] = label
             surest = torch.maximum(surest, logits)
         # One of the places of the mask memory is the first frame's.
-        forget_past(session, index, model.config.num_maskmem - 1, params.memory_frames)
+        forget_past(session, index, model.config.num_maskmem - 1, params.memory_reach)
     return labels.cpu().numpy().astype(np.uint16)

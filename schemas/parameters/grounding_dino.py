@@ -25,7 +25,7 @@ class GroundingDinoParams(Frozen):
     nms_iou: float = Field(0.5, ge=0, le=1, description="overlap (IoU) with a better box above which a box is dropped")
     nms_per_tag: bool = Field(False, description="only boxes of one name compete; else those of all names")
     max_boxes: int = Field(100, ge=1, description="boxes kept at most, best score first")
-    resolution: float = Field(
+    input_scale: float = Field(
         1.0,
         ge=0.3,
         le=1,

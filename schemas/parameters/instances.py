@@ -37,7 +37,11 @@ class SeedParams(Frozen):
         0.5, gt=0, le=1, description="least overlap (IoU) of a found mask with the tracked object it is"
     )
     refresh: bool = Field(
-        False, description="a tracked object that is found again goes on with the found mask; else with the tracked one"
+        True, description="a tracked object that is found again goes on with the found mask; else with the tracked one"
+    )
+    min_area: float = Field(0.0001, ge=0, le=1, description="a tracked mask below this is lost, share of the frame")
+    max_area: float = Field(
+        0.8, gt=0, le=1, description="a tracked mask above this has leaked, share of the frame; 1: none has"
     )
     newcomer_share: float = Field(
         0.8, gt=0, le=1, description="share of a found object that must be free of tracked ones to make it a newcomer"

@@ -13,11 +13,11 @@ class PipsParams(Frozen):
         640,
         ge=32,
         multiple_of=8,
-        description="longer side at which the network sees the frames, px; 640 is that of its published evaluation",
+        description="longer frames are shrunk to this for the network, px; 640 is the side of its published evaluation",
     )
     iterations: int = Field(6, ge=1, description="steps of refinement of a window")
     min_visibility: float = Field(
-        0.5, ge=0, le=1, description="a track ends where the network's probability that its point is seen is below this"
+        0.5, ge=0, le=1, description="a track ends where its point is less likely seen than this (our choice)"
     )
     points_per_pass: int = Field(
         256, ge=1, description="points followed at once: memory grows with it, about 0.5 MB a point"

@@ -13,7 +13,7 @@ class Sam2Params(Frozen):
     objects_per_pass: int = Field(
         8, ge=1, description="objects whose masks are put to memory together: a bound on memory"
     )
-    memory_frames: int = Field(
+    memory_reach: int = Field(
         15,
         ge=1,
         description="frames back that the memory of an object reaches, beside its first; the network itself looks at "

@@ -15,7 +15,9 @@ class TrackParams(Frozen):
     )
     points_per_object: int = Field(60, ge=8, description="points kept in each object")
     background_points: int = Field(160, ge=8, description="points kept in the background, spread over the frame")
-    resample_every: int = Field(8, ge=1, description="frames between checks of a point against its object's mask")
+    resample_every: int = Field(
+        8, ge=1, description="frames between checks of a point against its object's mask; with pips 7 at most"
+    )
     border: int = Field(6, ge=0, description="points nearer than this to the frame's border are removed, px")
     corner_fraction: float = Field(
         0.7, ge=0, le=1, description="share of the points that are Shi-Tomasi corners; the others are k-medoids"

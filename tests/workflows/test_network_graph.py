@@ -15,7 +15,7 @@ FIRST_FRAME = ["tags", "detections", "instances", "seeds", "proposals"]
 BEHIND_FLOW = {"flow", "flow_model", "flow_residual"} | GROUPS
 BEHIND_DEPTH = {"depth", "flow_model", "flow_residual"} | GROUPS
 BEHIND_TRACKS = {"tracks", "fundamental", "fundamental_residual"} | GROUPS
-GOLDEN = {"paper": "fc5f8e5d8220eeac", "modern": "f4f4efa127fcb426"}
+GOLDEN = {"paper": "10f4fb43014ea1fb", "modern": "e4292075e4ab641d"}
 
 
 def _ref(task, text):
@@ -81,7 +81,8 @@ def test_weights_of_the_trackers_and_masks_move_them_alone():
         ({"tracks__window": 21}, set()),
         ({"tracks__border": 9}, BEHIND_TRACKS),
         ({"flow__preset": "fast"}, set()),
-        ({"sam2__memory_frames": 3}, set()),
+        ({"sam2__memory_reach": 3}, set()),
+        ({"sam2__boxes_per_pass": 3}, set()),
         ({"ram__max_tags": 5}, {*FIRST_FRAME} | AFTER_PROPOSALS | GROUPS),
         ({"instances__max_area": 0.5}, {"instances", "seeds", "proposals"} | AFTER_PROPOSALS | GROUPS),
     ],
@@ -150,3 +151,13 @@ def test_keys_are_golden():
         (*_, last) = _graph(_config(preset)).segmentations(Variant.FUSED)
         found[preset] = last.partition("/")[2][:16]
     assert found == GOLDEN
+
+
+def test_sam2_reads_for_boxes_and_for_tracking_what_it_needs_for_each():
+    before = _graph(_config("modern"))
+    moved = {
+        name: _tasks(_graph(_config("modern", **{f"sam2__{name}": 3})).recipes.keys() - before.recipes.keys())
+        for name in ("boxes_per_pass", "memory_reach")
+    }
+    assert "instances" in moved["boxes_per_pass"]
+    assert "proposals" in moved["memory_reach"] and "instances" not in moved["memory_reach"]

@@ -26,8 +26,9 @@ def _outline(build, segment_boxes, network_params, params, inputs):
     tags = inputs["detections"].attributes["tags"]
     with open_network(build, inputs["weights"]) as network:
         masks, _ = segment_boxes(network, inputs["frame"].cached("image"), boxes, network_params)
-    kept = select_instances(masks, scores, InstanceParams(**params["instances"]))
-    painted = paint_instances(masks[kept], scores[kept])
+    instance_params = InstanceParams(**params["instances"])
+    kept = select_instances(masks, scores, instance_params)
+    painted = paint_instances(masks[kept], scores[kept], instance_params.min_area)
     chosen = kept[painted.order]
     return Output(
         {"labels": painted.labels, "scores": scores[chosen]}, {"tags": [tags[index] for index in chosen], **made_on()}

@@ -3,7 +3,8 @@
 from transformers import DPTConfig, DPTForDepthEstimation
 
 from moseg_tasks.networks.checkpoint import Checkpoint
-from moseg_tasks.networks.transformers_model import build_transformers
+from moseg_tasks.networks.transformers_model import CONFIG, build_transformers, read_json
+from schemas.errors import InputError
 
 
 def build_dpt_dinov2(checkpoint: Checkpoint) -> DPTForDepthEstimation:
@@ -16,11 +17,15 @@ def build_dpt_dinov2(checkpoint: Checkpoint) -> DPTForDepthEstimation:
     Raises
     ------
     InputError
-        The checkpoint is not one of this network.
+        The checkpoint is not one of this network; another backbone under the same head would give inverse depth.
 
     References
     ----------
     Oquab et al., "DINOv2: Learning Robust Visual Features without Supervision", TMLR 2024.
     Ranftl, Bochkovskiy, Koltun, "Vision Transformers for Dense Prediction", ICCV 2021.
     """
+    backbone = (read_json(checkpoint, CONFIG).get("backbone_config") or {}).get("model_type")
+    if backbone != "dinov2":
+        where = f"{CONFIG} of weights {checkpoint.name}"
+        raise InputError("another backbone", where=where, got=backbone, expected="dinov2")
     return build_transformers(DPTForDepthEstimation, DPTConfig, checkpoint)

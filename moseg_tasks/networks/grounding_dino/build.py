@@ -35,22 +35,22 @@ class GroundingDino(NamedTuple):
         """The detector with its network on another device."""
         return self._replace(model=self.model.to(device))
 
-    def input_size(self, height: int, width: int, resolution: float) -> tuple[int, int]:
+    def input_size(self, height: int, width: int, input_scale: float) -> tuple[int, int]:
         """Height and width to which a frame is resized, px; rounded as transformers does, so that none differs by one.
 
         Parameters
         ----------
         height, width : int
             Of the frame, px.
-        resolution : float
+        input_scale : float
             Share of the published sides.
         """
-        shorter, longer = round(self.shorter_side * resolution), round(self.longer_side * resolution)
+        shorter, longer = round(self.shorter_side * input_scale), round(self.longer_side * input_scale)
         low, high = sorted((height, width))
         side = float(shorter) if high / low * shorter <= longer else longer * low / high
         if round(side) == low:
             return height, width
-        size = round(side), int(side * high / low)
+        size = max(round(side), 1), int(side * high / low)
         return size if height <= width else size[::-1]
 
 

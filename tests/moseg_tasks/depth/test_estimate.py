@@ -1,4 +1,5 @@
 import io
+import json
 
 import numpy as np
 import pytest
@@ -175,3 +176,22 @@ def test_a_border_is_added_as_by_the_official_preprocessing():
 
     estimate_inverse_depth(Watched(), frame[None], DptDinov2Params())
     torch.testing.assert_close(seen[0], expected, rtol=0, atol=1e-5)
+
+
+def test_an_overflow_is_not_what_is_infinitely_far():
+    class Overflow(Brightness):
+        def forward(self, pixels):
+            super().forward(pixels).predicted_depth[:, 2, 2] = torch.inf
+            return self
+
+    with pytest.raises(InputError, match="not finite"):
+        estimate_inverse_depth(Overflow(), noise(1, 28, 28, 3), DptDinov2Params())
+
+
+def test_dpt_on_another_backbone_is_refused_as_it_gives_inverse_depth():
+    files = make_dpt_dinov2(0).files
+    config = json.loads(files["config.json"])
+    config["backbone_config"]["model_type"] = "dinov2_with_registers"
+    tensors = torch.load(io.BytesIO(files["model.bin"]), weights_only=True)
+    with pytest.raises(InputError, match="dinov2_with_registers; expected dinov2"):
+        build_dpt_dinov2(Checkpoint("tiny", tensors, {"config.json": json.dumps(config)}))

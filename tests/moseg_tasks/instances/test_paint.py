@@ -55,3 +55,14 @@ def test_each_painted_pixel_is_in_its_objects_mask_and_none_is_left_out(masks, s
     for label, index in enumerate(order, start=1):
         assert masks[index][labels == label].all()
     assert (np.diff(scores[order]) <= 0).all()
+
+
+def test_what_is_left_of_a_mask_under_others_is_an_object_only_where_it_is_large_enough():
+    masks = np.zeros((3, 4, 10), bool)
+    masks[0, :, :3], masks[1, :, 4:7] = True, True
+    masks[2] = masks[0] | masks[1]
+    masks[2, 0, 9] = True
+    scores = np.array([0.9, 0.8, 0.7])
+    assert paint_instances(masks, scores).order.tolist() == [0, 1, 2]
+    labels, order = paint_instances(masks, scores, min_area=2 / 40)
+    assert order.tolist() == [0, 1] and labels.max() == 2

@@ -27,15 +27,15 @@ def test_in_the_first_section_all_are_newcomers():
     assert seeds.labels.dtype == seeds.identities.dtype == np.uint16
 
 
-def test_an_object_found_again_keeps_its_identity_and_its_tracked_mask():
-    seeds = merge([[0, 1, 1, 1, 0]], [7], [[1, 1, 1, 0, 0]], [0.9])
+def test_an_object_found_again_can_keep_its_tracked_mask():
+    seeds = merge([[0, 1, 1, 1, 0]], [7], [[1, 1, 1, 0, 0]], [0.9], refresh=False)
     assert seeds.labels.tolist() == [[0, 1, 1, 1, 0]]
     assert seeds.identities.tolist() == [7] and seeds.num_identities == 7
     assert seeds.scores.tolist() == [0.9] and seeds.found.tolist() == [1]
 
 
-def test_a_refreshed_object_keeps_its_identity_and_gets_the_found_mask():
-    seeds = merge([[0, 1, 1, 1, 0]], [7], [[1, 1, 1, 0, 0]], [0.9], refresh=True)
+def test_an_object_found_again_keeps_its_identity_and_gets_the_found_mask():
+    seeds = merge([[0, 1, 1, 1, 0]], [7], [[1, 1, 1, 0, 0]], [0.9])
     assert seeds.labels.tolist() == [[1, 1, 1, 0, 0]]
     assert seeds.identities.tolist() == [7] and seeds.num_identities == 7
 
@@ -70,7 +70,7 @@ def test_what_lies_mostly_on_tracked_objects_is_no_newcomer():
 
 
 def test_objects_are_matched_one_to_one_by_the_largest_overlap():
-    seeds = merge([[1, 1, 1, 1, 0]], [4], [[1, 2, 2, 2, 2]], [0.9, 0.5], min_iou=0.1, newcomer_share=1)
+    seeds = merge([[1, 1, 1, 1, 0]], [4], [[1, 2, 2, 2, 2]], [0.9, 0.5], min_iou=0.1, refresh=False)
     assert seeds.identities.tolist() == [4] and seeds.found.tolist() == [2]
 
 
@@ -120,7 +120,7 @@ maps = hnp.arrays(np.uint16, (4, 5), elements=st.integers(0, 3))
 @given(maps, maps, st.booleans(), st.floats(0.05, 1), st.floats(0.05, 1))
 def test_identities_last_and_are_never_given_twice(tracked, found, refresh, min_iou, share):
     before = np.array([2, 4, 7], np.uint16)
-    params = {"refresh": refresh, "min_iou": min_iou, "newcomer_share": share}
+    params = {"refresh": refresh, "min_iou": min_iou, "newcomer_share": share, "max_area": 1}
     seeds = merge(tracked, before, found, [0.9, 0.5, 0.1], num_identities=8, **params)
     identities = seeds.identities.tolist()
     assert identities == sorted(set(identities))
@@ -142,6 +142,30 @@ def test_what_is_found_just_as_tracked_changes_nothing(labels):
     labels = labels[:-1].reshape(4, 5)
     count = int(labels.max(initial=0))
     for refresh in (False, True):
-        seeds = merge(labels, np.arange(1, count + 1), labels, np.ones(count), refresh=refresh)
+        seeds = merge(labels, np.arange(1, count + 1), labels, np.ones(count), refresh=refresh, max_area=1)
         np.testing.assert_array_equal(seeds.labels, labels)
         assert seeds.num_identities == count
+
+
+def test_a_mask_that_leaked_over_the_frame_does_not_hide_what_is_found():
+    tracked = np.ones((10, 10))
+    tracked[0, :5] = 0
+    found = np.zeros((10, 10))
+    found[2:4, 2:4], found[6:9, 6:9] = 1, 2
+    seeds = merge(tracked, [1], found, [0.9, 0.8])
+    assert seeds.identities.tolist() == [2, 3]
+    assert np.array_equal(seeds.labels, found)
+    assert merge(tracked, [1], found, [0.9, 0.8], max_area=1).identities.tolist() == [1]
+
+
+def test_a_speck_left_of_a_tracked_object_is_not_tracked_on():
+    tracked = np.zeros((200, 200))
+    tracked[0, :3] = 1
+    tracked[50:60, 50:60] = 2
+    assert merge(tracked, [1, 2], np.zeros((200, 200)), []).identities.tolist() == [2]
+
+
+def test_a_found_mask_takes_nothing_from_another_tracked_object():
+    seeds = merge([[1, 1, 1, 2, 2, 0]], [1, 2], [[1, 1, 1, 1, 1, 0]], [0.9])
+    assert seeds.identities.tolist() == [1, 2]
+    assert seeds.labels.tolist() == [[1, 1, 1, 2, 2, 0]]

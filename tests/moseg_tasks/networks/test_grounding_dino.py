@@ -95,9 +95,9 @@ def test_input_sizes_are_those_of_the_published_preprocessing(detector, height, 
 
 
 @pytest.mark.parametrize(
-    ("size", "resolution", "expected"),
+    ("size", "input_scale", "expected"),
     [((480, 854), 1.0, (749, 1333)), ((480, 640), 1.0, (800, 1066)), ((480, 640), 0.5, (400, 533))],
 )
-def test_resolution_scales_the_input(detector, size, resolution, expected):
+def test_the_published_input_can_be_scaled(detector, size, input_scale, expected):
     published = detector._replace(shorter_side=800, longer_side=1333)
-    assert published.input_size(*size, resolution) == expected
+    assert published.input_size(*size, input_scale) == expected

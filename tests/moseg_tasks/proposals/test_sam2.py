@@ -104,7 +104,7 @@ def test_forgetting_changes_no_answer(seeds):
         pixels = frame_tensor(frame, (128, 128), model.device)
         answers = [model(session, frame=pixels, frame_idx=index).pred_masks for session in (bounded, unbounded)]
         assert torch.equal(*answers)
-        forget_past(bounded, index, model.config.num_maskmem - 1, PARAMS.memory_frames)
+        forget_past(bounded, index, model.config.num_maskmem - 1, PARAMS.memory_reach)
 
 
 def test_memory_does_not_grow_with_the_video(model, seeds):
@@ -130,7 +130,7 @@ def count_values(held):
 
 
 def test_a_shorter_memory_still_follows(model, seeds):
-    masks = track_masks_sam2(model, watch(6), seeds, Sam2Params(memory_frames=1))
+    masks = track_masks_sam2(model, watch(6), seeds, Sam2Params(memory_reach=1))
     assert iou(masks[-1], seeds, 1) > 0.6
 
 
