@@ -20,8 +20,8 @@ GEOMETRIES: Mapping[str, Choices] = {
         "clustering": {"grouping": "spectral", "fusion": "coregularised", "auto": "eigengap"},
     },
 }
-"""`paper`: Huang, Chen and Zelek, sections 3.3 to 3.5, with the flow model corrected; with ``--motions gt`` the number of
-motions is theirs."""
+"""`paper`: Huang, Chen and Zelek, sections 3.3 to 3.5, with the flow model corrected; ``--motions gt`` gives it their
+number of motions."""
 
 GEOMETRY_STAGES = ("fundamental", "affinity", "clustering")
 

@@ -76,7 +76,7 @@ def test_pins_are_named_honestly():
     items = open_weights({"MOSEG_WEIGHTS": "/nowhere"}).items
     assert describe_pin(items["raft-large"]) == "SHA-256"
     assert describe_pin(items["depth-anything-v2-base"]) == "revision"
-    assert describe_pin(items["depth-anything-v2-large"]) == "revision, SHA-256"
+    assert describe_pin(items["dpt-dinov2-large-nyu"]) == "revision, SHA-256"
     assert describe_pin(items["pips"]) == "first download"
 
 

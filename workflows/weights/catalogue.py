@@ -29,6 +29,7 @@ TAG_FILES = (
 )
 
 BERT_VOCABULARY = (231_508, "07eced375cec144d27c900241f3e339478dec958f92fddbc551f295c992038a3")
+DPT_DINOV2_BYTES = {"small": 149_000_000, "base": 448_000_000, "large": 1_359_000_000, "giant": 4_798_000_000}
 GROUNDING_DINO_IMAGES = (457, "8454179ba95e2ad22947835aad7b45862a601fc0055ab88bf1ee70892d3aea60")
 
 Known = tuple[int | None, str | None]
@@ -104,20 +105,19 @@ def _sam2(size: str, commit: str, config: Known, model: Known) -> WeightsItem:
     return _hub_item(f"sam2.1-hiera-{size}", "sam2", f"facebook/sam2.1-hiera-{size}", commit, files)
 
 
-def _dpt_dinov2(size: str, trained_on: str, num_bytes: int) -> WeightsItem:
+def _dpt_dinov2(size: str, trained_on: str, commit: str, sha256: str) -> WeightsItem:
     name = f"dpt-dinov2-{size}-{trained_on}"
-    files = {"config.json": UNKNOWN, "model.bin": UNKNOWN}
+    files = {"config.json": UNKNOWN, "model.bin": (None, sha256)}
     remote = {"model.bin": "pytorch_model.bin"}
-    return _hub_item(name, "dpt_dinov2", f"facebook/{name}", NO_COMMIT, files, remote, approximate_size=num_bytes)
+    num_bytes = DPT_DINOV2_BYTES[size]
+    return _hub_item(name, "dpt_dinov2", f"facebook/{name}", commit, files, remote, approximate_size=num_bytes)
 
 
-def _depth_anything(
-    size: str, commit: str, config: Known, model: Known, licence: str, num_bytes: int | None = None
-) -> WeightsItem:
+def _depth_anything(size: str, commit: str, config: Known, model: Known, licence: str) -> WeightsItem:
     files = {"config.json": config, "model.safetensors": model}
     repository = f"depth-anything/Depth-Anything-V2-{size.capitalize()}-hf"
     name = f"depth-anything-v2-{size}"
-    return _hub_item(name, "depth_anything", repository, commit, files, licence=licence, approximate_size=num_bytes)
+    return _hub_item(name, "depth_anything", repository, commit, files, licence=licence)
 
 
 CATALOGUE: tuple[WeightsItem, ...] = (
@@ -177,7 +177,7 @@ CATALOGUE: tuple[WeightsItem, ...] = (
     _grounding_dino(
         "tiny",
         "a2bb814dd30d776dcf7e30523b00659f4f141c71",
-        (None, "eec82c5ab66e16df12a9a212e68ac011779927c2536cf9078658e35d85f0c67a"),
+        (1_644, "eec82c5ab66e16df12a9a212e68ac011779927c2536cf9078658e35d85f0c67a"),
         (689_359_096, "1a2412ef99bd74bcd3c2a246fa1e48581f8889a1300c9051974741314fc042f3"),
     ),
     _grounding_dino(
@@ -198,7 +198,7 @@ CATALOGUE: tuple[WeightsItem, ...] = (
     _sam2(
         "small",
         "ee5bba1d82bb8749febdf90f45e84b687142ba03",
-        (None, "97ff9f65b76d107acda4247885f0a5555d0048850ae3c5f97183df289aaecde9"),
+        (5_698, "97ff9f65b76d107acda4247885f0a5555d0048850ae3c5f97183df289aaecde9"),
         (184_305_280, "0a4067b11ce1e23d5229203f11c718a823060d15a4b23fa2372a7d4b77cbbc60"),
     ),
     _sam2(
@@ -213,15 +213,53 @@ CATALOGUE: tuple[WeightsItem, ...] = (
         (5_705, "00446988cf4d617118d2d347eabe2c46aebed744628facdd540508be30b69ec3"),
         (897_897_416, "dc407dce21301fd94abb395c5099b4f2c455fdc8a8f261ac3d0ea6d4cd197230"),
     ),
-    *(
-        _dpt_dinov2(size, trained_on, num_bytes)
-        for size, num_bytes in (
-            ("small", 149_000_000),
-            ("base", 448_000_000),
-            ("large", 1_359_000_000),
-            ("giant", 4_798_000_000),
-        )
-        for trained_on in ("nyu", "kitti")
+    _dpt_dinov2(
+        "small",
+        "nyu",
+        "21a14468819a6aa4a1bbe56d872ba8be23184b0f",
+        "16f263f1793476fe83a10c02da0897573935b4ddb640123c213b39f672649e2a",
+    ),
+    _dpt_dinov2(
+        "small",
+        "kitti",
+        "c0d86b8c609b96365202ba99a2065e2b549ad782",
+        "d75e96bdb1355fb9075aa3ecd727daa78fbd2887f6c02dbf410aa4b0237a6ba8",
+    ),
+    _dpt_dinov2(
+        "base",
+        "nyu",
+        "5776fdeb81586a1563c9a4414d47e4156b3ea9b1",
+        "6f09db8fd5a5368934ac7eb0ab9881b1fb059d9b85c08ce916ada16f030b22c1",
+    ),
+    _dpt_dinov2(
+        "base",
+        "kitti",
+        "e388c90f97fd01c1e3fa393fad136b3be1dd71d0",
+        "85f648db0567d70d2b9434559d1a79c0bdb1d64aca37ae8e59820256d17ff3d1",
+    ),
+    _dpt_dinov2(
+        "large",
+        "nyu",
+        "ef81b2d74ef33a42107b498206e889d3b2a10c27",
+        "d4dedbe0ca27012862c1f32128d4f7db9b528dc831e28dbee9d7abe10ba48705",
+    ),
+    _dpt_dinov2(
+        "large",
+        "kitti",
+        "8c762dd3921556d73ba9f4c6af96665feb5195c7",
+        "27b17137a546badf93285fba5d5a4cb6bd09974601a5477848a602a271a07c41",
+    ),
+    _dpt_dinov2(
+        "giant",
+        "nyu",
+        "c18b63c9ecc1c5e868d240dc8f58ab5e56e8e1a1",
+        "2850413a96d137e46a4f75563ecbedf47387bb7fca8fd9a078b00420e340e829",
+    ),
+    _dpt_dinov2(
+        "giant",
+        "kitti",
+        "a2ad1f6f221e58dc561e2f8bc98cd705f6bde7fb",
+        "71bb74fe8c73bbb078da13e12a1efe67667b018a015b02708f6fa444d745e444",
     ),
     _depth_anything(
         "small",
@@ -230,11 +268,17 @@ CATALOGUE: tuple[WeightsItem, ...] = (
         (99_173_660, "3152477ce0d8d6978d76b995120de97cb5b928701fd0f817769f59e249a16b70"),
         APACHE,
     ),
-    _depth_anything("base", "b1958afc87fb45a9e3746cb387596094de553ed8", UNKNOWN, UNKNOWN, CC_BY_NC, 390_000_000),
+    _depth_anything(
+        "base",
+        "b1958afc87fb45a9e3746cb387596094de553ed8",
+        (953, None),
+        (389_916_980, None),
+        CC_BY_NC,
+    ),
     _depth_anything(
         "large",
         "7581137eff8d4e94f6e796d3baea0e9fa79b22d2",
-        UNKNOWN,
+        (1_431, "0ceca59ffa2350fb7c19e4565e2e5d28e2d491ec296ba91ab8c779474f9a7458"),
         (1_341_322_868, "4e01e34ed5549b529b70b92d53226bc370f03041977b390d3dde45d47f516cf9"),
         CC_BY_NC,
     ),

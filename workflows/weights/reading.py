@@ -1,6 +1,7 @@
 """From a weights item's files to what a network is built from."""
 
 import os
+import re
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,6 +14,9 @@ if TYPE_CHECKING:
     import torch
 
     from moseg_tasks.networks import Checkpoint
+
+
+NUMBERS = ("float64", "float32", "int64")
 
 
 def read_checkpoint(item: WeightsItem, folder: Path) -> "Checkpoint":
@@ -44,13 +48,27 @@ def _read_tensors(path: Path, name: str) -> "Mapping[str, torch.Tensor]":
     from moseg_tasks.networks import unwrap_state
 
     try:
-        # Mapped, not read: published checkpoints hold more than the network, an optimiser's state above all.
-        content = torch.load(path, weights_only=True, map_location="cpu", mmap=zipfile.is_zipfile(path))
+        with torch.serialization.safe_globals(_numpy_scalars()):
+            # Mapped, not read: published checkpoints hold more than the network, an optimiser's state above all.
+            content = torch.load(path, weights_only=True, map_location="cpu", mmap=zipfile.is_zipfile(path))
     # What a damaged or foreign file raises is of no common kind: pickle's, zip's and torch's own errors, built-in ones.
     except Exception as error:
         expected = "tensors saved by torch and nothing that would have to be run"
-        raise InputError("unreadable weights", where=path, got=_first_line(error), expected=expected) from error
+        raise InputError("unreadable weights", where=path, got=_refused(error), expected=expected) from error
     return unwrap_state(content, name)
+
+
+def _numpy_scalars() -> list:
+    """What torch may make besides its own: single numbers of NumPy, by whose constructors nothing else is run.
+
+    An optimiser's learning rate is one where it was computed from NumPy's integers, as DeAOT's training code does after
+    a restart. The network itself holds none.
+    """
+    import numpy as np
+
+    scalar = np.float64().__reduce__()[0]
+    # NumPy 1 kept it elsewhere, and files name that place.
+    return [scalar, (scalar, "numpy.core.multiarray.scalar"), np.dtype, *(type(np.dtype(name)) for name in NUMBERS)]
 
 
 def _read_safetensors(path: Path) -> "Mapping[str, torch.Tensor]":
@@ -68,6 +86,12 @@ def _read_document(path: Path) -> str:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError("unreadable file", where=path, got=_first_line(error), expected="UTF-8 text") from error
+
+
+def _refused(error: Exception) -> str:
+    """What torch did not want to run, which its message says after advice on how to run it nevertheless."""
+    name = re.search(r"Unsupported (?:global: GLOBAL|class) (\S+)", str(error))
+    return _first_line(error) if name is None else name[1]
 
 
 def _first_line(error: Exception) -> str:

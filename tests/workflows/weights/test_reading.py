@@ -1,8 +1,10 @@
 """From files to what a network is built from."""
 
 import pickle
+import zipfile
 from argparse import Namespace
 
+import numpy as np
 import pytest
 import torch
 from safetensors.torch import save_file
@@ -44,6 +46,27 @@ def test_saved_by_torch(read, content, is_zip):
     assert (checkpoint.name, checkpoint.documents, checkpoint.config) == ("net", {}, {"hidden_channels": 8})
 
 
+@pytest.mark.parametrize("place", [b"numpy.core.multiarray", b"numpy._core.multiarray"])
+@pytest.mark.parametrize("rate", [np.float64(1e-4), np.float32(1e-4), np.int64(3)])
+def test_an_optimiser_with_numbers_of_numpy_is_no_hindrance(read, place, rate):
+    optimizer = {"state": {}, "param_groups": [{"lr": rate, "params": [0], "name": "a.weight"}]}
+
+    def save(folder):
+        torch.save({"state_dict": TENSORS, "optimizer": optimizer}, folder / "model.pth")
+        _replace_in_pickle(folder / "model.pth", b"numpy._core.multiarray", place)
+
+    _assert_same(read(save, "model.pth").tensors)
+
+
+def _replace_in_pickle(path, old, new):
+    """Let a checkpoint name a module by the name that it had when the published ones were saved."""
+    with zipfile.ZipFile(path) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in files.items():
+            archive.writestr(name, content.replace(old, new) if name.endswith("data.pkl") else content)
+
+
 def test_tensors_outlive_their_file(read, folder):
     checkpoint = read(lambda folder: torch.save(TENSORS, folder / "model.pth"), "model.pth")
     (folder / "net" / "model.pth").unlink()
@@ -78,6 +101,19 @@ class _Runs:
 def test_what_torch_does_not_read_safely_is_refused_by_name(read, folder, content, capsys):
     with pytest.raises(InputError, match=f"unreadable weights in {folder}/net/model.pth; got .*; expected tensors"):
         read(lambda folder: (folder / "model.pth").write_bytes(content), "model.pth")
+    assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    ("more", "named"),
+    [(_Runs(), "print"), (Namespace(lr=0.1), "argparse.Namespace"), (np.array([_Runs()], dtype=object), "numpy")],
+)
+def test_what_would_have_to_be_run_is_named(read, folder, more, named, capsys):
+    def save(folder):
+        torch.save({"model": TENSORS, "more": more}, folder / "model.pth")
+
+    with pytest.raises(InputError, match=rf"unreadable weights in {folder}/net/model.pth; got \S*{named}\S*; expected"):
+        read(save, "model.pth")
     assert capsys.readouterr().out == ""
 
 
