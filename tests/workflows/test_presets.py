@@ -161,6 +161,10 @@ def test_cut_weights_are_one_line(segment, weights):
         ("depth-anything-v2-small", ("--depth", "depth-anything-v2")),
         ("sam-hq-vit-large", ("--preset", "paper")),
         ("grounding-dino-tiny", ("--preset", "paper")),
+        ("deaot-r50-l", ("--preset", "paper")),
+        ("ram", ("--preset", "paper")),
+        ("ram-plus", ("--preset", "modern")),
+        ("sam2.1-hiera-large", ("--preset", "modern")),
     ],
 )
 @pytest.mark.parametrize("how", ["missing", "unexpected"])
