@@ -12,6 +12,7 @@ from store import ArtifactStore, PutOutcome, open_store
 from workflows.stages.inputs import Inputs
 from workflows.stages.registry import find_task
 from workflows.stages.task import Output
+from workflows.weights.packages import require_network_packages
 
 
 class TaskReport(NamedTuple):
@@ -43,7 +44,12 @@ def _run(store: ArtifactStore, recipes: Sequence[Recipe]) -> Sequence[Output]:
     params = dict(recipes[0].params)
     task = find_task(recipes[0].task, params.pop("method"))
     inputs = [Inputs(store, recipe) for recipe in recipes]
-    return task.compute(params, inputs, [seeded_generator(recipe.key) for recipe in recipes])
+    try:
+        return task.compute(params, inputs, [seeded_generator(recipe.key) for recipe in recipes])
+    except ModuleNotFoundError:
+        # A worker of another machine may lack what the client has.
+        require_network_packages()
+        raise
 
 
 def seeded_generator(key: str) -> np.random.Generator:

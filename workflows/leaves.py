@@ -19,14 +19,15 @@ def ingest_sequences(
     session: Session, sources: Sequence[SequenceSource], config: PipelineConfig, annotated: bool
 ) -> list[SequenceLeaves]:
     """Leaves of every sequence: frames, the cues that `config` takes as given, and the annotation where asked."""
-    weights = session.add_weights(needed_items(config))
     plans = [ingest_jobs(source, config, annotated) for source in sources]
     found = iter(session.ingest([job for jobs in plans for job in chain.from_iterable(jobs.values())]))
     leaves = []
     for source, jobs in zip(sources, plans, strict=True):
         ingested = {role: [next(found) for _ in group] for role, group in jobs.items()}
-        leaves.append(make_leaves(source, ingested)._replace(weights=weights))
-    return leaves
+        leaves.append(make_leaves(source, ingested))
+    # Last: what is no video is found out before anything is fetched.
+    weights = session.name_weights(needed_items(config))
+    return [each._replace(weights=weights) for each in leaves]
 
 
 def ingest_jobs(source: SequenceSource, config: PipelineConfig, annotated: bool) -> dict[str, list[IngestJob]]:

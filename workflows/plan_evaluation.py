@@ -62,7 +62,7 @@ def plan_evaluation(
 def _plan_weights(folder: Weights, name: str, architecture: str) -> str:
     """Reference of a weights item's leaf; one that nothing was made with where its digest is not known yet."""
     try:
-        return weights_leaf(folder, name, architecture)[0].ref
+        return weights_leaf(folder, name, architecture).recipe.ref
     except MissingInputError:
         return leaf_recipe("weights", digest_json("absent", name)).ref
 

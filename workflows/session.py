@@ -20,7 +20,8 @@ from workflows.progress import StageProgress
 from workflows.runners import Call, Runner
 from workflows.stages.registry import find_task
 from workflows.weights.folder import Weights, open_weights
-from workflows.weights.leaf import weights_leaf
+from workflows.weights.leaf import WeightsLeaf, weights_leaf
+from workflows.weights.packages import require_network_packages
 
 MAX_REPAIRS = 1000
 """Corrupt artifacts that one run mends before it gives up: a disk that fails everywhere is not mended so."""
@@ -64,6 +65,7 @@ class Session:
         self.reused: Counter[str] = Counter()
         self._seconds: Counter[str] = Counter()
         self._ingests: set[str] = set()
+        self._weights_leaves: dict[str, WeightsLeaf] = {}
         # A name of its own: another process that does the same work must not end this one's lease.
         self._lease = f"live-{uuid.uuid4().hex}"
         self._has_lease = False
@@ -108,15 +110,11 @@ class Session:
         self._ingests.update(found)
         return [found[recipe.ref] for recipe in recipes]
 
-    def add_weights(self, items: Mapping[str, str]) -> dict[str, str]:
+    def name_weights(self, items: Mapping[str, str]) -> dict[str, str]:
         """Leaves of weights items, by name; `items` gives the architecture that each must have."""
-        leaves = {}
-        for name, architecture in items.items():
-            recipe, attributes = weights_leaf(self._weights, name, architecture)
-            if not self.store.has(recipe.ref):
-                self.store.put(recipe, {}, attributes)
-            leaves[name] = recipe.ref
-        return leaves
+        leaves = {name: weights_leaf(self._weights, name, architecture) for name, architecture in items.items()}
+        self._weights_leaves |= {leaf.recipe.ref: leaf for leaf in leaves.values()}
+        return {name: leaf.recipe.ref for name, leaf in leaves.items()}
 
     def compute(
         self,
@@ -222,7 +220,11 @@ class Session:
         return calls
 
     def _fetch_weights(self, plan: Plan) -> None:
-        """Have the files of every network that the plan runs, before any of its tasks waits for them."""
-        refs = {recipe.inputs["weights"]: None for recipe in plan.compute.values() if network_of(recipe) is not None}
-        for ref in refs:
-            self._weights.ensure(self._weights.item(self.store.attributes(ref)["item"]))
+        """Have the leaves and the files of every network that the plan runs, before any task waits for them."""
+        needed = {recipe.inputs["weights"]: None for recipe in plan.compute.values() if network_of(recipe) is not None}
+        if needed:
+            require_network_packages()
+        for leaf in (self._weights_leaves[ref] for ref in needed):
+            if not self.store.has(leaf.recipe.ref):
+                self.store.put(leaf.recipe, {}, leaf.attributes)
+            self._weights.ensure(self._weights.item(leaf.attributes["item"]))

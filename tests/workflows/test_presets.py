@@ -204,3 +204,51 @@ def _contents(path):
     store = open_store(str(path), create=False)
     manifests = {ref: store.manifest(ref) for ref in store.refs()}
     return {ref: ([entry.digest for entry in found.arrays], found.attributes) for ref, found in manifests.items()}
+
+
+def test_what_was_made_with_other_weights_is_explained_by_the_file(segment, moseg, weights, tmp_path):
+    assert segment("--flow", "raft")[1].code == 0
+    assert moseg("weights", "tiny", weights, "--seed", "1", "--only", "raft-large").code == 0
+    before = _stored(tmp_path)["flow"]
+    assert segment("--flow", "raft")[1].code == 0
+    made = _stored(tmp_path)["flow"] - before
+    # The nearest artifact of some is that of a neighbouring frame.
+    explained = [moseg("store", "why", key, "--store", tmp_path / "store").out for key in made]
+    assert any("model.pth: SHA-256" in text for text in explained)
+
+
+def test_networks_without_their_libraries_are_one_line(segment, monkeypatch):
+    monkeypatch.setattr("workflows.weights.packages.find_spec", lambda name: None if name == "torch" else name)
+    assert segment()[1].code == 0
+    _, ran = segment("--flow", "raft")
+    assert ran.code == 2
+    (line,) = ran.err.splitlines()
+    assert "torch" in line and "pip install 'moseg[models]'" in line
+
+
+def test_a_video_that_is_none_is_found_out_before_weights_are_looked_for(moseg, video, tmp_path, monkeypatch):
+    monkeypatch.setenv("MOSEG_WEIGHTS", str(tmp_path / "nothing"))
+    (tmp_path / "one").mkdir()
+    shutil.copy(sorted(video.iterdir())[0], tmp_path / "one")
+    ran = moseg("segment", tmp_path / "one", "--preset", "paper", "--offline", "--store", tmp_path / "store", "--quiet")
+    assert ran.code == 2 and "too few frames" in ran.err
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--flow", "raft", "--tracks", "pips", "--set", "raft.weights=pips"), ("pips", "two networks")),
+        (("--preset", "paper", "--tags", "car", "--tagger", "ram"), ("--tagger", "--tags car")),
+        (("--tags", "car"), ("--tags", "--proposals detections")),
+        (("--preset", "papr"), ("papr", "paper")),
+        (("--preset", "paper", "--tags", " ,"), ("detections.tags", "names of objects")),
+        (("--flow", "raft", "--set", "raft.weights=raft-lrge"), ("raft-lrge", "raft-large")),
+        (("--flow", "raft", "--device", "cuda:77"), ("--device", "cuda:77")),
+        (("--flow", "raft", "--batch", "0"), ("--batch", "0")),
+    ],
+)
+def test_options_that_make_no_sense_are_one_line(segment, options, words):
+    _, ran = segment(*options)
+    assert ran.code == 2
+    (line,) = ran.err.splitlines()
+    assert all(word in line for word in words), line

@@ -146,6 +146,8 @@ class PipelineOptions:
                     expected = "--proposals detections, or a preset that has it"
                     got = f"proposals {config.proposal_source}"
                     raise InputError("an option of detections", where=option, got=got, expected=expected)
+        elif self.tags is not None and self.tagger is not None:
+            raise InputError("nothing to tag", where="--tagger", got=f"--tags {self.tags}", expected="one of the two")
         return config, folders
 
 
@@ -276,8 +278,10 @@ def _explain(errors: list[dict[str, Any]]) -> dict[str, Any]:
         close = get_close_matches(where, _known_names(), n=1)
         expected = close[0] if close else f"one of {', '.join(_siblings(where))}"
         return {"what": "unknown parameter", "where": where, "expected": expected}
-    messages = [error["msg"].removeprefix("Input should be ") for error in errors if _parameter(error) == where]
-    expected = " or ".join(message.partition(", unable to parse")[0] for message in messages)
+    messages = [error["msg"].removeprefix("Value error, ") for error in errors if _parameter(error) == where]
+    expected = " or ".join(
+        message.removeprefix("Input should be ").partition(", unable to parse")[0] for message in messages
+    )
     return {"what": "bad parameter", "where": where, "got": repr(first["input"]), "expected": expected}
 
 

@@ -1,6 +1,6 @@
 """Weights as leaves of the graph: named by the digests of their files, so that other weights are other results."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from schemas.digests import digest_json
 from schemas.errors import InputError
@@ -8,8 +8,15 @@ from schemas.recipes import Recipe, leaf_recipe
 from workflows.weights.folder import Weights
 
 
-def weights_leaf(weights: Weights, name: str, architecture: str) -> tuple[Recipe, dict[str, Any]]:
-    """Recipe and attributes of a weights item's leaf.
+class WeightsLeaf(NamedTuple):
+    """The leaf of a weights item: its recipe, and attributes that name the item and the SHA-256 of each file."""
+
+    recipe: Recipe
+    attributes: dict[str, Any]
+
+
+def weights_leaf(weights: Weights, name: str, architecture: str) -> WeightsLeaf:
+    """The leaf of a weights item.
 
     Raises
     ------
@@ -26,4 +33,4 @@ def weights_leaf(weights: Weights, name: str, architecture: str) -> tuple[Recipe
         "files": weights.digests(item),
     }
     recipe = leaf_recipe("weights", digest_json("weights", attributes))
-    return recipe, {**attributes, "licence": item.licence}
+    return WeightsLeaf(recipe, {**attributes, "licence": item.licence})

@@ -1,6 +1,7 @@
 """Which weights a configuration's networks read."""
 
 from schemas.configs import PipelineConfig
+from schemas.errors import InputError
 from schemas.presets import PRESETS
 
 ARCHITECTURES = {
@@ -19,11 +20,20 @@ ARCHITECTURES = {
 
 
 def needed_items(config: PipelineConfig) -> dict[str, str]:
-    """Weights items by name, each with the architecture it must have, in the order in which a run uses them."""
-    items = {}
+    """Weights items by name, each with the architecture it must have, in the order in which a run uses them.
+
+    Raises
+    ------
+    InputError
+        One item is named for two networks.
+    """
+    items: dict[str, str] = {}
     for method in networks(config):
         item = tagger_item(config) if method.startswith("ram") else getattr(config, method.replace("-", "_")).weights
-        items[item] = ARCHITECTURES[method]
+        architecture = items.setdefault(item, ARCHITECTURES[method])
+        if architecture != ARCHITECTURES[method]:
+            got, expected = f"{architecture} and {ARCHITECTURES[method]}", "an item for each"
+            raise InputError("weights named for two networks", where=item, got=got, expected=expected)
     return items
 
 
