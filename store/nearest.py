@@ -11,6 +11,8 @@ from store.protocol import ArtifactStore
 
 ABSENT = "(absent)"
 """Stands for the value of a field that one of two recipes lacks."""
+CONTENT = "params.content"
+"""The field in which leaves differ: frames, masks and maps from outside."""
 
 
 class FieldDifference(NamedTuple):
@@ -33,11 +35,12 @@ def nearest(store: ArtifactStore, recipe: Recipe, besides: str | None = None) ->
 
     What counts is where differences begin: parameters, versions and leaves, of the recipes themselves and of all that
     they were made from. So the same section of an earlier run comes before another section of the same run. Of equally
-    near ones that with fewer differences of its own is taken, then the youngest: the answer speaks of the last run.
+    near ones that which was made from the same content is taken, then that with fewer differences of its own, then the
+    youngest: the answer speaks of the last run.
 
     Returns None where the task has no other artifact. Damaged artifacts are passed over.
     """
-    best: tuple[tuple[int, int], str, NearestRecipe] | None = None
+    best: tuple[tuple[int, int, int], str, NearestRecipe] | None = None
     recipes: dict[str, Recipe | None] = {}
     for ref in store.refs(recipe.task):
         if ref == besides:
@@ -47,17 +50,18 @@ def nearest(store: ArtifactStore, recipe: Recipe, besides: str | None = None) ->
         except (CorruptArtifactError, MissingArtifactError):
             continue
         found = NearestRecipe(ref, differences(manifest.recipe, recipe))
-        num_origins = _count_origins(store, recipes, found.differences, None if best is None else best[0][0])
-        distance = (num_origins, len(found.differences))
+        origins = _find_origins(store, recipes, found.differences, None if best is None else best[0][0])
+        num_contents = sum(difference.field == CONTENT for difference in origins)
+        distance = (len(origins), num_contents, len(found.differences))
         if best is None or distance < best[0] or (distance == best[0] and manifest.created > best[1]):
             best = (distance, manifest.created, found)
     return None if best is None else best[2]
 
 
-def _count_origins(
+def _find_origins(
     store: ArtifactStore, recipes: dict[str, Recipe | None], found: Iterable[FieldDifference], limit: int | None
-) -> int:
-    """Number of the differences that others follow from; counting ends beyond `limit`."""
+) -> set[FieldDifference]:
+    """The differences that others follow from; the search ends beyond `limit`."""
     origins: set[FieldDifference] = set()
     followed: set[tuple[str, str]] = set()
     waiting = list(found)
@@ -73,7 +77,7 @@ def _count_origins(
                 waiting.extend(differences(stored, wanted))
                 continue
         origins.add(difference)
-    return len(origins)
+    return origins
 
 
 def _recipe(store: ArtifactStore, recipes: dict[str, Recipe | None], ref: str) -> Recipe | None:

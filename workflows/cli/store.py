@@ -65,22 +65,8 @@ def why(key: KeyArgument, store: StoreOption = DEFAULT_STORE) -> None:
             break
         if not (_is_stored(opened, first.wanted) and _is_stored(opened, first.stored)):
             break
-        print(f"and {_short(first.wanted)} differs from {_short(first.stored)} in")
-        if first.wanted.startswith("weights/"):
-            _print_weights(opened.attributes(first.wanted), opened.attributes(first.stored))
-            break
         fields = differences(opened.manifest(first.stored).recipe, opened.manifest(first.wanted).recipe)
-
-
-def _print_weights(wanted: dict, stored: dict) -> None:
-    """What differs between two weights items: a name, the sizes of the network, or the SHA-256 of a file."""
-    for name in ("item", "architecture", "config"):
-        if wanted[name] != stored[name]:
-            print(f"  {name}: {wanted[name]} here, {stored[name]} there")
-    for name in sorted({*wanted["files"], *stored["files"]}):
-        here, there = (leaf["files"].get(name, "absent") for leaf in (wanted, stored))
-        if here != there:
-            print(f"  {name}: SHA-256 {here[:12]}… here, {there[:12]}… there")
+        print(f"and {_short(first.wanted)} differs from {_short(first.stored)} in")
 
 
 @store_app.command("verify")

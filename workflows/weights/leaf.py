@@ -2,9 +2,8 @@
 
 from typing import Any, NamedTuple
 
-from schemas.digests import digest_json
 from schemas.errors import InputError
-from schemas.recipes import Recipe, leaf_recipe
+from schemas.recipes import Recipe
 from workflows.weights.folder import Weights
 
 
@@ -26,11 +25,11 @@ def weights_leaf(weights: Weights, name: str, architecture: str) -> WeightsLeaf:
     item = weights.item(name)
     if item.architecture != architecture:
         raise InputError("weights of another network", where=name, got=item.architecture, expected=architecture)
-    attributes = {
+    params = {
         "item": item.name,
         "architecture": item.architecture,
         "config": dict(item.config),
         "files": weights.digests(item),
     }
-    recipe = leaf_recipe("weights", digest_json("weights", attributes))
-    return WeightsLeaf(recipe, {**attributes, "licence": item.licence})
+    # Not one digest of it all: `moseg store why` then names the file that differs.
+    return WeightsLeaf(Recipe(task="weights", version=1, params=params), {**params, "licence": item.licence})
