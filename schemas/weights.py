@@ -1,11 +1,13 @@
 """Weights of networks: the files of an item, where they come from and under which licence."""
 
+import re
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 from urllib.parse import urlsplit
 
 from pydantic import AfterValidator, Field, StringConstraints, field_validator, model_validator
 
+from schemas.digests import canonical_json
 from schemas.frozen import Frozen
 
 Architecture = Literal[
@@ -42,9 +44,17 @@ LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
 
 def is_trusted_url(url: str) -> bool:
-    """Whether what an address answers cannot be changed on its way: ``https``, or this machine."""
+    """Whether what an address answers cannot be changed on its way: ``https``, or this machine.
+
+    What is no address is not trusted either: one has printable ASCII and no blanks, a host that can have a name, and a
+    number for a port.
+    """
+    if not re.fullmatch(r"[!-~]+", url):
+        return False
     try:
         parts = urlsplit(url)
+        (parts.hostname or "").encode("idna")
+        _ = parts.port
     except ValueError:
         return False
     return (parts.scheme == "https" and bool(parts.hostname)) or (parts.scheme == "http" and parts.hostname in LOOPBACK)
@@ -52,7 +62,7 @@ def is_trusted_url(url: str) -> bool:
 
 def _check_url(url: str) -> str:
     if not is_trusted_url(url):
-        raise ValueError("Input should be an https:// address")
+        raise ValueError("Input should be an https:// address in printable ASCII")
     return url
 
 
@@ -66,7 +76,7 @@ class WeightsFile(Frozen):
 
     name: Name
     url: Annotated[str, AfterValidator(_check_url)] | None = Field(None, description="none: the user puts it there")
-    size: int | None = Field(None, ge=0, description="bytes")
+    size: int | None = Field(None, ge=1, description="bytes")
     sha256: Sha256 | None = Field(None, description="none: what is there counts, or what the address first gave")
 
     @field_validator("name")
@@ -75,6 +85,11 @@ class WeightsFile(Frozen):
         if name in RESERVED or name.endswith(RESERVED_SUFFIXES):
             raise ValueError("Input should be a name that the folder of weights does not use itself")
         return name
+
+    @property
+    def is_fixed_by_download(self) -> bool:
+        """Whether the item does not say what the file must be, but where it comes from: its first download counts."""
+        return self.url is not None and self.sha256 is None
 
 
 class WeightsItem(Frozen):
@@ -88,6 +103,15 @@ class WeightsItem(Frozen):
     config: dict[str, Any] = Field({}, description="sizes of an own module that differ from the published network's")
     homepage: str = ""
     approximate_size: int | None = Field(None, ge=0, description="bytes, where the files' exact sizes are not known")
+
+    @field_validator("config")
+    @classmethod
+    def _check_config(cls, config: dict[str, Any]) -> dict[str, Any]:
+        try:
+            canonical_json(config)
+        except TypeError as error:
+            raise ValueError(str(error)) from error
+        return config
 
     @model_validator(mode="after")
     def _check_files(self) -> "WeightsItem":

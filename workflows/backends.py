@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 from schemas.weights import Architecture, WeightsFile, WeightsItem
+from workflows.weights.fetch_command import fetch_command
 from workflows.weights.folder import Weights
 from workflows.weights.hub import parse_hub_url
-from workflows.weights.item_folder import fetch_command
 
 OWN = "this project, MIT"
 OPENCV = "OpenCV, Apache-2.0"
@@ -112,6 +112,8 @@ class WeightsRow(NamedTuple):
     parameters : tuple of str
         Those that can name it, for ``--set``.
     is_present : bool
+    size : int or None
+        Bytes, on disk where it is here.
     pin : str
         What fixes its bytes; see `describe_pin`.
     command : str
@@ -121,6 +123,7 @@ class WeightsRow(NamedTuple):
     item: WeightsItem
     parameters: tuple[str, ...]
     is_present: bool
+    size: int | None
     pin: str
     command: str
 
@@ -134,7 +137,7 @@ def weights_rows(weights: Weights) -> list[WeightsRow]:
         can_be_fetched = any(file.url is not None for file in item.files)
         command = fetch_command(item) if can_be_fetched and not is_present else ""
         parameters = tuple(dict.fromkeys(backend.weights[0] for backend in takers))
-        rows.append(WeightsRow(item, parameters, is_present, describe_pin(item), command))
+        rows.append(WeightsRow(item, parameters, is_present, weights.size(item), describe_pin(item), command))
     return rows
 
 

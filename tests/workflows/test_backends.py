@@ -1,5 +1,6 @@
 """The overview of backends lists what there is, and nothing else."""
 
+import json
 from typing import get_args
 
 import pytest
@@ -70,6 +71,25 @@ def test_every_weights_item_is_taken_by_a_backend_and_every_default_exists():
     for backend in BACKENDS:
         if backend.architecture:
             assert weights.item(backend.weights[1]).architecture == backend.architecture
+
+
+def test_sizes_are_those_on_disk_where_the_files_are_here(tmp_path):
+    weights = open_weights({"MOSEG_WEIGHTS": str(tmp_path)})
+    (tmp_path / "pips").mkdir()
+    (tmp_path / "pips" / "model.pth").write_bytes(b"12345")
+    sizes = {row.item.name: row.size for row in weights_rows(weights)}
+    assert sizes["pips"] == 5
+    assert sizes["raft-small"] == 4_006_189
+
+
+def test_the_overview_tells_the_size_of_own_files(tmp_path, moseg, monkeypatch):
+    monkeypatch.setenv("MOSEG_WEIGHTS", str(tmp_path))
+    item = {"name": "own", "architecture": "raft", "files": [{"name": "model.pth"}]}
+    (tmp_path / "weights.json").write_text(json.dumps({"items": [item]}))
+    (tmp_path / "own").mkdir()
+    (tmp_path / "own" / "model.pth").write_bytes(bytes(5000))
+    row = next(line for line in moseg("backends").out.splitlines() if line.startswith("│ own "))
+    assert " 5 kB " in row and "unknown size" not in row
 
 
 def test_pins_are_named_honestly():

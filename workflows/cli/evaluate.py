@@ -59,6 +59,7 @@ def plan(
     from store import open_store
     from workflows.cli.tables import print_stages
     from workflows.plan_evaluation import EmptyStore, plan_evaluation
+    from workflows.weights.fetch_command import fetch_command
     from workflows.weights.folder import open_weights
     from workflows.weights.needed import needed_items
 
@@ -75,7 +76,8 @@ def plan(
     print(f"{computed} artifacts to compute, {reused} to reuse")
     absent = [name for name in needed_items(config) if not weights.is_present(weights.item(name))]
     if absent:
-        print(f"weights to fetch: {', '.join(absent)} (moseg weights fetch {' '.join(absent)})")
+        command = fetch_command(*(weights.item(name) for name in absent))
+        print(f"weights to fetch: {', '.join(absent)} ({command})")
 
 
 def _evaluate(

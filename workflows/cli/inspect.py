@@ -39,7 +39,7 @@ def backends() -> None:
     rows = weights_rows(weights)
     for row in rows:
         licence = row.item.licence + (" (opt-in)" if row.item.is_non_commercial else "")
-        size, here = describe_size(row.item.size), "yes" if row.is_present else "no"
+        size, here = describe_size(row.size), "yes" if row.is_present else "no"
         parameters = ", ".join(f"{parameter}=…" for parameter in row.parameters)
         items.add_row(row.item.name, parameters, licence, size, here, row.pin)
     out = console()

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from schemas.errors import InputError
-from workflows.cli.options import QuietOption
+from workflows.cli.options import QuietOption, choose_preset
 
 weights_app = typer.Typer(
     help="The networks' weights: fetch, verify, make tiny ones. `moseg backends` lists them.", no_args_is_help=False
@@ -26,6 +26,10 @@ def fetch(
             help="Allow weights licensed for non-commercial use only.",
         ),
     ] = False,
+    again: Annotated[
+        bool,
+        typer.Option("--again", help="Fetch anew also files that are here and that only their first download fixes."),
+    ] = False,
     quiet: QuietOption = False,
 ) -> None:
     """Download what is missing, and replace what is damaged. Example: moseg weights fetch --preset paper"""
@@ -39,7 +43,7 @@ def fetch(
         expected = "weights items, or --preset"
         raise InputError("nothing to fetch", where="moseg weights fetch", got="no item", expected=expected)
     for item in chosen:
-        weights.repair(item)
+        weights.repair(item, again)
         print(f"{item.name}: {weights.folder / item.name}")
 
 
@@ -82,6 +86,8 @@ def tiny(
     from workflows.weights.tiny.make_tiny import make_tiny
 
     names = [name.strip() for name in (only or "").split(",") if name.strip()]
+    if only is not None and not names:
+        raise InputError("no item named", where="--only", got=repr(only), expected="names separated by commas")
     names = names or [name for preset in PRESETS for name in _items_of(preset)]
     catalogue = Weights(folder, {item.name: item for item in CATALOGUE})
     made = make_tiny(folder, [catalogue.item(name) for name in dict.fromkeys(names)], seed)
@@ -90,13 +96,11 @@ def tiny(
 
 
 def _items_of(preset: str | None) -> tuple[str, ...]:
-    from schemas.presets import PRESETS
     from workflows.weights.needed import items_of_preset
 
     if preset is None:
         return ()
-    if preset not in PRESETS:
-        raise InputError("unknown preset", where="--preset", got=preset, expected=" or ".join(PRESETS))
+    choose_preset(preset)
     return items_of_preset(preset)
 
 

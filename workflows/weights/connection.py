@@ -1,21 +1,17 @@
-"""Asking a server: over https only, with a token that no other host sees, and errors that say what to do."""
+"""Asking a server: over https only, and with a token that no other host sees."""
 
-import ssl
 import urllib.request
 from collections.abc import Mapping
-from http.client import HTTPException, HTTPResponse
-from urllib.error import HTTPError, URLError
+from http.client import HTTPException, HTTPResponse, InvalidURL
+from urllib.error import HTTPError
 from urllib.parse import urlsplit
 
-from schemas.errors import InputError
 from schemas.weights import LOOPBACK, is_trusted_url
+from workflows.weights.refusals import explain
 
 TIMEOUT_SEC = 30.0
 """Longest silence of a server that is waited for."""
 USER_AGENT = "moseg"
-FORBIDDEN = (401, 403)
-PASSING = (408, 425, 429, 500, 502, 503, 504)
-"""Answers that another try may not get."""
 
 
 def open_url(url: str, headers: Mapping[str, str], token: str | None) -> HTTPResponse:
@@ -24,8 +20,12 @@ def open_url(url: str, headers: Mapping[str, str], token: str | None) -> HTTPRes
     if token:
         request.add_unredirected_header("Authorization", f"Bearer {token}")
     # A proxy is for what lies outside.
-    proxies = [urllib.request.ProxyHandler({})] if urlsplit(url).hostname in LOOPBACK else []
-    return urllib.request.build_opener(_Redirects, *proxies).open(request, timeout=TIMEOUT_SEC)
+    local = [urllib.request.ProxyHandler({})] if urlsplit(url).hostname in LOOPBACK else []
+    try:
+        return urllib.request.build_opener(_Redirects, *local).open(request, timeout=TIMEOUT_SEC)
+    # An address that is none, of a redirect or of a proxy: it is parsed in many places, each with an error of its own.
+    except ValueError as error:
+        raise InvalidURL(str(error)) from error
 
 
 def read_url(url: str, limit: int, token: str | None) -> bytes:
@@ -43,34 +43,12 @@ def read_url(url: str, limit: int, token: str | None) -> bytes:
         raise explain(error, url) from error
 
 
-def explain(error: Exception, url: str, homepage: str = "") -> InputError:
-    """What a failed request means to the user."""
-    page = homepage or url
-    if isinstance(error, HTTPError):
-        error.close()
-        answer = f"{error.code} {error.reason}"
-        if error.code in FORBIDDEN:
-            expected = f"access: see {page}; where it asks for a login, set HF_TOKEN to your token for huggingface.co"
-            return InputError("the server gives no access", where=url, got=answer, expected=expected)
-        if error.code in (404, 410):
-            expected = f"the file; it may have moved, see {page}"
-            return InputError("the server has no such file", where=url, got=answer, expected=expected)
-        return InputError("the server refuses", where=url, got=answer)
-    reason = error.reason if isinstance(error, URLError) else error
-    if isinstance(reason, ssl.SSLError):
-        return InputError("the server's certificate is not trusted", where=url, got=reason)
-    if isinstance(reason, OSError):
-        expected = "a network; without one, the files in the folder of weights"
-        return InputError("no connection to the server", where=url, got=reason.strerror or reason, expected=expected)
-    return InputError("the server's answer cannot be read", where=url, got=repr(reason))
-
-
 class _Redirects(urllib.request.HTTPRedirectHandler):
     """Follows to trusted addresses; the token stays with the host that it was meant for."""
 
     def redirect_request(self, req, fp, code, msg, headers, newurl):
         if not is_trusted_url(newurl):
-            raise HTTPError(req.full_url, code, f"redirected to {newurl}, which is not https", headers, fp)
+            raise HTTPError(req.full_url, code, f"redirected to {newurl}, which is no https address", headers, fp)
         new = super().redirect_request(req, fp, code, msg, headers, newurl)
         old, target = urlsplit(req.full_url), urlsplit(newurl)
         token = req.unredirected_hdrs.get("Authorization")

@@ -16,13 +16,16 @@ from typing import NamedTuple
 from urllib.error import HTTPError
 
 from schemas.errors import InputError
-from workflows.weights.connection import PASSING, explain, open_url
+from workflows.weights.connection import open_url
 from workflows.weights.hashing import sha256_of
+from workflows.weights.refusals import PASSING, asked_wait_sec, explain
 
 CHUNK_BYTES = 2**20
 PARTIAL_SUFFIX = ".partial"
 NO_SUCH_RANGE = 416
-_RANGE = re.compile(r"bytes (?:(?P<start>\d+)-\d+|\*)/(?P<total>\d+)")
+LONGEST_WAIT_SEC = 60.0
+"""Servers that ask for more are not waited for."""
+_RANGE = re.compile(r"bytes (?:(?P<start>\d{1,18})-\d+|\*)/(?P<total>\d{1,18})")
 
 Report = Callable[[int, int | None], None]
 """Told how many bytes are here, and of how many if that is known."""
@@ -53,7 +56,11 @@ class Downloaded(NamedTuple):
 
 
 class _Cut(Exception):
-    """The connection ended before the file did."""
+    """The connection ended before the file did, or `answer` puts the request off."""
+
+    def __init__(self, reason: object, answer: HTTPError | None = None):
+        super().__init__(reason)
+        self.answer = answer
 
 
 def download(source: Source, target: Path, report: Report, retries: Retries | None = None) -> Downloaded:
@@ -109,13 +116,18 @@ class _Transfer:
                 reached = self._reached()
                 failures = 1 if reached > furthest else failures + 1
                 furthest = max(reached, furthest)
-                if failures > self._retries.count:
-                    got = f"{reached} of {self._source.size or 'unknown'} bytes ({cut})"
-                    expected = "a connection that lasts; the same command goes on from there"
-                    raise InputError(
-                        "the download was cut off", where=self._source.url, got=got, expected=expected
-                    ) from cut
-                time.sleep(self._retries.wait_sec * 2 ** (failures - 1))
+                asked_sec = 0.0 if cut.answer is None else asked_wait_sec(cut.answer)
+                if failures > self._retries.count or asked_sec > LONGEST_WAIT_SEC:
+                    raise self._failure(cut, reached) from cut
+                time.sleep(max(asked_sec, self._retries.wait_sec * 2 ** (failures - 1)))
+
+    def _failure(self, cut: _Cut, reached: int) -> InputError:
+        """That the file cannot be had now, though perhaps later."""
+        if cut.answer is not None:
+            return explain(cut.answer, self._source.url, self._source.homepage)
+        got = f"{reached} of {self._source.size or 'unknown'} bytes ({cut})"
+        expected = "a connection that lasts; the same command goes on from there"
+        return InputError("the download was cut off", where=self._source.url, got=got, expected=expected)
 
     def _request(self, is_first: bool) -> None:
         """One request for the rest of the file; raises _Cut where another one may get further."""
@@ -135,7 +147,7 @@ class _Transfer:
                 self._end_range(error, start)
             elif error.code in PASSING:
                 error.close()
-                raise _Cut(f"{error.code} {error.reason}") from error
+                raise _Cut("the server puts the request off", error) from error
             else:
                 raise explain(error, self._source.url, self._source.homepage) from error
         except (OSError, HTTPException) as error:
@@ -177,8 +189,13 @@ class _Transfer:
                 os.fsync(file.fileno())
         except OSError as error:
             raise InputError("cannot write", where=self._partial, got=error.strerror) from error
-        if total is not None and done < total:
+        # A server that does not say how long the file is ends a whole one and a cut one alike.
+        whole = self._source.size if total is None else total
+        if whole is not None and done < whole:
             raise _Cut("the server closed the connection")
+        if done == 0:
+            self._partial.unlink()
+            raise InputError("the server sent an empty file", where=self._source.url, got="0 bytes")
 
     def _check_answer(self, response: HTTPResponse, total: int | None) -> None:
         """Refuse what cannot be the file before it is downloaded."""
@@ -189,6 +206,10 @@ class _Transfer:
             raise InputError("the server sent a web page", where=url, got="text/html", expected=expected)
         if total is not None and size not in (None, total):
             raise InputError("a wrong file is offered", where=url, got=f"{total} bytes", expected=f"{size} bytes")
+        if total is None and not response.chunked and size is None and self._source.sha256 is None:
+            page = self._source.homepage or url
+            expected = f"its length, as neither size nor SHA-256 is known; or get the file by hand, see {page}"
+            raise InputError("the server does not say how long the file is", where=url, expected=expected)
 
     def _reached(self) -> int:
         return self._partial.stat().st_size if self._partial.exists() else 0

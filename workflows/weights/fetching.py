@@ -10,7 +10,8 @@ from filelock import FileLock, Timeout
 
 from schemas.weights import WeightsFile
 from workflows.exports.atomic_write import blame_output
-from workflows.weights.download import Source, download
+from workflows.weights.download import Downloaded, Source, download
+from workflows.weights.hashing import sha256_of
 from workflows.weights.hub import HubFile, parse_hub_url, read_pointer, resolve_commit, token_for
 from workflows.weights.item_folder import ItemFolder
 from workflows.weights.pins import FilePin, Pins, read_pins, write_pins
@@ -38,16 +39,35 @@ def fetch_item(files: ItemFolder, token: str | None, quiet: bool) -> None:
             _fetch_file(files, file, token, quiet)
 
 
-def _fetch_file(files: ItemFolder, file: WeightsFile, token: str | None, quiet: bool) -> None:
+def fetch_again(files: ItemFolder, token: str | None, quiet: bool) -> None:
+    """Download the files that only their first download vouches for once more, and pin what they are now.
+
+    Those whose record on the hub says that they are right stay as they are. The branch's commit stays the same.
+
+    Raises as `fetch_item` does; a file that cannot be had is then as it was.
+    """
+    with _alone(files.path, files.item.name, quiet):
+        for file in files.item.files:
+            if file.is_fixed_by_download:
+                _fetch_file(files, file, token, quiet, again=True)
+
+
+def _fetch_file(files: ItemFolder, file: WeightsFile, token: str | None, quiet: bool, again: bool = False) -> None:
     """Download one file; what is not known of it beforehand is pinned."""
     label = f"{files.item.name}/{file.name}"
     pins = read_pins(files.path)
+    if again:
+        pins = pins.without(file)
     source = Source(file.url, file.sha256, file.size, homepage=files.item.homepage)
     if file.sha256 is None:
         pins, source = _find_pin(file, source, files.path, pins, token, label)
     source = source._replace(token=token_for(source.url, token))
-    with DownloadProgress(label, urlsplit(source.url).hostname, quiet) as progress:
-        found = download(source, files.path / file.name, progress.advance)
+    target = files.path / file.name
+    if again and source.sha256 is not None and target.is_file() and sha256_of(target) == source.sha256:
+        found = Downloaded(source.sha256, target.stat().st_size)
+    else:
+        with DownloadProgress(label, urlsplit(source.url).hostname, quiet) as progress:
+            found = download(source, target, progress.advance)
     if file.sha256 is None:
         pin = FilePin(source=file.url, sha256=found.sha256, size=found.size)
         write_pins(files.path, pins.model_copy(update={"files": {**pins.files, file.name: pin}}))

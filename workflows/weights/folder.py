@@ -2,20 +2,23 @@
 
 from collections.abc import Mapping
 from difflib import get_close_matches
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from schemas.errors import InputError
 from schemas.weights import WeightsItem
 from workflows.weights.catalogue import CATALOGUE
-from workflows.weights.fetching import fetch_item
+from workflows.weights.fetch_command import fetch_command
+from workflows.weights.fetching import fetch_again, fetch_item
+from workflows.weights.hub import TOKEN_VARIABLE
 from workflows.weights.item_folder import ItemFolder, Verdict
 from workflows.weights.own_items import OWN_ITEMS, read_own_items, weights_folder
 
 if TYPE_CHECKING:
     from moseg_tasks.networks import Checkpoint
 
-OFFLINE_VARIABLE, NON_COMMERCIAL_VARIABLE, TOKEN_VARIABLE = "MOSEG_OFFLINE", "MOSEG_NON_COMMERCIAL", "HF_TOKEN"
+OFFLINE_VARIABLE, NON_COMMERCIAL_VARIABLE = "MOSEG_OFFLINE", "MOSEG_NON_COMMERCIAL"
 _NO = ("", "0", "false", "no", "off")
 
 
@@ -25,19 +28,12 @@ def open_weights(
     """The folder that the environment names, with the catalogue's items and the user's own.
 
     `offline` and `allow_non_commercial` hold too where ``MOSEG_OFFLINE`` or ``MOSEG_NON_COMMERCIAL`` is set.
-
-    Raises
-    ------
-    InputError
-        The user's ``weights.json`` cannot be read.
     """
-    folder = weights_folder(env)
     return Weights(
-        folder,
-        {item.name: item for item in (*CATALOGUE, *read_own_items(folder))},
+        weights_folder(env),
         offline=offline or env.get(OFFLINE_VARIABLE, "").lower() not in _NO,
         allow_non_commercial=allow_non_commercial or env.get(NON_COMMERCIAL_VARIABLE, "").lower() not in _NO,
-        token=env.get(TOKEN_VARIABLE) or None,
+        token=env.get(TOKEN_VARIABLE, "").strip() or None,
         quiet=quiet,
     )
 
@@ -49,25 +45,38 @@ class Weights:
     ----------
     folder : Path
         The folder of all items' folders.
-    items : dict of str to WeightsItem
-        The catalogue's and the user's, by name.
     """
 
     def __init__(
         self,
         folder: Path,
-        items: Mapping[str, WeightsItem],
+        items: Mapping[str, WeightsItem] | None = None,
         offline: bool = False,
         allow_non_commercial: bool = False,
         token: str | None = None,
         quiet: bool = False,
     ):
         self.folder = folder
-        self.items = items
+        self._items = items
         self._offline = offline
         self._allow_non_commercial = allow_non_commercial
         self._token = token
         self._quiet = quiet
+
+    @cached_property
+    def items(self) -> Mapping[str, WeightsItem]:
+        """Items by name: those that were given, else the catalogue's and the user's.
+
+        Read when first asked for: what runs no network is not stopped by a ``weights.json`` that cannot be read.
+
+        Raises
+        ------
+        InputError
+            The user's ``weights.json`` cannot be read.
+        """
+        if self._items is not None:
+            return self._items
+        return {item.name: item for item in (*CATALOGUE, *read_own_items(self.folder))}
 
     def item(self, name: str) -> WeightsItem:
         """The item of a name; raises InputError where there is none."""
@@ -80,6 +89,10 @@ class Weights:
     def is_present(self, item: WeightsItem) -> bool:
         """Whether all files of an item are here; their bytes are not looked at."""
         return not self._open(item).missing()
+
+    def size(self, item: WeightsItem) -> int | None:
+        """Bytes of an item's files: those on disk where all are here, else as far as they are known beforehand."""
+        return self._open(item).num_bytes() if self.is_present(item) else item.size
 
     def ensure(self, item: WeightsItem) -> None:
         """Have all files of an item here: what is missing is fetched.
@@ -128,12 +141,23 @@ class Weights:
         """Every file of an item, hashed now, beside what it must be."""
         return self._open(item).verify()
 
-    def repair(self, item: WeightsItem) -> None:
+    def repair(self, item: WeightsItem, again: bool = False) -> None:
         """Have all files of an item here and right: what is wrong is moved aside and fetched anew.
+
+        Parameters
+        ----------
+        again : bool
+            Whether files that only their first download vouches for are fetched anew too, and what they are then is
+            recorded in place of what they were: the first download may have been a bad one.
 
         Raises as `ensure` does.
         """
         self._check_licence(item)
+        if again and self._offline:
+            expected = f"`{fetch_command(item, again=True)}`, with a network"
+            raise InputError("no network is to be used", where=f"weights {item.name}", expected=expected)
+        if again:
+            fetch_again(self._open(item), self._token, self._quiet)
         self._open(item).refuse_wrong()
         self.ensure(item)
 

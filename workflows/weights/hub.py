@@ -9,10 +9,11 @@ from schemas.errors import InputError
 from workflows.weights.connection import read_url
 
 HUB = "huggingface.co"
+TOKEN_VARIABLE = "HF_TOKEN"
 _PATH = re.compile(r"/(?P<repository>[^/]+/[^/]+)/resolve/(?P<revision>[^/]+)/(?P<path>.+)")
 _COMMIT = re.compile(r"[0-9a-f]{40}")
 _POINTER = re.compile(
-    r"version https://git-lfs\.github\.com/spec/v1\noid sha256:(?P<sha256>[0-9a-f]{64})\nsize (?P<size>\d+)\n"
+    r"version https://git-lfs\.github\.com/spec/v1\noid sha256:(?P<sha256>[0-9a-f]{64})\nsize (?P<size>[1-9]\d*)\n"
 )
 POINTER_BYTES = 1024
 """A pointer of Git LFS is shorter than this by the format's definition."""
@@ -79,6 +80,14 @@ def read_pointer(file: HubFile, token: str | None) -> Pointer | None:
 
 
 def token_for(url: str, token: str | None) -> str | None:
-    """The user's token for the hub where the address is the hub's; it is nobody else's business."""
+    """The user's token for the hub where the address is the hub's; it is nobody else's business.
+
+    Raises InputError, which does not tell it, where it cannot be one.
+    """
     parts = urlsplit(url)
-    return token if parts.scheme == "https" and parts.hostname == HUB else None
+    if token is None or (parts.scheme, parts.hostname) != ("https", HUB):
+        return None
+    if not re.fullmatch(r"[!-~]+", token):
+        got, expected = "characters that no token has", "printable ASCII without blanks"
+        raise InputError("not a token", where=TOKEN_VARIABLE, got=got, expected=expected)
+    return token

@@ -1,12 +1,13 @@
 """The files of one weights item: which are here, what they are, and that they are what they must be."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from schemas.errors import InputError, MissingInputError
 from schemas.weights import WeightsFile, WeightsItem
+from workflows.weights.fetch_command import fetch_command
 from workflows.weights.hashing import remembered_sha256, sha256_of
 from workflows.weights.pins import read_pins
 from workflows.weights.reading import file_state, read_checkpoint
@@ -42,6 +43,10 @@ class ItemFolder:
         pins = read_pins(self.path)
         return [file for file in self.item.files if pins.is_outdated(file) or not (self.path / file.name).is_file()]
 
+    def num_bytes(self) -> int:
+        """Bytes of the files that are here."""
+        return sum(path.stat().st_size for _, path in self._paths() if path.is_file())
+
     def check_sizes(self) -> None:
         """Raise InputError for a file that is here in another size than it must have."""
         pins = read_pins(self.path)
@@ -55,7 +60,7 @@ class ItemFolder:
         """SHA-256 that a file must have, else that of its bytes; None where it is not here either."""
         path, pinned = self.path / file.name, self._pinned(file)
         if pinned is None and path.is_file() and file not in self.missing():
-            return remembered_sha256(path)
+            return _hash(path, remembered_sha256)
         return pinned
 
     def verify(self) -> list[Verdict]:
@@ -85,7 +90,14 @@ class ItemFolder:
                     raise self._refusal(file, f"SHA-256 {got}", self._pinned(file))
                 expected = f"{digests[file.name]}, as when the run began"
                 raise InputError("another weights file", where=path, got=f"SHA-256 {got}", expected=expected)
-        checkpoint = read_checkpoint(self.item, self.path)
+        try:
+            checkpoint = read_checkpoint(self.item, self.path)
+        except InputError as error:
+            if not any(file.is_fixed_by_download for file in self._concerned(error)):
+                raise
+            what, where, got, expected = error.parts
+            expected = f"{expected}; `{fetch_command(self.item, again=True)}` gets it anew"
+            raise InputError(what, where=where, got=got, expected=expected) from error
         for path, state in states.items():
             if file_state(path) != state:
                 raise InputError("a weights file was written to while it was read", where=path)
@@ -110,17 +122,16 @@ class ItemFolder:
         pin = read_pins(self.path).of(file)
         return pin.sha256 if pin is not None else None
 
+    def _concerned(self, error: InputError) -> Sequence[WeightsFile]:
+        """The file that an error of reading names; all of them where it names none."""
+        return [file for file, path in self._paths() if path == error.parts[1]] or self.item.files
+
     def _refusal(self, file: WeightsFile, got: str, expected: str) -> InputError:
         """That a file is a wrong one; it is moved aside where it can be fetched anew."""
         path = self.path / file.name
         if file.url is not None:
             expected = f"{expected}; {_move_aside(path)}, `{fetch_command(self.item)}` gets the right one"
         return InputError("a wrong weights file", where=path, got=got, expected=expected)
-
-
-def fetch_command(item: WeightsItem) -> str:
-    """The command that gets an item."""
-    return f"moseg weights fetch {item.name}{' --non-commercial' if item.is_non_commercial else ''}"
 
 
 def _move_aside(path: Path) -> str:
@@ -133,11 +144,9 @@ def _move_aside(path: Path) -> str:
     return f"it is moved to {aside.name}"
 
 
-def _hash(path: Path) -> str | None:
+def _hash(path: Path, hash_file: Callable[[Path], str] = sha256_of) -> str | None:
     """SHA-256 of a file; None where there is none."""
-    if not path.is_file():
-        return None
     try:
-        return sha256_of(path)
+        return hash_file(path) if path.is_file() else None
     except OSError as error:
         raise InputError("unreadable weights file", where=path, got=error.strerror) from error

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from pydantic import ValidationError
+from pydantic import Field, ValidationError
 
 from schemas.errors import InputError
 from schemas.frozen import Frozen
@@ -15,7 +15,7 @@ class FilePin(Frozen):
 
     source: str
     sha256: Sha256
-    size: int
+    size: int = Field(ge=1)
 
 
 class Pins(Frozen):
@@ -39,8 +39,11 @@ class Pins(Frozen):
 
     def is_outdated(self, file: WeightsFile) -> bool:
         """Whether what was downloaded came from an address that is no longer the file's, and nothing else tells."""
-        is_unknown = file.url is not None and file.sha256 is None
-        return is_unknown and file.name in self.files and self.of(file) is None
+        return file.is_fixed_by_download and file.name in self.files and self.of(file) is None
+
+    def without(self, file: WeightsFile) -> "Pins":
+        """The same but for a file's pin."""
+        return self.model_copy(update={"files": {name: pin for name, pin in self.files.items() if name != file.name}})
 
 
 def read_pins(folder: Path) -> Pins:

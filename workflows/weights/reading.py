@@ -2,6 +2,7 @@
 
 import os
 import re
+import warnings
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from moseg_tasks.networks import Checkpoint
 
 
+ARCHIVE = b"PK\x03\x04"
+"""The beginning of a zip file, which torch saves."""
 NUMBERS = ("float64", "float32", "int64")
 
 
@@ -48,13 +51,15 @@ def _read_tensors(path: Path, name: str) -> "Mapping[str, torch.Tensor]":
     from moseg_tasks.networks import unwrap_state
 
     try:
-        with torch.serialization.safe_globals(_numpy_scalars()):
+        with torch.serialization.safe_globals(_numpy_scalars()), warnings.catch_warnings():
+            # What comes of an uncommon protocol is seen below.
+            warnings.filterwarnings("ignore", "Detected pickle protocol", UserWarning)
             # Mapped, not read: published checkpoints hold more than the network, an optimiser's state above all.
             content = torch.load(path, weights_only=True, map_location="cpu", mmap=zipfile.is_zipfile(path))
     # What a damaged or foreign file raises is of no common kind: pickle's, zip's and torch's own errors, built-in ones.
     except Exception as error:
         expected = "tensors saved by torch and nothing that would have to be run"
-        raise InputError("unreadable weights", where=path, got=_refused(error), expected=expected) from error
+        raise InputError("unreadable weights", where=path, got=_refused(error, path), expected=expected) from error
     return unwrap_state(content, name)
 
 
@@ -88,10 +93,21 @@ def _read_document(path: Path) -> str:
         raise InputError("unreadable file", where=path, got=_first_line(error), expected="UTF-8 text") from error
 
 
-def _refused(error: Exception) -> str:
-    """What torch did not want to run, which its message says after advice on how to run it nevertheless."""
+def _refused(error: Exception, path: Path) -> str:
+    """What torch did not want to run, else what is wrong with the file.
+
+    Its own words are not for the user: they advise to run the file nevertheless, or tell where in torch it failed.
+    """
     name = re.search(r"Unsupported (?:global: GLOBAL|class) (\S+)", str(error))
-    return _first_line(error) if name is None else name[1]
+    if name is not None:
+        return name[1]
+    if isinstance(error, OSError):
+        return error.strerror or _first_line(error)
+    if isinstance(error, MemoryError) or re.search(r"allocate memory|not enough memory", str(error)):
+        return "not enough memory for it"
+    with open(path, "rb") as file:
+        head = file.read(len(ARCHIVE))
+    return "a damaged archive" if head == ARCHIVE else "a damaged file or one of another format"
 
 
 def _first_line(error: Exception) -> str:

@@ -23,6 +23,8 @@ class Answer:
     content_type: str = "application/octet-stream"
     etag: str | None = None
     knows_ranges: bool = True
+    headers: dict[str, str] = field(default_factory=dict)
+    """Sent besides the others, or in their place."""
     has_length: bool = True
     cuts: list[int] = field(default_factory=list)
     """Bytes after which the first, second … answer is cut off."""
@@ -78,7 +80,7 @@ class FileServer:
                 answer = server.answers.get(self.path, Answer(b"not here", status=404))
                 status, body, headers = server._range(answer, request)
                 self.send_response(status)
-                for name, value in headers.items():
+                for name, value in {**headers, **answer.headers}.items():
                     self.send_header(name, value)
                 self.end_headers()
                 if answer.gate is not None:
@@ -124,9 +126,11 @@ def server() -> Iterator[FileServer]:
 
 
 @pytest.fixture
-def no_waiting(monkeypatch) -> None:
-    """Repeated requests follow at once."""
-    monkeypatch.setattr("workflows.weights.download.time.sleep", lambda seconds: None)
+def no_waiting(monkeypatch) -> list[float]:
+    """Repeated requests follow at once; lists the seconds that were not waited."""
+    waits: list[float] = []
+    monkeypatch.setattr("workflows.weights.download.time.sleep", waits.append)
+    return waits
 
 
 @pytest.fixture

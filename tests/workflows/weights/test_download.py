@@ -2,6 +2,8 @@
 
 import errno
 import socket
+from datetime import UTC, datetime, timedelta
+from email.utils import format_datetime
 
 import pytest
 
@@ -70,10 +72,41 @@ def test_a_file_of_another_size_is_not_even_downloaded(server, fetch, tmp_path):
     assert _files(tmp_path) == []
 
 
-def test_a_truncated_file_is_refused_where_the_server_does_not_say_how_long_it_is(server, fetch, tmp_path):
-    server.serve(PATH, CONTENT, has_length=False, cuts=[70_000])
-    with pytest.raises(InputError, match=f"got 70000 bytes; expected {len(CONTENT)};"):
+def test_a_file_of_known_size_is_resumed_where_the_server_does_not_say_how_long_it_is(server, fetch, tmp_path):
+    server.serve(PATH, CONTENT, has_length=False, cuts=[70_000, 30_000])
+    fetch()
+    assert (tmp_path / "net.pth").read_bytes() == CONTENT
+    assert server.num_sent(PATH) == len(CONTENT)
+
+
+def test_a_file_of_known_size_that_stays_short_is_kept_for_the_next_download(server, fetch, tmp_path):
+    server.serve(PATH, CONTENT, has_length=False, cuts=[70_000, 0, 0])
+    with pytest.raises(InputError, match=f"the download was cut off.*got 70000 of {len(CONTENT)} bytes"):
         fetch()
+    assert _files(tmp_path) == ["net.pth.partial"]
+
+
+@pytest.mark.parametrize("headers", [{}, {"Content-Length": "-5"}])
+def test_a_file_that_might_be_cut_unnoticed_is_not_downloaded(server, fetch, tmp_path, headers):
+    server.serve(PATH, CONTENT, has_length=False, headers=headers, cuts=[70_000])
+    with pytest.raises(InputError, match=r"does not say how long the file is in .*see https://example.org/net"):
+        fetch(sha256=None, size=None, homepage="https://example.org/net")
+    assert _files(tmp_path) == []
+
+
+def test_a_file_in_chunks_says_where_it_ends(server, fetch, tmp_path, sha256):
+    chunked = {"has_length": False, "headers": {"Transfer-Encoding": "chunked"}}
+    whole = b"".join(b"%x\r\n%s\r\n" % (len(part), part) for part in (CONTENT[:1000], CONTENT[1000:], b""))
+    server.serve(PATH, whole, cuts=[500], **chunked)
+    assert fetch(sha256=None, size=None) == (sha256(CONTENT), len(CONTENT))
+    assert len(server.requests) == 2
+
+
+@pytest.mark.parametrize("options", [{}, {"has_length": False, "headers": {"Transfer-Encoding": "chunked"}}])
+def test_an_empty_file_is_refused(server, fetch, tmp_path, options):
+    server.serve(PATH, b"0\r\n\r\n" if options else b"", **options)
+    with pytest.raises(InputError, match=r"the server sent an empty file in .*got 0 bytes"):
+        fetch(sha256=None, size=None)
     assert _files(tmp_path) == []
 
 
@@ -164,12 +197,37 @@ def test_parts_of_two_versions_are_never_joined(server, fetch, tmp_path, sha256)
     assert found.sha256 == sha256(other)
 
 
-@pytest.mark.parametrize("status", [500, 503, 429])
-def test_a_server_that_is_busy_is_asked_again(server, fetch, status):
+@pytest.mark.parametrize(
+    ("status", "line"), [(500, "the server fails in"), (503, "the server is busy in"), (429, "the server is busy in")]
+)
+def test_a_server_that_is_busy_is_asked_again(server, fetch, status, line):
     server.serve(PATH, b"", status=status)
-    with pytest.raises(InputError, match=f"the download was cut off.*{status}"):
+    with pytest.raises(InputError, match=rf"{line} {server.url}.*got {status} .*; expected another try later"):
         fetch()
     assert len(server.requests) == SOON.count + 1
+
+
+def test_a_busy_server_is_given_the_time_that_it_asks_for(server, fetch, no_waiting):
+    server.serve(PATH, b"", status=429, headers={"Retry-After": "7"})
+    with pytest.raises(InputError, match=r"the server is busy in .*expected another try in 7 s"):
+        fetch()
+    assert no_waiting == [7.0] * SOON.count
+
+
+@pytest.mark.parametrize("asked", ["3600", format_datetime(datetime.now(UTC) + timedelta(hours=1), usegmt=True)])
+def test_a_server_that_is_busy_for_long_is_not_waited_for(server, fetch, no_waiting, asked):
+    server.serve(PATH, b"", status=429, headers={"Retry-After": asked})
+    with pytest.raises(InputError, match=r"the server is busy in .*expected another try in 3[56]\d\d s"):
+        fetch()
+    assert (len(server.requests), no_waiting) == (1, [])
+
+
+@pytest.mark.parametrize("asked", ["soon", "-3", "Mon, 01 Jan 2001 00:00:00 GMT"])
+def test_a_busy_server_that_asks_for_nothing_sensible_is_asked_again(server, fetch, no_waiting, asked):
+    server.serve(PATH, b"", status=503, headers={"Retry-After": asked})
+    with pytest.raises(InputError, match="expected another try later"):
+        fetch()
+    assert no_waiting == [0.0] * SOON.count
 
 
 @pytest.mark.parametrize(
@@ -209,8 +267,33 @@ def test_a_web_page_in_place_of_the_file_is_refused(server, fetch, tmp_path):
 
 def test_a_redirect_to_an_unprotected_address_is_not_followed(server, fetch):
     server.serve(PATH, b"", location="http://example.org/net.pth")
-    with pytest.raises(InputError, match=r"redirected to http://example.org/net.pth, which is not https"):
+    with pytest.raises(InputError, match=r"redirected to http://example.org/net.pth, which is no https address"):
         fetch()
+
+
+@pytest.mark.parametrize(
+    "location", ["https://a..b/x", "https://exa mple.org/x", "https://a.org:zz/x", "https://[a/x", "https://é.org/x"]
+)
+def test_a_redirect_to_what_is_no_address_is_told(server, fetch, tmp_path, location):
+    server.serve(PATH, b"", location=location)
+    with pytest.raises(InputError, match=server.url):
+        fetch()
+    assert _files(tmp_path) == []
+
+
+@pytest.mark.parametrize("proxy", ["127.0.0.1:{port}", "http://me:secret@127.0.0.1:{port}/", "http://a..b:{port}"])
+def test_a_proxy_that_fails_is_named_without_its_password(fetch, monkeypatch, proxy):
+    for variable in ("no_proxy", "NO_PROXY", "HTTPS_PROXY"):
+        monkeypatch.delenv(variable, raising=False)
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    monkeypatch.setenv("https_proxy", proxy.format(port=port))
+    with pytest.raises(
+        InputError, match=rf"no connection through the proxy .*answers at \S+:{port}, .*https_proxy"
+    ) as (refused):
+        fetch(url="https://example.org/net.pth")
+    assert "secret" not in str(refused.value)
 
 
 def test_a_token_stays_with_its_host(server, fetch):

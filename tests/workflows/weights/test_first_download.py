@@ -115,6 +115,70 @@ def test_an_address_elsewhere_is_recorded_and_enforced(server, describe, open_fo
         weights.ensure(item)
 
 
+@pytest.fixture
+def bad_first(server, describe, folder):
+    """Fetches the item ``net`` while its address gives half a file, which is recorded; it gives the whole one then."""
+
+    def fetched(weights):
+        (folder / "net" / "model.pth").unlink(missing_ok=True)
+        server.serve("/net.pth", b"half a file")
+        weights.ensure(weights.item("net"))
+        server.serve("/net.pth", TENSORS)
+
+    describe({"files": [{"name": "model.pth", "url": f"{server.url}/net.pth"}]})
+    return fetched
+
+
+def test_a_bad_first_download_says_how_to_get_it_anew(bad_first, open_folder):
+    weights = open_folder()
+    bad_first(weights)
+    item = weights.item("net")
+    with pytest.raises(InputError, match=r"unreadable weights in .*; `moseg weights fetch net --again` gets it anew"):
+        weights.read(item, weights.digests(item))
+
+
+def test_a_bad_first_download_can_be_replaced(bad_first, open_folder, sha256):
+    weights = open_folder()
+    bad_first(weights)
+    item = weights.item("net")
+    weights.repair(item)
+    assert weights.digests(item) == {"model.pth": sha256(b"half a file")}
+    weights.repair(item, again=True)
+    assert weights.digests(item) == {"model.pth": sha256(TENSORS)}
+    assert not any(verdict.is_wrong for verdict in weights.verify(item))
+
+
+def test_what_cannot_be_had_again_stays(bad_first, server, open_folder, folder, sha256):
+    weights = open_folder()
+    bad_first(weights)
+    del server.answers["/net.pth"]
+    with pytest.raises(InputError, match="no such file"):
+        weights.repair(weights.item("net"), again=True)
+    assert weights.digests(weights.item("net")) == {"model.pth": sha256(b"half a file")}
+    assert (folder / "net" / "model.pth").read_bytes() == b"half a file"
+
+
+def test_again_needs_a_network(bad_first, server, open_folder):
+    bad_first(open_folder())
+    num_requests = len(server.requests)
+    weights = open_folder(offline=True)
+    with pytest.raises(InputError, match=r"no network is to be used .*`moseg weights fetch net --again`"):
+        weights.repair(weights.item("net"), again=True)
+    assert len(server.requests) == num_requests
+
+
+def test_again_leaves_alone_what_the_hub_vouches_for(server, hub, describe_hub, open_folder, folder):
+    describe_hub("main")
+    weights = open_folder()
+    weights.ensure(weights.item("net"))
+    hub(LATER, tensors=b"later", config=b"{}")
+    before = (folder / "net" / "pins.json").read_bytes()
+    weights.repair(weights.item("net"), again=True)
+    assert _paths(server).count(f"/org/net/resolve/{COMMIT}/model.bin") == 1
+    assert _paths(server).count(f"/org/net/resolve/{COMMIT}/config.json") == 2
+    assert (folder / "net" / "pins.json").read_bytes() == before
+
+
 def test_the_hub_s_refusal_is_told(server, hub, describe_hub, open_folder):
     describe_hub("main")
     server.serve("/api/models/org/net/revision/main", b"no", status=401)
@@ -139,6 +203,41 @@ def test_unreadable_pins_are_named(hub, describe_hub, open_folder, folder):
     weights = open_folder()
     with pytest.raises(InputError, match=r"unreadable pins in .*pins.json"):
         weights.ensure(weights.item("net"))
+
+
+def test_a_busy_hub_is_called_busy(server, hub, describe_hub, open_folder):
+    describe_hub("main")
+    server.serve("/api/models/org/net/revision/main", b"", status=429, headers={"Retry-After": "300"})
+    weights = open_folder()
+    with pytest.raises(InputError, match=r"the server is busy in .*expected another try in 300 s"):
+        weights.ensure(weights.item("net"))
+
+
+def test_a_file_pinned_as_empty_is_no_pin(describe, open_folder, folder, server):
+    describe({"files": [{"name": "model.pth", "url": f"{server.url}/net.pth"}]})
+    (folder / "net").mkdir()
+    pin = {"source": f"{server.url}/net.pth", "sha256": "0" * 64, "size": 0}
+    (folder / "net" / "pins.json").write_text(json.dumps({"files": {"model.pth": pin}}))
+    with pytest.raises(InputError, match="unreadable pins"):
+        open_folder().ensure(open_folder().item("net"))
+
+
+@pytest.mark.parametrize("token", ["hf_secret\nX-Header: x", "hf_sécret", "hf secret", "hf_secret\x00"])
+def test_a_token_that_is_none_is_refused_and_not_told(token):
+    from workflows.weights.hub import token_for
+
+    assert token_for("https://example.org/net", token) is None
+    with pytest.raises(InputError, match="not a token in HF_TOKEN") as refused:
+        token_for("https://huggingface.co/org/net/resolve/main/model.bin", token)
+    assert "cret" not in str(refused.value)
+
+
+def test_blanks_around_a_token_are_no_part_of_it(server, hub, describe_hub, open_folder, monkeypatch):
+    monkeypatch.setattr("workflows.weights.hub.token_for", lambda url, token: token)
+    describe_hub("main")
+    weights = open_folder(HF_TOKEN=" hf_secret\n")
+    weights.ensure(weights.item("net"))
+    assert server.requests[0].headers["authorization"] == "Bearer hf_secret"
 
 
 def test_the_token_is_for_the_hub_alone():

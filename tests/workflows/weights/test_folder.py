@@ -1,5 +1,6 @@
 """The folder of weights: fetched once, offline when asked, wrong files refused, own items beside the catalogue's."""
 
+import errno
 import json
 import os
 import subprocess
@@ -10,8 +11,11 @@ from pathlib import Path
 import pytest
 
 from schemas.errors import InputError, MissingInputError
+from workflows.weights.fetch_command import fetch_command
+from workflows.weights.folder import Weights
 
 CONTENT = b"weights" * 10_000
+SEQUENCE = "pan"
 FETCH = """
 import sys
 from workflows.weights.folder import open_weights
@@ -180,7 +184,7 @@ def test_names_cannot_leave_the_folder(describe, open_folder, folder, name, wher
         item = {"files": [{"name": f"{name}/model.pth" if name else ""}]}
     describe(item)
     with pytest.raises(InputError, match=f"bad weights item in {folder}/weights.json at items.0"):
-        open_folder()
+        open_folder().item("net")
 
 
 @pytest.mark.parametrize(
@@ -189,6 +193,7 @@ def test_names_cannot_leave_the_folder(describe, open_folder, folder, name, wher
         ({"files": [{"name": "model.pth", "url": "http://example.org/net.pth"}]}, "an https:// address"),
         ({"files": [{"name": "model.pth", "url": "file:///etc/passwd"}]}, "an https:// address"),
         ({"files": [{"name": "model.pth", "sha256": "abc"}]}, "pattern"),
+        ({"files": [{"name": "model.pth", "size": 0}]}, "greater than or equal to 1"),
         ({"files": [{"name": "model.pth"}, {"name": "other.pth"}]}, "exactly one"),
         ({"files": [{"name": "model.pth"}, {"name": "pins.json"}]}, "does not use itself"),
         ({"files": [{"name": "model.pth"}, {"name": "x.partial"}]}, "does not use itself"),
@@ -200,20 +205,77 @@ def test_names_cannot_leave_the_folder(describe, open_folder, folder, name, wher
 def test_an_item_that_is_none_is_refused_with_its_place(describe, open_folder, item, expected):
     describe(item)
     with pytest.raises(InputError, match=rf"weights.json at items.0.*{expected}"):
-        open_folder()
+        open_folder().item("net")
+
+
+def test_what_uses_no_weights_does_not_read_the_list(folder, moseg, monkeypatch, in_empty_folder):
+    monkeypatch.setenv("MOSEG_WEIGHTS", str(folder))
+    folder.mkdir()
+    (folder / "weights.json").write_text("{")
+    assert moseg("plan", "--sequences", SEQUENCE).code == 0
+    refused = moseg("plan", "--sequences", SEQUENCE, "--flow", "raft")
+    assert refused.code == 2 and "weights.json at JSON" in refused.err
+
+
+def test_items_that_are_given_are_all_there_are(folder):
+    folder.mkdir()
+    (folder / "weights.json").write_text("{")
+    assert list(Weights(folder, {}).items) == []
+
+
+@pytest.mark.parametrize("use", [Weights.digests, Weights.verify])
+def test_a_file_that_cannot_be_read_is_named(describe, open_folder, folder, monkeypatch, use):
+    describe({"files": [{"name": "model.pth"}]})
+    (folder / "net").mkdir()
+    (folder / "net" / "model.pth").write_bytes(CONTENT)
+    weights = open_folder()
+    item = weights.item("net")
+
+    # Permissions do not hold for everyone who runs this.
+    def refuse(*arguments):
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr("workflows.weights.hashing.open", refuse, raising=False)
+    line = f"unreadable weights file in {folder}/net/model.pth; got Permission denied"
+    with pytest.raises(InputError, match=line):
+        use(weights, item)
+
+
+@pytest.mark.parametrize("url", ["https://localhost/é.pth", "https://a..b/x", "https://a b/x", "https://a.org:zz/x"])
+def test_an_address_that_no_request_can_name_is_refused(describe, open_folder, url):
+    describe({"files": [{"name": "model.pth", "url": url}]})
+    with pytest.raises(InputError, match=r"weights.json at items.0.files.0.url.*expected an https://.*printable ASCII"):
+        open_folder().item("net")
+
+
+def test_a_config_that_has_no_digest_is_refused_with_its_place(folder, open_folder):
+    folder.mkdir()
+    item = {"name": "net", "architecture": "raft", "files": [{"name": "model.pth"}], "config": {"a": float("nan")}}
+    (folder / "weights.json").write_text(json.dumps({"items": [item]}))
+    with pytest.raises(InputError, match=r"weights.json at items.0.config.*nan cannot be hashed"):
+        open_folder().item("net")
+
+
+def test_a_command_gets_several_items(describe, open_folder):
+    files = [{"name": "model.pth"}]
+    describe({"name": "a", "files": files}, {"name": "b", "files": files, "is_non_commercial": True})
+    a, b = (open_folder().item(name) for name in "ab")
+    assert fetch_command(a) == "moseg weights fetch a"
+    assert fetch_command(a, b) == "moseg weights fetch a b --non-commercial"
+    assert fetch_command(b, again=True) == "moseg weights fetch b --non-commercial --again"
 
 
 def test_a_list_that_is_no_json_is_refused(folder, open_folder):
     folder.mkdir()
     (folder / "weights.json").write_text("items: []")
     with pytest.raises(InputError, match=r"weights.json at JSON"):
-        open_folder()
+        open_folder().item("net")
 
 
 def test_two_items_of_one_name_are_refused(describe, open_folder):
     describe(*[{"files": [{"name": "model.pth"}]}] * 2)
     with pytest.raises(InputError, match="items of different names"):
-        open_folder()
+        open_folder().item("net")
 
 
 def test_a_folder_that_cannot_be_written_is_named(known, folder, open_folder):

@@ -105,6 +105,27 @@ def test_what_torch_does_not_read_safely_is_refused_by_name(read, folder, conten
 
 
 @pytest.mark.parametrize(
+    ("content", "got"),
+    [
+        (b"", "a damaged file or one of another format"),
+        (b"<html>", "a damaged file or one of another format"),
+        (b"\0" * 1000, "a damaged file or one of another format"),
+        (b"not tensors at all", "a damaged file or one of another format"),
+        (b"\x80\x09}q\x00.", "a damaged file or one of another format"),
+        (b"PK\x03\x04 and what is no archive", "a damaged archive"),
+    ],
+)
+def test_torch_s_advice_on_a_bad_file_is_not_handed_on(read, folder, content, got, capsys):
+    with pytest.raises(InputError) as refused:
+        read(lambda folder: (folder / "model.pth").write_bytes(content), "model.pth")
+    assert str(refused.value) == (
+        f"unreadable weights in {folder}/net/model.pth; got {got};"
+        " expected tensors saved by torch and nothing that would have to be run"
+    )
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
     ("more", "named"),
     [(_Runs(), "print"), (Namespace(lr=0.1), "argparse.Namespace"), (np.array([_Runs()], dtype=object), "numpy")],
 )
@@ -122,7 +143,7 @@ def test_a_cut_archive_is_refused_by_name(read, folder):
         torch.save(TENSORS, folder / "model.pth")
         (folder / "model.pth").write_bytes((folder / "model.pth").read_bytes()[:-100])
 
-    with pytest.raises(InputError, match=f"unreadable weights in {folder}/net/model.pth"):
+    with pytest.raises(InputError, match=f"unreadable weights in {folder}/net/model.pth; got a damaged archive; "):
         read(save, "model.pth")
 
 

@@ -66,6 +66,20 @@ def test_what_cannot_be_had_is_one_line_and_exit_code_two(net, server, moseg, ch
     assert not net.exists()
 
 
+def test_a_misspelt_preset_is_told_the_nearest(net, moseg):
+    ran = moseg("weights", "fetch", "--preset", "papr")
+    assert (ran.code, ran.err) == (2, "moseg: no such preset in --preset; got papr; expected paper?\n")
+
+
+def test_fetch_again_replaces_a_bad_first_download(net, server, describe, moseg):
+    describe({"files": [{"name": "model.pth", "url": server.serve("/net.pth", CONTENT[:50])}]})
+    assert moseg("weights", "fetch", "net").code == 0
+    server.serve("/net.pth", CONTENT)
+    assert moseg("weights", "fetch", "net").code == 0 and net.read_bytes() == CONTENT[:50]
+    assert moseg("weights", "fetch", "net", "--again").code == 0 and net.read_bytes() == CONTENT
+    assert moseg("weights", "verify", "net").code == 0
+
+
 @pytest.mark.parametrize("arguments", [(), ("nut",), ("--preset", "papr")])
 def test_bad_use_of_fetch_is_exit_code_two(net, moseg, arguments):
     ran = moseg("weights", "fetch", *arguments)
@@ -146,6 +160,33 @@ def test_tiny_checkpoints_never_take_the_place_of_own_items(net, moseg):
     ran = moseg("weights", "tiny", net.parent.parent, "--only", "raft-large")
     assert ran.code == 2 and "items of your own: net" in ran.err
     assert (net.parent.parent / "weights.json").read_text() == before
+
+
+@pytest.mark.parametrize("name", ["model.pth", "model.pth.partial"])
+def test_tiny_checkpoints_never_take_the_place_of_fetched_weights(tmp_path, moseg, name):
+    fetched = tmp_path / "cache" / "raft-large" / name
+    fetched.parent.mkdir(parents=True)
+    fetched.write_bytes(CONTENT)
+    ran = moseg("weights", "tiny", tmp_path / "cache", "--only", "pips,raft-large")
+    assert ran.code == 2 and "weights that are there: raft-large; expected another folder" in ran.err
+    assert [path for path in (tmp_path / "cache").rglob("*") if path.is_file()] == [fetched]
+    assert fetched.read_bytes() == CONTENT
+    assert moseg("weights", "tiny", tmp_path / "cache", "--only", "raft-small").code == 0
+    assert moseg("weights", "tiny", tmp_path / "cache", "--only", "raft-small").code == 0
+
+
+def test_tiny_checkpoints_without_the_libraries_of_networks_are_exit_code_two(tmp_path, moseg, monkeypatch):
+    monkeypatch.setattr("workflows.weights.packages.find_spec", lambda name: None)
+    ran = moseg("weights", "tiny", tmp_path / "tiny", "--only", "raft-large")
+    assert ran.code == 2 and "pip install 'moseg[models]'" in ran.err
+    assert not (tmp_path / "tiny").exists()
+
+
+@pytest.mark.parametrize("only", [",", ""])
+def test_no_tiny_item_is_exit_code_two(tmp_path, moseg, only):
+    ran = moseg("weights", "tiny", tmp_path / "tiny", "--only", only)
+    assert ran.code == 2 and "no item named in --only" in ran.err
+    assert not (tmp_path / "tiny").exists()
 
 
 def test_tiny_describes_what_it_wrote_in_words(tmp_path, moseg):

@@ -8,6 +8,7 @@ from schemas.errors import InputError
 from schemas.weights import WeightsFile, WeightsItem, WeightsList
 from workflows.exports.atomic_write import atomic_path, blame_output
 from workflows.weights.own_items import OWN_ITEMS, read_own_items
+from workflows.weights.packages import require_network_packages
 from workflows.weights.tiny.checkpoint import TinyCheckpoint
 
 TINY_LICENCE = "none: random numbers"
@@ -35,9 +36,13 @@ def make_tiny(folder: Path, items: Iterable[WeightsItem], seed: int) -> tuple[We
     Raises
     ------
     InputError
-        The folder cannot be written, or its ``weights.json`` describes weights of the user's.
+        The folder cannot be written, or holds weights that are not tiny: the user's, or fetched ones. Or the libraries
+        that networks run on are not here.
     """
+    require_network_packages()
+    items = tuple(items)
     described = {item.name: item for item in _tiny_items(folder)}
+    _refuse_weights(folder, [item.name for item in items if item.name not in described])
     made: dict[str, TinyCheckpoint] = {}
     written = []
     for item in items:
@@ -70,9 +75,21 @@ def _tiny_items(folder: Path) -> list[WeightsItem]:
     items = list(read_own_items(folder))
     own = [item.name for item in items if item.licence != TINY_LICENCE]
     if own:
-        got, expected = f"items of your own: {', '.join(own)}", "another folder"
-        raise InputError("tiny checkpoints would take the place of weights", where=folder, got=got, expected=expected)
+        raise _refusal(folder, f"items of your own: {', '.join(own)}")
     return items
+
+
+def _refuse_weights(folder: Path, names: Iterable[str]) -> None:
+    """Raise InputError where folders of these names are not empty: nothing says that what they hold is tiny."""
+    with blame_output(folder):
+        held = [name for name in names if (folder / name).is_dir() and any((folder / name).iterdir())]
+    if held:
+        raise _refusal(folder, f"weights that are there: {', '.join(held)}")
+
+
+def _refusal(folder: Path, got: str) -> InputError:
+    what = "tiny checkpoints would take the place of weights"
+    return InputError(what, where=folder, got=got, expected="another folder")
 
 
 def _write(path: Path, content: bytes) -> None:
