@@ -10,7 +10,7 @@ STORE   ?= .moseg/store
 MOSEG   := .venv/bin/moseg
 OPTIONS  = $(if $(ROOT),--root "$(ROOT)") --workers $(WORKERS) --store "$(STORE)" $(ARGS)
 
-.PHONY: setup eval ablation segment test lint bench clean
+.PHONY: setup eval ablation segment test lint bench bench-networks clean
 
 setup: .venv/.ready
 
@@ -37,6 +37,9 @@ lint: setup
 
 bench: setup
 	for script in benchmarks/*.py; do echo "== $$script"; .venv/bin/python "$$script" || exit 1; done
+
+bench-networks: setup
+	.venv/bin/python benchmarks/networks/cost.py $(ARGS)
 
 clean:
 	rm -rf .venv build *.egg-info

@@ -9,6 +9,8 @@ from schemas.errors import InputError, MissingInputError
 from workflows.predictions.as_labels import as_labels
 from workflows.predictions.frame_files import FrameFiles
 from workflows.predictions.label_images import read_label_image
+from workflows.sources.files import read_bytes
+from workflows.sources.numpy_file import decode_array
 
 
 class LayerProbabilities:
@@ -25,15 +27,14 @@ class LayerProbabilities:
     def frame(self, index: int) -> np.ndarray:
         """Labels of one frame, uint16 (y, x)."""
         path = self.files.path(index)
-        try:
-            probability = np.load(path, allow_pickle=False)
-        except (OSError, ValueError, EOFError) as error:
-            raise InputError("unreadable array", where=path, got=error) from error
-        if probability.ndim != 3 or probability.dtype.kind != "f":
+        probability = decode_array(read_bytes(str(path)), path, "layer probabilities")
+        if probability.ndim != 3 or probability.dtype.kind != "f" or not probability.size:
             got = f"{probability.dtype} {probability.shape}"
             raise InputError("no layer probabilities", where=path, got=got, expected="float (layer, y, x)")
         height, width = self.shape
-        resized = [cv2.resize(layer.astype(np.float32), (width, height)) for layer in probability]
+        with np.errstate(over="ignore", invalid="ignore"):
+            probability = probability.astype(np.float32)
+        resized = [cv2.resize(layer, (width, height)) for layer in probability]
         layer = np.argmax(resized, axis=0)
         background = np.bincount(layer.ravel()).argmax()
         return as_labels(np.where(layer == background, 0, layer + 1), self.shape, path)

@@ -1,5 +1,6 @@
 """Label images: palette, grey or 16-bit PNG, one per frame."""
 
+import io
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,8 @@ from PIL import Image
 from schemas.errors import InputError
 from workflows.predictions.as_labels import as_labels
 from workflows.predictions.frame_files import FrameFiles
+from workflows.sources.files import read_bytes
+from workflows.sources.png_file import PILLOW_ERRORS, check_png_size
 
 # Pillow's modes of one channel; of a palette image the array is the index, not the colour.
 _LABEL_MODES = {"1", "L", "P", "I", "I;16"}
@@ -44,12 +47,15 @@ def read_label_image(path: Path) -> np.ndarray:
     InputError
         Where the file is no image or has colours in place of labels.
     """
+    content = read_bytes(str(path))
+    check_png_size(content, path, "label image")
     try:
-        with Image.open(path) as image:
+        with Image.open(io.BytesIO(content)) as image:
             image.load()
             mode, values = image.mode, np.asarray(image)
-    except (OSError, SyntaxError, ValueError) as error:
-        raise InputError("unreadable image", where=path, got=error) from error
+    except PILLOW_ERRORS as error:
+        # Pillow names the stream where it cannot identify an image.
+        raise InputError("label image cannot be decoded", where=path, got=f"{len(content)} bytes") from error
     if mode not in _LABEL_MODES:
         raise InputError("colours in place of labels", where=path, got=mode, expected="a palette or grey image")
     return values

@@ -1,16 +1,18 @@
 """Volumes of labels (frame, y, x) in .npy and .npz files, read a frame at a time and never unpickled."""
 
+import os
 import zipfile
-import zlib
 from pathlib import Path
 
 import numpy as np
-from numpy.lib import format as npy_format
 
 from schemas.errors import InputError, MissingInputError
 from workflows.predictions.as_labels import as_labels
+from workflows.sources.files import unreadable
+from workflows.sources.numpy_file import ARCHIVE_ERRORS, HEADER_BYTES, read_header, undecodable
 
 _MOSEG_KEY = "segmentation"
+_WHAT = "volume of labels"
 
 
 class Volume:
@@ -34,13 +36,9 @@ def open_volume(folder: Path, name: str, num_frames: int, shape: tuple[int, int]
     path = next((path for path in paths if path.is_file()), None)
     if path is None:
         raise MissingInputError("no predictions of the sequence", expected=" or ".join(map(str, paths)))
-    try:
-        if path.suffix == ".npy":
-            frames = npy_format.open_memmap(path, mode="r")
-        else:
-            frames = CompressedFrames(path)
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise _unreadable(path, error) from error
+    frames = _map_frames(path) if path.suffix == ".npy" else CompressedFrames(path)
+    if frames.dtype.kind not in "biuf":
+        raise InputError("masks that are no labels", where=path, got=frames.dtype, expected="integers 0..65535")
     if frames.shape != (num_frames, *shape):
         raise InputError("wrong size of masks", where=path, got=frames.shape, expected=(num_frames, *shape))
     return Volume(path, frames)
@@ -54,8 +52,11 @@ class CompressedFrames:
 
     def __init__(self, path: Path):
         self.path = path
-        self._archive = zipfile.ZipFile(path)
-        self._member = _volume_member(self._archive.namelist())
+        try:
+            self._archive = zipfile.ZipFile(path)
+        except ARCHIVE_ERRORS as error:
+            raise undecodable(path, _WHAT, error) from error
+        self._member = _volume_member(self._archive.namelist(), path)
         self._rewind()
 
     def __getitem__(self, index: int) -> np.ndarray:
@@ -65,33 +66,53 @@ class CompressedFrames:
         while self._next <= index:
             try:
                 data = self._stream.read(nbytes)
-            except (OSError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-                raise _unreadable(self.path, error) from error
+            except ARCHIVE_ERRORS as error:
+                raise undecodable(self.path, _WHAT, error) from error
             if len(data) != nbytes:
                 raise InputError("cut-off archive", where=self.path, got=f"{self._next} frames", expected=self.shape[0])
             self._next += 1
         return np.frombuffer(data, dtype=self.dtype).reshape(self.shape[1:])
 
     def _rewind(self) -> None:
-        self._stream = self._archive.open(self._member)
         self._next = 0
-        version = npy_format.read_magic(self._stream)
-        read_header = npy_format.read_array_header_1_0 if version == (1, 0) else npy_format.read_array_header_2_0
-        self.shape, is_fortran, self.dtype = read_header(self._stream)
-        if self.dtype.hasobject:
-            raise ValueError("pickled objects")
-        if is_fortran:
-            raise ValueError("frames that are not contiguous (Fortran order)")
+        try:
+            self._stream = self._archive.open(self._member)
+            header = read_header(self._stream.read(HEADER_BYTES), self.path, _WHAT)
+            self._stream.seek(header.offset)
+        except InputError:
+            raise
+        except ARCHIVE_ERRORS as error:
+            raise undecodable(self.path, _WHAT, error) from error
+        self.shape, self.dtype = header.shape, header.dtype
+        if header.is_fortran:
+            raise undecodable(self.path, _WHAT, "frames that are not contiguous (Fortran order)")
 
 
-def _volume_member(names: list[str]) -> str:
-    """Name of the archive's member that holds the volume; ValueError where it cannot be told."""
+def _map_frames(path: Path) -> np.ndarray:
+    """The array of a ``.npy`` file, mapped rather than read."""
+    try:
+        with path.open("rb") as file:
+            start = file.read(HEADER_BYTES)
+            num_bytes = file.seek(0, os.SEEK_END)
+    except OSError as error:
+        raise unreadable(str(path), error) from error
+    header = read_header(start, path, _WHAT)
+    if header.end > num_bytes:
+        got = f"{num_bytes} bytes for {header.dtype} of shape {header.shape}"
+        raise undecodable(path, _WHAT, got, f"{header.end} bytes")
+    try:
+        order = "F" if header.is_fortran else "C"
+        return np.memmap(path, header.dtype, "r", header.offset, header.shape, order)
+    # Sides that no array can have, beside one of 0, and types without a size.
+    except (OSError, ValueError, TypeError, OverflowError) as error:
+        raise undecodable(path, _WHAT, error) from error
+
+
+def _volume_member(names: list[str], path: Path) -> str:
+    """Name of the archive's member that holds the volume; InputError where it cannot be told."""
     if f"{_MOSEG_KEY}.npy" in names:
         return f"{_MOSEG_KEY}.npy"
     if len(names) != 1:
-        raise ValueError(f"arrays {', '.join(sorted(names))} and none named {_MOSEG_KEY}")
+        got = f"arrays {', '.join(sorted(names))} and none named {_MOSEG_KEY}"
+        raise undecodable(path, _WHAT, got, "an array (frame, y, x) of integers")
     return names[0]
-
-
-def _unreadable(path: Path, error: Exception) -> InputError:
-    return InputError("unreadable volume", where=path, got=error, expected="an array (frame, y, x) of integers")

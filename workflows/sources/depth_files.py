@@ -1,16 +1,16 @@
 """Relative inverse depth from files, one a frame."""
 
-import io
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from schemas.digests import digest_json
 from schemas.errors import InputError
 from workflows.sources.files import digest_file, read_bytes
 from workflows.sources.frames import shrink_to, working_size
+from workflows.sources.numpy_file import decode_array
+from workflows.sources.png_file import decode_png
 
 DEPTH_SUFFIXES = (".npy", ".png")
 DECODING_VERSION = 1
@@ -67,22 +67,17 @@ def decode_depth(content: bytes, path: str) -> np.ndarray:
 
 
 def _decode_npy(content: bytes, path: str) -> np.ndarray:
-    try:
-        depth = np.load(io.BytesIO(content), allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
-        raise InputError("depth map cannot be decoded", where=path, got=error) from error
-    if not isinstance(depth, np.ndarray) or depth.ndim != 2 or depth.dtype.kind != "f":
-        got = f"{depth.dtype} of shape {depth.shape}" if isinstance(depth, np.ndarray) else "an archive"
+    depth = decode_array(content, path, "depth map")
+    if depth.ndim != 2 or depth.dtype.kind != "f":
+        got = f"{depth.dtype} of shape {depth.shape}"
         raise InputError("not a depth map", where=path, got=got, expected="floats (y, x)")
-    # What overflows float32 becomes infinite here and is reported as such.
-    with np.errstate(over="ignore"):
+    # What overflows float32 becomes infinite here and is reported as such, like every NaN.
+    with np.errstate(over="ignore", invalid="ignore"):
         return depth.astype(np.float32)
 
 
 def _decode_png(content: bytes, path: str) -> np.ndarray:
-    image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED) if content else None
-    if image is None:
-        raise InputError("depth map cannot be decoded", where=path, got=f"{len(content)} bytes")
+    image = decode_png(content, path, "depth map")
     if image.ndim != 2 or image.dtype != np.uint16:
         got = f"{image.dtype} of shape {image.shape}"
         raise InputError("not a depth map", where=path, got=got, expected="16-bit grey PNG")

@@ -1,18 +1,17 @@
 """Optical flow from files, one a frame pair."""
 
-import io
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
-from tokenize import TokenError
 
-import cv2
 import numpy as np
 
 from schemas.digests import digest_json
 from schemas.errors import InputError
 from workflows.sources.files import digest_file, read_bytes
 from workflows.sources.frames import shrink_to, working_size
+from workflows.sources.numpy_file import decode_array
+from workflows.sources.png_file import decode_png
 
 FLOW_SUFFIXES = (".flo", ".npy", ".png")
 DECODING_VERSION = 1
@@ -116,9 +115,7 @@ def _decode_flo(content: bytes, path: str) -> np.ndarray:
 
 
 def _decode_kitti(content: bytes, path: str) -> np.ndarray:
-    image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED) if content else None
-    if image is None:
-        raise InputError("flow cannot be decoded", where=path, got=f"{len(content)} bytes")
+    image = decode_png(content, path, "flow")
     if image.ndim != 3 or image.shape[2] != 3 or image.dtype != np.uint16:
         got = f"{image.dtype} of shape {image.shape}"
         raise InputError("not a flow", where=path, got=got, expected="KITTI's 16-bit PNG of u, v and valid")
@@ -128,18 +125,13 @@ def _decode_kitti(content: bytes, path: str) -> np.ndarray:
 
 
 def _decode_npy(content: bytes, path: str) -> np.ndarray:
-    try:
-        flow = np.load(io.BytesIO(content), allow_pickle=False)
-    # numpy reads a damaged header by Python's tokenizer.
-    except (OSError, ValueError, EOFError, TokenError) as error:
-        raise InputError("flow cannot be decoded", where=path, got=f"{len(content)} bytes") from error
-    is_array = isinstance(flow, np.ndarray)
-    if not is_array or flow.ndim != 3 or flow.shape[2] != 2 or flow.dtype.kind != "f":
-        got = f"{flow.dtype} of shape {flow.shape}" if is_array else "an archive"
+    flow = decode_array(content, path, "flow")
+    if flow.ndim != 3 or flow.shape[2] != 2 or flow.dtype.kind != "f":
+        got = f"{flow.dtype} of shape {flow.shape}"
         raise InputError("not a flow", where=path, got=got, expected="floats (y, x, 2)")
-    # What overflows float32 becomes infinite here and is reported as such.
-    with np.errstate(over="ignore"):
-        flow = np.ascontiguousarray(flow, np.float32)
+    # What overflows float32 becomes infinite here and is reported as such, like every NaN.
+    with np.errstate(over="ignore", invalid="ignore"):
+        flow = np.array(flow, np.float32, order="C")
     if num_bad := int(np.count_nonzero(~np.isfinite(flow))):
         raise InputError("flow is not finite", where=path, got=f"{num_bad} NaN or infinite values")
     return flow

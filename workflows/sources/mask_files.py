@@ -11,6 +11,7 @@ from PIL import Image
 from schemas.digests import digest_json
 from schemas.errors import InputError
 from workflows.sources.files import digest_file, read_bytes
+from workflows.sources.png_file import PILLOW_ERRORS, check_png_size
 
 MaskKind = Literal["binary", "instance"]
 MASK_SUFFIXES = (".png",)
@@ -86,11 +87,12 @@ def decode_mask(content: bytes, path: str, kind: MaskKind) -> np.ndarray:
     InputError
         Not an image, cut short, colours instead of ids, or ids beyond 65535.
     """
+    check_png_size(content, path, "mask")
     try:
         with Image.open(io.BytesIO(content)) as image:
             values = np.atleast_3d(np.asarray(image))
             channels = [values[..., i] for i, band in enumerate(image.getbands()) if band != "A"]
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+    except PILLOW_ERRORS as error:
         raise InputError("mask cannot be decoded", where=path, got=f"{len(content)} bytes") from error
     if kind == "binary":
         return np.logical_or.reduce([channel != 0 for channel in channels]).astype(np.uint16)

@@ -1,25 +1,19 @@
 """Point tracks of a whole sequence from a file."""
 
-import io
-import zipfile
-import zlib
 from dataclasses import dataclass
-from tokenize import TokenError
 
 import numpy as np
-from numpy.lib.npyio import NpzFile
 
 from schemas.digests import digest_json
 from schemas.errors import InputError
 from workflows.sources.files import digest_file, read_bytes
 from workflows.sources.frames import working_size
+from workflows.sources.numpy_file import decode_arrays
 
 TRACK_SUFFIXES = (".npz",)
 DECODING_VERSION = 1
 """Raised when `TrackFile.read` starts to yield other values for the same bytes."""
 
-# zipfile raises RuntimeError for encryption and unknown methods, numpy TokenError for a damaged header.
-_UNDECODABLE = (OSError, ValueError, EOFError, RuntimeError, TokenError, zipfile.BadZipFile, zlib.error)
 _LEAST_INSIDE = 0.5  # share of the visible points; fewer come from frames of another size
 _LAYOUT = "points float (N, F, 2) and visible bool (N, F)"
 
@@ -88,21 +82,13 @@ class TrackFile:
 
 def decode_tracks(content: bytes, path: str) -> tuple[np.ndarray, np.ndarray]:
     """Points float64 (N, F, 2), 0 where not visible, and visible bool (N, F); raises InputError unless these are."""
-    try:
-        archive = np.load(io.BytesIO(content), allow_pickle=False)
-        arrays = {name: archive[name] for name in ("points", "visible")} if isinstance(archive, NpzFile) else {}
-    except KeyError as error:
-        raise InputError("not tracks", where=path, got=error, expected=_LAYOUT) from error
-    except _UNDECODABLE as error:
-        got = f"{len(content)} bytes"
-        raise InputError("tracks cannot be decoded", where=path, got=got, expected=f"a .npz of {_LAYOUT}") from error
-    if not arrays:
-        raise InputError("not tracks", where=path, got="a single array", expected=f"a .npz of {_LAYOUT}")
-    points, visible = arrays["points"], arrays["visible"]
+    points, visible = decode_arrays(content, ("points", "visible"), path, "tracks")
     is_pair = points.ndim == 3 and points.shape[2:] == (2,) and visible.shape == points.shape[:2]
     if not is_pair or points.dtype.kind != "f" or visible.dtype != bool:
         got = f"{points.dtype} of shape {points.shape} and {visible.dtype} of shape {visible.shape}"
         raise InputError("not tracks", where=path, got=got, expected=_LAYOUT)
     if num_bad := int(np.count_nonzero(visible & ~np.isfinite(points).all(axis=-1))):
         raise InputError("tracks are not finite", where=path, got=f"{num_bad} visible points with NaN or infinity")
-    return np.where(visible[..., None], points, 0).astype(np.float64), visible
+    # What overflows float64 becomes infinite here, and so lies outside every frame.
+    with np.errstate(over="ignore"):
+        return np.where(visible[..., None], points, 0).astype(np.float64), visible

@@ -3,6 +3,7 @@
 from transformers import DepthAnythingConfig, DepthAnythingForDepthEstimation
 
 from moseg_tasks.networks.checkpoint import Checkpoint
+from moseg_tasks.networks.depth.positions import resample_as_trained
 from moseg_tasks.networks.transformers_model import build_transformers
 from schemas.errors import InputError
 
@@ -26,4 +27,4 @@ def build_depth_anything(checkpoint: Checkpoint) -> DepthAnythingForDepthEstimat
     kind = model.config.depth_estimation_type
     if kind != "relative":
         raise InputError("depth of another kind", where=f"weights {checkpoint.name}", got=kind, expected="relative")
-    return model
+    return resample_as_trained(model)

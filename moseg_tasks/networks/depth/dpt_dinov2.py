@@ -3,6 +3,7 @@
 from transformers import DPTConfig, DPTForDepthEstimation
 
 from moseg_tasks.networks.checkpoint import Checkpoint
+from moseg_tasks.networks.depth.positions import resample_as_trained
 from moseg_tasks.networks.transformers_model import CONFIG, build_transformers, read_json
 from schemas.errors import InputError
 
@@ -28,4 +29,4 @@ def build_dpt_dinov2(checkpoint: Checkpoint) -> DPTForDepthEstimation:
     if backbone != "dinov2":
         where = f"{CONFIG} of weights {checkpoint.name}"
         raise InputError("another backbone", where=where, got=backbone, expected="dinov2")
-    return build_transformers(DPTForDepthEstimation, DPTConfig, checkpoint)
+    return resample_as_trained(build_transformers(DPTForDepthEstimation, DPTConfig, checkpoint))

@@ -1,12 +1,33 @@
 """SAM 2.1 with its memory: an object's mask carried through a video."""
 
+from torch.nn import functional
 from transformers import Sam2VideoConfig, Sam2VideoModel
 
 from moseg_tasks.networks.checkpoint import Checkpoint
 from moseg_tasks.networks.transformers_model import build_transformers
 
 
-def build_sam2_video(checkpoint: Checkpoint) -> Sam2VideoModel:
+class Sam2Video(Sam2VideoModel):
+    """The network as its authors run it where the first mask of an object is given.
+
+    transformers 5.23 then takes the object's pointer from the best of three masks and puts the given mask to memory as
+    it is. The authors take it from the single mask, and put to memory what is left of the given one at a quarter of its
+    size.
+    """
+
+    def _single_frame_forward(self, *args, **kwargs):
+        if kwargs.get("input_masks") is not None:
+            kwargs.setdefault("multimask_output", False)
+        return super()._single_frame_forward(*args, **kwargs)
+
+    def _use_mask_as_output(self, *args, **kwargs):
+        found = super()._use_mask_as_output(*args, **kwargs)
+        side = (self.image_size, self.image_size)
+        found.high_res_masks = functional.interpolate(found.pred_masks, size=side, mode="bilinear")
+        return found
+
+
+def build_sam2_video(checkpoint: Checkpoint) -> Sam2Video:
     """The whole network of ``facebook/sam2.1-hiera-*``; no tensor is ignored.
 
     Raises
@@ -18,4 +39,4 @@ def build_sam2_video(checkpoint: Checkpoint) -> Sam2VideoModel:
     ----------
     Ravi et al., "SAM 2: Segment Anything in Images and Videos", ICLR 2025.
     """
-    return build_transformers(Sam2VideoModel, Sam2VideoConfig, checkpoint)
+    return build_transformers(Sam2Video, Sam2VideoConfig, checkpoint)

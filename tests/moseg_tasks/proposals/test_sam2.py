@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 import torch
 from safetensors.torch import load
+from transformers import Sam2VideoModel
 
 from moseg_tasks.networks import Checkpoint
 from moseg_tasks.networks.frame_tensor import frame_tensor
@@ -169,3 +170,24 @@ def test_no_frames_are_refused(model, seeds):
 def test_seeds_that_are_no_labels_are_refused(model, seeds):
     with pytest.raises(InputError, match="no labels in seeds"):
         track_masks_sam2(model, watch(1), seeds.astype(np.int64), PARAMS)
+
+
+def test_a_given_mask_is_remembered_as_the_authors_do(model, seeds, monkeypatch):
+    """By its single-mask pointer, and at a quarter of the network's side: transformers does neither."""
+    asked, remembered = [], []
+    frame, memory = Sam2VideoModel._single_frame_forward, Sam2VideoModel._encode_new_memory
+
+    def spy_frame(self, *args, **kwargs):
+        asked.append(kwargs)
+        return frame(self, *args, **kwargs)
+
+    def spy_memory(self, *args, **kwargs):
+        remembered.append(kwargs["pred_masks_high_res"])
+        return memory(self, *args, **kwargs)
+
+    monkeypatch.setattr(Sam2VideoModel, "_single_frame_forward", spy_frame)
+    monkeypatch.setattr(Sam2VideoModel, "_encode_new_memory", spy_memory)
+    track_masks_sam2(model, watch(1), seeds, PARAMS)
+    assert asked and all(kwargs["multimask_output"] is False for kwargs in asked)
+    for mask in remembered:
+        assert len(mask.unique()) > 2, "a mask as given has two values"

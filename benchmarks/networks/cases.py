@@ -1,0 +1,189 @@
+"""What each backend is given: frames of 854 x 480, the size of DAVIS, and its own parameters' defaults."""
+
+import time
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any, NamedTuple
+
+import cv2
+import numpy as np
+import published
+
+from moseg_tasks.depth import estimate_inverse_depth
+from moseg_tasks.detections import detect_objects
+from moseg_tasks.flow.raft import estimate_raft_flow
+from moseg_tasks.instances.sam2 import segment_boxes_sam2
+from moseg_tasks.instances.sam_hq import segment_boxes_sam_hq
+from moseg_tasks.networks import Checkpoint
+from moseg_tasks.networks.deaot import build_deaot
+from moseg_tasks.networks.depth import build_depth_anything, build_dpt_dinov2
+from moseg_tasks.networks.grounding_dino import build_grounding_dino
+from moseg_tasks.networks.pips import build_pips
+from moseg_tasks.networks.raft import build_raft
+from moseg_tasks.networks.ram import build_ram, build_ram_plus
+from moseg_tasks.networks.sam2 import build_sam2_image, build_sam2_video
+from moseg_tasks.networks.sam_hq import build_sam_hq
+from moseg_tasks.proposals.deaot import track_masks_deaot
+from moseg_tasks.proposals.sam2 import track_masks_sam2
+from moseg_tasks.tags import recognise_tags
+from moseg_tasks.tracks.pips import track_points_pips
+from schemas.parameters import TrackParams
+from schemas.parameters.deaot import DeaotParams
+from schemas.parameters.depth_anything import DepthAnythingParams
+from schemas.parameters.dpt_dinov2 import DptDinov2Params
+from schemas.parameters.grounding_dino import GroundingDinoParams
+from schemas.parameters.pips import PipsParams
+from schemas.parameters.raft import RaftParams
+from schemas.parameters.ram import RamParams
+from schemas.parameters.sam2 import Sam2Params
+from schemas.parameters.sam_hq import SamHqParams
+
+HEIGHT, WIDTH = 480, 854
+TAGS = ("person", "car", "bus", "dog", "cat", "horse", "bird", "ball", "tree", "road", "sky")
+NUM_BOXES = 16
+NUM_POINTS = 200
+
+
+class Clock:
+    """Wall-clock and CPU seconds since it was last started."""
+
+    def start(self) -> None:
+        self._wall, self._cpu = time.perf_counter(), time.process_time()
+
+    def read(self) -> tuple[float, float]:
+        return time.perf_counter() - self._wall, time.process_time() - self._cpu
+
+
+class Case(NamedTuple):
+    """A backend and its work.
+
+    Attributes
+    ----------
+    work : str
+        What it is given.
+    make_checkpoint, build : callable
+    run : callable
+        Of the network and a running clock, which it starts anew where a warm-up ends; returns the number of frames that
+        it worked on since.
+    """
+
+    work: str
+    make_checkpoint: Callable[[], Checkpoint]
+    build: Callable[[Checkpoint], Any]
+    run: Callable[[Any, Clock], int]
+
+
+def _image(seed: int = 0) -> np.ndarray:
+    noise = np.random.default_rng(seed).integers(0, 256, (HEIGHT, WIDTH, 3), dtype=np.uint8)
+    return cv2.normalize(cv2.GaussianBlur(noise, (0, 0), 3), None, 0, 255, cv2.NORM_MINMAX)
+
+
+def _video(num_frames: int, clock: Clock, num_warm: int) -> Iterator[np.ndarray]:
+    """Frames one by one; the clock starts after some."""
+    for index in range(num_frames):
+        if index == num_warm:
+            clock.start()
+        yield np.roll(_image(), 2 * index, axis=1)
+
+
+def _seeds(num_objects: int) -> np.ndarray:
+    """Discs in a row, 0 = background."""
+    y, x = np.mgrid[:HEIGHT, :WIDTH]
+    column = (x * num_objects // WIDTH + 1).astype(np.uint16)
+    centre = (column - 0.5) * WIDTH / num_objects
+    return np.where(np.hypot(y - HEIGHT / 2, x - centre) < 60, column, 0).astype(np.uint16)
+
+
+def _boxes() -> np.ndarray:
+    corner = np.random.default_rng(0).random((NUM_BOXES, 4)) * [WIDTH / 2, HEIGHT / 2, WIDTH / 2, HEIGHT / 2]
+    return np.concatenate([corner[:, :2], corner[:, :2] + 0.9 * corner[:, 2:] + 10], axis=1)
+
+
+def _run_ram(tagger, clock: Clock) -> int:
+    recognise_tags(tagger, _image(), RamParams())
+    clock.start()
+    recognise_tags(tagger, _image(), RamParams())
+    return 1
+
+
+def _run_grounding_dino(detector, _: Clock) -> int:
+    detect_objects(detector, _image(), TAGS, GroundingDinoParams())
+    return 1
+
+
+def _run_sam_hq(model, _: Clock) -> int:
+    segment_boxes_sam_hq(model, _image(), _boxes(), SamHqParams())
+    return 1
+
+
+def _run_sam2_image(model, _: Clock) -> int:
+    segment_boxes_sam2(model, _image(), _boxes(), Sam2Params())
+    return 1
+
+
+def _run_sam2_video(model, clock: Clock) -> int:
+    # From the eighth frame on the network looks at as many masks as it ever does.
+    track_masks_sam2(model, _video(10, clock, 8), _seeds(2), Sam2Params())
+    return 2
+
+
+def _run_deaot(model, clock: Clock) -> int:
+    # Every frame is remembered, so that memory is full soon.
+    params = DeaotParams(memory_every=1)
+    num_warm = params.memory_frames + 1
+    track_masks_deaot(model, _video(num_warm + 4, clock, num_warm), _seeds(5), params)
+    return 4
+
+
+def _run_pips(model, _: Clock) -> int:
+    params = TrackParams(background_points=NUM_POINTS)
+    frames = [np.roll(_image(), index, axis=1) for index in range(model.config.window)]
+    masks = np.zeros((1, HEIGHT, WIDTH), np.uint16)
+    track_points_pips(model, frames, masks, params, PipsParams(), np.random.default_rng(0))
+    return len(frames)
+
+
+def _run_raft(model, clock: Clock) -> int:
+    pair = _image()[None], np.roll(_image(), 3, axis=1)[None]
+    estimate_raft_flow(model, *pair, RaftParams(iterations=1))
+    clock.start()
+    estimate_raft_flow(model, *pair, RaftParams())
+    return 1
+
+
+def _run_depth(params, model, clock: Clock) -> int:
+    estimate_inverse_depth(model, _image()[None, :140, :140], params)
+    clock.start()
+    estimate_inverse_depth(model, _image()[None], params)
+    return 1
+
+
+_PROMPTS = f"a frame, {len(TAGS)} tags; one run"
+_PROMPTED = f"a frame, {NUM_BOXES} boxes; one run"
+_TRACKED = "2 objects, memory full"
+_FLOW = f"a pair, {RaftParams().iterations} iterations"
+_DPT, _ANY_DEPTH = partial(_run_depth, DptDinov2Params()), partial(_run_depth, DepthAnythingParams())
+
+CASES: dict[str, Case] = {
+    "ram": Case("a frame", partial(published.ram, False), build_ram, _run_ram),
+    "ram-plus": Case("a frame", partial(published.ram, True), build_ram_plus, _run_ram),
+    "grounding-dino-tiny": Case(
+        _PROMPTS, partial(published.grounding_dino, False), build_grounding_dino, _run_grounding_dino
+    ),
+    "grounding-dino-base": Case(
+        _PROMPTS, partial(published.grounding_dino, True), build_grounding_dino, _run_grounding_dino
+    ),
+    "sam-hq-vit-base": Case(_PROMPTED, partial(published.sam_hq, False), build_sam_hq, _run_sam_hq),
+    "sam-hq-vit-large": Case(_PROMPTED, partial(published.sam_hq, True), build_sam_hq, _run_sam_hq),
+    "sam2.1-hiera-tiny": Case(_PROMPTED, partial(published.sam2, False), build_sam2_image, _run_sam2_image),
+    "sam2.1-hiera-large": Case(_PROMPTED, partial(published.sam2, True), build_sam2_image, _run_sam2_image),
+    "sam2.1-hiera-tiny-video": Case(_TRACKED, partial(published.sam2, False), build_sam2_video, _run_sam2_video),
+    "sam2.1-hiera-large-video": Case(_TRACKED, partial(published.sam2, True), build_sam2_video, _run_sam2_video),
+    "deaot-r50-l": Case("5 objects, memory full", published.deaot, build_deaot, _run_deaot),
+    "pips": Case(f"8 frames, {NUM_POINTS} points; one run", published.pips, build_pips, _run_pips),
+    "raft-large": Case(_FLOW, partial(published.raft, False), build_raft, _run_raft),
+    "raft-small": Case(_FLOW, partial(published.raft, True), build_raft, _run_raft),
+    "dpt-dinov2-small": Case("a frame", partial(published.dpt_dinov2, False), build_dpt_dinov2, _DPT),
+    "dpt-dinov2-large": Case("a frame", partial(published.dpt_dinov2, True), build_dpt_dinov2, _DPT),
+    "depth-anything-v2-small": Case("a frame", published.depth_anything_small, build_depth_anything, _ANY_DEPTH),
+}

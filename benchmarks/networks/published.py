@@ -1,0 +1,139 @@
+"""Networks of the published sizes with random weights, as the checkpoints that production builds them from."""
+
+import torch
+from torch.nn import init
+from transformers import (
+    DepthAnythingConfig,
+    DepthAnythingForDepthEstimation,
+    Dinov2Config,
+    DPTConfig,
+    DPTForDepthEstimation,
+    GroundingDinoConfig,
+    GroundingDinoForObjectDetection,
+    PreTrainedConfig,
+    PreTrainedModel,
+    Sam2VideoConfig,
+    Sam2VideoModel,
+    SamHQConfig,
+    SamHQModel,
+)
+
+from moseg_tasks.networks import Checkpoint
+from moseg_tasks.networks.deaot import Deaot, DeaotConfig
+from moseg_tasks.networks.pips import Pips, PipsConfig
+from moseg_tasks.networks.raft import Raft
+from moseg_tasks.networks.raft.config import LARGE, SMALL
+from moseg_tasks.networks.ram import RamConfig
+from moseg_tasks.networks.ram.model import Ram, RamPlus
+from workflows.weights.tiny.grounding_dino import make_grounding_dino
+
+
+def ram(is_plus: bool) -> Checkpoint:
+    config = RamConfig()
+    documents = {
+        "tags.txt": "".join(f"tag {index}\n" for index in range(config.num_tags)),
+        "thresholds.txt": "0.65\n" * config.num_tags,
+    }
+    return Checkpoint("ram", _random_state((RamPlus if is_plus else Ram)(config)), documents)
+
+
+def deaot() -> Checkpoint:
+    return Checkpoint("deaot", _random_state(Deaot(DeaotConfig())))
+
+
+def pips() -> Checkpoint:
+    return Checkpoint("pips", _random_state(Pips(PipsConfig())))
+
+
+def raft(is_small: bool) -> Checkpoint:
+    return Checkpoint("raft", _random_state(Raft(SMALL if is_small else LARGE)))
+
+
+def grounding_dino(is_base: bool) -> Checkpoint:
+    """The tiny one is transformers' default; the base one has the backbone swin_B_384_22k of the authors' code."""
+    backbone = {"model_type": "swin", "out_indices": [2, 3, 4]}
+    if is_base:
+        larger = {"embed_dim": 128, "depths": [2, 2, 18, 2], "num_heads": [4, 8, 16, 32]}
+        backbone |= larger | {"window_size": 12, "image_size": 384}
+    # A vocabulary in BERT's layout that knows only a few words; the network's own embeddings have BERT's full size.
+    vocabulary = make_grounding_dino(0).files["vocab.txt"].decode()
+    documents = {
+        "vocab.txt": vocabulary,
+        "preprocessor_config.json": '{"size": {"shortest_edge": 800, "longest_edge": 1333}}',
+    }
+    return _checkpoint(GroundingDinoForObjectDetection, GroundingDinoConfig(backbone_config=backbone), documents)
+
+
+def sam_hq(is_large: bool) -> Checkpoint:
+    """``sam_vit_b`` and ``sam_vit_l`` of the authors' ``build_sam.py``; the former is transformers' default."""
+    larger = {"hidden_size": 1024, "num_hidden_layers": 24, "num_attention_heads": 16}
+    vision = larger | {"global_attn_indexes": [5, 11, 17, 23]} if is_large else {}
+    decoder = {"vit_dim": 1024 if is_large else 768}
+    return _checkpoint(SamHQModel, SamHQConfig(vision_config=vision, mask_decoder_config=decoder))
+
+
+def sam2(is_large: bool) -> Checkpoint:
+    """``sam2.1_hiera_t.yaml`` and ``sam2.1_hiera_l.yaml`` of the authors' code; the former is transformers' default."""
+    backbone = {"model_type": "sam2_hiera_det_model"}
+    vision = {"model_type": "sam2_vision_model", "backbone_config": backbone}
+    if is_large:
+        widths = [144, 288, 576, 1152]
+        backbone |= {"hidden_size": 144, "num_attention_heads": 2, "blocks_per_stage": [2, 6, 36, 4]}
+        backbone |= {"embed_dim_per_stage": widths, "num_attention_heads_per_stage": [2, 4, 8, 16]}
+        backbone |= {"window_size_per_stage": [8, 4, 16, 8], "global_attention_blocks": [23, 33, 43]}
+        vision |= {"backbone_channel_list": widths[::-1]}
+    return _checkpoint(Sam2VideoModel, Sam2VideoConfig(vision_config=vision))
+
+
+def dpt_dinov2(is_large: bool) -> Checkpoint:
+    """``vit_small`` and ``vit_large`` with the head of ``hub/depthers.py`` in the authors' code."""
+    width, num_layers, outputs = (1024, 24, [5, 12, 18, 24]) if is_large else (384, 12, [3, 6, 9, 12])
+    config = DPTConfig(
+        backbone_config=_dinov2(width, num_layers, outputs, apply_layernorm=False),
+        neck_hidden_sizes=[width // 8, width // 4, width // 2, width],
+        fusion_hidden_size=256,
+        use_bias_in_fusion_residual=False,
+        add_projection=True,
+    )
+    return _checkpoint(DPTForDepthEstimation, config)
+
+
+def depth_anything_small() -> Checkpoint:
+    """``vits`` of the authors' ``run.py``."""
+    config = DepthAnythingConfig(
+        backbone_config=_dinov2(384, 12, [3, 6, 9, 12], apply_layernorm=True),
+        reassemble_hidden_size=384,
+        neck_hidden_sizes=[48, 96, 192, 384],
+        fusion_hidden_size=64,
+    )
+    return _checkpoint(DepthAnythingForDepthEstimation, config)
+
+
+def _dinov2(width: int, num_layers: int, outputs: list[int], apply_layernorm: bool) -> Dinov2Config:
+    """A backbone whose heads have 64 channels, as all of DINOv2."""
+    return Dinov2Config(
+        hidden_size=width,
+        num_hidden_layers=num_layers,
+        num_attention_heads=width // 64,
+        image_size=518,
+        patch_size=14,
+        out_indices=outputs,
+        reshape_hidden_states=False,
+        apply_layernorm=apply_layernorm,
+    )
+
+
+def _checkpoint(
+    model_class: type[PreTrainedModel], config: PreTrainedConfig, documents: dict[str, str] | None = None
+) -> Checkpoint:
+    state = model_class(config).state_dict()
+    return Checkpoint(model_class.__name__, state, (documents or {}) | {"config.json": config.to_json_string()})
+
+
+def _random_state(module: torch.nn.Module) -> dict[str, torch.Tensor]:
+    """Weights of unit gain: numbers that become too small to be normal would slow the arithmetic down."""
+    state = module.state_dict()
+    for tensor in state.values():
+        if tensor.ndim > 1 and tensor.is_floating_point():
+            init.normal_(tensor, std=max(tensor[0].numel(), 1) ** -0.5)
+    return state

@@ -1,0 +1,34 @@
+"""DINOv2's position embeddings at the size of a frame, as the network was trained with them."""
+
+from types import MethodType
+
+import torch
+from torch.nn import functional
+from transformers import PreTrainedModel
+
+OFFSET = 0.1
+"""Cells by which the grid is stretched: with it DINOv2's authors kept the rounding of a scale from losing a cell."""
+
+
+def resample_as_trained(model: PreTrainedModel) -> PreTrainedModel:
+    """The model with its backbone's positions resampled by the authors' factor.
+
+    transformers resamples them to a number of cells, which puts the last ones a tenth of a cell elsewhere. On the
+    published grid of 37 x 37 cells both are the same.
+    """
+    embeddings = model.backbone.embeddings
+    embeddings.interpolate_pos_encoding = MethodType(_resample, embeddings)
+    return model
+
+
+def _resample(self, embeddings: torch.Tensor, height: int, width: int) -> torch.Tensor:
+    """Position embeddings (1, 1 + cells, channels) of a frame of `height` and `width` px."""
+    positions = self.position_embeddings
+    side = round((positions.shape[1] - 1) ** 0.5)
+    cells = [length // self.patch_size for length in (height, width)]
+    if cells == [side, side]:
+        return positions
+    grid = positions[:, 1:].unflatten(1, (side, side)).permute(0, 3, 1, 2)
+    factors = tuple((number + OFFSET) / side for number in cells)
+    grid = functional.interpolate(grid.float(), scale_factor=factors, mode="bicubic").to(grid.dtype)
+    return torch.cat([positions[:, :1], grid.flatten(2).transpose(1, 2)], dim=1)

@@ -1,0 +1,262 @@
+"""What the documents tell a user to type is understood, and their links lead somewhere.
+
+Command lines are the lines of indented blocks and the inline code that begin with `moseg` or `make`. They are parsed by
+the real command line and not run; a command without anything behind it is only mentioned. Inline code that begins with
+an option counts as given to the first command that knows it. Placeholders: `N` is a number, `…` is left out,
+`stage.name=value` stands for any parameter, names that begin with `my-` are the user's own; other words in capitals are
+taken as they stand.
+"""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+from dataclasses import fields
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+from typer.core import TyperGroup
+from typer.exceptions import TyperException
+from typer.main import get_command
+
+from schemas.configs import PipelineConfig
+from schemas.errors import InputError
+from workflows.cli.app import app
+from workflows.cli.options import PipelineOptions, choose_preset
+from workflows.datasets.registry import DATASETS
+from workflows.weights.catalogue import CATALOGUE
+from workflows.weights.needed import ARCHITECTURES, needed_items
+
+ROOT = Path(__file__).resolve().parents[1]
+DOCUMENTS = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+ARCHITECTURE_OF = {item.name: item.architecture for item in CATALOGUE}
+
+_CODE_LINE = re.compile(r"^ {4,}(.*)$", re.MULTILINE)
+_INLINE = re.compile(r"`([^`]+)`")
+_ASSIGNMENTS = re.compile(r"^(?:[A-Z_]+=\S+ +)+(?=\S)")
+_PARAMETER = re.compile(rf"(?:{'|'.join(PipelineConfig.model_fields)})\.[a-z]\w*(?:=\S+)?")
+_LINK = re.compile(r"\]\((?!\w+:)([^)#]*)(?:#([^)]+))?\)")
+
+
+class Shown(NamedTuple):
+    """Something that a document shows, and in which."""
+
+    document: str
+    text: str
+
+
+def shown_code(text: str) -> list[str]:
+    """Lines of indented blocks, what their comments offer instead, and inline code, each on one line."""
+    found = []
+    for line in _CODE_LINE.findall(text):
+        code, _, comment = line.partition("  #")
+        found.append(code.strip())
+        instead = comment.partition("or: ")[2].partition(";")[0].strip()
+        # Another option in place of the line's own: the last one counts.
+        found.append(f"{code.strip()} {instead}" if instead.startswith("-") else instead)
+    found += [" ".join(code.split()) for code in _INLINE.findall(_CODE_LINE.sub("", text))]
+    return [_ASSIGNMENTS.sub("", code).removeprefix(".venv/bin/") for code in found]
+
+
+def is_for_moseg(code: str) -> bool:
+    """Whether the code is a command line of `moseg`, or options or parameters for it."""
+    return code.startswith(("moseg ", "--")) or _PARAMETER.fullmatch(code) is not None
+
+
+def check(code: str) -> None:
+    """Parse a command line, options or a parameter; raises TyperException or InputError where one is wrong."""
+    if not code.startswith(("moseg ", "--")):
+        name, _, value = code.partition("=")
+        if not value:
+            stage, _, name = name.partition(".")
+            known = getattr(PipelineConfig.model_fields[stage].annotation, "model_fields", {})
+            if name not in known:
+                raise InputError("unknown parameter", got=code, expected=", ".join(known))
+            return
+        code = f"--set {code}"
+    words = ["1" if word == "N" else word for word in shlex.split(code) if word != "…"]
+    if words[0] != "moseg":
+        words = _complete(words)
+        if words is None:
+            return
+    if not any(path[: len(words) - 1] == tuple(words[1:]) for path, _, _ in _commands()):
+        _check_parsed(_parse(words[1:]))
+
+
+def _parse(words: list[str]) -> dict:
+    """Values of the parameters of a command, by name."""
+    command, name, context = get_command(app), "moseg", None
+    while isinstance(command, TyperGroup):
+        context = command.make_context(name, list(words), parent=context)
+        name, command, words = command.resolve_command(context, list(words))
+    return command.make_context(name, list(words), parent=context).params
+
+
+def _check_parsed(values: dict) -> None:
+    """Raises InputError where a value is none of those that the command itself would take."""
+    if "dataset" in values and values["dataset"] not in DATASETS:
+        raise InputError("unknown data set", got=values["dataset"])
+    for item in values.get("items") or ():
+        _check_item(item, ARCHITECTURE_OF.get(item))
+    if values.get("preset") is not None:
+        choose_preset(values["preset"])
+    names = [field.name for field in fields(PipelineOptions)]
+    if not values.keys() >= set(names):
+        return
+    settings = [setting for setting in values["settings"] if setting != "stage.name=value"]
+    config, _ = PipelineOptions(**{name: values[name] for name in names} | {"settings": settings}).read()
+    for item, architecture in needed_items(config).items():
+        _check_item(item, architecture)
+    for method, architecture in ARCHITECTURES.items():
+        item = getattr(getattr(config, method.replace("-", "_"), None), "weights", None)
+        if item is not None:
+            _check_item(item, architecture)
+
+
+def _check_item(item: str, architecture: str | None) -> None:
+    if not item.startswith("my-") and (item not in ARCHITECTURE_OF or ARCHITECTURE_OF[item] != architecture):
+        raise InputError("unknown weights item", got=item, expected=architecture)
+
+
+def _complete(words: list[str]) -> list[str] | None:
+    """A command line with these options; None where it is just the name of one, which exists."""
+    asked = {word.partition("=")[0] for word in words if word.startswith("--")}
+    for path, options, num_arguments in _commands():
+        if asked <= options:
+            # Of all presets this one has objects that the options of detections apply to.
+            preset = ["--preset", "paper"] if "--geometry" in options else []
+            return ["moseg", *path, *preset, *["x"] * num_arguments, *words] if len(words) > 1 else None
+    raise InputError("no such option", got=" ".join(sorted(asked)))
+
+
+def _commands(command=None, path: tuple[str, ...] = ()) -> list[tuple[tuple[str, ...], set[str], int]]:
+    """Words, options and number of required arguments of each command, `eval` before the others."""
+    command = command or get_command(app)
+    if isinstance(command, TyperGroup):
+        found = [entry for name, inner in command.commands.items() for entry in _commands(inner, (*path, name))]
+        return sorted(found, key=lambda entry: entry[0] != ("eval",))
+    arguments = [param for param in command.params if param.param_type_name == "argument" and param.required]
+    return [(path, {"--help", *(name for param in command.params for name in param.opts)}, len(arguments))]
+
+
+def _shown(is_meant) -> list[Shown]:
+    found = []
+    for path in DOCUMENTS:
+        codes = [code for code in shown_code(path.read_text(encoding="utf-8")) if is_meant(code)]
+        found += [Shown(path.relative_to(ROOT).as_posix(), code) for code in dict.fromkeys(codes)]
+    return found
+
+
+@pytest.mark.parametrize("shown", _shown(is_for_moseg), ids=lambda shown: f"{shown.document}: {shown.text}")
+def test_what_is_shown_of_moseg_is_understood(shown):
+    check(shown.text)
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="no make")
+@pytest.mark.parametrize(
+    "shown", _shown(lambda code: code.startswith("make ")), ids=lambda shown: f"{shown.document}: {shown.text}"
+)
+def test_what_is_shown_of_make_is_understood(shown):
+    lines = dry_run(shown.text)
+    if any(f"make {target}" in shown.text for target in ("eval", "ablation", "segment")):
+        assert lines
+    for line in lines:
+        check(line)
+
+
+def dry_run(code: str) -> list[str]:
+    """Command lines of `moseg` that a command line of make would run; raises InputError where one is wrong."""
+    words = shlex.split(code)[1:]
+    variables = set(re.findall(r"^([A-Z]+)\s*[?:]?=", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+    unknown = {word.partition("=")[0] for word in words if "=" in word} - variables
+    if unknown:
+        raise InputError("no such variable of make", got=", ".join(unknown))
+    # Of a make that runs these tests nothing is to be inherited.
+    env = {"PATH": os.environ["PATH"]}
+    ran = subprocess.run(["make", "--dry-run", *words], cwd=ROOT, env=env, capture_output=True, text=True, check=False)
+    if ran.returncode:
+        raise InputError("make fails", got=ran.stderr)
+    prefix = ".venv/bin/"
+    return [line.removeprefix(prefix) for line in ran.stdout.splitlines() if line.startswith(f"{prefix}moseg ")]
+
+
+@pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.name)
+def test_links_lead_somewhere(path):
+    broken = []
+    for target, anchor in _LINK.findall(path.read_text(encoding="utf-8")):
+        file = (path.parent / target).resolve() if target else path
+        if not file.exists() or (anchor and anchor not in _anchors(file)):
+            broken.append(f"{target}#{anchor}" if anchor else target)
+    assert broken == []
+
+
+def _anchors(path: Path) -> set[str]:
+    headings = re.findall(r"^#+ (.*)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def test_every_document_shows_something():
+    assert {item.document for item in _shown(is_for_moseg)} == {path.relative_to(ROOT).as_posix() for path in DOCUMENTS}
+
+
+def test_commands_are_found_in_blocks_comments_and_text():
+    text = "\n".join(
+        [
+            "Say `moseg eval",
+            "--quiet` or `A=1 moseg store ls`:",
+            "",
+            "    moseg segment a.mp4 --preset paper    # or: --preset modern; slow",
+            "    make eval      # or: .venv/bin/moseg eval",
+        ]
+    )
+    assert [code for code in shown_code(text) if code] == [
+        "moseg segment a.mp4 --preset paper",
+        "moseg segment a.mp4 --preset paper --preset modern",
+        "make eval",
+        "moseg eval",
+        "moseg eval --quiet",
+        "moseg store ls",
+    ]
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "moseg evaluate",
+        "moseg store list",
+        "moseg eval --data-set synthetic",
+        "moseg eval --dataset sintetic",
+        "moseg eval --variant fuse",
+        "moseg eval --preset papers",
+        "moseg eval --geometry euclidean",
+        "moseg eval --flow farneback",
+        "moseg eval --tagger ram",
+        "moseg eval --set fundamental.gab=3",
+        "moseg eval --set raft.weights=raft-huge",
+        "moseg eval --set raft.weights=pips",
+        "moseg eval --workers two",
+        "moseg segment --out there",
+        "moseg segment a.mp4 b.mp4",
+        "moseg weights fetch raft-huge",
+        "moseg weights fetch --preset papers",
+        "--workres 2",
+        "--workres",
+        "--forget RUN --workers 2",
+        "--set sections.longness=3",
+        "sections.longness",
+        "sections.length=none",
+    ],
+)
+def test_wrong_command_lines_are_noticed(code):
+    assert is_for_moseg(code)
+    with pytest.raises((TyperException, InputError)):
+        check(code)
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="no make")
+@pytest.mark.parametrize("code", ["make evaluation", "make eval DATASETS=davis16"])
+def test_wrong_lines_of_make_are_noticed(code):
+    with pytest.raises(InputError, match="make"):
+        dry_run(code)

@@ -1,0 +1,149 @@
+"""Arrays out of the bytes of `.npy` and `.npz` files.
+
+What a header claims is compared with the bytes that are there before memory is taken for it, and whatever a damaged
+file causes is an InputError that names it. Nothing is ever unpickled.
+"""
+
+import io
+import lzma
+import math
+import struct
+import zipfile
+import zlib
+from typing import NamedTuple
+
+import numpy as np
+from numpy.lib import format as npy_format
+
+from schemas.errors import InputError
+
+HEADER_BYTES = 2**14
+"""The start of a file that is read for its header; numpy itself refuses headers beyond 10,000 characters."""
+ARCHIVE_ERRORS = (
+    OSError,
+    ValueError,
+    EOFError,
+    MemoryError,
+    # Of zipfile: encryption and unknown methods.
+    RuntimeError,
+    struct.error,
+    zipfile.BadZipFile,
+    zlib.error,
+    lzma.LZMAError,
+)
+"""What zipfile raises where an archive or one of its members is damaged."""
+
+_VERSIONS = ((1, 0), (2, 0), (3, 0))
+# Beyond the first, an array must not be more than so many times its archive: 1,000 zeros compress to one byte.
+_ALWAYS_TAKEN_BYTES, _MOST_EXPANSION = 2**28, 100
+
+
+class ArrayHeader(NamedTuple):
+    """What stands before an array's values, and in `offset` how many bytes it takes."""
+
+    shape: tuple[int, ...]
+    dtype: np.dtype
+    is_fortran: bool
+    offset: int
+
+    @property
+    def end(self) -> int:
+        """Bytes of header and values."""
+        return self.offset + math.prod(self.shape) * self.dtype.itemsize
+
+
+def read_header(start: bytes, path: object, what: str) -> ArrayHeader:
+    """The header at the beginning of a ``.npy`` file.
+
+    Parameters
+    ----------
+    start : bytes
+        All of the file or its first `HEADER_BYTES`.
+    path : object
+        The file, for the error.
+    what : str
+        What the file should hold, for the error.
+
+    Raises
+    ------
+    InputError
+        No header, a damaged one, or one of Python objects.
+    """
+    stream = io.BytesIO(start[:HEADER_BYTES])
+    try:
+        version = npy_format.read_magic(stream)
+        if version not in _VERSIONS:
+            raise ValueError(f"version {version}")
+        is_first = version == (1, 0)
+        read = npy_format.read_array_header_1_0 if is_first else npy_format.read_array_header_2_0
+        shape, is_fortran, dtype = read(stream)
+    # numpy parses the header as Python and makes a type of what it finds: damaged, both fail in ways that are nowhere
+    # listed (TokenError, RecursionError, KeyError ...). Only bytes in memory are read here.
+    except Exception as error:
+        raise undecodable(path, what, error) from error
+    shape = tuple(map(int, shape))
+    if any(side < 0 for side in shape):
+        raise undecodable(path, what, f"shape {shape}")
+    if dtype.hasobject:
+        raise undecodable(path, what, "pickled Python objects", "numbers")
+    return ArrayHeader(shape, dtype, is_fortran, stream.tell())
+
+
+def decode_array(content: bytes, path: object, what: str) -> np.ndarray:
+    """The array of a ``.npy`` file, as a view of its bytes that cannot be written to.
+
+    Raises
+    ------
+    InputError
+        No array, one of Python objects, or fewer bytes than its shape and type take.
+    """
+    header = read_header(content, path, what)
+    if header.end > len(content):
+        got = f"{len(content)} bytes for {header.dtype} of shape {header.shape}"
+        raise undecodable(path, what, got, f"{header.end} bytes")
+    order = "F" if header.is_fortran else "C"
+    try:
+        return np.ndarray(header.shape, header.dtype, content, header.offset, order=order)
+    # Sides that no array can have, beside one of 0, and types without a size.
+    except (ValueError, TypeError, OverflowError) as error:
+        raise undecodable(path, what, error) from error
+
+
+def decode_arrays(content: bytes, names: tuple[str, ...], path: object, what: str) -> tuple[np.ndarray, ...]:
+    """The arrays called `names` of a ``.npz`` file, as `decode_array` gives each.
+
+    Raises
+    ------
+    InputError
+        No archive, a damaged one, an array that is absent, damaged, or of Python objects, or one that its archive
+        expands to out of all proportion.
+    """
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            return tuple(_decode_member(archive, name, len(content), path, what) for name in names)
+    except InputError:
+        raise
+    except ARCHIVE_ERRORS as error:
+        raise undecodable(path, what, error) from error
+
+
+def undecodable(path: object, what: str, got: object, expected: object = None) -> InputError:
+    """The error of a file whose bytes are not what they should be."""
+    # numpy repeats the whole of a header that it cannot read.
+    return InputError(f"{what} cannot be decoded", where=path, got=f"{got!s:.200}", expected=expected)
+
+
+def _decode_member(archive: zipfile.ZipFile, name: str, num_bytes: int, path: object, what: str) -> np.ndarray:
+    """One array of an archive of `num_bytes`."""
+    members = archive.namelist()
+    # numpy takes a member of just that name for the array too.
+    member = name if name in members else f"{name}.npy"
+    if member not in members:
+        raise undecodable(path, what, f"arrays {', '.join(sorted(members))}", f"an array {name}")
+    with archive.open(member) as stream:
+        header = read_header(stream.read(HEADER_BYTES), path, f"{what}: array {name}")
+        if header.end > max(_ALWAYS_TAKEN_BYTES, _MOST_EXPANSION * num_bytes):
+            got = f"array {name} of {header.end} bytes in an archive of {num_bytes}"
+            raise undecodable(path, what, got, "arrays saved by numpy.savez, uncompressed")
+        stream.seek(0)
+        return decode_array(stream.read(header.end), path, f"{what}: array {name}")
