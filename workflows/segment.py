@@ -89,7 +89,7 @@ def segment(
     def read():
         graph = graphs[0]
         clustering = graph.clustering(variant)
-        linking = session.store.attributes(graph.linking())
+        linking = session.store.attributes(graph.objects.linking())
         identities = linking.get("given", range(1, linking["num_objects"]))
         if clustering is None:
             motion = np.arange(linking["num_objects"], dtype=np.uint16)

@@ -182,8 +182,8 @@ def test_keys_are_golden():
     """They move when a recipe's wording, a default or a version does: then every store computes these nodes anew."""
     graph = SequenceGraph(LEAVES, _config())
     found = {variant.value: graph.score(variant).partition("/")[2][:16] for variant in Variant}
-    found["flow"] = graph.flow(0, 1).partition("/")[2][:16]
-    found["tracks"] = graph.tracks(0).partition("/")[2][:16]
+    found["flow"] = graph.frame_cues.flow(0, 1).partition("/")[2][:16]
+    found["tracks"] = graph.motions.tracks(0).partition("/")[2][:16]
     assert found == GOLDEN
 
 

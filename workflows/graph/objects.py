@@ -1,0 +1,112 @@
+"""Objects: proposed in every section, with identities that last through the sequence."""
+
+from workflows.graph.frame_cues import FrameCues
+from workflows.graph.nodes import Nodes
+from workflows.graph.sequence_leaves import GIVEN_SOURCES
+from workflows.sections import Section
+from workflows.weights.needed import tagger_item
+
+
+class Objects:
+    """Writes the recipes of the objects of every section."""
+
+    def __init__(self, nodes: Nodes, cues: FrameCues, sections: tuple[Section, ...]):
+        self._nodes = nodes
+        self._config = nodes.config
+        self._leaves = nodes.leaves
+        self._cues = cues
+        self._sections = sections
+        self._proposals: list[str] = []
+        self._linking: str | None = None
+
+    def proposals(self, index: int) -> str:
+        """Reference of a section's object proposals."""
+        # In order, because a section starts with what was tracked into it.
+        while len(self._proposals) <= index:
+            self._proposals.append(self._propose(len(self._proposals)))
+        return self._proposals[index]
+
+    def linking(self) -> str:
+        """Reference of the identities of the sections' objects."""
+        if self._linking is None:
+            self._linking = self._link()
+        return self._linking
+
+    def labelled_until(self, index: int) -> int:
+        """End of the frames in which a section's objects are labelled."""
+        section = self._sections[index]
+        if self._config.proposal_source == "detections":
+            # The next section takes up what was tracked into its first frame.
+            return min(section.stop + 1, len(self._leaves.frames))
+        return section.proposal_stop
+
+    def _propose(self, index: int) -> str:
+        section = self._sections[index]
+        if self._config.proposal_source in GIVEN_SOURCES:
+            masks = self._nodes.required("masks", f"proposals: {self._config.proposal_source}")
+            params = {"start": section.start, "stop": section.proposal_stop, "shape": list(self._leaves.shape)}
+            params["void"] = self._leaves.masks_void
+            return self._nodes.add("proposals", "given", params, {"masks": masks})
+        if self._config.proposal_source == "detections":
+            return self._track_objects(index)
+        saliency = tuple(self._cues.saliency(frame) for frame in range(section.context_start, section.context_stop))
+        return self._nodes.add(
+            "proposals",
+            "saliency",
+            {
+                "first": section.start - section.context_start,
+                "last": section.proposal_stop - section.context_start,
+                "shape": list(self._leaves.shape),
+                "proposals": self._config.proposals.model_dump(mode="json"),
+            },
+            {"saliency": saliency},
+        )
+
+    def _link(self) -> str:
+        proposals = tuple(self.proposals(index) for index in range(len(self._sections)))
+        if self._config.proposal_source != "saliency":
+            return self._nodes.add("linking", "identity", {}, {"proposals": proposals})
+        params = {
+            "lengths": [section.stop - section.start for section in self._sections],
+            "linking": self._config.linking.model_dump(mode="json"),
+        }
+        return self._nodes.add("linking", "overlap", params, {"proposals": proposals})
+
+    def _track_objects(self, index: int) -> str:
+        """A section's objects from the masks of its first frame on."""
+        section = self._sections[index]
+        frames = self._leaves.frames[section.start : self.labelled_until(index)]
+        tracker = self._config.detections.tracker
+        params, weights = self._nodes.network(tracker, unread={"boxes_per_pass"})
+        inputs = {"frames": frames, "seeds": self._seeds(index), "weights": weights}
+        return self._nodes.add("proposals", tracker, params, inputs)
+
+    def _seeds(self, index: int) -> str:
+        """What is found in a section's first frame, linked with what was tracked into it."""
+        inputs = {"found": self._instances(self._sections[index].start)}
+        if index:
+            inputs["tracked"] = self.proposals(index - 1)
+        params = {"seeds": self._config.seeds.model_dump(mode="json")}
+        return self._nodes.add("seeds", "mask-overlap", params, inputs)
+
+    def _instances(self, frame: int) -> str:
+        """Reference of the objects that the networks find in one frame."""
+        image, masks = self._leaves.frames[frame], self._config.detections.masks
+        params, weights = self._nodes.network(masks, unread={"objects_per_pass", "memory_reach"})
+        params["instances"] = self._config.instances.model_dump(mode="json")
+        inputs = {"frame": image, "detections": self._detections(image), "weights": weights}
+        return self._nodes.add("instances", masks, params, inputs)
+
+    def _detections(self, image: str) -> str:
+        params, weights = self._nodes.network("grounding-dino")
+        inputs = {"frame": image, "weights": weights}
+        if self._config.detections.tags is not None:
+            params["tags"] = list(self._config.detections.tags)
+        else:
+            inputs["tags"] = self._tags(image)
+        return self._nodes.add("detections", "grounding-dino", params, inputs)
+
+    def _tags(self, image: str) -> str:
+        params = {"ram": self._config.ram.model_dump(mode="json", exclude={"weights"})}
+        inputs = {"frame": image, "weights": self._nodes.weights(tagger_item(self._config))}
+        return self._nodes.add("tags", self._config.detections.tagger, params, inputs)

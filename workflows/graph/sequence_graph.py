@@ -1,0 +1,109 @@
+"""The sinks of a sequence's graph: scores, labels and motion groups of every variant.
+
+A `SequenceGraph` only writes recipes; it neither looks into the store nor computes. The same node asked for twice is
+the same recipe, whichever variant or run asks.
+"""
+
+from schemas.configs import PipelineConfig, Variant
+from schemas.errors import InputError
+from schemas.recipes import Recipe
+from workflows.graph.frame_cues import FrameCues
+from workflows.graph.motions import Motions
+from workflows.graph.nodes import Nodes
+from workflows.graph.objects import Objects
+from workflows.graph.sequence_leaves import SequenceLeaves
+from workflows.sections import cut_sections
+
+
+class SequenceGraph:
+    """Writes the recipes of one sequence under one configuration.
+
+    Attributes
+    ----------
+    leaves : SequenceLeaves
+    frame_cues : FrameCues
+    objects : Objects
+    motions : Motions
+    """
+
+    def __init__(self, leaves: SequenceLeaves, config: PipelineConfig):
+        self._nodes = Nodes(leaves, config)
+        self._config = config
+        self.leaves = leaves
+        self._sections = cut_sections(len(leaves.frames), config.sections)
+        self.frame_cues = FrameCues(self._nodes)
+        self.objects = Objects(self._nodes, self.frame_cues, self._sections)
+        self.motions = Motions(self._nodes, self.frame_cues, self.objects, self._sections)
+
+    @property
+    def recipes(self) -> dict[str, Recipe]:
+        """Every recipe written so far, by reference."""
+        return self._nodes.recipes
+
+    def score(self, variant: Variant) -> str:
+        """Reference of the variant's score."""
+        if self.leaves.annotation is None:
+            raise InputError("no ground truth to score against", where=f"sequence {self.leaves.name}")
+        return self._nodes.add(
+            "score",
+            "motion-segmentation",
+            {"void": self.leaves.void, "section_length": self._config.sections.length},
+            {"segmentation": self.segmentations(variant), "annotation": self.leaves.annotation},
+        )
+
+    def segmentations(self, variant: Variant) -> tuple[str, ...]:
+        """References of the labels of every section."""
+        clustering = self.clustering(variant)
+        refs = []
+        for index, section in enumerate(self._sections):
+            inputs = {"proposals": self.objects.proposals(index), "linking": self.objects.linking()}
+            if clustering is not None:
+                inputs["clustering"] = clustering
+            params = {"section": index, "num_frames": section.stop - section.start}
+            refs.append(self._nodes.add("segmentation", "moving-objects", params, inputs))
+        return tuple(refs)
+
+    def clustering(self, variant: Variant) -> str | None:
+        """Reference of the motion groups; None for the variant that keeps every proposal."""
+        views = self._config.views(variant)
+        if not views:
+            return None
+        params = self._config.clustering
+        num_motions = params.motions
+        if num_motions == "gt":
+            num_motions = self.leaves.num_motions
+            if num_motions is None:
+                raise InputError(
+                    "the number of motions is not known",
+                    where=f"sequence {self.leaves.name}",
+                    got="--motions gt without ground truth",
+                    expected="--motions auto or a number",
+                )
+        return self._nodes.add(
+            "clustering",
+            "motion-groups",
+            {
+                "num_motions": None if num_motions == "auto" else num_motions,
+                "clustering": self._clustering_params(len(views), num_motions == "auto"),
+            },
+            {"affinities": tuple(self.motions.affinity(view) for view in views)},
+        )
+
+    def _clustering_params(self, num_views: int, is_auto: bool) -> dict:
+        """The parameters that a clustering of so many views reads."""
+        params = self._config.clustering
+        unread = {"motions"}
+        if not is_auto:
+            unread |= {"auto", "threshold"}
+        elif params.auto != "threshold":
+            unread.add("threshold")
+        if num_views == 1 or params.fusion != "coregularised":
+            unread |= {"co_regularisation", "num_iterations", "tolerance"}
+        if num_views == 1:
+            unread.add("fusion")
+        return params.model_dump(mode="json", exclude=unread)
+
+    def cues(self) -> tuple[str, ...]:
+        """References of the tracks and of the forward flow: what every motion model starts from."""
+        flows = (self.frame_cues.flow(frame, frame + 1) for frame in range(len(self.leaves.frames) - 1))
+        return (*(self.motions.tracks(index) for index in range(len(self._sections))), *flows)

@@ -1,0 +1,47 @@
+"""Where the graph of a sequence ends: what came from outside."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+GIVEN_SOURCES = ("groundtruth", "folder")
+"""Methods of a stage that compute nothing: the data set or the user gives its result."""
+
+
+class SequenceLeaves(NamedTuple):
+    """A sequence after ingest: references of its decoded content, and what the graph must know of it.
+
+    Attributes
+    ----------
+    name : str
+    shape : (int, int)
+        Height and width of the frames as analysed, px.
+    frames : tuple of references
+    annotation : reference or None
+        Ground truth.
+    void : int or None
+        Annotated label that counts for neither side.
+    num_motions : int or None
+        True number of motions, the background's included.
+    masks, tracks : reference or None
+        Given proposals and point tracks of the whole sequence.
+    masks_void : int or None
+        Label of the given proposals that is no object.
+    depth, flow_forward, flow_backward : tuple of references or None
+        Given cues, one a frame or a frame pair.
+    weights : dict of str to reference
+        The weights that the configuration's networks read, by name of their item.
+    """
+
+    name: str
+    shape: tuple[int, int]
+    frames: tuple[str, ...]
+    annotation: str | None = None
+    void: int | None = None
+    num_motions: int | None = None
+    masks: str | None = None
+    masks_void: int | None = None
+    tracks: str | None = None
+    depth: tuple[str, ...] | None = None
+    flow_forward: tuple[str, ...] | None = None
+    flow_backward: tuple[str, ...] | None = None
+    weights: Mapping[str, str] = {}
