@@ -23,8 +23,6 @@ GEOMETRIES: Mapping[str, Choices] = {
 """`paper`: Huang, Chen and Zelek, sections 3.3 to 3.5, with the flow model corrected; ``--motions gt`` gives it their
 number of motions."""
 
-GEOMETRY_STAGES = ("fundamental", "affinity", "clustering")
-
 PRESETS: Mapping[str, Choices] = {
     "weights-free": {},
     "paper": {
@@ -33,7 +31,6 @@ PRESETS: Mapping[str, Choices] = {
         "tracks": {"method": "pips"},
         "flow": {"method": "raft"},
         "depth": {"method": "dpt-dinov2"},
-        **GEOMETRIES["paper"],
     },
     "modern": {
         "proposal_source": "detections",
@@ -44,5 +41,5 @@ PRESETS: Mapping[str, Choices] = {
         "depth": {"method": "depth-anything-v2"},
     },
 }
-"""`paper`: the models of Huang, Chen and Zelek, sections 3.1 and 3.2, with their geometry. `modern`: networks of today
-under licences that allow any use, with this project's geometry."""
+"""`paper`: the models of Huang, Chen and Zelek, sections 3.1 and 3.2; with the geometry of the same name it is their
+method, which must be told the number of motions. `modern`: networks of today under licences that allow any use."""

@@ -4,6 +4,7 @@ import os
 
 from schemas.configs import PipelineConfig, Variant
 from schemas.errors import MissingStoreError
+from workflows.cli.notes import motions_note
 from workflows.cli.options import (
     DEFAULT_STORE,
     DataOptions,
@@ -125,4 +126,4 @@ def _notes(config: PipelineConfig, variants: tuple[Variant, ...]) -> tuple[str, 
             notes.append(f"no depth given: {', '.join(without)} ran without it (oc_depth with constant inverse depth)")
     else:
         notes.append(f"depth {config.depth.method}")
-    return tuple(notes)
+    return (*notes, *motions_note(config))

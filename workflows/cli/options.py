@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from schemas.configs import PipelineConfig, Variant
 from schemas.errors import InputError
-from schemas.presets import GEOMETRIES, GEOMETRY_STAGES, PRESETS
+from schemas.presets import GEOMETRIES, PRESETS
 from workflows.cli.config_errors import explain
 
 DEFAULT_STORE = ".moseg/store"
@@ -88,10 +88,9 @@ class PipelineOptions:
         typer.Option("--tracks", help="lucas-kanade, pips, groundtruth or folder:PATH (default: lucas-kanade)."),
     ] = None
     affinity: Annotated[str | None, typer.Option("--affinity", help="residual or ork (default: residual).")] = None
-    geometry: Annotated[
-        str | None,
-        typer.Option("--geometry", help="Fits, affinity and clustering: default or paper (default: the preset's)."),
-    ] = None
+    geometry: Annotated[str, typer.Option("--geometry", help="Fits, affinity and clustering: default or paper.")] = (
+        "default"
+    )
     section_length: Annotated[
         int | None, typer.Option("--section-length", help="Frames of a section (l of the paper).")
     ] = None
@@ -237,19 +236,15 @@ def sequence_names(text: str | None) -> tuple[str, ...] | None:
     return names
 
 
-def choose_preset(preset: str, geometry: str | None = None) -> dict[str, Any]:
-    """Values of a preset, those of the geometry put in place of its own where one is named; raises InputError."""
+def choose_preset(preset: str, geometry: str = "default") -> dict[str, Any]:
+    """Values of a preset and of a geometry; raises InputError where there is none of the name."""
     for option, name, known in (("--preset", preset, PRESETS), ("--geometry", geometry, GEOMETRIES)):
-        if name is not None and name not in known:
+        if name not in known:
             close = get_close_matches(name, known, n=1)
             expected = f"{close[0]}?" if close else " or ".join(known)
             raise InputError(f"no such {option.removeprefix('--')}", where=option, got=name, expected=expected)
-    values = {stage: dict(value) if isinstance(value, Mapping) else value for stage, value in PRESETS[preset].items()}
-    if geometry is not None:
-        for stage in GEOMETRY_STAGES:
-            values.pop(stage, None)
-        values |= {stage: dict(value) for stage, value in GEOMETRIES[geometry].items()}
-    return values
+    chosen = {**PRESETS[preset], **GEOMETRIES[geometry]}
+    return {stage: dict(value) if isinstance(value, Mapping) else value for stage, value in chosen.items()}
 
 
 def _folder_choice(cue: str, text: str | None, folders: dict[str, str]) -> str | None:

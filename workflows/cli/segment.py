@@ -8,6 +8,7 @@ import typer
 
 from schemas.configs import Variant
 from schemas.errors import InputError
+from workflows.cli.notes import motions_note
 from workflows.cli.options import PipelineOptions, RunOptions, with_option_groups
 
 
@@ -56,3 +57,5 @@ def segment(
         f"{objects} in {result.num_frames} frames: {out}/masks, {out}/overlay.mp4, {out}/motion.json"
         f" ({use.computed} artifacts computed, {use.reused} reused, {session.seconds:.1f} s)"
     )
+    for note in motions_note(config):
+        print(f"note: {note}")

@@ -1,0 +1,39 @@
+"""Presets of networks and of geometry: what each sets, and that they do not get in each other's way."""
+
+import pytest
+
+from schemas.configs import PipelineConfig
+from schemas.presets import GEOMETRIES, PRESETS
+from workflows.cli.options import PipelineOptions
+
+
+def test_presets_and_geometries_set_different_stages():
+    assert not {stage for preset in PRESETS.values() for stage in preset} & {
+        stage for geometry in GEOMETRIES.values() for stage in geometry
+    }
+
+
+def test_nothing_chosen_is_the_default():
+    assert PipelineOptions().read()[0] == PipelineConfig()
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+@pytest.mark.parametrize("geometry", GEOMETRIES)
+def test_every_preset_goes_with_every_geometry(preset, geometry):
+    config, _ = PipelineOptions(preset=preset, geometry=geometry).read()
+    assert (config.affinity.method == "ork") == (geometry == "paper")
+    assert (config.proposal_source == "detections") == (preset != "weights-free")
+
+
+def test_an_option_changes_one_choice_of_a_preset():
+    config, _ = PipelineOptions(preset="paper", flow="dis", settings=["pips.iterations=3"]).read()
+    paper, _ = PipelineOptions(preset="paper").read()
+    changed = {name for name in PipelineConfig.model_fields if getattr(config, name) != getattr(paper, name)}
+    assert changed == {"flow", "pips"}
+
+
+def test_ranks_that_do_not_tell_the_number_of_motions_are_told_of(evaluated_copy, moseg):
+    ran = moseg(*evaluated_copy.arguments, "--store", evaluated_copy.store, "--geometry", "paper")
+    assert ran.code == 0 and "give it by --motions" in ran.out
+    ran = moseg(*evaluated_copy.arguments, "--store", evaluated_copy.store, "--geometry", "paper", "--motions", "gt")
+    assert ran.code == 0 and "give it by --motions" not in ran.out
