@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from schemas.errors import CorruptArtifactError
+from schemas.errors import CorruptArtifactError, InputError
 from schemas.recipes import Recipe
 from store import ArtifactStore, PutOutcome, open_store
 from workflows.stages.inputs import Inputs
@@ -50,6 +50,13 @@ def _run(store: ArtifactStore, recipes: Sequence[Recipe]) -> Sequence[Output]:
         # A worker of another machine may lack what the client has.
         require_network_packages()
         raise
+    except RuntimeError as error:
+        # Of torch, which is not imported for it.
+        if type(error).__name__ != "OutOfMemoryError":
+            raise
+        expected = "--batch 1, or less by the network's parameters (max_side, …_per_pass)"
+        where = f"{recipes[0].task} by {task.method}"
+        raise InputError("the GPU's memory does not hold it", where=where, got=error, expected=expected) from error
 
 
 def seeded_generator(key: str) -> np.random.Generator:

@@ -79,7 +79,7 @@ def print_stages(stages: dict[str, StageUse]) -> None:
     for stage, use in stages.items():
         total = use.computed + use.reused
         share = f"{100 * use.reused / total:.0f}" if total else "-"
-        table.add_row(stage, str(use.computed), str(use.reused), share, f"{use.seconds:.1f}")
+        table.add_row(stage, str(use.computed), str(use.reused), share, f"{use.seconds:.1f}" if use.seconds else "-")
     console().print(table)
 
 

@@ -43,11 +43,15 @@ def read_url(url: str, limit: int, token: str | None) -> bytes:
         raise explain(error, url) from error
 
 
+def _is_loopback(url: str) -> bool:
+    return urlsplit(url).hostname in LOOPBACK
+
+
 class _Redirects(urllib.request.HTTPRedirectHandler):
     """Follows to trusted addresses; the token stays with the host that it was meant for."""
 
     def redirect_request(self, req, fp, code, msg, headers, newurl):
-        if not is_trusted_url(newurl):
+        if not is_trusted_url(newurl) or (_is_loopback(newurl) and not _is_loopback(req.full_url)):
             raise HTTPError(req.full_url, code, f"redirected to {newurl}, which is no https address", headers, fp)
         new = super().redirect_request(req, fp, code, msg, headers, newurl)
         old, target = urlsplit(req.full_url), urlsplit(newurl)

@@ -185,6 +185,8 @@ class _Transfer:
                     file.write(chunk)
                     done += len(chunk)
                     self._report(done, total)
+                    if self._source.size is not None and done > self._source.size:
+                        break
                 file.flush()
                 os.fsync(file.fileno())
         except OSError as error:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from schemas.errors import InputError
 from schemas.weights import TENSOR_SUFFIXES, WeightsItem
+from workflows.weights.numpy_numbers import STAND_INS
 
 if TYPE_CHECKING:
     import torch
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 
 ARCHIVE = b"PK\x03\x04"
 """The beginning of a zip file, which torch saves."""
-NUMBERS = ("float64", "float32", "int64")
 
 
 def read_checkpoint(item: WeightsItem, folder: Path) -> "Checkpoint":
@@ -37,7 +37,8 @@ def read_checkpoint(item: WeightsItem, folder: Path) -> "Checkpoint":
     for file in item.files:
         path = folder / file.name
         if file.name.endswith(TENSOR_SUFFIXES):
-            tensors = _read_tensors(path, item.name)
+            # Copied out of the file's pages: what was hashed must not change below the network.
+            tensors = {name: tensor.clone() for name, tensor in _read_tensors(path, item.name).items()}
         else:
             documents[file.name] = _read_document(path)
     return Checkpoint(item.name, tensors, documents, item.config)
@@ -51,7 +52,7 @@ def _read_tensors(path: Path, name: str) -> "Mapping[str, torch.Tensor]":
     from moseg_tasks.networks import unwrap_state
 
     try:
-        with torch.serialization.safe_globals(_numpy_scalars()), warnings.catch_warnings():
+        with torch.serialization.safe_globals(STAND_INS), warnings.catch_warnings():
             # What comes of an uncommon protocol is seen below.
             warnings.filterwarnings("ignore", "Detected pickle protocol", UserWarning)
             # Mapped, not read: published checkpoints hold more than the network, an optimiser's state above all.
@@ -61,19 +62,6 @@ def _read_tensors(path: Path, name: str) -> "Mapping[str, torch.Tensor]":
         expected = "tensors saved by torch and nothing that would have to be run"
         raise InputError("unreadable weights", where=path, got=_refused(error, path), expected=expected) from error
     return unwrap_state(content, name)
-
-
-def _numpy_scalars() -> list:
-    """What torch may make besides its own: single numbers of NumPy, by whose constructors nothing else is run.
-
-    An optimiser's learning rate is one where it was computed from NumPy's integers, as DeAOT's training code does after
-    a restart. The network itself holds none.
-    """
-    import numpy as np
-
-    scalar = np.float64().__reduce__()[0]
-    # NumPy 1 kept it elsewhere, and files name that place.
-    return [scalar, (scalar, "numpy.core.multiarray.scalar"), np.dtype, *(type(np.dtype(name)) for name in NUMBERS)]
 
 
 def _read_safetensors(path: Path) -> "Mapping[str, torch.Tensor]":

@@ -1,6 +1,8 @@
 """The one network that a process keeps: loaded when a task first asks for it, given up when a task asks for another."""
 
+import gc
 import os
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
@@ -12,6 +14,8 @@ from workflows.weights.folder import open_weights
 Network = TypeVar("Network")
 
 _RESIDENT: list[tuple[tuple[str, str, str], object]] = []
+_IN_USE = threading.RLock()
+"""A worker of another cluster may have several threads; there is one network for all of them."""
 
 
 @contextmanager
@@ -31,17 +35,22 @@ def open_network(build: Callable[..., Network], weights: ArtifactView) -> Iterat
     """
     device = current_device()
     wanted = (weights.ref, f"{build.__module__}.{build.__qualname__}", str(device))
-    if not _RESIDENT or _RESIDENT[0][0] != wanted:
-        # Given up first: two networks at once may not fit.
-        _RESIDENT.clear()
-        leaf = weights.attributes
-        # What a task reads was fetched before the tasks were started; a worker never uses the network.
-        folder = open_weights(os.environ, offline=True, allow_non_commercial=True)
-        item = folder.item(leaf["item"]).model_copy(update={"config": leaf["config"]})
-        checkpoint = folder.read(item, leaf["files"])
-        _RESIDENT.append((wanted, build(checkpoint).to(device)))
-    with network_context(device):
-        yield _RESIDENT[0][1]
+    with _IN_USE:
+        if not _RESIDENT or _RESIDENT[0][0] != wanted:
+            # Given up first: two networks at once may not fit.
+            _RESIDENT.clear()
+            gc.collect()
+            _RESIDENT.append((wanted, _load(build, weights).to(device)))
+        with network_context(device):
+            yield _RESIDENT[0][1]
+
+
+def _load(build: Callable[..., Network], weights: ArtifactView) -> Network:
+    leaf = weights.attributes
+    # What a task reads was fetched before the tasks were started; a worker never uses the network.
+    folder = open_weights(os.environ, offline=True, allow_non_commercial=True)
+    item = folder.item(leaf["item"]).model_copy(update={"config": leaf["config"]})
+    return build(folder.read(item, leaf["files"]))
 
 
 def made_on() -> dict[str, str]:

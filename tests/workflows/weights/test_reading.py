@@ -67,6 +67,42 @@ def _replace_in_pickle(path, old, new):
             archive.writestr(name, content.replace(old, new) if name.endswith("data.pkl") else content)
 
 
+class _Reduced:
+    """Pickled as a call, and what it is then told to be."""
+
+    def __init__(self, *reduced):
+        self._reduced = reduced
+
+    def __reduce__(self):
+        return self._reduced
+
+
+def test_bytes_are_not_taken_for_addresses(read):
+    """A dtype that is told to hold an object would have NumPy take the bytes of a number for the object's address."""
+    scalar = np.float64().__reduce__()[0]
+    holder = _Reduced(np.dtype, ("O8", False, True))
+    crafted = _Reduced(np.dtype, ("f8", False, True), (3, "<", None, ("x",), {"x": (holder, 0)}, 8, 8, 0))
+    void = _Reduced(np.dtype, ((_Reduced(np.dtype, ("V8",)), crafted),))
+
+    def save(folder):
+        content = {"model": TENSORS, "more": _Reduced(scalar, (void, b"A" * 8))}
+        torch.save(content, folder / "model.pth", pickle_protocol=2)
+
+    with pytest.raises(InputError, match="unreadable weights"):
+        read(save, "model.pth")
+
+
+@pytest.mark.parametrize("name", ["model.pth", "model.safetensors"])
+def test_what_was_hashed_does_not_change_below_the_network(read, folder, name):
+    def save(folder):
+        torch.save(TENSORS, folder / name) if name.endswith("pth") else save_file(TENSORS, folder / name)
+
+    checkpoint = read(save, name)
+    with open(folder / "net" / name, "r+b") as file:
+        file.write(b"\xff" * (folder / "net" / name).stat().st_size)
+    _assert_same(checkpoint.tensors)
+
+
 def test_tensors_outlive_their_file(read, folder):
     checkpoint = read(lambda folder: torch.save(TENSORS, folder / "model.pth"), "model.pth")
     (folder / "net" / "model.pth").unlink()

@@ -1,0 +1,71 @@
+"""One network in a process, whoever asks."""
+
+import threading
+from typing import NamedTuple
+
+import pytest
+
+from moseg_tasks.networks.pips import build_pips
+from moseg_tasks.networks.raft import build_raft
+from schemas.errors import InputError
+from workflows.devices import set_device
+from workflows.weights.folder import open_weights
+from workflows.weights.leaf import weights_leaf
+from workflows.weights.resident import open_network
+from workflows.weights.tiny.make_tiny import make_tiny
+
+
+class Leaf(NamedTuple):
+    """What a task reads of a stored leaf."""
+
+    ref: str
+    attributes: dict
+
+
+@pytest.fixture
+def leaves(tmp_path, monkeypatch):
+    """Leaves of a tiny RAFT and a tiny PIPs."""
+    monkeypatch.setenv("MOSEG_WEIGHTS", str(tmp_path))
+    set_device("cpu")
+    environment = {"MOSEG_WEIGHTS": str(tmp_path)}
+    items = open_weights(environment).items
+    make_tiny(tmp_path, [items["raft-large"], items["pips"]], seed=0)
+    weights = open_weights(environment)
+    made = (weights_leaf(weights, name, kind) for name, kind in (("raft-large", "raft"), ("pips", "pips")))
+    return [Leaf(leaf.recipe.ref, leaf.attributes) for leaf in made]
+
+
+def test_a_network_is_loaded_once_and_given_up_for_another(leaves):
+    raft, pips = leaves
+    with open_network(build_raft, raft) as first, open_network(build_raft, raft) as again:
+        assert first is again
+    with open_network(build_pips, pips):
+        pass
+    with open_network(build_raft, raft) as later:
+        assert later is not first
+
+
+def test_a_thread_waits_while_another_uses_its_network(leaves):
+    raft, pips = leaves
+    entered = threading.Event()
+
+    def use():
+        with open_network(build_pips, pips):
+            entered.set()
+
+    with open_network(build_raft, raft):
+        thread = threading.Thread(target=use)
+        thread.start()
+        assert not entered.wait(0.5)
+    thread.join(30)
+    assert entered.is_set()
+
+
+def test_other_bytes_than_the_leaf_names_are_refused(leaves, tmp_path):
+    raft, _ = leaves
+    path = tmp_path / "raft-large" / "model.pth"
+    content = bytearray(path.read_bytes())
+    content[-1] ^= 1
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="another weights file"), open_network(build_raft, raft):
+        pass
