@@ -42,6 +42,10 @@ def fetch(
     if not chosen:
         expected = "weights items, or --preset"
         raise InputError("nothing to fetch", where="moseg weights fetch", got="no item", expected=expected)
+    fixed = [item.name for item in chosen if not any(file.is_fixed_by_download for file in item.files)]
+    if again and fixed:
+        got, expected = f"{', '.join(fixed)}: your own, or fixed by SHA-256", "items that their first download fixes"
+        raise InputError("nothing to fetch anew", where="--again", got=got, expected=expected)
     for item in chosen:
         weights.repair(item, again)
         print(f"{item.name}: {weights.folder / item.name}")

@@ -199,3 +199,9 @@ def test_tiny_describes_what_it_wrote_in_words(tmp_path, moseg):
 def test_an_unknown_tiny_item_is_exit_code_two(tmp_path, moseg):
     assert moseg("weights", "tiny", tmp_path / "tiny", "--only", "raft-lrge").code == 2
     assert not (tmp_path / "tiny").exists()
+
+
+def test_what_is_fixed_otherwise_is_not_fetched_again(moseg, tmp_path, monkeypatch):
+    monkeypatch.setenv("MOSEG_WEIGHTS", str(tmp_path))
+    ran = moseg("weights", "fetch", "raft-large", "--again")
+    assert ran.code == 2 and "nothing to fetch anew" in ran.err and "raft-large" in ran.err
