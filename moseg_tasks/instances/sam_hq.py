@@ -4,9 +4,9 @@ import numpy as np
 import torch
 from torch.nn import functional
 
+from moseg_tasks.instances.boxes import as_boxes
 from moseg_tasks.networks.frame_tensor import check_frame, frame_tensor
 from moseg_tasks.networks.sam_hq import decode_boxes, encode_image
-from schemas.errors import InputError
 from schemas.parameters.sam_hq import SamHqParams
 
 
@@ -40,9 +40,7 @@ def segment_boxes_sam_hq(
         The image is not an RGB frame, or the boxes are not boxes.
     """
     check_frame(image)
-    boxes = np.asarray(boxes, np.float32)
-    if boxes.ndim != 2 or boxes.shape[1] != 4 or not (boxes[:, :2] < boxes[:, 2:]).all():
-        raise InputError("not boxes", got=f"shape {boxes.shape}", expected="(n, 4): left < right and top < bottom, px")
+    boxes = as_boxes(boxes)
     size = image.shape[:2]
     if not len(boxes):
         return np.zeros((0, *size), bool), np.zeros(0)

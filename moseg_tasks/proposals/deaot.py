@@ -9,12 +9,10 @@ import torch
 from torch.nn import functional as F
 
 from moseg_tasks.networks.deaot import STRIDE, Deaot, extend_memory
+from moseg_tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
 from schemas.errors import InputError
 from schemas.parameters.deaot import DeaotParams
 
-# Statistics of ImageNet's RGB values, to which the encoder was trained.
-_MEAN = (0.485, 0.456, 0.406)
-_DEVIATION = (0.229, 0.224, 0.225)
 # Probabilities are kept this far from 0 and 1 where groups are merged, as in the authors' engine.
 _MARGIN = 1e-5
 
@@ -124,8 +122,8 @@ def _normalised(frame: np.ndarray, shown: tuple[int, int]) -> np.ndarray:
     if frame.shape[:2] != shown:
         image = cv2.resize(image, shown[::-1], interpolation=cv2.INTER_CUBIC)
     image /= 255
-    image -= _MEAN
-    image /= _DEVIATION
+    image -= IMAGENET_MEAN
+    image /= IMAGENET_STD
     return image
 
 
