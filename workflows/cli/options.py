@@ -19,6 +19,12 @@ DEFAULT_STORE = ".moseg/store"
 
 StoreOption = Annotated[str, typer.Option("--store", help="Artifact store: a folder or file:// URL.")]
 QuietOption = Annotated[bool, typer.Option("--quiet", help="No progress on standard error.")]
+NonCommercialOption = Annotated[
+    bool,
+    typer.Option(
+        "--non-commercial", envvar="MOSEG_NON_COMMERCIAL", help="Allow weights licensed for non-commercial use only."
+    ),
+]
 JsonOption = Annotated[str | None, typer.Option("--json", help="Also write the result to this file.")]
 VariantsOption = Annotated[
     list[Variant] | None, typer.Option("--variant", help="Row of the ablation; may be repeated (default: fused).")
@@ -169,14 +175,7 @@ class RunOptions:
     offline: Annotated[
         bool, typer.Option("--offline", envvar="MOSEG_OFFLINE", help="Fetch no weights; what is missing is an error.")
     ] = False
-    non_commercial: Annotated[
-        bool,
-        typer.Option(
-            "--non-commercial",
-            envvar="MOSEG_NON_COMMERCIAL",
-            help="Allow weights licensed for non-commercial use only.",
-        ),
-    ] = False
+    non_commercial: NonCommercialOption = False
     quiet: QuietOption = False
 
     def open(self):

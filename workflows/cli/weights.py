@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from schemas.errors import InputError
-from workflows.cli.options import QuietOption, choose_preset
+from workflows.cli.options import NonCommercialOption, QuietOption, choose_preset
 
 weights_app = typer.Typer(
     help="The networks' weights: fetch, verify, make tiny ones. `moseg backends` lists them.", no_args_is_help=False
@@ -18,14 +18,7 @@ weights_app = typer.Typer(
 def fetch(
     items: Annotated[list[str] | None, typer.Argument(help="Weights items; `moseg backends` lists them.")] = None,
     preset: Annotated[str | None, typer.Option("--preset", help="Every item that this preset uses.")] = None,
-    non_commercial: Annotated[
-        bool,
-        typer.Option(
-            "--non-commercial",
-            envvar="MOSEG_NON_COMMERCIAL",
-            help="Allow weights licensed for non-commercial use only.",
-        ),
-    ] = False,
+    non_commercial: NonCommercialOption = False,
     again: Annotated[
         bool,
         typer.Option("--again", help="Fetch anew also files that are here and that only their first download fixes."),
