@@ -2,13 +2,16 @@
 
 import errno
 import socket
+import urllib.request
 from datetime import UTC, datetime, timedelta
 from email.utils import format_datetime
+from urllib.error import HTTPError
 
 import pytest
 
 from schemas.errors import InputError
-from workflows.weights.download import Retries, Source, download
+from workflows.weights.connection import _Redirects
+from workflows.weights.download import CHUNK_BYTES, Retries, Source, download
 
 CONTENT = bytes(range(256)) * 4096
 PATH = "/models/net.pth"
@@ -326,3 +329,26 @@ def test_a_disk_that_fills_up_is_named(server, fetch, tmp_path, monkeypatch):
     monkeypatch.setattr("workflows.weights.download.os.fsync", fail)
     with pytest.raises(InputError, match=r"cannot write in .*net.pth.partial; got No space left on device"):
         fetch()
+
+
+def test_a_file_longer_than_it_must_be_is_not_downloaded_to_its_end(server, tmp_path, sha256):
+    body = b"%x\r\n%s\r\n0\r\n\r\n" % (8 * CHUNK_BYTES, bytes(8 * CHUNK_BYTES))
+    server.serve(PATH, body, has_length=False, headers={"Transfer-Encoding": "chunked"})
+    reached = []
+    source = Source(server.url + PATH, sha256(b""), size=1000)
+    with pytest.raises(InputError, match="wrong"):
+        download(source, tmp_path / "net.pth", lambda done, total: reached.append(done), Retries())
+    assert max(reached) <= CHUNK_BYTES
+    assert _files(tmp_path) == []
+
+
+def test_another_host_does_not_send_us_to_this_machine():
+    redirects = _Redirects()
+    for origin, is_followed in (("https://example.org/net.pth", False), ("http://127.0.0.1:9/net.pth", True)):
+        request = urllib.request.Request(origin)
+        answer = (request, None, 302, "Found", {}, "http://127.0.0.1:8/x")
+        if is_followed:
+            assert redirects.redirect_request(*answer).full_url == "http://127.0.0.1:8/x"
+        else:
+            with pytest.raises(HTTPError, match=r"127\.0\.0\.1"):
+                redirects.redirect_request(*answer)
