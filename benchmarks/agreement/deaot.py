@@ -183,6 +183,7 @@ def main() -> int:
     parser.add_argument("--official", required=True, help="checkout of yoxu515/aot-benchmark")
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
+    torch.set_num_threads(1)
     state = random_state(options.seed)
     official = official_network(options.official, state)
     ours = build_deaot(Checkpoint("random", state))

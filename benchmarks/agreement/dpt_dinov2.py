@@ -50,6 +50,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--official", type=Path, required=True, help="checkout of facebookresearch/dinov2")
     sys.path.insert(0, str(parser.parse_args().official))
+    torch.set_num_threads(1)
     warnings.simplefilter("ignore")
     torch.manual_seed(0)
     config = DPTConfig(

@@ -89,6 +89,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--official", type=Path, required=True, help="checkout of IDEA-Research/GroundingDINO")
     folder = parser.parse_args().official
+    torch.set_num_threads(1)
     warnings.simplefilter("ignore")
     torch.manual_seed(0)
     text = BertConfig(hidden_size=96, num_hidden_layers=NUM_LAYERS, num_attention_heads=4, intermediate_size=128)

@@ -35,6 +35,7 @@ def main() -> int:
     parser.add_argument("--official", required=True, metavar="DIR", help="checkout of github.com/aharley/pips")
     parser.add_argument("--seeds", type=int, default=2, help="random networks that are compared")
     options = parser.parse_args()
+    torch.set_num_threads(1)
     published_type = import_published(options.official)
     print(f"{'type':15} {'scale':>5} {'seed':>4} {'points, px':>11} {'moved, px':>10} {'visibility':>11}")
     agrees = True

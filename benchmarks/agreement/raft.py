@@ -26,6 +26,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--official", required=True, help="checkout of princeton-vl/RAFT")
     sys.path.insert(0, parser.parse_args().official + "/core")
+    torch.set_num_threads(1)
     makers = {"princeton": princeton}
     with contextlib.suppress(ImportError):
         optical_flow = importlib.import_module("torchvision.models.optical_flow")

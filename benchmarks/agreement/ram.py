@@ -11,7 +11,6 @@ import argparse
 import contextlib
 import importlib
 import io
-import os
 import sys
 import types
 import warnings
@@ -159,7 +158,7 @@ def main() -> int:
     parser.add_argument("--full", action="store_true", help="all 24 blocks of the image encoder (4 GB of memory)")
     arguments = parser.parse_args()
     warnings.simplefilter("ignore")
-    torch.set_num_threads(int(os.environ.get("OMP_NUM_THREADS", "1")))
+    torch.set_num_threads(1)
     depths = RamConfig().image.depths if arguments.full else DEPTHS_REDUCED
     ram, ram_plus = _import_official(arguments.official)
     networks = ((ram, "ram", build_ram), (ram_plus, "ram_plus", build_ram_plus))

@@ -275,6 +275,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--official", type=Path, required=True, help="checkout of facebookresearch/sam2")
     folder = parser.parse_args().official
+    torch.set_num_threads(1)
     warnings.simplefilter("ignore")
     print(f"{'':14} {'logits':>9} {'scores':>9} {'one ulp':>9} {'pixels':>8} {'one ulp':>8} {'seen':>6}")
     with torch.inference_mode(), double_precision():

@@ -121,6 +121,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--official", type=Path, required=True, help="checkout of SysCV/sam-hq")
     folder = parser.parse_args().official
+    torch.set_num_threads(1)
     torch.manual_seed(0)
     with torch.inference_mode():
         model, official = build_ours(), build_official(folder)
