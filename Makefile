@@ -10,7 +10,7 @@ STORE   ?= .moseg/store
 MOSEG   := .venv/bin/moseg
 OPTIONS  = $(if $(ROOT),--root "$(ROOT)") --workers $(WORKERS) --store "$(STORE)" $(ARGS)
 
-.PHONY: setup eval ablation segment test lint bench bench-networks clean
+.PHONY: setup eval ablation segment test lint bench bench-networks bench-memory clean
 
 setup: .venv/.ready
 
@@ -40,6 +40,9 @@ bench: setup
 
 bench-networks: setup
 	.venv/bin/python benchmarks/networks/cost.py $(ARGS)
+
+bench-memory: setup
+	.venv/bin/python benchmarks/long_video/peak_memory.py $(ARGS)
 
 clean:
 	rm -rf .venv build *.egg-info

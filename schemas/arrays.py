@@ -43,9 +43,25 @@ LAYOUTS: dict[str, dict[str, ArrayLayout]] = {
         "scores": _layout("float64", "object"),
         "identities": _layout("uint16", "object", "object of the sequence"),
     },
+    "background": {},
     "saliency": {
-        "saliency": _layout("float32", "y x", "0..1"),
-        "flows": _layout("float32", "direction y x uv", "px/frame of the working grid"),
+        "saliency": _layout("float16", "y x", "0..1"),
+        "strict_saliency": _layout("float16", "y x", "0..1"),
+        "flows": _layout("float16", "direction y x uv", "px/frame of the working grid"),
+        "residual_flows": _layout("float16", "direction y x uv", "px/frame of the working grid"),
+    },
+    "consistency": {"consistency": _layout("float16", "frame direction y x", "0..1")},
+    "accumulation": {"maps": _layout("float16", "frame y x map", "0..1: strict saliency, saliency, consistency")},
+    "own_motion": {"misfit": _layout("float16", "frame y x", "log(1 + squared deviation in spreads)")},
+    "coherence": {"misfit": _layout("float16", "frame y x", "log(1 + squared deviation in spreads)")},
+    "appearance": {
+        "bins": _layout("uint16", "frame y x", "bin of CIELAB"),
+        "histograms": _layout("float32", "side bin", "weight of what moves, of the background"),
+    },
+    "foreground": {"foreground": _layout("float16", "frame y x", "probability")},
+    "components": {
+        "labels": _layout("uint16", "frame y x", "object of the section, 0 = background"),
+        "scores": _layout("float64", "object"),
     },
     "proposals": {
         "masks": _layout("uint16", "frame y x", "object of the section, 0 = background"),
@@ -77,7 +93,7 @@ LAYOUTS: dict[str, dict[str, ArrayLayout]] = {
         "residual": _layout("float64", "section_pair model_object data_object", "(px/frame)^2"),
         "energy": _layout("float64", "section_pair object", "(px/frame)^2"),
     },
-    "affinity": {"affinity": _layout("float64", "object object")},
+    "affinity": {"affinity": _layout("float64", "object object"), "static_support": _layout("float64", "object")},
     "clustering": {
         "motion": _layout("uint16", "object", "motion group, 0 = the background's"),
         "embedding": _layout("float64", "object coordinate"),

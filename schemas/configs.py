@@ -7,8 +7,11 @@ from pydantic import Field
 
 from schemas.frozen import Frozen
 from schemas.parameters import (
+    AccumulationParams,
     AffinityParams,
+    AppearanceParams,
     ClusteringParams,
+    ComponentParams,
     DeaotParams,
     DepthAnythingParams,
     DepthParams,
@@ -17,14 +20,17 @@ from schemas.parameters import (
     FlowModelName,
     FlowModelParams,
     FlowParams,
+    ForegroundParams,
     FundamentalParams,
     GroundingDinoParams,
+    IdentityParams,
     InstanceParams,
     LinkingParams,
+    OwnMotionParams,
     PipsParams,
-    ProposalParams,
     RaftParams,
     RamParams,
+    RefinementParams,
     SaliencyParams,
     Sam2Params,
     SamHqParams,
@@ -47,8 +53,7 @@ class SectionParams(Frozen):
     """How a video is cut into sections; objects are proposed anew in each."""
 
     length: int = Field(30, ge=1, description="l of the paper: frames of a section")
-    overlap: int = Field(5, ge=1, description="frames that a section's proposals share with the next, for linking")
-    context: int = Field(10, ge=0, description="frames before and after a section from which saliency is accumulated")
+    overlap: int = Field(12, ge=1, description="frames that a section's proposals share with the next, for linking")
 
 
 class PipelineConfig(Frozen):
@@ -77,7 +82,13 @@ class PipelineConfig(Frozen):
     dpt_dinov2: DptDinov2Params = DptDinov2Params()
     depth_anything_v2: DepthAnythingParams = DepthAnythingParams()
     saliency: SaliencyParams = SaliencyParams()
-    proposals: ProposalParams = ProposalParams()
+    accumulation: AccumulationParams = AccumulationParams()
+    own_motion: OwnMotionParams = OwnMotionParams()
+    appearance: AppearanceParams = AppearanceParams()
+    foreground: ForegroundParams = ForegroundParams()
+    identity: IdentityParams = IdentityParams()
+    components: ComponentParams = ComponentParams()
+    refinement: RefinementParams = RefinementParams()
     linking: LinkingParams = LinkingParams()
     tracks: TrackParams = TrackParams()
     fundamental: FundamentalParams = FundamentalParams()

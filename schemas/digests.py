@@ -1,13 +1,14 @@
-"""Domain-tagged BLAKE2b-256 digests of canonical JSON, bytes and arrays."""
+"""Domain-tagged BLAKE2b-256 digests of canonical JSON, bytes and arrays, and SHA-256 of large arrays."""
 
 import json
 import math
 from collections.abc import Mapping, Sequence
-from hashlib import blake2b
+from hashlib import blake2b, sha256
 
 import numpy as np
 
 DIGEST_BYTES = 32
+_SHA_TAG = b"moseg:array-hash"
 _JSON = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
 
 
@@ -28,11 +29,27 @@ def digest_json(domain: str, value) -> str:
 
 def digest_array(domain: str, array: np.ndarray) -> str:
     """Digest of an array's dtype, shape and little-endian C-order bytes."""
+    return digest_bytes(domain, *_array_parts(array))
+
+
+def hash_array(array: np.ndarray) -> str:
+    """``sha256:`` and the SHA-256 of an array's dtype, shape and little-endian C-order bytes.
+
+    Processors of the last years have instructions for it, which make it twice as fast as BLAKE2b: digesting flow fields
+    and frames once took a tenth of a run.
+    """
+    header, content = _array_parts(array)
+    state = sha256(_SHA_TAG + len(header).to_bytes(8, "little") + header)
+    state.update(content)
+    return f"sha256:{state.hexdigest()}"
+
+
+def _array_parts(array: np.ndarray) -> tuple[bytes, memoryview]:
+    """Canonical JSON of dtype and shape, and the little-endian C-order bytes."""
     if array.dtype.hasobject:
         raise TypeError("object arrays have no bytes to digest")
     little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
-    header = canonical_json([little.dtype.str, list(array.shape)])
-    return digest_bytes(domain, header, little.reshape(-1).view(np.uint8))
+    return canonical_json([little.dtype.str, list(array.shape)]), memoryview(little.reshape(-1).view(np.uint8))
 
 
 def canonical_json(value) -> bytes:

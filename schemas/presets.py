@@ -17,7 +17,7 @@ GEOMETRIES: Mapping[str, Choices] = {
             "statistic": "mean",
         },
         "affinity": {"method": "ork"},
-        "clustering": {"grouping": "spectral", "fusion": "coregularised", "auto": "eigengap"},
+        "clustering": {"grouping": "spectral", "fusion": "coregularised", "auto": "eigengap", "static": "group"},
     },
 }
 """`paper`: Huang, Chen and Zelek, sections 3.3 to 3.5, with the flow model corrected; ``--motions gt`` gives it their
@@ -43,3 +43,10 @@ PRESETS: Mapping[str, Choices] = {
 }
 """`paper`: the models of Huang, Chen and Zelek, sections 3.1 and 3.2; with the geometry of the same name it is their
 method, which must be told the number of motions. `modern`: networks of today under licences that allow any use."""
+
+QUALITIES: Mapping[str, Choices] = {
+    "fast": {"max_side": 427, "saliency": {"working_side": 284}},
+    "default": {},
+    "best": {"flow": {"preset": "fine"}},
+}
+"""What accuracy may cost, on any preset: the size that frames are analysed at, and how finely DIS searches."""

@@ -58,6 +58,7 @@ class LocalStore:
         attributes: Mapping[str, JsonValue] | None = None,
         seconds: float = 0.0,
         dims: Mapping[str, tuple[str, ...]] | None = None,
+        digests: Mapping[str, str] | None = None,
     ) -> PutOutcome:
         """Store one artifact.
 
@@ -71,6 +72,8 @@ class LocalStore:
             Time that the task took.
         dims : dict of axis names, optional
             Axis names of each array, for a task without a layout.
+        digests : dict of str, optional
+            `hash_array` of arrays of which the caller has it.
 
         Raises
         ------
@@ -84,7 +87,7 @@ class LocalStore:
         axes = check_arrays(recipe.task, dict(arrays)) if dims is None else _check_dims(arrays, dims)
         attributes = dict(attributes or {})
         canonical_json(attributes)
-        files, entries = encode_group(arrays, axes)
+        files, entries = encode_group(arrays, axes, digests)
         manifest = Manifest(
             key=recipe.key,
             recipe=recipe,

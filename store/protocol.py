@@ -30,6 +30,7 @@ class ArtifactStore(Protocol):
         attributes: Mapping[str, JsonValue] | None = None,
         seconds: float = 0.0,
         dims: Mapping[str, tuple[str, ...]] | None = None,
+        digests: Mapping[str, str] | None = None,
     ) -> PutOutcome:
         """Store one artifact, all of it or nothing; the first of several equal puts stays."""
 

@@ -105,7 +105,7 @@ def evaluated(squares, tmp_path_factory) -> Evaluation:
 
     folder = tmp_path_factory.mktemp("evaluated")
     arguments = ("eval", "--dataset", "folder", "--root", str(squares), "--quiet", "--section-length", "4")
-    arguments += ("--set", "sections.overlap=2", "--set", "sections.context=3")
+    arguments += ("--set", "sections.overlap=2")
     assert run([*arguments, "--store", str(folder / "store"), "--json", str(folder / "report.json")]) == 0
     report = json.loads((folder / "report.json").read_text())
     return Evaluation(squares, folder / "store", arguments, report)

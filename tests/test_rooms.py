@@ -35,7 +35,7 @@ class Rule(NamedTuple):
 
 RULES = {
     "schemas": Rule(set(), {"numpy", "pydantic"}),
-    "store": Rule({"schemas"}, {"numpy", "pydantic", "zarr"}),
+    "store": Rule({"schemas"}, {"google_crc32c", "numcodecs", "numpy", "pydantic", "zarr"}),
     "moseg_tasks": Rule({"schemas"}, SCIENCE, OUTSIDE_WORLD),
     "workflows": Rule(
         {"schemas", "store", "moseg_tasks"},

@@ -9,6 +9,7 @@ import numpy as np
 from schemas.errors import CorruptArtifactError, InputError
 from schemas.recipes import Recipe
 from store import ArtifactStore, PutOutcome, open_store
+from workflows.stages.array_cache import ARRAYS
 from workflows.stages.inputs import Inputs
 from workflows.stages.registry import find_task
 from workflows.stages.task import Output
@@ -23,10 +24,16 @@ class TaskReport(NamedTuple):
     outcome: str
 
 
-def execute_recipes(store_url: str, recipes: Sequence[Recipe], *_dependencies: object) -> list[TaskReport]:
-    """Compute the artifacts of recipes that differ in their inputs only, but for those that another process has
-    computed; `_dependencies` only order the graph."""
+def execute_batches(store_url: str, batches: Sequence[Sequence[Recipe]], *_dependencies: object) -> list[TaskReport]:
+    """Compute batches one after the other, each of recipes that differ in their inputs only; `_dependencies` only order
+    the graph."""
     store = open_store(store_url)
+    return [report for batch in batches for report in execute_recipes(store, batch)]
+
+
+def execute_recipes(store: ArtifactStore, recipes: Sequence[Recipe]) -> list[TaskReport]:
+    """Compute the artifacts of recipes that differ in their inputs only, but for those that another process has
+    computed."""
     stored = [recipe for recipe in recipes if store.has(recipe.ref)]
     missing = [recipe for recipe in recipes if recipe not in stored]
     reports = [TaskReport(recipe.ref, 0.0, PutOutcome.LOST_RACE) for recipe in stored]
@@ -36,6 +43,7 @@ def execute_recipes(store_url: str, recipes: Sequence[Recipe], *_dependencies: o
         seconds = (time.perf_counter() - started) / len(missing)
         for recipe, output in zip(missing, outputs, strict=True):
             outcome = store.put(recipe, output.arrays, output.attributes, seconds=seconds)
+            ARRAYS.keep(store, recipe.ref, output.arrays)
             reports.append(TaskReport(recipe.ref, seconds, outcome))
     return reports
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from schemas.digests import digest_array, digest_json
+from schemas.digests import digest_json, hash_array
 from schemas.recipes import Recipe, leaf_recipe
 from store import ArtifactStore, open_store
 
@@ -83,7 +83,7 @@ def _masks(leaf: LeafWriter, source) -> dict:
     for index, mask in source.read():
         indices.append(int(index))
         masks.append(mask)
-    labels = sorted({int(label) for mask in masks for label in np.unique(mask)} - {0})
+    labels = sorted({int(label) for mask in masks for label in np.flatnonzero(np.bincount(mask.ravel()))} - {0})
     stack = np.stack(masks)
     ref = leaf({"masks": stack}, {"indices": indices})
     return {"leaves": [ref], "labels": labels, "shape": list(stack.shape[1:])}
@@ -95,19 +95,23 @@ def _tracks(leaf: LeafWriter, source) -> dict:
 
 
 def _put_leaf(store: ArtifactStore, kind: str, arrays: dict[str, np.ndarray], attributes: dict) -> str:
-    recipe = _content_recipe(kind, arrays, attributes)
+    digests = _digests(arrays)
+    recipe = _content_recipe(kind, digests, attributes)
     if not store.has(recipe.ref):
-        store.put(recipe, arrays, attributes)
+        store.put(recipe, arrays, attributes, digests=digests)
     return recipe.ref
 
 
 def _name_leaf(kind: str, arrays: dict[str, np.ndarray], attributes: dict) -> str:
-    return _content_recipe(kind, arrays, attributes).ref
+    return _content_recipe(kind, _digests(arrays), attributes).ref
 
 
-def _content_recipe(kind: str, arrays: dict[str, np.ndarray], attributes: dict) -> Recipe:
-    content = [[name, digest_array("content", array)] for name, array in sorted(arrays.items())]
-    return leaf_recipe(kind, digest_json("leaf", [content, attributes]))
+def _digests(arrays: dict[str, np.ndarray]) -> dict[str, str]:
+    return {name: hash_array(array) for name, array in sorted(arrays.items())}
+
+
+def _content_recipe(kind: str, digests: dict[str, str], attributes: dict) -> Recipe:
+    return leaf_recipe(kind, digest_json("leaf", [digests, attributes]))
 
 
 _LEAVES: dict[str, Callable[[LeafWriter, Any], dict]] = {

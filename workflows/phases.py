@@ -1,6 +1,6 @@
 """Parts of a plan that run one after the other, so that a worker holds one network at a time."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from schemas.digests import canonical_json
 from schemas.recipes import Recipe
@@ -63,3 +63,28 @@ def batch_recipes(recipes: Mapping[str, Recipe], size: Callable[[Recipe], int]) 
         step = size(group[0])
         for start in range(0, len(group), step):
             yield group[start : start + step]
+
+
+def join_brief(
+    batches: Iterable[list[Recipe]], is_brief: Callable[[Recipe], bool], most: int
+) -> Iterator[list[list[Recipe]]]:
+    """Batches that one call computes one after the other.
+
+    Up to `most` brief ones that follow each other are joined, any other batch is alone. Where the plan goes from frame
+    to frame, a call so goes through neighbouring frames, whose images and flows then stay in its process. Calls follow
+    those that they wait for as long as the batches do.
+    """
+    joined: list[list[Recipe]] = []
+    for batch in batches:
+        if not is_brief(batch[0]):
+            if joined:
+                yield joined
+                joined = []
+            yield [batch]
+            continue
+        joined.append(batch)
+        if len(joined) == most:
+            yield joined
+            joined = []
+    if joined:
+        yield joined

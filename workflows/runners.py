@@ -2,17 +2,19 @@
 
 import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager
+from functools import partial
 from typing import Any, NamedTuple, Protocol
 
 import dask
 from dask.callbacks import Callback
-from dask.delayed import Delayed, delayed
+from dask.highlevelgraph import HighLevelGraph, MaterializedLayer
 from distributed import Client, LocalCluster, as_completed
 
 from schemas.errors import InputError
 from workflows.devices import current_device, parse_device, read_device, set_device
 from workflows.interrupts import defer_interrupts
+from workflows.memory import allocation_environ, keep_freed_memory
 from workflows.placement import GPU, ForeignGpus, Gpus, OwnGpus
 from workflows.threads import pin_threads, thread_environ
 
@@ -40,24 +42,29 @@ class Runner(Protocol):
     def has_gpu(self) -> bool:
         """Whether calls that run a network run it on a GPU; raises InputError where one was asked for in vain."""
 
+    def num_workers(self) -> int:
+        """How many calls run at the same time."""
+
 
 class SynchronousRunner:
     """One call after the other in this process."""
 
     def run(self, calls: Sequence[Call], on_done: Callable[[str, Any], None]) -> None:
         """See `Runner.run`."""
-        graph = _delayed_graph(calls)
 
         def posttask(key, result, dsk, state, worker_id):
-            if key in graph:
-                on_done(key, result)
+            on_done(key, result)
 
         with Callback(posttask=posttask):
-            dask.compute(*graph.values(), scheduler="synchronous", optimize_graph=False)
+            dask.get(_graph(calls), [call.name for call in calls])
 
     def has_gpu(self) -> bool:
         """See `Runner.has_gpu`."""
         return current_device().type != "cpu"
+
+    def num_workers(self) -> int:
+        """See `Runner.num_workers`."""
+        return 1
 
 
 class DistributedRunner:
@@ -72,8 +79,8 @@ class DistributedRunner:
         has_gpus = any(call.needs_gpu for call in calls) and self._gpus.claim()
         # The scheduler would take a call of the same name, of another or an earlier run, for this one.
         suffix = f"-{uuid.uuid4().hex}"
-        graph = _delayed_graph(calls, {GPU: 1} if has_gpus else None, suffix)
-        futures = self._client.compute(list(graph.values()), optimize_graph=False)
+        graph = _graph(calls, {GPU: 1} if has_gpus else None, suffix)
+        futures = self._client.get(graph, [call.name + suffix for call in calls], sync=False)
         try:
             for future, result in as_completed(futures, with_results=True):
                 on_done(future.key.removesuffix(suffix), result)
@@ -83,6 +90,10 @@ class DistributedRunner:
     def has_gpu(self) -> bool:
         """See `Runner.has_gpu`."""
         return self._gpus.claim()
+
+    def num_workers(self) -> int:
+        """See `Runner.num_workers`."""
+        return max(1, sum(self._client.nthreads().values()))
 
 
 @contextmanager
@@ -113,6 +124,7 @@ def open_runner(
     if workers < 0:
         raise InputError("not a number of workers", where="--workers", got=workers, expected="0 (this process) or more")
     pin_threads(threads)
+    keep_freed_memory()
     if scheduler is not None:
         read_device(device)
         with _connect(scheduler) as client:
@@ -122,11 +134,13 @@ def open_runner(
         yield SynchronousRunner()
     else:
         parse_device(device)
-        # Dask's own setting also has MALLOC_TRIM_THRESHOLD_, which makes glibc map and unmap memory for every flow
-        # field.
-        environ = {"distributed.nanny.pre-spawn-environ": thread_environ(threads)}
+        settings = {
+            "distributed.nanny.pre-spawn-environ": thread_environ(threads) | allocation_environ(),
+            # Samples the stack of every worker a hundred times a second.
+            "distributed.worker.profile.enabled": False,
+        }
         with ExitStack() as stack:
-            with defer_interrupts(), dask.config.set(environ):
+            with defer_interrupts(), dask.config.set(settings):
                 cluster = LocalCluster(
                     n_workers=workers,
                     threads_per_worker=1,
@@ -149,14 +163,20 @@ def _connect(scheduler: str) -> Client:
         ) from error
 
 
-def _delayed_graph(
-    calls: Sequence[Call], for_network: Mapping[str, int] | None = None, suffix: str = ""
-) -> dict[str, Delayed]:
-    """Calls as tasks, by name; those that run a network take the resources `for_network`, keys end in `suffix`."""
-    graph: dict[str, Delayed] = {}
+def _graph(calls: Sequence[Call], for_network: Mapping[str, int] | None = None, suffix: str = "") -> HighLevelGraph:
+    """Calls as tasks of a Dask graph; those that run a network take the resources `for_network`, keys end in `suffix`.
+
+    Written out, because each `Delayed` holds a list of all that it waits for: over a video's length these grow by its
+    square.
+    """
+    layers: dict[str, MaterializedLayer] = {}
+    dependencies: dict[str, set[str]] = {}
     for call in calls:
-        function = delayed(call.function, pure=False, traverse=False)
-        waits = [graph[name] for name in call.after if name in graph]
-        with dask.annotate(resources=for_network) if call.needs_gpu and for_network else nullcontext():
-            graph[call.name] = function(*call.arguments, *waits, dask_key_name=call.name + suffix)
-    return graph
+        key = call.name + suffix
+        waits = [name + suffix for name in call.after if name + suffix in layers]
+        # Bound, because Dask would search arguments for keys.
+        task = (partial(call.function, *call.arguments), *waits)
+        resources = {"resources": for_network} if call.needs_gpu and for_network else None
+        layers[key] = MaterializedLayer({key: task}, annotations=resources)
+        dependencies[key] = set(waits)
+    return HighLevelGraph(layers, dependencies)

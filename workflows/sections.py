@@ -6,16 +6,11 @@ from schemas.configs import SectionParams
 
 
 class Section(NamedTuple):
-    """Frames start..stop belong to the section; its proposals reach to `proposal_stop` for linking with the next.
-
-    Saliency is accumulated from `context_start` to `context_stop`.
-    """
+    """Frames start..stop belong to the section; its proposals reach to `proposal_stop` for linking with the next."""
 
     start: int
     stop: int
     proposal_stop: int
-    context_start: int
-    context_stop: int
 
 
 def cut_sections(num_frames: int, params: SectionParams) -> tuple[Section, ...]:
@@ -23,14 +18,5 @@ def cut_sections(num_frames: int, params: SectionParams) -> tuple[Section, ...]:
     sections = []
     for start in range(0, num_frames, params.length):
         stop = min(start + params.length, num_frames)
-        proposal_stop = min(stop + params.overlap, num_frames)
-        sections.append(
-            Section(
-                start,
-                stop,
-                proposal_stop,
-                max(start - params.context, 0),
-                min(proposal_stop + params.context, num_frames),
-            )
-        )
+        sections.append(Section(start, stop, min(stop + params.overlap, num_frames)))
     return tuple(sections)

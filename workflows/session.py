@@ -12,9 +12,9 @@ from schemas.errors import CorruptArtifactError, MissingArtifactError, StoreErro
 from schemas.recipes import Recipe, split_ref
 from schemas.scores import StoreUse
 from store import ArtifactStore, PutOutcome
-from workflows.execution import execute_recipes, quarantine_corrupt
+from workflows.execution import execute_batches, quarantine_corrupt
 from workflows.ingest import IngestJob, recall_ingest, run_ingest
-from workflows.phases import batch_recipes, network_of, split_phases
+from workflows.phases import batch_recipes, join_brief, network_of, split_phases
 from workflows.planning import Plan, make_plan
 from workflows.progress import StageProgress
 from workflows.runners import Call, Runner
@@ -27,6 +27,10 @@ MAX_REPAIRS = 1000
 """Corrupt artifacts that one run mends before it gives up: a disk that fails everywhere is not mended so."""
 GPU_BATCH = 8
 """Frames that a GPU is given at once unless the user says otherwise: RAFT then takes some 4 GB at 1024x576."""
+BRIEF_PER_CALL = 24
+"""Flows both ways and saliency of eight frames: a second of work, beside which the scheduler's milliseconds vanish."""
+CALLS_PER_WORKER = 8
+"""Calls that each worker should get at least, so that all end at about the same time."""
 LEASE_SECONDS = 7 * 86_400.0
 """For how long `gc` spares what a run in progress touches, should the run die without a word."""
 
@@ -208,15 +212,23 @@ class Session:
             task = find_task(recipe.task, recipe.params["method"])
             return 1 if task.run_together is None else batch_size
 
+        def is_brief(recipe: Recipe) -> bool:
+            return find_task(recipe.task, recipe.params["method"]).is_brief
+
         calls: list[Call] = []
         call_of: dict[str, str] = {}
-        for batch in batch_recipes(recipes, size):
-            name = batch[0].ref.replace("/", "-")
-            call_of |= {recipe.ref: name for recipe in batch}
-            parents = (parent for recipe in batch for parent in recipe.input_refs())
-            after = tuple(dict.fromkeys(call_of[parent] for parent in parents if parent in call_of))
-            arguments = (str(self.store.root), tuple(batch))
-            calls.append(Call(name, execute_recipes, arguments, after, network_of(batch[0]) is not None))
+        # Where there is little to do, no worker is to wait for another's long call.
+        share = sum(map(is_brief, recipes.values())) // (CALLS_PER_WORKER * self._runner.num_workers())
+        joined = join_brief(batch_recipes(recipes, size), is_brief, min(max(share, 1), BRIEF_PER_CALL))
+        for batches in joined:
+            name = batches[0][0].ref.replace("/", "-")
+            computed = [recipe for batch in batches for recipe in batch]
+            parents = dict.fromkeys(
+                call_of[parent] for recipe in computed for parent in recipe.input_refs() if parent in call_of
+            )
+            call_of |= {recipe.ref: name for recipe in computed}
+            arguments = (str(self.store.root), tuple(map(tuple, batches)))
+            calls.append(Call(name, execute_batches, arguments, tuple(parents), network_of(computed[0]) is not None))
         return calls
 
     def _fetch_weights(self, plan: Plan) -> None:

@@ -3,5 +3,6 @@
 from moseg_tasks.affinity.estimate import estimate_affinity
 from moseg_tasks.affinity.ork import ork_affinity
 from moseg_tasks.affinity.residual import residual_affinity
+from moseg_tasks.affinity.static_support import static_support
 
-__all__ = ["estimate_affinity", "ork_affinity", "residual_affinity"]
+__all__ = ["estimate_affinity", "ork_affinity", "residual_affinity", "static_support"]

@@ -34,8 +34,24 @@ def residual_affinity(residuals: np.ndarray, params: AffinityParams, energy: np.
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="All-NaN slice")
         distance = np.nanquantile(distances, params.quantile, axis=0)
+    return kernel(distance)
+
+
+def kernel(distance: np.ndarray) -> np.ndarray:
+    """Affinity 0..1 of distances in units of the tolerated error; NaN stays."""
     near = np.minimum(distance, _TAIL)
     return np.exp(-near * (distance - 0.5 * near))
+
+
+def tolerated_error(own: np.ndarray, params: AffinityParams, energy: np.ndarray | None = None) -> np.ndarray:
+    """Mean squared error in the prediction of each object's data that is no sign of another motion, px².
+
+    `own` (M, K) is what the object's own model leaves of them; `energy` (M, K) is that of ``residual_affinity``.
+    """
+    tolerance = params.scale**2 + params.relative**2 * own
+    if energy is None:
+        return tolerance
+    return tolerance + params.relative_flow**2 * np.nan_to_num(energy)
 
 
 def motion_distances(residuals: np.ndarray, params: AffinityParams, energy: np.ndarray | None = None) -> np.ndarray:
@@ -51,10 +67,8 @@ def motion_distances(residuals: np.ndarray, params: AffinityParams, energy: np.n
     """
     own = np.diagonal(residuals, axis1=1, axis2=2)
     excess = np.maximum(residuals - own[:, None, :], 0.0) if params.excess else residuals
-    tolerance = params.scale**2 + params.relative**2 * (own[:, None, :] + np.nan_to_num(own)[:, :, None])
-    if energy is not None:
-        tolerance = tolerance + params.relative_flow**2 * np.nan_to_num(energy)[:, None, :]
-    directed = np.sqrt(excess / tolerance)
+    model_error = params.relative**2 * np.nan_to_num(own)
+    directed = np.sqrt(excess / (tolerated_error(own, params, energy)[:, None, :] + model_error[:, :, None]))
     distances = _combine(directed, params.direction)
     index = np.arange(residuals.shape[1])
     distances[:, index, index] = np.where(np.isfinite(own), 0.0, np.nan)

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from moseg_tasks.clustering.agreement import set_apart
 from moseg_tasks.clustering.fusion import fill_unknown, fuse_kernels, unit_diagonal
 from moseg_tasks.clustering.kmeans import cluster_points
 from moseg_tasks.clustering.linkage import link_objects
@@ -38,7 +39,12 @@ class Clustering(NamedTuple):
     objective: np.ndarray
 
 
-def cluster_motions(affinities: Sequence[np.ndarray], num_motions: int | None, params: ClusteringParams) -> Clustering:
+def cluster_motions(
+    affinities: Sequence[np.ndarray],
+    num_motions: int | None,
+    params: ClusteringParams,
+    is_static: np.ndarray | None = None,
+) -> Clustering:
     """Group objects by motion.
 
     Nothing here is random, and the order of the objects other than the background does not matter: they are handled in
@@ -55,6 +61,9 @@ def cluster_motions(affinities: Sequence[np.ndarray], num_motions: int | None, p
         of the fused kernel while they are alike, and can answer 1; it needs affinities with a scale, that of ORK only
         tells more from less. ``eigengap`` needs none, but seldom answers 1.
     params : ClusteringParams
+    is_static : bool (K,), optional
+        What is static where it is known beforehand (``agreed_static``), the background with it: it is one group, and
+        the affinities only group the other objects. None leaves that to the clustering: the background's group.
 
     Returns
     -------
@@ -63,10 +72,13 @@ def cluster_motions(affinities: Sequence[np.ndarray], num_motions: int | None, p
     Raises
     ------
     InputError
-        Where there is no view, the views disagree in shape, or `num_motions` is below 1.
+        Where there is no view, the views disagree in shape, `num_motions` is below 1, or it is given together with
+        `is_static`, which may leave fewer or more.
     """
-    _check(affinities, num_motions)
+    _check(affinities, num_motions, is_static)
     views = fill_unknown([unit_diagonal(affinity) for affinity in affinities])
+    if is_static is not None:
+        views = set_apart(views, is_static)
     kernel = fuse_kernels(views, params.fusion)
     order = _content_order(kernel)
     views, kernel = views[:, order][:, :, order], kernel[np.ix_(order, order)]
@@ -80,11 +92,14 @@ def cluster_motions(affinities: Sequence[np.ndarray], num_motions: int | None, p
         ordered = link_objects(kernel, count, params.threshold)
     labels, coordinates = np.empty(len(order), np.int64), np.empty_like(embedding.coordinates)
     labels[order], coordinates[order] = ordered, embedding.coordinates
+    if is_static is not None:
+        # Linkage never joins what was set apart; k-means on too few coordinates can.
+        labels = np.where(is_static, labels.max() + 1, labels)
     motion = _background_first(labels)
     return Clustering(motion, coordinates, embedding.eigenvalues, int(motion.max()) + 1, embedding.objective)
 
 
-def _check(affinities, num_motions) -> None:
+def _check(affinities, num_motions, is_static) -> None:
     if len(affinities) == 0:
         raise InputError("no view to cluster", where="cluster_motions", got="0 affinities", expected="one or more")
     shapes = {np.shape(affinity) for affinity in affinities}
@@ -95,6 +110,12 @@ def _check(affinities, num_motions) -> None:
         )
     if num_motions is not None and num_motions < 1:
         raise InputError("too few motions", where="cluster_motions", got=num_motions, expected="1 or more, or None")
+    if num_motions is not None and is_static is not None:
+        raise InputError("motions are given twice", where="cluster_motions", expected="num_motions or is_static")
+    if is_static is not None and (np.shape(is_static) != (side,) or not is_static[0]):
+        raise InputError(
+            "not the static objects", where="cluster_motions", got=is_static, expected=f"{side} truths, the first true"
+        )
 
 
 def _content_order(kernel: np.ndarray) -> np.ndarray:

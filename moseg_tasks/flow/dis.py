@@ -10,6 +10,7 @@ _PRESETS = {
     "ultrafast": cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST,
     "fast": cv2.DISOPTICAL_FLOW_PRESET_FAST,
     "medium": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
+    "fine": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
 }
 # An 8 px patch on the presets' finest level, a quarter of full size. Below it OpenCV raises, returns NaN or crashes.
 _SMALLEST_SIDE = 32
@@ -50,6 +51,9 @@ def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) ->
         raise InputError("frames of a pair differ in size", got=image1.shape[:2], expected=image0.shape[:2])
     height, width = image0.shape[:2]
     search = cv2.DISOpticalFlow_create(_PRESETS[params.preset])
+    if params.preset == "fine":
+        # The other presets end at half or a quarter of full size and enlarge what they found.
+        search.setFinestScale(0)
     flow = search.calc(_searchable_gray(image0), _searchable_gray(image1), None)
     return np.ascontiguousarray(flow[:height, :width])
 

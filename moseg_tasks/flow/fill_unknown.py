@@ -17,9 +17,10 @@ def fill_unknown(flow: np.ndarray) -> np.ndarray:
     float32 (y, x, 2)
         `flow` itself where nothing is unknown; zeros where nothing is known.
     """
-    unknown = ~np.isfinite(flow).all(axis=-1)
-    if not unknown.any():
+    finite = np.isfinite(flow)
+    if finite.all():
         return flow
+    unknown = ~finite.all(axis=-1)
     if unknown.all():
         return np.zeros_like(flow)
     rows, columns = distance_transform_edt(unknown, return_distances=False, return_indices=True)

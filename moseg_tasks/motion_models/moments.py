@@ -133,11 +133,11 @@ def _checked(flow, inverse_depth, masks, num_objects, params):
         size = 2 * params.erosion + 1
         kernel = np.ones((size, size), np.uint8)
         labels[cv2.erode(masks, kernel) != cv2.dilate(masks, kernel)] = 0
-    # One sum tells whether any value is not finite; only then are the pixels looked for.
-    if not np.isfinite(flow.sum(dtype=np.float64)):
-        bad = ~np.isfinite(flow).all(axis=-1)
+    finite = np.isfinite(flow)
+    if not finite.all():
+        bad = ~finite.all(axis=-1)
         labels[bad], flow = 0, np.where(bad[..., None], 0, flow)
-    if inverse_depth is not None and not np.isfinite(inverse_depth.sum(dtype=np.float64)):
+    if inverse_depth is not None and not np.isfinite(inverse_depth).all():
         bad = ~np.isfinite(inverse_depth)
         labels[bad], inverse_depth = 0, np.where(bad, 0, inverse_depth)
     return labels, flow, inverse_depth

@@ -1,7 +1,20 @@
 """Object proposals without any learned weights, and their identities across sections."""
 
 from moseg_tasks.proposals.boxes import object_boxes
-from moseg_tasks.proposals.components import Proposals, propose_objects
+from moseg_tasks.proposals.components import Components, keep_best, label_components
 from moseg_tasks.proposals.linking import count_overlaps, link_sections
+from moseg_tasks.proposals.refinement import refine_outlines
+from moseg_tasks.proposals.rejoining import rejoin_components
+from moseg_tasks.proposals.splitting import split_touching
 
-__all__ = ["Proposals", "count_overlaps", "link_sections", "object_boxes", "propose_objects"]
+__all__ = [
+    "Components",
+    "count_overlaps",
+    "keep_best",
+    "label_components",
+    "link_sections",
+    "object_boxes",
+    "refine_outlines",
+    "rejoin_components",
+    "split_touching",
+]

@@ -1,4 +1,4 @@
-"""Object proposals: scored space-time components of accumulated saliency."""
+"""Objects as scored space-time components of the foreground."""
 
 from typing import NamedTuple
 
@@ -6,77 +6,77 @@ import cv2
 import numpy as np
 from scipy import ndimage
 
-from moseg_tasks.proposals.boxes import object_boxes
-from schemas.parameters import ProposalParams
+from schemas.parameters import ComponentParams
 
+FOREGROUND = 0.5
+"""Probability above which a pixel belongs to an object."""
 # Within a frame the eight neighbours touch; from frame to frame only the same pixel.
 _CONNECTIVITY = np.zeros((3, 3, 3), bool)
 _CONNECTIVITY[1] = True
 _CONNECTIVITY[:, 1, 1] = True
 
 
-class Proposals(NamedTuple):
-    """Objects of a section, numbered 1.. by falling score.
+class Components(NamedTuple):
+    """Objects of a section on the working grid, numbered 1.. by falling score.
 
     Attributes
     ----------
-    masks : uint16 (T, H, W)
+    labels : uint16 (T, h, w)
         Object of each pixel, 0 = background.
     scores : float64 (object,)
-        Sum of saliency over the object's pixels of the working grid, lessened by what lies on the frame's border.
-    boxes : int32 (object, T, 4)
-        x0, y0, x1, y1 px, the last column and row excluded; -1 where the object is absent.
+        Sum of the probability over the object's pixels, lessened by what lies on the frame's border.
     """
 
-    masks: np.ndarray
+    labels: np.ndarray
     scores: np.ndarray
-    boxes: np.ndarray
 
 
-def propose_objects(accumulated: np.ndarray, shape: tuple[int, int], params: ProposalParams) -> Proposals:
-    """Connected space-time parts of the accumulated saliency, each a tracked object.
+def label_components(foreground: np.ndarray) -> np.ndarray:
+    """Connected space-time parts int32 (T, h, w), 0 = none, of where the `foreground` (T, h, w) is over a half."""
+    labels, _ = ndimage.label(foreground > FOREGROUND, _CONNECTIVITY)
+    return labels
+
+
+def keep_best(foreground: np.ndarray, labels: np.ndarray, params: ComponentParams) -> Components:
+    """Those of the components that are objects.
 
     Parameters
     ----------
-    accumulated : float32 (T, h, w)
-        0..1 on the working grid.
-    shape : (int, int)
-        Height H and width W of the full frame, px.
-    params : ProposalParams
+    foreground : float16 or float32 (T, h, w)
+        Probability to move, 0..1.
+    labels : integer (T, h, w)
+        Component of each pixel, 0 = none.
+    params : ComponentParams
 
     Returns
     -------
-    Proposals
+    Components
     """
-    labels, count = ndimage.label(accumulated > params.threshold, _CONNECTIVITY)
-    scores = score_components(accumulated, labels, count, params)
+    count = int(labels.max(initial=0))
+    scores = _score(foreground, labels, count, params)
     kept = _best(scores, params)
     relabel = np.zeros(count + 1, np.uint16)
     relabel[kept + 1] = np.arange(1, len(kept) + 1)
-    masks = np.zeros((len(accumulated), *shape), np.uint16)
-    for t, mask in enumerate(masks):
-        mask[:] = _enlarge(relabel[labels[t]], accumulated[t], shape, params.threshold)
-    return Proposals(masks, scores[kept], object_boxes(masks, len(kept)))
+    return Components(np.stack([relabel[frame] for frame in labels]), scores[kept])
 
 
-def score_components(accumulated: np.ndarray, labels: np.ndarray, count: int, params: ProposalParams) -> np.ndarray:
+def _score(foreground: np.ndarray, labels: np.ndarray, count: int, params: ComponentParams) -> np.ndarray:
     """Score float64 (count,) of the components labelled 1..count.
 
-    Sum over its pixels of P, the logistic of `sharpness` times (logit A - logit threshold), times
-    max(0, 1 - share of its outline on the frame's border / `border_share`); 0 below the least mean area.
+    Sum of the probability over its pixels, times max(0, 1 - share of its outline on the frame's border /
+    `border_share`); 0 below the least mean area.
     """
     num_frames, height, width = labels.shape
     mass, area, perimeter, border, duration = np.zeros((5, count + 1))
     edge = np.zeros((height, width), bool)
     edge[[0, -1], :] = edge[:, [0, -1]] = True
     for t in range(num_frames):
-        label, saliency = labels[t], accumulated[t].astype(np.float64)
+        label = labels[t]
         inside = label > 0
         if not inside.any():
             continue
         present = label[inside]
-        odds = (saliency[inside] / np.maximum(1 - saliency[inside], 1e-6)) * (1 - params.threshold) / params.threshold
-        mass += np.bincount(present, odds**params.sharpness / (1 + odds**params.sharpness), count + 1)
+        mass += np.bincount(present, foreground[t][inside], count + 1)
         counts = np.bincount(present, minlength=count + 1)
         area += counts
         duration += counts > 0
@@ -89,20 +89,8 @@ def score_components(accumulated: np.ndarray, labels: np.ndarray, count: int, pa
     return score[1:]
 
 
-def _best(scores: np.ndarray, params: ProposalParams) -> np.ndarray:
+def _best(scores: np.ndarray, params: ComponentParams) -> np.ndarray:
     """Indices of the components worth keeping, best first."""
     order = np.argsort(-scores, kind="stable")[: params.max_objects]
     top = scores[order[0]] if len(order) else 0.0
     return order[(scores[order] > 0) & (scores[order] >= params.score_ratio * top)]
-
-
-def _enlarge(objects: np.ndarray, saliency: np.ndarray, shape: tuple[int, int], threshold: float) -> np.ndarray:
-    """Objects at full size: outlines from the enlarged soft map, labels from the nearest object."""
-    height, width = shape
-    if not objects.any():
-        return np.zeros((height, width), np.uint16)
-    # The soft outline may lie up to a cell outside the labelled cells.
-    grown = np.where(objects > 0, objects, cv2.dilate(objects, np.ones((3, 3), np.uint8)))
-    soft = cv2.resize(saliency, (width, height), interpolation=cv2.INTER_LINEAR)
-    nearest = cv2.resize(grown, (width, height), interpolation=cv2.INTER_NEAREST)
-    return np.where(soft > threshold, nearest, 0).astype(np.uint16)

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from schemas.errors import InputError
-from schemas.parameters.saliency import LinkingParams
+from schemas.parameters.linking import LinkingParams
 
 
 def count_overlaps(masks0: np.ndarray, masks1: np.ndarray, num_objects0: int, num_objects1: int) -> np.ndarray:

@@ -1,7 +1,27 @@
-"""Motion saliency of frames without any learned weights, and its accumulation over time."""
+"""What moves in a video, without any learned weights: from the flow of frame pairs to a probability of every pixel."""
 
-from moseg_tasks.saliency.accumulation import accumulate_saliency
+from moseg_tasks.saliency.accumulation import accumulate, memory_weight
+from moseg_tasks.saliency.choice import BackgroundChoice, choose_background
+from moseg_tasks.saliency.consistency import flow_consistency
+from moseg_tasks.saliency.foreground import foreground_probability
 from moseg_tasks.saliency.frame import FrameSaliency, estimate_saliency
-from moseg_tasks.saliency.grid import working_shape
+from moseg_tasks.saliency.grid import reduce_flow, reduce_frame, working_shape
+from moseg_tasks.saliency.logits import motion_logit, probability
+from moseg_tasks.saliency.own_motion import own_motion_misfit
 
-__all__ = ["FrameSaliency", "accumulate_saliency", "estimate_saliency", "working_shape"]
+__all__ = [
+    "BackgroundChoice",
+    "FrameSaliency",
+    "accumulate",
+    "choose_background",
+    "estimate_saliency",
+    "flow_consistency",
+    "foreground_probability",
+    "memory_weight",
+    "motion_logit",
+    "own_motion_misfit",
+    "probability",
+    "reduce_flow",
+    "reduce_frame",
+    "working_shape",
+]

@@ -2,9 +2,11 @@
 
 from typing import NamedTuple
 
+import cv2
 import numpy as np
 import poselib
 
+from moseg_tasks.saliency.grid import pixel_grid
 from schemas.parameters import SaliencyParams
 
 _MINIMAL_SAMPLE = 4
@@ -33,7 +35,8 @@ def fit_background(flow: np.ndarray, params: SaliencyParams, among: np.ndarray |
     """Affine motion that most of the flow follows.
 
     A homography fitted by RANSAC says which pixels to start from; Tukey's biweight then follows them. The homography
-    alone would bend itself to objects: it is only the start.
+    alone would bend itself to objects: it is only the start. Without `among` the band along the frame's border counts
+    more than the middle: an object that fills the frame is still seldom what lies around it.
 
     Parameters
     ----------
@@ -41,14 +44,15 @@ def fit_background(flow: np.ndarray, params: SaliencyParams, among: np.ndarray |
         px/frame.
     params : SaliencyParams
     among : bool (y, x), optional
-        Pixels to fit to; all without it.
+        Pixels to fit to; without it all, of which some in the middle are left out.
 
     Returns
     -------
     AffineMotion
     """
-    points, vectors = _samples(flow, params.ransac_step, among)
-    samples = _samples(flow, params.affine_step, among)
+    thinning = params if among is None else None
+    points, vectors = sample_flow(flow, params.ransac_step, among, thinning)
+    samples = sample_flow(flow, params.affine_step, among, thinning)
     homography = _ransac_homography(points, points + vectors, params)
     start = None if homography is None else _homography_residual(homography, *samples)
     return _tukey_affine(*samples, start, params)
@@ -56,23 +60,26 @@ def fit_background(flow: np.ndarray, params: SaliencyParams, among: np.ndarray |
 
 def affine_flow(motion: AffineMotion, shape: tuple[int, int]) -> np.ndarray:
     """Flow float32 (y, x, 2) of an affine motion on a grid of `shape`, px/frame."""
-    height, width = shape
-    centre_x, centre_y = motion.centre
-    constant, along_x, along_y = motion.theta
-    columns = np.multiply.outer(np.arange(width) - centre_x, along_x).astype(np.float32)
-    rows = (np.multiply.outer(np.arange(height) - centre_y, along_y) + constant).astype(np.float32)
-    return rows[:, None, :] + columns[None, :, :]
+    linear = motion.theta[1:]
+    matrix = np.column_stack([linear.T, motion.theta[0] - motion.centre @ linear])
+    return cv2.transform(pixel_grid(shape), matrix.astype(np.float32))
 
 
-def _samples(flow: np.ndarray, step: int, among: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and vectors float64 (N, 2) on a grid of `step` px, those of `among` only."""
+def sample_flow(
+    flow: np.ndarray, step: int, among: np.ndarray | None = None, thinning: SaliencyParams | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and vectors float64 (N, 2) on a grid of `step` px, those of `among` only, the middle by `thinning`."""
     height, width = flow.shape[:2]
     rows, columns = np.arange(step // 2 % height, height, step), np.arange(step // 2 % width, width, step)
     y, x = np.meshgrid(rows, columns, indexing="ij")
-    if among is not None:
-        kept = among[y, x]
-        y, x = y[kept], x[kept]
-    return np.column_stack([x.ravel(), y.ravel()]).astype(np.float64), flow[y, x].reshape(-1, 2).astype(np.float64)
+    kept = np.ones(y.shape, bool) if among is None else among[y, x]
+    if thinning is not None:
+        band = thinning.border_band * height
+        middle = np.minimum(np.minimum(y, height - 1 - y), np.minimum(x, width - 1 - x)) >= band
+        i, j = np.ogrid[: len(rows), : len(columns)]
+        kept &= ~middle | ((i + j) % thinning.centre_thinning == 0)
+    y, x = y[kept], x[kept]
+    return np.column_stack([x, y]).astype(np.float64), flow[y, x].astype(np.float64)
 
 
 def _ransac_homography(points0: np.ndarray, points1: np.ndarray, params: SaliencyParams) -> np.ndarray | None:

@@ -4,9 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from moseg_tasks.saliency.grid import reduce_flow, reduce_frame, working_shape
+from moseg_tasks.saliency.camera import fit_camera_motion
+from moseg_tasks.saliency.choice import LAYERS, BackgroundChoice
+from moseg_tasks.saliency.grid import reduce_flow, reduce_frame, vector_length, working_shape
 from moseg_tasks.saliency.layers import Background, fit_layers
-from moseg_tasks.saliency.photometric import colour_error, photometric_gate
+from moseg_tasks.saliency.photometric import blur_error, colour_error, photometric_gate
+from moseg_tasks.saliency.rigid import explain_rigidly
 from moseg_tasks.saliency.soft_map import soft_map
 from schemas.errors import InputError
 from schemas.parameters import SaliencyParams
@@ -17,14 +20,20 @@ class FrameSaliency(NamedTuple):
 
     Attributes
     ----------
-    saliency : float32 (h, w)
+    saliency : float16 (h, w)
         0..1.
-    flows : float32 (2, h, w, 2)
+    strict_saliency : float16 (h, w)
+        The same behind the strict photometric gate: less of what moves, and hardly any water.
+    flows : float16 (2, h, w, 2)
         To the previous and to the next frame, px/frame of the working grid; zeros where there is none.
+    residual_flows : float16 (2, h, w, 2)
+        `flows` less the background's.
     """
 
     saliency: np.ndarray
+    strict_saliency: np.ndarray
     flows: np.ndarray
+    residual_flows: np.ndarray
 
 
 def estimate_saliency(
@@ -34,6 +43,7 @@ def estimate_saliency(
     flow_previous: np.ndarray | None,
     flow_next: np.ndarray | None,
     params: SaliencyParams,
+    choice: BackgroundChoice = LAYERS,
 ) -> FrameSaliency:
     """How sure it is that each pixel of a frame moves on its own.
 
@@ -48,6 +58,8 @@ def estimate_saliency(
     flow_previous, flow_next : float32 (y, x, 2) or None
         Flow from `frame` to `previous` and to `next`, px/frame; None together with the frame.
     params : SaliencyParams
+    choice : BackgroundChoice, optional
+        The background's model; layers without it.
 
     Returns
     -------
@@ -59,23 +71,35 @@ def estimate_saliency(
         A flow's or neighbour's size is not the frame's, or only one of a neighbour and its flow is given.
     """
     shape = working_shape(frame.shape[:2], params.working_side)
-    flows = np.zeros((2, *shape, 2), np.float32)
+    flows, residual_flows = np.zeros((2, 2, *shape, 2), np.float16)
     reduced = reduce_frame(frame, shape)
     backgrounds: list[Background] = []
     errors = []
     for direction, (other, flow) in enumerate(((previous, flow_previous), (next, flow_next))):
         if not _is_given(frame, other, flow):
             continue
-        flows[direction] = reduce_flow(flow, shape)
-        background = fit_layers(flows[direction], params)
+        observed = reduce_flow(flow, shape)
+        background = _explain(observed, params, choice)
+        flows[direction], residual_flows[direction] = observed, observed - background.flow
         backgrounds.append(background)
         errors.append(colour_error(reduced, reduce_frame(other, shape), background.flow))
     if not backgrounds:
-        return FrameSaliency(np.zeros(shape, np.float32), flows)
+        return FrameSaliency(*np.zeros((2, *shape), np.float16), flows, residual_flows)
     residual = np.minimum.reduce([background.residual for background in backgrounds])
-    speed = np.minimum.reduce([np.hypot(b.flow[..., 0], b.flow[..., 1]) for b in backgrounds])
-    gate = photometric_gate(np.minimum.reduce(errors), params.gate_blur, params.gate_error)
-    return FrameSaliency(soft_map(residual, speed, params) * gate, flows)
+    speed = np.minimum.reduce([vector_length(background.flow) for background in backgrounds])
+    ungated = soft_map(residual, speed, params, choice.model == "rigid")
+    error = blur_error(np.minimum.reduce(errors), params.gate_blur)
+    saliency, strict = (
+        (ungated * photometric_gate(error, scale)).astype(np.float16)
+        for scale in (params.gate_error, params.strict_gate_error)
+    )
+    return FrameSaliency(saliency, strict, flows, residual_flows)
+
+
+def _explain(flow: np.ndarray, params: SaliencyParams, choice: BackgroundChoice) -> Background:
+    """Background by the chosen model; by layers, too, where a pair shows no camera motion."""
+    motion = fit_camera_motion(flow, choice.focal, params) if choice.model == "rigid" else None
+    return fit_layers(flow, params) if motion is None else explain_rigidly(flow, motion, params)
 
 
 def _is_given(frame: np.ndarray, other: np.ndarray | None, flow: np.ndarray | None) -> bool:

@@ -1,5 +1,7 @@
 """The working grid: the frame reduced by area to a fixed longer side."""
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 
@@ -29,8 +31,18 @@ def reduce_flow(flow: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
     return reduced * np.array([width / full_width, height / full_height], np.float32)
 
 
+@lru_cache(maxsize=4)
 def pixel_grid(shape: tuple[int, int]) -> np.ndarray:
-    """float32 (y, x, 2) xy position of every pixel of a grid of `shape`."""
+    """float32 (y, x, 2) xy position of every pixel of a grid of `shape`, read-only."""
     height, width = shape
     x, y = np.meshgrid(np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32))
-    return np.stack([x, y], axis=-1)
+    grid = np.stack([x, y], axis=-1)
+    grid.flags.writeable = False
+    return grid
+
+
+def vector_length(vectors: np.ndarray) -> np.ndarray:
+    """Length float32 (y, x) of vectors float32 (y, x, 2)."""
+    # Not cv2.magnitude: its last bit depends on where in memory the arrays lie.
+    squared = vectors * vectors
+    return np.sqrt(squared[..., 0] + squared[..., 1])

@@ -6,6 +6,8 @@ import cv2
 import numpy as np
 
 from moseg_tasks.saliency.background import AffineMotion, affine_flow, fit_background
+from moseg_tasks.saliency.grid import vector_length
+from moseg_tasks.saliency.typical import typical_residual
 from schemas.parameters import SaliencyParams
 
 
@@ -34,7 +36,8 @@ def fit_layers(flow: np.ndarray, params: SaliencyParams) -> Background:
         Each pixel has the flow of the layer that explains it better.
     """
     first = _explain(flow, fit_background(flow, params))
-    outliers = first.residual > max(params.layer_residual, params.layer_medians * float(np.median(first.residual)))
+    typical = typical_residual(first.residual, params.border_band)
+    outliers = first.residual > max(params.layer_residual, params.layer_medians * typical)
     if outliers.mean() < params.layer_area or not outliers.any():
         return first
     motion = fit_background(flow, params, among=outliers)
@@ -43,14 +46,14 @@ def fit_layers(flow: np.ndarray, params: SaliencyParams) -> Background:
     support = second.residual < np.minimum(reach, params.layer_gain * first.residual)
     if _border_share(support) <= params.layer_border:
         return first
-    better = second.residual < first.residual
-    return Background(np.where(better[..., None], second.flow, first.flow), np.minimum(first.residual, second.residual))
+    better = (second.residual < first.residual).astype(np.uint8)
+    cv2.copyTo(second.flow, better, first.flow)
+    return Background(first.flow, cv2.min(first.residual, second.residual))
 
 
 def _explain(flow: np.ndarray, motion: AffineMotion) -> Background:
     background = affine_flow(motion, flow.shape[:2])
-    error = flow - background
-    return Background(background, np.hypot(error[..., 0], error[..., 1]))
+    return Background(background, vector_length(flow - background))
 
 
 def _border_share(support: np.ndarray) -> float:

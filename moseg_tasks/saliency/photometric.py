@@ -23,11 +23,16 @@ def colour_error(frame: np.ndarray, other: np.ndarray, flow: np.ndarray) -> np.n
     """
     position = pixel_grid(frame.shape[:2]) + flow
     moved = cv2.remap(other, position, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    difference = moved - frame
-    return np.sqrt(np.einsum("yxc,yxc->yx", difference, difference) / frame.shape[2])
+    difference = cv2.subtract(moved, frame)
+    squared = cv2.multiply(difference, difference)
+    return np.sqrt(cv2.transform(squared, np.full((1, frame.shape[2]), 1 / frame.shape[2], np.float32)))
 
 
-def photometric_gate(error: np.ndarray, blur: float, scale: float) -> np.ndarray:
-    """1 - exp(-(E / scale)^2), float32 (y, x) in 0..1, of the colour error E under a Gaussian of sigma `blur` px."""
-    smooth = cv2.GaussianBlur(error, (0, 0), blur, borderType=cv2.BORDER_REPLICATE)
-    return 1 - np.exp(-((smooth / scale) ** 2))
+def blur_error(error: np.ndarray, blur: float) -> np.ndarray:
+    """Colour error float32 (y, x) under a Gaussian of sigma `blur` px."""
+    return cv2.GaussianBlur(error, (0, 0), blur, borderType=cv2.BORDER_REPLICATE)
+
+
+def photometric_gate(error: np.ndarray, scale: float) -> np.ndarray:
+    """1 - exp(-(E / scale)^2), float32 (y, x) in 0..1, of the blurred colour error E."""
+    return 1 - cv2.exp(-((error * np.float32(1 / scale)) ** 2))

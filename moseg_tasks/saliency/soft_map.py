@@ -3,31 +3,45 @@
 import cv2
 import numpy as np
 
+from moseg_tasks.saliency.typical import typical_residual
 from schemas.parameters import SaliencyParams
 
 
-def soft_map(residual: np.ndarray, background_speed: np.ndarray, params: SaliencyParams) -> np.ndarray:
+def soft_map(residual: np.ndarray, background_speed: np.ndarray, params: SaliencyParams, is_rigid: bool) -> np.ndarray:
     """r^2 / (r^2 + tau^2) of the blurred residual r.
 
-    Otsu's threshold alone finds two classes in any frame; the floors keep a frame without movers empty.
+    The floors keep a frame without movers empty. Above them layers leave a residual wherever depth varies, which Otsu's
+    threshold of the whole frame cuts off. A rigid background leaves none there, and tau follows the residual nearby
+    instead: flow is smooth over an object's outline, which lies where the residual falls to a share of its inside.
 
     Parameters
     ----------
     residual, background_speed : float32 (y, x)
         Residual motion and length of the background's motion, px/frame.
     params : SaliencyParams
+    is_rigid : bool
+        Whether the background is a rigid scene, else layers.
 
     Returns
     -------
     saliency : float32 (y, x)
         0..1, 1/2 where the residual equals tau.
     """
-    floor = max(
-        _otsu(residual, params.otsu_percentile), params.floor, params.floor_medians * float(np.median(residual))
-    )
-    tau = np.maximum(floor, params.floor_motion * background_speed)
-    squared = cv2.GaussianBlur(residual, (0, 0), params.residual_blur) ** 2
-    return squared / (squared + tau**2)
+    smooth = cv2.GaussianBlur(residual, (0, 0), params.residual_blur)
+    floor = max(params.floor, params.floor_medians * typical_residual(residual, params.border_band))
+    if not is_rigid:
+        floor = max(floor, _otsu(residual, params.otsu_percentile))
+    tau = np.maximum(params.floor_motion * background_speed, np.float32(floor))
+    if is_rigid:
+        np.maximum(tau, params.outline_share * _nearby_peak(smooth, params.outline_reach), out=tau)
+    squared = smooth * smooth
+    return squared / (squared + tau * tau)
+
+
+def _nearby_peak(residual: np.ndarray, reach: int) -> np.ndarray:
+    """Greatest residual within `reach` px, averaged over as much."""
+    side = 2 * reach + 1
+    return cv2.blur(cv2.dilate(residual, np.ones((side, side), np.uint8)), (side, side))
 
 
 def _otsu(residual: np.ndarray, percentile: float) -> float:
@@ -36,6 +50,6 @@ def _otsu(residual: np.ndarray, percentile: float) -> float:
     top = float(np.percentile(root, percentile))
     if top == 0:
         return 0.0
-    levels = np.minimum(root * (255 / top), 255).astype(np.uint8)
+    levels = np.minimum(root * np.float32(255 / top), 255).astype(np.uint8)
     level, _ = cv2.threshold(levels, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
     return (level * top / 255) ** 2

@@ -73,7 +73,7 @@ def check_front(
         raise InputError("wrong size of mask", where=where, got=mask.shape, expected=image.shape[:2])
     front = front.move(front.points, labels_at(mask, front.points) == front.object)
     texture = texture_strength(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY))
-    for label in np.unique(mask):
+    for label in np.flatnonzero(np.bincount(mask.ravel())):
         quota = params.background_points if label == BACKGROUND else params.points_per_object
         taken = front.points[front.object == label]
         points = sample_points(texture, mask == label, quota, taken, params, rng)

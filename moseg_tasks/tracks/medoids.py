@@ -1,6 +1,5 @@
 """k-medoids of an object's pixels: points that cover it evenly."""
 
-import kmedoids
 import numpy as np
 
 from moseg_tasks.tracks.spacing import far_from
@@ -40,6 +39,9 @@ def covering_medoids(
     H.-S. Park and C.-H. Jun, A simple and fast algorithm for k-medoids clustering, 2009;
     E. Schubert and P. Rousseeuw, Fast and eager k-medoids clustering, 2021 (FasterPAM).
     """
+    # Here, since scikit-learn comes with it: half a second for every process, also those that only read results.
+    import kmedoids
+
     y, x = np.nonzero(mask)
     drawn = rng.choice(len(x), size=min(num_candidates, len(x)), replace=False)
     candidates = np.stack([x[drawn], y[drawn]], axis=1).astype(np.float32)

@@ -22,16 +22,24 @@ def spaced_subset(candidates: np.ndarray, num_points: int, spacing: float, taken
         P <= num_points.
     """
     free = candidates[far_from(candidates, taken, spacing)]
+    x, y = np.ascontiguousarray(free.T)
     chosen = []
-    while len(free) and len(chosen) < num_points:
-        chosen.append(free[0])
-        free = free[far_from(free, free[:1], spacing)]
+    while len(x) and len(chosen) < num_points:
+        chosen.append((x[0], y[0]))
+        far = _are_far(x, y, x[0], y[0], spacing)
+        x, y = x[far], y[far]
     return np.array(chosen, dtype=np.float32).reshape(-1, 2)
 
 
 def far_from(points: np.ndarray, others: np.ndarray, spacing: float) -> np.ndarray:
     """Which points (N, 2) lie at least `spacing` px from every one of `others` (M, 2): bool (N,)."""
     far = np.ones(len(points), dtype=bool)
-    for other in others:
-        far &= np.sum((points - other) ** 2, axis=1) >= spacing**2
+    x, y = np.ascontiguousarray(points.T)
+    for other_x, other_y in others:
+        far &= _are_far(x, y, other_x, other_y, spacing)
     return far
+
+
+def _are_far(x, y, other_x, other_y, spacing: float) -> np.ndarray:
+    dx, dy = x - other_x, y - other_y
+    return dx * dx + dy * dy >= spacing**2

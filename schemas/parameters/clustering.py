@@ -24,7 +24,17 @@ class ClusteringParams(Frozen):
         "threshold", description="how the number of motions is found where it is not given"
     )
     threshold: float = Field(
-        0.5, gt=0, lt=1, description="least affinity at which two groups are one motion (threshold)"
+        0.5,
+        gt=0,
+        lt=1,
+        description="least affinity at which two groups are one motion (threshold), and least support for static in"
+        " every view at which an object is dropped (agreement)",
+    )
+    static: Literal["auto", "agreement", "group"] = Field(
+        "auto",
+        description="what is static where the number of motions is found: objects of which every view says so, or that"
+        " none knows (agreement), the background's group (group), or (auto) the first for proposals cut out because"
+        " they move (saliency) and the second for all others",
     )
     co_regularisation: float = Field(0.1, ge=0, description="lambda of Kumar et al. 2011")
     num_iterations: int = Field(20, ge=1, description="most alternating updates of all views")

@@ -13,4 +13,6 @@ class FlowParams(Frozen):
     method: Literal["dis", "raft", "groundtruth", "folder"] = Field(
         "dis", description="backend: dis (OpenCV DIS), raft, exact maps of the data set, or a folder"
     )
-    preset: Literal["ultrafast", "fast", "medium"] = Field("medium", description="DIS preset (dis only)")
+    preset: Literal["ultrafast", "fast", "medium", "fine"] = Field(
+        "medium", description="DIS preset; fine is medium searched at full size (dis only)"
+    )

@@ -12,9 +12,13 @@ FlowModelName = Literal["oc_depth", "oc_depth_paper", "oc"]
 class FlowModelParams(Frozen):
     """Least-squares fit of a flow model to each object's pixels."""
 
-    erosion: int = Field(0, ge=0, description="pixels next to another object are left out up to this distance, px")
+    # DIS solves for flow on half the resolution at best and interpolates: the pixels between tell nothing new.
+    step: int = Field(2, ge=1, description="every so many rows and columns of the flow are read")
+    erosion: int = Field(
+        0, ge=0, description="pixels next to another object are left out up to this distance, in pixels that are read"
+    )
     min_pixels: int = Field(
-        64, ge=1, description="an object with fewer pixels has no model and no residual in that pair"
+        16, ge=1, description="an object with fewer pixels that are read has no model and no residual in that pair"
     )
     rank_tolerance: float = Field(
         1e-6, gt=0, lt=1, description="singular values below this share of the largest count as zero"

@@ -82,6 +82,40 @@ def test_equal_arrays_give_equal_files():
     assert stored_bytes(first) == stored_bytes(second)
 
 
+@pytest.mark.parametrize("dims", [("frame", "y", "x"), ("y", "x", "uv")])
+@pytest.mark.parametrize("dtype", sorted(DTYPES))
+def test_files_are_those_that_zarr_writes(tmp_path: Path, dtype, dims):
+    array = np.arange(3 * 40 * 50).reshape(3, 40, 50).astype(dtype)
+    files, _ = encode_group({"x": array}, {"x": dims})
+    for path, content in stored_bytes(files).items():
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_bytes(content)
+    chunks = [path for path in files if not path.endswith("zarr.json")]
+    for path in chunks:
+        (tmp_path / path).unlink()
+    zarr.open_group(tmp_path, mode="r+")["x"][...] = array
+    assert {path: (tmp_path / path).read_bytes() for path in files} == stored_bytes(files)
+
+
+def test_metadata_spelt_otherwise_is_read_by_zarr():
+    array = np.arange(24.0).reshape(2, 3, 4)
+    files, (entry,) = encode_group({"x": array}, {"x": ("frame", "y", "x")})
+    respelt = stored_bytes(files) | {"x/zarr.json": json.dumps(json.loads(bytes(files["x/zarr.json"]))).encode()}
+    assert respelt != stored_bytes(files)
+    assert np.array_equal(decode(entry, respelt), array) and np.array_equal(
+        decode(entry, respelt, slice(1, 2)), array[1:]
+    )
+    with pytest.raises(ValueError, match="where the manifest has"):
+        decode(entry.model_copy(update={"dtype": "<i8"}), respelt)
+
+
+def test_a_chunk_of_another_array_is_refused():
+    files, (entry,) = encode_group({"x": np.arange(24.0)}, {"x": ("a",)})
+    longer, _ = encode_group({"x": np.arange(25.0)}, {"x": ("a",)})
+    with pytest.raises(ValueError, match="200 bytes"):
+        decode(entry, stored_bytes(files) | {"x/c.0": bytes(longer["x/c.0"])})
+
+
 def test_zarr_alone_reads_an_artifact(store, put_toy):
     ref = put_toy(store)
     task, key = ref.split("/")

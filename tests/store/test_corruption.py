@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import zarr
 
+from schemas.digests import digest_array, hash_array
 from schemas.errors import CorruptArtifactError, MissingArtifactError
 from schemas.recipes import Recipe, split_ref
 from store import LocalStore
@@ -137,3 +138,21 @@ def test_a_vanished_artifact_is_missing_not_corrupt(store, folder):
     shutil.rmtree(folder)
     with pytest.raises(MissingArtifactError):
         store.read(RECIPE.ref, "x")
+
+
+def test_arrays_digested_by_an_earlier_version_are_verified(store, put_toy, monkeypatch):
+    monkeypatch.setattr("store.codec.hash_array", lambda array: digest_array("array", array))
+    ref = put_toy(store)
+    monkeypatch.setattr("store.codec.hash_array", lambda array: digest_array("other", array))
+    wrong = put_toy(store, 1)
+    assert [result.is_intact for result in store.verify([ref, wrong])] == [True, False]
+
+
+def test_a_digest_given_to_put_is_the_one_that_is_verified(store):
+    array = np.arange(3.0)
+    digests = {"x": hash_array(array)}
+    for number, given in enumerate((array, array + 1)):
+        recipe = Recipe(task="toy", version=1, params={"number": number})
+        store.put(recipe, {"x": given}, dims={"x": ("a",)}, digests=digests)
+        assert store.manifest(recipe.ref).array("x").digest == digests["x"]
+        assert [result.is_intact for result in store.verify([recipe.ref])] == [number == 0]

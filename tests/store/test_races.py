@@ -67,7 +67,7 @@ def test_store_works_under_a_running_event_loop(store, put_toy):
 
 
 def test_an_error_inside_a_task_reaches_the_caller(store, monkeypatch):
-    monkeypatch.setattr("store.codec.digest_array", lambda domain, array: 1 // 0)
+    monkeypatch.setattr("store.codec.hash_array", lambda array: 1 // 0)
     recipe = Recipe(task="toy", version=1)
     with pytest.raises(ZeroDivisionError):
         store.put(recipe, {"x": np.zeros(2)}, dims={"x": ("object",)})

@@ -23,7 +23,7 @@ def execute(tmp_path, monkeypatch):
             raise error
 
         monkeypatch.setattr("workflows.execution.find_task", lambda *_: Task("flow", "raft", version=1, run=run))
-        return execute_recipes(str(store.root), [Recipe(task="flow", version=1, params={"method": "raft"})])
+        return execute_recipes(store, [Recipe(task="flow", version=1, params={"method": "raft"})])
 
     return call
 

@@ -12,7 +12,7 @@ from moseg_tasks.flow import estimate_flow
 from schemas.parameters import FlowParams
 from store import open_store
 
-SECTIONS = ("--section-length", "4", "--set", "sections.overlap=2", "--set", "sections.context=3")
+SECTIONS = ("--section-length", "4", "--set", "sections.overlap=2")
 NUM_FRAMES, HEIGHT, WIDTH = 10, 96, 128
 FORWARD, BACKWARD = "forward", "backward"
 STEPS = {0: (-1, 0), 1: (3, 0), 2: (-1, 3)}

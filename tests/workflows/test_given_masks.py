@@ -10,7 +10,7 @@ from PIL import Image
 
 from store import open_store
 
-SECTIONS = ("--section-length", "4", "--set", "sections.overlap=2", "--set", "sections.context=3")
+SECTIONS = ("--section-length", "4", "--set", "sections.overlap=2")
 VOID = np.s_[60:90, 4:40]
 NUM_FRAMES = 10
 

@@ -9,20 +9,23 @@ from workflows.execution import seeded_generator
 from workflows.graph import SequenceGraph, SequenceLeaves
 from workflows.stages.registry import TASKS
 
-CUES = {"flow", "saliency", "proposals", "linking", "tracks"}
+OBJECTS = {"components", "proposals", "linking", "tracks"}
+FOREGROUND = {"accumulation", "own_motion", "coherence", "appearance", "foreground"} | OBJECTS
+CUES = {"flow", "background", "saliency", "consistency"} | FOREGROUND
 END = {"clustering", "segmentation", "score"}
 TRAJS = {"fundamental", "fundamental_residual"}
 FLOW_MODEL = {"flow_model", "flow_residual"}
+BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "1e053170d019a0e7",
-    "oc-depth": "7d09222cd1207604",
-    "oc": "92fa95394c028323",
-    "trajs": "155317c9dc5deac1",
-    "base": "fd0eb5beab2135e0",
+    "fused": "79d72408fb0298c0",
+    "oc-depth": "54f9d5e7c82d98bc",
+    "oc": "f20a31f009c98bab",
+    "trajs": "28fb4b1cf173b083",
+    "base": "d3f1bb26232090a6",
     "flow": "8978fb0e3d6f04db",
-    "tracks": "408a297e4dd3b6eb",
+    "tracks": "595427c35491def8",
 }
 
 
@@ -46,7 +49,7 @@ LEAVES = SequenceLeaves(
 
 def _config(**changes):
     """A configuration with sections of four frames; changes are given as ``stage__name=value``."""
-    values = {"sections": {"length": 4, "overlap": 1, "context": 2}, "fundamental": {"gap": 2}}
+    values = {"sections": {"length": 4, "overlap": 1}, "fundamental": {"gap": 2}}
     for name, value in changes.items():
         stage, _, field = name.partition("__")
         if field:
@@ -82,7 +85,18 @@ def _tasks(refs):
         ({"flow_model__min_pixels": 80}, FLOW_MODEL | {"affinity"} | END),
         ({"tracks__window": 21}, TRAJS | {"tracks", "affinity"} | END),
         ({"linking__min_iou": 0.4}, TRAJS | FLOW_MODEL | {"linking", "affinity"} | END),
-        ({"saliency__floor": 0.4}, TRAJS | FLOW_MODEL | CUES - {"flow"} | {"affinity"} | END),
+        ({"saliency__floor": 0.4}, TRAJS | FLOW_MODEL | CUES - {"flow", "background"} | {"affinity"} | END),
+        ({"saliency__gric_noise": 0.3}, TRAJS | FLOW_MODEL | CUES - {"flow"} | {"affinity"} | END),
+        ({"accumulation__consistency_absolute": 0.2}, BEHIND | FOREGROUND | {"consistency"}),
+        ({"accumulation__memory": 0.9}, BEHIND | FOREGROUND),
+        ({"accumulation__reliability_floor": 0.2}, BEHIND | FOREGROUND),
+        ({"own_motion__spread": 0.5}, BEHIND | FOREGROUND - {"accumulation"}),
+        ({"appearance__levels": 16}, BEHIND | OBJECTS | {"appearance", "foreground"}),
+        ({"appearance__smoothing": 2.0}, BEHIND | OBJECTS | {"foreground"}),
+        ({"foreground__threshold": 0.5}, BEHIND | FOREGROUND - {"accumulation"}),
+        ({"foreground__colour_weight": 0.5}, BEHIND | OBJECTS | {"foreground"}),
+        ({"components__score_ratio": 0.2}, BEHIND | OBJECTS),
+        ({"refinement__radius": 2}, BEHIND | OBJECTS - {"components"}),
         ({"flow__preset": "fast"}, TRAJS | FLOW_MODEL | CUES | {"affinity"} | END),
         ({"max_side": 640}, set()),
     ],
@@ -133,10 +147,37 @@ def test_the_name_of_a_sequence_is_in_no_key():
     assert _recipes(leaves=LEAVES._replace(name="other")) == _recipes()
 
 
-def test_more_frames_reuse_the_pairs_and_sections_that_do_not_see_them():
+def test_more_frames_reuse_what_does_not_look_ahead_to_them():
     short = _recipes(leaves=LEAVES._replace(frames=LEAVES.frames[:8]))
     reused = {ref.partition("/")[0] for ref in short.keys() & _recipes().keys()}
-    assert {"flow", "saliency", "proposals", "tracks"} <= reused
+    assert {"flow", "saliency", "consistency", "accumulation"} <= reused
+
+
+def _backgrounds(num_frames, **saliency):
+    """Reference of each frame's background, and the recipes."""
+    graph = SequenceGraph(
+        LEAVES._replace(frames=_refs("frame", num_frames)),
+        _config(**{f"saliency__{name}": value for name, value in saliency.items()}),
+    )
+    return [graph.frame_cues.background(frame) for frame in range(num_frames)], graph.recipes
+
+
+def test_frames_in_a_row_share_a_background_and_a_short_rest_joins_them():
+    backgrounds, recipes = _backgrounds(27, selection_length=10, selection_step=4)
+    assert [backgrounds.index(ref) for ref in backgrounds] == [0] * 10 + [10] * 10 + [20] * 7
+    assert [len(recipes[backgrounds[frame]].inputs["flows"]) for frame in (0, 10, 20)] == [3, 3, 2]
+    assert len(set(_backgrounds(24, selection_length=10)[0])) == 2
+
+
+def test_more_frames_leave_the_backgrounds_before_them():
+    short, _ = _backgrounds(26, selection_length=10, selection_step=4)
+    assert _backgrounds(40, selection_length=10, selection_step=4)[0][:20] == short[:20]
+
+
+def test_layers_need_no_selection_and_a_single_frame_has_no_background():
+    assert _backgrounds(9, background="layers")[0] == [None] * 9
+    assert _backgrounds(1)[0] == [None]
+    assert "background" not in _tasks(_recipes(saliency__background="layers"))
 
 
 def test_every_input_is_a_leaf_or_a_node():

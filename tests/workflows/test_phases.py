@@ -1,7 +1,7 @@
 """A plan is cut so that every network is loaded once, and frames go through it together."""
 
 from schemas.recipes import Recipe
-from workflows.phases import batch_recipes, network_of, split_phases
+from workflows.phases import batch_recipes, join_brief, network_of, split_phases
 
 WEIGHTS = {name: f"weights/{digit * 64}" for name, digit in (("raft", "a"), ("depth", "b"), ("deaot", "c"))}
 
@@ -85,3 +85,26 @@ def test_other_parameters_are_another_batch():
         task="flow", version=1, params={"method": "raft", "iterations": 9}, inputs={"weights": WEIGHTS["raft"]}
     )
     assert len(list(batch_recipes(_plan(fast, slow), lambda recipe: 8))) == 2
+
+
+def _join(plan, most):
+    batches = [[recipe] for recipe in plan.values()]
+    return list(join_brief(batches, lambda recipe: recipe.task in ("flow", "saliency"), most))
+
+
+def test_brief_recipes_that_follow_each_other_share_a_call():
+    flows = [_recipe("flow", number) for number in range(5)]
+    proposals = _recipe("proposals", 0, flow=flows[0].ref)
+    joined = _join(_plan(*flows[:3], proposals, *flows[3:]), 2)
+    tasks = [[recipe.task for (recipe,) in batches] for batches in joined]
+    assert tasks == [["flow", "flow"], ["flow"], ["proposals"], ["flow", "flow"]]
+
+
+def test_joined_calls_hold_every_recipe_once_and_after_its_inputs():
+    recipes = []
+    for number in range(7):
+        flow = _recipe("flow", number)
+        saliency = _recipe("saliency", number, flow=flow.ref)
+        recipes += [flow, saliency, *([_recipe("proposals", number, saliency=saliency.ref)] if number % 3 == 2 else [])]
+    plan = _plan(*recipes)
+    assert [recipe.ref for batches in _join(plan, 4) for (recipe,) in batches] == list(plan)

@@ -18,7 +18,7 @@ from workflows.runners import SynchronousRunner
 from workflows.session import Session
 
 LEAVES = {"frame", "annotation", "ingest"}
-CONFIG = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2, "context": 3}})
+CONFIG = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2}})
 
 DIES_AT_WORK = """
 import os, signal, sys

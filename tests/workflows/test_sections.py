@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from schemas.configs import SectionParams
 from workflows.sections import Section, cut_sections
 
-PARAMS = st.builds(SectionParams, length=st.integers(1, 40), overlap=st.integers(1, 12), context=st.integers(0, 12))
+PARAMS = st.builds(SectionParams, length=st.integers(1, 40), overlap=st.integers(1, 12))
 NUM_FRAMES = st.integers(0, 200)
 
 
@@ -27,12 +27,10 @@ def test_frame_m_is_frame_m_modulo_length_of_its_section(num_frames, params):
 
 
 @given(NUM_FRAMES, PARAMS)
-def test_proposals_and_context_stay_inside_the_video(num_frames, params):
+def test_proposals_stay_inside_the_video(num_frames, params):
     for section in cut_sections(num_frames, params):
-        assert 0 <= section.context_start <= section.start
-        assert section.stop <= section.proposal_stop <= section.context_stop <= num_frames
-        assert section.start - section.context_start <= params.context
-        assert section.context_stop - section.proposal_stop <= params.context
+        assert section.stop <= section.proposal_stop <= num_frames
+        assert section.proposal_stop - section.stop <= params.overlap
 
 
 @given(NUM_FRAMES, PARAMS)
@@ -44,5 +42,5 @@ def test_neighbours_share_frames_that_both_have_proposals_for(num_frames, params
 
 
 def test_a_video_of_ten_frames():
-    params = SectionParams(length=4, overlap=1, context=2)
-    assert cut_sections(10, params) == (Section(0, 4, 5, 0, 7), Section(4, 8, 9, 2, 10), Section(8, 10, 10, 6, 10))
+    params = SectionParams(length=4, overlap=1)
+    assert cut_sections(10, params) == (Section(0, 4, 5), Section(4, 8, 9), Section(8, 10, 10))

@@ -198,7 +198,7 @@ def test_an_artifact_that_another_run_quarantines_meanwhile_is_made_again(evalua
     before = _contents(store)
     _drop(store, ["score"])
     ref = sorted(store.refs("segmentation"))[0]
-    config = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2, "context": 3}})
+    config = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2}})
     data = open_dataset("folder", str(evaluated_copy.root), max_side=config.max_side)
     session = Session(store, _OtherRunInBetween(store, ref), quiet=True)
     report = evaluate(session, data.name, [data.sequence("squares")], config, [Variant.FUSED])

@@ -8,7 +8,7 @@ from typer.exceptions import TyperException
 from typer.main import get_command
 
 from schemas.errors import InputError, StoreError
-from workflows.cli import evaluate, inspect, score, segment
+from workflows.cli import contact_sheet, evaluate, inspect, score, segment
 from workflows.cli.store import store_app
 from workflows.cli.weights import weights_app
 
@@ -24,6 +24,7 @@ app.command("eval")(evaluate.evaluate)
 app.command("ablate")(evaluate.ablate)
 app.command("plan")(evaluate.plan)
 app.command("score")(score.score)
+app.command("contact-sheet")(contact_sheet.contact_sheet)
 app.command("datasets")(inspect.datasets)
 app.command("backends")(inspect.backends)
 app.add_typer(store_app, name="store")

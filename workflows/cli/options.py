@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from schemas.configs import PipelineConfig, Variant
 from schemas.errors import InputError
-from schemas.presets import GEOMETRIES, PRESETS
+from schemas.presets import GEOMETRIES, PRESETS, QUALITIES
 from workflows.cli.config_errors import explain
 
 DEFAULT_STORE = ".moseg/store"
@@ -61,6 +61,9 @@ class PipelineOptions:
             "--preset", help="Set of backends: weights-free, paper or modern; the other options change single ones."
         ),
     ] = "weights-free"
+    quality: Annotated[str, typer.Option("--quality", help="What accuracy may cost: fast, default or best.")] = (
+        "default"
+    )
     motions: Annotated[
         str | None,
         typer.Option("--motions", help="Number of motions, the background's included: gt, auto or N (default: auto)."),
@@ -108,7 +111,7 @@ class PipelineOptions:
     def read(self) -> tuple[PipelineConfig, dict[str, str]]:
         """The configuration, and the folders of cues given by `folder:PATH`, by cue; raises InputError."""
         folders: dict[str, str] = {}
-        values = choose_preset(self.preset, self.geometry)
+        values = choose_preset(self.preset, self.geometry, self.quality)
         chosen = {
             "clustering.motions": self.motions,
             "proposal_source": _folder_choice("proposals", self.proposals, folders),
@@ -235,15 +238,18 @@ def sequence_names(text: str | None) -> tuple[str, ...] | None:
     return names
 
 
-def choose_preset(preset: str, geometry: str = "default") -> dict[str, Any]:
-    """Values of a preset and of a geometry; raises InputError where there is none of the name."""
-    for option, name, known in (("--preset", preset, PRESETS), ("--geometry", geometry, GEOMETRIES)):
+def choose_preset(preset: str, geometry: str = "default", quality: str = "default") -> dict[str, Any]:
+    """Values of a preset, a geometry and a quality; raises InputError where there is none of the name."""
+    options = (("--preset", preset, PRESETS), ("--geometry", geometry, GEOMETRIES), ("--quality", quality, QUALITIES))
+    values: dict[str, Any] = {}
+    for option, name, known in options:
         if name not in known:
             close = get_close_matches(name, known, n=1)
             expected = f"{close[0]}?" if close else " or ".join(known)
             raise InputError(f"no such {option.removeprefix('--')}", where=option, got=name, expected=expected)
-    chosen = {**PRESETS[preset], **GEOMETRIES[geometry]}
-    return {stage: dict(value) if isinstance(value, Mapping) else value for stage, value in chosen.items()}
+        for stage, chosen in known[name].items():
+            values[stage] = {**values.get(stage, {}), **chosen} if isinstance(chosen, Mapping) else chosen
+    return values
 
 
 def _folder_choice(cue: str, text: str | None, folders: dict[str, str]) -> str | None:

@@ -3,12 +3,26 @@
 from workflows.graph.nodes import Nodes
 from workflows.graph.sequence_leaves import GIVEN_SOURCES
 
+PAIRS_PARAMS = frozenset({"selection_length", "selection_step"})
+"""They only say which flows the selection of the background's model reads."""
+SELECTION_PARAMS = PAIRS_PARAMS | {
+    *("background", "gric_noise", "gric_step", "focals", "focal_residual", "focal_slack"),
+    *("ground_agreement", "ground_tilt"),
+}
+"""Read by the selection alone."""
+RESIDUAL_PARAMS = frozenset(
+    {"ground_relief", "support_slope", "support_noise", "residual_blur", "floor", "floor_medians", "floor_motion"}
+    | {"otsu_percentile", "outline_share", "outline_reach", "gate_blur", "gate_error", "strict_gate_error"}
+)
+"""Read by the saliency of a frame alone."""
+
 
 class FrameCues:
     """Writes the recipes of what is seen in a frame or between two."""
 
     def __init__(self, nodes: Nodes):
         self._nodes = nodes
+        self._backgrounds: dict[int, str] = {}
         self._config = nodes.config
         self._leaves = nodes.leaves
 
@@ -32,12 +46,36 @@ class FrameCues:
         params, weights = self._nodes.network(method)
         return self._nodes.add("depth", method, params, {"frame": self._leaves.frames[frame], "weights": weights})
 
+    def background(self, frame: int) -> str | None:
+        """Reference of the background's model in a frame; None where layers are asked for, or there is no frame pair.
+
+        Frames in a row share it, and it reads pairs at fixed places: more frames of a video move few keys.
+        """
+        params, num_frames = self._config.saliency, len(self._leaves.frames)
+        if params.background == "layers" or num_frames < 2:
+            return None
+        length = params.selection_length
+        start = frame - frame % length
+        # A short rest of the video says little by itself.
+        if start and num_frames - start < length / 2:
+            start -= length
+        if start not in self._backgrounds:
+            frames0 = range(start, min(start + length, num_frames - 1), params.selection_step)
+            read = params.model_dump(mode="json", exclude=RESIDUAL_PARAMS | PAIRS_PARAMS)
+            flows = tuple(self.flow(frame0, frame0 + 1) for frame0 in frames0)
+            self._backgrounds[start] = self._nodes.add("background", "model-selection", read, {"flows": flows})
+        return self._backgrounds[start]
+
     def saliency(self, frame: int) -> str:
         """Reference of a frame's motion saliency."""
         frames = self._leaves.frames
         inputs = {"frame": frames[frame]}
+        background = self.background(frame)
+        if background is not None:
+            inputs["background"] = background
         if frame > 0:
             inputs |= {"previous": frames[frame - 1], "flow_previous": self.flow(frame, frame - 1)}
         if frame + 1 < len(frames):
             inputs |= {"next": frames[frame + 1], "flow_next": self.flow(frame, frame + 1)}
-        return self._nodes.add("saliency", "background-residual", self._config.saliency.model_dump(mode="json"), inputs)
+        read = self._config.saliency.model_dump(mode="json", exclude=SELECTION_PARAMS)
+        return self._nodes.add("saliency", "background-residual", read, inputs)

@@ -25,12 +25,11 @@ class Motions:
         """Reference of the objects' affinity under one motion model."""
         params = self._config.affinity
         is_flow = view != "trajs"
-        unread = {"method"} if is_flow else {"method", "relative_flow"}
-        read = {
-            name: value
-            for name, value in params.model_dump(mode="json", exclude=unread).items()
-            if name.startswith("ork") == (params.method == "ork")
-        }
+        # Support for static has a scale whichever affinity goes with it.
+        unread = {"method"} | ({"direction"} if params.method == "ork" else {"ork_threshold", "ork_reading"})
+        if not is_flow:
+            unread.add("relative_flow")
+        read = params.model_dump(mode="json", exclude=unread)
         residuals = self.residuals(view)
         return self._nodes.add(
             "affinity", params.method, {"is_flow": is_flow, "affinity": read}, {"residuals": residuals}

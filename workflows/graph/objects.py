@@ -1,6 +1,6 @@
 """Objects: proposed in every section, with identities that last through the sequence."""
 
-from workflows.graph.frame_cues import FrameCues
+from workflows.graph.foreground import Foreground
 from workflows.graph.nodes import Nodes
 from workflows.graph.sequence_leaves import GIVEN_SOURCES
 from workflows.sections import Section
@@ -10,11 +10,11 @@ from workflows.weights.needed import tagger_item
 class Objects:
     """Writes the recipes of the objects of every section."""
 
-    def __init__(self, nodes: Nodes, cues: FrameCues, sections: tuple[Section, ...]):
+    def __init__(self, nodes: Nodes, foreground: Foreground, sections: tuple[Section, ...]):
         self._nodes = nodes
         self._config = nodes.config
         self._leaves = nodes.leaves
-        self._cues = cues
+        self._foreground = foreground
         self._sections = sections
         self._proposals: list[str] = []
         self._linking: str | None = None
@@ -49,18 +49,14 @@ class Objects:
             return self._nodes.add("proposals", "given", params, {"masks": masks})
         if self._config.proposal_source == "detections":
             return self._track_objects(index)
-        saliency = tuple(self._cues.saliency(frame) for frame in range(section.context_start, section.context_stop))
-        return self._nodes.add(
-            "proposals",
-            "saliency",
-            {
-                "first": section.start - section.context_start,
-                "last": section.proposal_stop - section.context_start,
-                "shape": list(self._leaves.shape),
-                "proposals": self._config.proposals.model_dump(mode="json"),
-            },
-            {"saliency": saliency},
-        )
+        frames = self._leaves.frames[section.start : section.proposal_stop]
+        inputs = {
+            "frames": frames,
+            "components": self._foreground.components(index),
+            "foreground": self._foreground.foregrounds(index),
+        }
+        params = {"refinement": self._config.refinement.model_dump(mode="json")}
+        return self._nodes.add("proposals", "saliency", params, inputs)
 
     def _link(self) -> str:
         proposals = tuple(self.proposals(index) for index in range(len(self._sections)))

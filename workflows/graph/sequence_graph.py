@@ -7,6 +7,7 @@ the same recipe, whichever variant or run asks.
 from schemas.configs import PipelineConfig, Variant
 from schemas.errors import InputError
 from schemas.recipes import Recipe
+from workflows.graph.foreground import Foreground
 from workflows.graph.frame_cues import FrameCues
 from workflows.graph.motions import Motions
 from workflows.graph.nodes import Nodes
@@ -22,6 +23,7 @@ class SequenceGraph:
     ----------
     leaves : SequenceLeaves
     frame_cues : FrameCues
+    foreground : Foreground
     objects : Objects
     motions : Motions
     """
@@ -32,7 +34,8 @@ class SequenceGraph:
         self.leaves = leaves
         self._sections = cut_sections(len(leaves.frames), config.sections)
         self.frame_cues = FrameCues(self._nodes)
-        self.objects = Objects(self._nodes, self.frame_cues, self._sections)
+        self.foreground = Foreground(self._nodes, self.frame_cues, self._sections)
+        self.objects = Objects(self._nodes, self.foreground, self._sections)
         self.motions = Motions(self._nodes, self.frame_cues, self.objects, self._sections)
 
     @property
@@ -92,16 +95,22 @@ class SequenceGraph:
     def _clustering_params(self, num_views: int, is_auto: bool) -> dict:
         """The parameters that a clustering of so many views reads."""
         params = self._config.clustering
+        by_agreement = params.static == "agreement"
+        if params.static == "auto":
+            by_agreement = self._config.proposal_source == "saliency"
         unread = {"motions"}
         if not is_auto:
-            unread |= {"auto", "threshold"}
-        elif params.auto != "threshold":
+            unread |= {"auto", "threshold", "static"}
+        elif params.auto != "threshold" and not by_agreement:
             unread.add("threshold")
         if num_views == 1 or params.fusion != "coregularised":
             unread |= {"co_regularisation", "num_iterations", "tolerance"}
         if num_views == 1:
             unread.add("fusion")
-        return params.model_dump(mode="json", exclude=unread)
+        read = params.model_dump(mode="json", exclude=unread)
+        if is_auto:
+            read["static"] = "agreement" if by_agreement else "group"
+        return read
 
     def cues(self) -> tuple[str, ...]:
         """References of the tracks and of the forward flow: what every motion model starts from."""

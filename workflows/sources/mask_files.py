@@ -3,6 +3,7 @@
 import io
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import reduce
 from typing import Literal, Protocol
 
 import numpy as np
@@ -95,7 +96,7 @@ def decode_mask(content: bytes, path: str, kind: MaskKind) -> np.ndarray:
     except PILLOW_ERRORS as error:
         raise InputError("mask cannot be decoded", where=path, got=f"{len(content)} bytes") from error
     if kind == "binary":
-        return np.logical_or.reduce([channel != 0 for channel in channels]).astype(np.uint16)
+        return reduce(np.logical_or, channels).astype(bool).astype(np.uint16)
     labels = channels[0]
     if any(not np.array_equal(labels, other) for other in channels[1:]):
         raise InputError("mask of colours", where=path, expected="object ids (a palette or grey PNG)")

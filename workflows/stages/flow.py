@@ -23,5 +23,5 @@ def _run_raft(params, inputs):
     return [Output({"flow": flow}, made_on()) for flow in flows]
 
 
-DIS = Task("flow", "dis", version=1, run=_run_dis)
+DIS = Task("flow", "dis", version=1, run=_run_dis, is_brief=True)
 RAFT = Task("flow", "raft", version=1, run_together=_run_raft)

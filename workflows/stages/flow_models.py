@@ -19,10 +19,22 @@ def _run_fit(params, inputs, rng):
     flows = inputs.all("flow")
     depths = inputs.all("depth") if "depth" in inputs else [None] * len(flows)
     moments, theta, valid = [], [], []
-    for pair, (flow, depth) in enumerate(zip(flows, depths, strict=True)):
-        inverse_depth = None if depth is None else depth.array("inverse_depth")
-        objects = identity[masks[pair]]
-        moments.append(flow_moments(flow.cached("flow"), inverse_depth, objects, num_objects, model, flow_model_params))
+    for mask, flow, depth in zip(masks[: len(flows)], flows, depths, strict=True):
+        vectors = flow.cached("flow")
+        read = (slice(None, None, flow_model_params.step),) * 2
+        if not np.isfinite(vectors[read]).all():
+            # Given flow knows some pixels only, which may be just those that would be left out.
+            read = (slice(None),) * 2
+        moments.append(
+            flow_moments(
+                np.ascontiguousarray(vectors[read]),
+                None if depth is None else np.ascontiguousarray(depth.array("inverse_depth")[read]),
+                identity[mask[read]],
+                num_objects,
+                model,
+                flow_model_params,
+            )
+        )
         fitted, usable = fit_from_moments(moments[-1], model, flow_model_params)
         theta.append(fitted)
         valid.append(usable)
@@ -35,5 +47,5 @@ def _run_residual(params, inputs, rng):
     return Output({"residual": residual, "energy": np.stack([flow_energy(pair) for pair in moments])})
 
 
-LEAST_SQUARES_FIT = Task("flow_model", "least-squares", version=1, run=_run_fit)
+LEAST_SQUARES_FIT = Task("flow_model", "least-squares", version=2, run=_run_fit)
 MSE_RESIDUAL = Task("flow_residual", "mean-squared-error", version=1, run=_run_residual)

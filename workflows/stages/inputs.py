@@ -1,15 +1,13 @@
 """What a task's adapter reads: its recipe's inputs, fetched from the store when asked for."""
 
-from collections import OrderedDict
 from collections.abc import Callable
 
 import numpy as np
 
 from schemas.recipes import Recipe
 from store import ArtifactStore
+from workflows.stages.array_cache import ARRAYS
 
-CACHE_BYTES = 384 * 2**20
-"""A hundred 480p flows: what the flow models of a sequence of common length read one after the other."""
 ROWS_PER_READ = 16
 
 
@@ -26,16 +24,23 @@ class ArtifactView:
         return self._ref
 
     def array(self, name: str) -> np.ndarray:
-        """The whole array."""
-        return self._store.read(self._ref, name)
+        """The whole array; read-only where this process has kept it."""
+        kept = ARRAYS.find(self._store, self._ref, name)
+        return self._store.read(self._ref, name) if kept is None else kept
 
     def cached(self, name: str) -> np.ndarray:
         """The whole array, read-only, kept in this process for the next task that reads it."""
-        return _CACHE.read(self._store, self._ref, name)
+        array = self.array(name)
+        array.flags.writeable = False
+        ARRAYS.keep(self._store, self._ref, {name: array})
+        return array
 
     def rows(self, name: str, start: int, stop: int) -> np.ndarray:
-        """Rows start..stop of the leading axis; only their chunks are read."""
-        return self._store.read_rows(self._ref, name, start, stop)
+        """Rows start..stop of the leading axis; only their chunks are read. Read-only where the array is kept."""
+        kept = ARRAYS.find(self._store, self._ref, name)
+        if kept is None or not 0 <= start <= stop <= len(kept):
+            return self._store.read_rows(self._ref, name, start, stop)
+        return kept[start:stop]
 
     def row_reader(self, name: str) -> Callable[[int], np.ndarray]:
         """A function from an index to that row of the leading axis; it reads a block at a time and keeps the last."""
@@ -81,30 +86,3 @@ class Inputs:
     def all(self, role: str) -> list[ArtifactView]:
         """The artifacts of a role that lists several."""
         return [ArtifactView(self._store, ref) for ref in self._inputs[role]]
-
-
-class _ArrayCache:
-    """Least recently used arrays, bounded in bytes; sound because an artifact never changes."""
-
-    def __init__(self, limit: int):
-        self._limit = limit
-        self._arrays: OrderedDict[tuple[str, str, str], np.ndarray] = OrderedDict()
-        self._nbytes = 0
-
-    def read(self, store: ArtifactStore, ref: str, name: str) -> np.ndarray:
-        entry = (str(store.root), ref, name)
-        if entry in self._arrays:
-            self._arrays.move_to_end(entry)
-            return self._arrays[entry]
-        array = store.read(ref, name)
-        array.flags.writeable = False
-        if array.nbytes <= self._limit:
-            self._arrays[entry] = array
-            self._nbytes += array.nbytes
-        while self._nbytes > self._limit:
-            _, dropped = self._arrays.popitem(last=False)
-            self._nbytes -= dropped.nbytes
-        return array
-
-
-_CACHE = _ArrayCache(CACHE_BYTES)

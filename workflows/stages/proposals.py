@@ -1,26 +1,29 @@
-"""Object proposals of a section: components of motion saliency, masks tracked from the first frame, or given ones."""
+"""Object proposals of a section: outlines of what moves, masks tracked from the first frame, or given ones."""
 
 import numpy as np
 
 from moseg_tasks.proposals.boxes import object_boxes
-from moseg_tasks.proposals.components import propose_objects
 from moseg_tasks.proposals.given import relabel_masks
-from moseg_tasks.saliency import accumulate_saliency
-from schemas.parameters import DeaotParams, ProposalParams, Sam2Params
+from moseg_tasks.proposals.refinement import refine_outlines
+from schemas.parameters import DeaotParams, RefinementParams, Sam2Params
 from workflows.resize import resize_labels
+from workflows.stages.components import join_rows
 from workflows.stages.task import Output, Task
 from workflows.weights.resident import made_on, open_network
 
 
 def _run_saliency(params, inputs, rng):
-    proposal_params = ProposalParams(**params["proposals"])
-    frames = inputs.all("saliency")
-    saliency = np.stack([frame.array("saliency") for frame in frames])
-    flows = np.stack([frame.array("flows") for frame in frames])
-    accumulated = accumulate_saliency(saliency, flows, proposal_params)
-    first, last = params["first"], params["last"]
-    result = propose_objects(accumulated[first:last], tuple(params["shape"]), proposal_params)
-    return Output({"masks": result.masks, "scores": result.scores, "boxes": result.boxes})
+    refinement = RefinementParams(**params["refinement"])
+    components, frames = inputs["components"], inputs.all("frames")
+    labels, scores = components.array("labels"), components.array("scores")
+    foreground = join_rows(inputs.all("foreground"), "foreground", len(labels))
+    masks = np.stack(
+        [
+            refine_outlines(frame.cached("image"), objects, probability.astype(np.float32), refinement)
+            for frame, objects, probability in zip(frames, labels, foreground, strict=True)
+        ]
+    )
+    return Output({"masks": masks, "scores": scores, "boxes": object_boxes(masks, len(scores))})
 
 
 def _run_given(params, inputs, rng):
@@ -71,7 +74,7 @@ def _track(build, track_masks, tracker_params, inputs):
     )
 
 
-SALIENCY_COMPONENTS = Task("proposals", "saliency", version=1, run=_run_saliency)
+SALIENCY = Task("proposals", "saliency", version=2, run=_run_saliency)
 GIVEN_MASKS = Task("proposals", "given", version=1, run=_run_given)
 DEAOT = Task("proposals", "deaot", version=1, run=_run_deaot)
 SAM2 = Task("proposals", "sam2", version=1, run=_run_sam2)

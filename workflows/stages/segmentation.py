@@ -16,7 +16,11 @@ def _run(params, inputs, rng):
         names[1:] = inputs["linking"].attributes["given"]
     label = np.where(moves[identity], names[identity], 0)
     masks = inputs["proposals"].cached("masks")[: params["num_frames"]]
-    return Output({"labels": np.take(label, masks)})
+    labels = np.empty(masks.shape, np.uint16)
+    # Frame by frame: for indexing NumPy turns labels into integers of four times their size.
+    for mask, out in zip(masks, labels, strict=True):
+        out[:] = label[mask]
+    return Output({"labels": labels})
 
 
 MOVING_OBJECTS = Task("segmentation", "moving-objects", version=1, run=_run)

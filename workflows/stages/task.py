@@ -27,6 +27,7 @@ class Task:
     `version` rises whenever the code behind it may give other bytes; a test compares it with a fingerprint of the code.
     `run` takes the recipe's parameters, its inputs and a generator seeded by the recipe. A task that draws no random
     numbers may have `run_together` instead, which takes the inputs of several recipes of the same parameters.
+    One that `is_brief` does a frame's share in a fraction of a second: several share a call.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Task:
     version: int
     run: Run | None = None
     run_together: RunTogether | None = None
+    is_brief: bool = False
 
     def compute(
         self, params: Mapping[str, Any], inputs: Sequence[Inputs], generators: Sequence[np.random.Generator]

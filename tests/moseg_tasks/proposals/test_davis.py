@@ -7,36 +7,115 @@ import cv2
 import numpy as np
 import pytest
 
+from moseg_tasks.appearance import colour_bins, colour_ratio, count_colours, pool_sections
 from moseg_tasks.flow import estimate_flow
-from moseg_tasks.proposals import propose_objects
-from moseg_tasks.saliency import accumulate_saliency, estimate_saliency
-from schemas.parameters import FlowParams, ProposalParams, SaliencyParams
+from moseg_tasks.proposals import keep_best, label_components, refine_outlines
+from moseg_tasks.saliency import (
+    accumulate,
+    estimate_saliency,
+    flow_consistency,
+    foreground_probability,
+    memory_weight,
+    motion_logit,
+    own_motion_misfit,
+    probability,
+    reduce_frame,
+)
+from schemas.parameters import (
+    AccumulationParams,
+    AppearanceParams,
+    ComponentParams,
+    FlowParams,
+    ForegroundParams,
+    OwnMotionParams,
+    RefinementParams,
+    SaliencyParams,
+)
 
 SHARED = Path(os.environ.get("MOSEG_TEST_DATA", Path(__file__).parents[4] / "shared" / "data"))
 DAVIS = SHARED / "davis"
-NUM_FRAMES = 8
+NUM_FRAMES = 6
+ACCUMULATION, APPEARANCE, FOREGROUND, OWN = (
+    AccumulationParams(),
+    AppearanceParams(),
+    ForegroundParams(),
+    OwnMotionParams(),
+)
 
 
+# The motion of all pixels alone, without colour, coherence or a border that counts more, reaches 0.62, 0.33 and 0.19.
 @pytest.mark.skipif(
     not DAVIS.is_dir(), reason=f"no DAVIS at {DAVIS}; set MOSEG_TEST_DATA to the folder that holds davis"
 )
-@pytest.mark.parametrize(("sequence", "least"), [("soapbox", 0.55), ("cows", 0.7)])
+@pytest.mark.parametrize(("sequence", "least"), [("soapbox", 0.65), ("blackswan", 0.5), ("parkour", 0.55)])
 def test_the_moving_object_of_a_real_clip_is_proposed(sequence, least):
     images, truth = read_clip(sequence)
-    absent = [None]
-    backward = absent + [estimate_flow(images[t], images[t - 1], FlowParams()) for t in range(1, NUM_FRAMES)]
-    forward = [estimate_flow(images[t], images[t + 1], FlowParams()) for t in range(NUM_FRAMES - 1)] + absent
-    around = absent + images + absent
-    frames = [
-        estimate_saliency(images[t], around[t], around[t + 2], backward[t], forward[t], SaliencyParams())
-        for t in range(NUM_FRAMES)
-    ]
-    accumulated = accumulate_saliency(
-        np.stack([frame.saliency for frame in frames]), np.stack([frame.flows for frame in frames]), ProposalParams()
-    )
-    moving = propose_objects(accumulated, truth.shape[1:], ProposalParams()).masks > 0
+    moving = propose(images) > 0
     jaccard = (moving & truth).sum(axis=(1, 2)) / (moving | truth).sum(axis=(1, 2))
     assert jaccard.mean() > least
+
+
+def propose(images: list[np.ndarray]) -> np.ndarray:
+    """Objects uint16 (frame, y, x) of a video of a single section."""
+    frames = find_salient(images)
+    flows = [frame.flows.astype(np.float32) for frame in frames]
+    consistency = flow_consistency(flows, ACCUMULATION)
+    maps = mean_of_passes(flows, *zip(*(see(frames, consistency, way) for way in (0, 1)), strict=True))
+    misfits = [find_misfit(frames, maps, t)[..., None] for t in range(NUM_FRAMES)]
+    weights = [ACCUMULATION.memory] * NUM_FRAMES
+    misfits = mean_of_passes(flows, (misfits, misfits), (weights, weights))[..., 0]
+    bins = [colour_bins(reduce_frame(image, misfits.shape[1:]), APPEARANCE) for image in images]
+    counts = [
+        count_colours(bins[t], maps[t, ..., 0], maps[t, ..., 2], misfits[t], APPEARANCE, FOREGROUND)
+        for t in range(NUM_FRAMES)
+    ]
+    count = pool_sections(counts, [0.0] * NUM_FRAMES, 0.0, APPEARANCE.memory)
+    ratio, usual = colour_ratio(count, APPEARANCE), count.reliability / count.weight
+    foreground = [
+        foreground_probability(maps[t, ..., 1], maps[t, ..., 2], misfits[t], ratio[bins[t]], usual, FOREGROUND)
+        for t in range(NUM_FRAMES)
+    ]
+    foreground = np.stack(foreground)
+    labels = keep_best(foreground, label_components(foreground), ComponentParams()).labels
+    outlines = zip(images, labels, foreground, strict=True)
+    return np.stack([refine_outlines(*each, RefinementParams()) for each in outlines])
+
+
+def find_salient(images: list[np.ndarray]) -> list:
+    around = [None, *images, None]
+
+    def flow(t, other):
+        return None if other is None else estimate_flow(images[t], other, FlowParams())
+
+    return [
+        estimate_saliency(image, around[t], around[t + 2], flow(t, around[t]), flow(t, around[t + 2]), SaliencyParams())
+        for t, image in enumerate(images)
+    ]
+
+
+def see(frames, consistency: np.ndarray, way: int) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """What one pass accumulates of each frame, and the weights of its memory."""
+    seen = [
+        np.dstack([frame.strict_saliency, frame.saliency, consistent[way]]).astype(np.float32)
+        for frame, consistent in zip(frames, consistency, strict=True)
+    ]
+    weights = [memory_weight(consistent, way, ACCUMULATION) for consistent in consistency]
+    return seen, [np.dstack([weight, weight, np.full_like(weight, ACCUMULATION.memory)]) for weight in weights]
+
+
+def mean_of_passes(flows, maps, weights) -> np.ndarray:
+    passes = []
+    for way, order in enumerate((slice(None), slice(None, None, -1))):
+        along = [flow[way] for flow in flows]
+        passes.append(accumulate(maps[way][order], along[order], weights[way][order])[order].astype(np.float32))
+    return (passes[0] + passes[1]) / 2
+
+
+def find_misfit(frames, maps: np.ndarray, t: int) -> np.ndarray:
+    to_previous, to_next = frames[t].residual_flows.astype(np.float32)
+    moves = probability(motion_logit(maps[t, ..., 0], FOREGROUND.threshold, FOREGROUND.sharpness))
+    weight = moves**OWN.sharpness * maps[t, ..., 2] ** 2
+    return own_motion_misfit((to_previous if t > 0 else None, to_next if t + 1 < NUM_FRAMES else None), weight, OWN)
 
 
 def read_clip(sequence: str) -> tuple[list[np.ndarray], np.ndarray]:

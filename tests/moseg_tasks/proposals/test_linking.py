@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from moseg_tasks.proposals import count_overlaps, link_sections
 from schemas.errors import InputError
-from schemas.parameters.saliency import LinkingParams
+from schemas.parameters.linking import LinkingParams
 
 PARAMS = LinkingParams()
 SIDE = 20

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from moseg_tasks.saliency.background import affine_flow, fit_background
+from moseg_tasks.saliency.background import affine_flow, fit_background, sample_flow
 from moseg_tasks.saliency.grid import pixel_grid, reduce_flow, working_shape
 from moseg_tasks.saliency.layers import fit_layers
 from schemas.parameters import SaliencyParams
@@ -28,6 +28,44 @@ def test_an_object_on_a_quarter_of_the_frame_does_not_bend_the_background():
     np.testing.assert_allclose(affine_flow(fit_background(flow, PARAMS), SHAPE), affine_field(), atol=1e-2)
 
 
+def fills_most() -> np.ndarray:
+    """An object on three fifths of the frame, whose surroundings are seen all along the border."""
+    flow = affine_field()
+    flow[14:106, 22:178] += np.array([4.0, 3.0], np.float32)
+    return flow
+
+
+def test_an_object_that_fills_three_fifths_of_the_middle_does_not_become_the_background():
+    followed = affine_flow(fit_background(fills_most(), PARAMS), SHAPE)
+    np.testing.assert_allclose(followed, affine_field(), atol=1e-2)
+
+
+@pytest.mark.parametrize("even", [{"centre_thinning": 1}, {"border_band": 0.5, "centre_thinning": 1}])
+def test_where_the_border_counts_no_more_than_the_middle_that_object_is_the_background(even):
+    followed = affine_flow(fit_background(fills_most(), PARAMS.model_copy(update=even)), SHAPE)
+    assert np.abs(followed - affine_field()).min() > 2.5
+
+
+def test_what_is_fitted_among_given_pixels_reads_them_all():
+    flow = fills_most()
+    followed = affine_flow(fit_background(flow, PARAMS, np.ones(SHAPE, bool)), SHAPE)
+    np.testing.assert_allclose(followed[14:106, 22:178], flow[14:106, 22:178], atol=1e-2)
+
+
+def test_the_band_along_the_border_is_sampled_in_full_and_a_share_of_the_middle():
+    flow = affine_field()
+    points, vectors = sample_flow(flow, 6, thinning=PARAMS)
+    x, y = points.T
+    from_border = np.minimum.reduce([x, SHAPE[1] - 1 - x, y, SHAPE[0] - 1 - y])
+    in_band = from_border < PARAMS.border_band * SHAPE[0]
+    rows, columns = np.mgrid[3:120:6, 3:200:6]
+    everywhere = np.minimum.reduce([columns, SHAPE[1] - 1 - columns, rows, SHAPE[0] - 1 - rows])
+    band = everywhere < PARAMS.border_band * SHAPE[0]
+    assert in_band.sum() == band.sum()
+    assert (~in_band).sum() == pytest.approx((~band).sum() / PARAMS.centre_thinning, abs=2)
+    np.testing.assert_array_equal(vectors, flow[y.astype(int), x.astype(int)])
+
+
 def test_the_fit_is_the_same_bytes_each_time_and_leaves_its_input():
     flow = affine_field() + np.random.default_rng(0).normal(0, 0.3, (*SHAPE, 2)).astype(np.float32)
     copy = flow.copy()
@@ -42,9 +80,9 @@ def test_frames_too_small_for_a_homography_still_have_a_background(shape):
 
 
 def two_layers() -> np.ndarray:
-    """A far scene above, and below it ground that moves on its own affine way."""
-    flow = np.zeros((*SHAPE, 2), np.float32)
-    flow[70:] = np.array([6.0, 0.0], np.float32)
+    """A far scene above, and below it ground that moves on its own affine way, on the grid of a usual frame."""
+    flow = np.zeros((240, 427, 2), np.float32)
+    flow[140:] = np.array([6.0, 0.0], np.float32)
     return flow
 
 
@@ -62,7 +100,7 @@ def test_an_object_inside_the_frame_never_becomes_a_layer():
 
 def test_the_second_layer_can_be_refused():
     refused = fit_layers(two_layers(), PARAMS.model_copy(update={"layer_border": 1.0}))
-    assert refused.residual[80:].min() > 3
+    assert refused.residual[150:].min() > 3
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from moseg_tasks.saliency import estimate_saliency
+from moseg_tasks.saliency import BackgroundChoice, estimate_saliency
 from schemas.errors import InputError
 from schemas.parameters import SaliencyParams
 
@@ -33,7 +33,7 @@ OTHER[OBJECT] = texture(1)[OBJECT]
 
 def test_a_square_that_moves_against_an_affine_background_is_salient():
     saliency = estimate_saliency(FRAME, None, OTHER, None, uniform_flow((3.0, 0.0)), PARAMS).saliency
-    assert saliency.dtype == np.float32 and saliency.shape == SHAPE
+    assert saliency.dtype == np.float16 and saliency.shape == SHAPE
     assert saliency[40:60, 64:96].min() > 0.9
     outside = np.ones(SHAPE, bool)
     outside[26:74, 50:110] = False
@@ -66,24 +66,84 @@ def test_an_error_in_one_time_direction_only_is_an_occlusion():
     assert estimate_saliency(FRAME, previous, OTHER, clean, occluded, PARAMS).saliency.max() < 0.05
 
 
+@pytest.mark.parametrize("reversed_time", [False, True])
+def test_a_residual_in_one_time_direction_only_is_none_whatever_the_colours_say(reversed_time):
+    order = slice(None, None, -1 if reversed_time else 1)
+    images, flows = (texture(2), texture(1))[order], (-uniform_flow(), uniform_flow((3.0, 0.0)))[order]
+    assert estimate_saliency(FRAME, *images, *flows, PARAMS).saliency.max() < 0.05
+
+
+@pytest.mark.parametrize("reversed_time", [False, True])
+def test_colours_that_the_background_explains_in_one_time_direction_deny_motion(reversed_time):
+    order = slice(None, None, -1 if reversed_time else 1)
+    images = (np.roll(FRAME, (-1, -2), axis=(0, 1)), texture(1))[order]
+    flows = (-uniform_flow((3.0, 0.0)), uniform_flow((3.0, 0.0)))[order]
+    saliency = estimate_saliency(FRAME, *images, *flows, PARAMS).saliency
+    assert saliency[46:54, 74:86].max() < 0.05
+
+
+def test_a_colour_error_between_both_gates_is_salient_but_not_strictly():
+    fainter = cv2.addWeighted(MOVED, 0.85, OTHER, 0.15, 0)
+    result = estimate_saliency(FRAME, None, fainter, None, uniform_flow((3.0, 0.0)), PARAMS)
+    inside = (slice(44, 56), slice(70, 90))
+    assert np.median(result.saliency[inside]) > 2 * np.median(result.strict_saliency[inside]) > 0
+    assert (result.strict_saliency <= result.saliency).all()
+    alike = PARAMS.model_copy(update={"strict_gate_error": PARAMS.gate_error})
+    equal = estimate_saliency(FRAME, None, fainter, None, uniform_flow((3.0, 0.0)), alike)
+    np.testing.assert_array_equal(equal.strict_saliency, result.saliency)
+
+
+def test_the_residual_flow_is_what_moves_on_its_own():
+    flows = -uniform_flow((2.0, -1.0)), uniform_flow((3.0, 0.0))
+    result = estimate_saliency(FRAME, OTHER, OTHER, *flows, PARAMS)
+    assert result.residual_flows.dtype == np.float16
+    expected = np.zeros((2, *SHAPE, 2))
+    expected[0][OBJECT], expected[1][OBJECT] = (-2.0, 1.0), (3.0, 0.0)
+    np.testing.assert_allclose(result.residual_flows, expected, atol=0.02)
+
+
 def test_time_reversal_leaves_the_saliency():
     rng = np.random.default_rng(0)
     flows = [uniform_flow((3.0, 1.0)) + rng.normal(0, 0.2, (*SHAPE, 2)).astype(np.float32) for _ in range(2)]
     forward = estimate_saliency(FRAME, texture(2), texture(1), flows[0], flows[1], PARAMS)
     reverse = estimate_saliency(FRAME, texture(1), texture(2), flows[1], flows[0], PARAMS)
     np.testing.assert_array_equal(forward.saliency, reverse.saliency)
+    np.testing.assert_array_equal(forward.strict_saliency, reverse.strict_saliency)
     np.testing.assert_array_equal(forward.flows, reverse.flows[::-1])
+    np.testing.assert_array_equal(forward.residual_flows, reverse.residual_flows[::-1])
+
+
+def _copied_to(array: np.ndarray, offset: int) -> np.ndarray:
+    """A copy that begins `offset` bytes after a multiple of 64."""
+    memory = np.empty(array.nbytes + 128, np.uint8)
+    start = -memory.ctypes.data % 64 + offset
+    copy = memory[start : start + array.nbytes].view(array.dtype).reshape(array.shape)
+    copy[:] = array
+    return copy
+
+
+@pytest.mark.parametrize("model", ["layers", "rigid"])
+def test_the_bytes_do_not_depend_on_where_the_arrays_lie(model):
+    choice = BackgroundChoice(model=model)
+    noise = np.random.default_rng(0).normal(0, 0.2, (*SHAPE, 2)).astype(np.float32)
+    flow = uniform_flow((3.0, 1.0)) + noise
+    found = {
+        estimate_saliency(FRAME, None, OTHER, None, _copied_to(flow, offset), PARAMS, choice).saliency.tobytes()
+        for offset in (0, 4, 8, 16, 20, 32, 36, 48)
+    }
+    assert len(found) == 1
 
 
 def test_the_absent_direction_at_an_end_has_zero_flow():
     flows = estimate_saliency(FRAME, None, OTHER, None, uniform_flow(), PARAMS).flows
-    assert flows.shape == (2, *SHAPE, 2) and flows.dtype == np.float32
+    assert flows.shape == (2, *SHAPE, 2) and flows.dtype == np.float16
     assert not flows[0].any() and np.array_equal(flows[1], uniform_flow())
 
 
 def test_a_single_frame_has_no_saliency():
     result = estimate_saliency(FRAME, None, None, None, None, PARAMS)
-    assert not result.saliency.any() and not result.flows.any()
+    assert not any(array.any() for array in result)
+    assert result.strict_saliency.shape == SHAPE and result.residual_flows.shape == (2, *SHAPE, 2)
 
 
 @settings(max_examples=15, deadline=None)
@@ -101,7 +161,7 @@ def test_a_large_frame_is_worked_on_at_the_working_size():
     flow = np.ones((*big.shape[:2], 2), np.float32)
     result = estimate_saliency(big, None, big, None, flow, PARAMS)
     assert result.saliency.shape == (256, 427) and result.flows.shape == (2, 256, 427, 2)
-    np.testing.assert_allclose(result.flows[1, ..., 0], 427 / 640, atol=1e-5)
+    np.testing.assert_allclose(result.flows[1, ..., 0], 427 / 640, rtol=2**-11)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,44 @@
+"""How far a motion model supports that an object is part of the static background."""
+
+import warnings
+
+import numpy as np
+
+from moseg_tasks.affinity.residual import kernel, tolerated_error
+from schemas.parameters import AffinityParams
+
+
+def static_support(residuals: np.ndarray, params: AffinityParams, energy: np.ndarray | None = None) -> np.ndarray:
+    """Affinity ``exp(-d² / 2)`` of each object to the background, which forgives nothing that the background lacks.
+
+    With r_0j the mean squared error of object j under the background's model,
+    ``d² = (r_0j - r_jj) / (scale² + relative² r_jj + relative_flow² e_j)``. The affinity between two objects also adds
+    what the background's model leaves of the background itself: where that model fits badly, the object is no worse off
+    than the background, and nothing says that it moves. But nothing says that it rests either. Here a badly fitting
+    background leaves d large, so that such a view supports neither.
+
+    Parameters
+    ----------
+    residuals : float64 (M, K, K)
+        [pair, model, data], px²; NaN where the model is invalid or the object absent. Object 0 is the background.
+    params : AffinityParams
+        `scale`, `relative`, `relative_flow`, `excess` and `quantile` are read.
+    energy : float64 (M, K), optional
+        Mean squared flow length of each object, px²; None where the residuals are not of flow.
+
+    Returns
+    -------
+    float64 (K,)
+        In 0..1; 1 for the background; NaN where an object was never seen together with it: missing is no support.
+    """
+    own = np.diagonal(residuals, axis1=1, axis2=2)
+    under_background = residuals[:, 0, :]
+    excess = np.maximum(under_background - own, 0.0) if params.excess else under_background
+    distances = np.sqrt(excess / tolerated_error(own, params, energy))
+    support = np.full(residuals.shape[1], np.nan)
+    if len(distances) > 0:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message="All-NaN slice")
+            support = kernel(np.nanquantile(distances, params.quantile, axis=0))
+    support[0] = 1.0
+    return support

@@ -1,0 +1,118 @@
+"""A calibrated camera's rigid motion between two frames, and the two parts of flow that it tells apart."""
+
+from typing import NamedTuple
+
+import numpy as np
+import poselib
+
+from moseg_tasks.saliency.background import sample_flow
+from schemas.parameters import SaliencyParams
+
+_MINIMAL_SAMPLE = 5
+_PARALLAX_FLOOR = 1e-6  # px; only keeps the epipole itself from dividing by zero
+
+
+class CameraMotion(NamedTuple):
+    """Rigid motion of the scene seen by a camera with square pixels and its principal point in the frame's middle.
+
+    Attributes
+    ----------
+    rotation : float64 (3, 3)
+    translation : float64 (3,)
+        Unit length: two views leave its size open.
+    focal : float
+        Focal length, px.
+    """
+
+    rotation: np.ndarray
+    translation: np.ndarray
+    focal: float
+
+
+class EpipolarFlow(NamedTuple):
+    """Flow of each pixel relative to the camera's rotation, along and across its epipolar line; float32 (y, x) each.
+
+    Attributes
+    ----------
+    across : px/frame; 0 for everything static, whatever its depth.
+    along : px/frame; the parallax, which grows with inverse depth.
+    reach : px/frame; parallax of a pixel at unit inverse depth, so that inverse depth is ``along / reach``.
+    towards_x, towards_y : unit vector of growing inverse depth.
+    """
+
+    across: np.ndarray
+    along: np.ndarray
+    reach: np.ndarray
+    towards_x: np.ndarray
+    towards_y: np.ndarray
+
+
+def fit_camera_motion(flow: np.ndarray, focal: float, params: SaliencyParams) -> CameraMotion | None:
+    """Rigid camera motion that most of the flow agrees with, in front of the camera.
+
+    Parameters
+    ----------
+    flow : float32 (y, x, 2)
+        px/frame.
+    focal : float
+        Focal length in longer sides of the frame.
+    params : SaliencyParams
+
+    Returns
+    -------
+    CameraMotion or None
+        None where the flow has too few samples or no motion explains any of them.
+
+    References
+    ----------
+    D. Nister, An efficient solution to the five-point relative pose problem, TPAMI 2004.
+    V. Larsson, PoseLib - minimal solvers for camera pose estimation, https://github.com/PoseLib/PoseLib.
+    """
+    height, width = flow.shape[:2]
+    points, vectors = sample_flow(flow, params.camera_step)
+    if len(points) <= _MINIMAL_SAMPLE:
+        return None
+    length = focal * max(height, width)
+    camera = {
+        "model": "SIMPLE_PINHOLE",
+        "width": width,
+        "height": height,
+        "params": [length, (width - 1) / 2, (height - 1) / 2],
+    }
+    options = {
+        "max_epipolar_error": params.camera_threshold,
+        "min_iterations": params.camera_iterations,
+        "max_iterations": 10 * params.camera_iterations,
+        "seed": params.ransac_seed,
+    }
+    pose, report = poselib.estimate_relative_pose(points, points + vectors, camera, camera, options, {})
+    size = np.linalg.norm(pose.t)
+    if report["num_inliers"] <= _MINIMAL_SAMPLE or not np.isfinite(pose.R).all() or not 0 < size < np.inf:
+        return None
+    return CameraMotion(np.asarray(pose.R), pose.t / size, length)
+
+
+def split_flow(flow: np.ndarray, motion: CameraMotion, step: int = 1) -> EpipolarFlow:
+    """Parts of the flow float32 (y, x, 2) at every `step`-th pixel: what the camera's translation can cause, and not.
+
+    With H = K R K^-1, a pixel x at inverse depth d is seen at H x + d K t (homogeneous). At d = 0 it lies where the
+    rotation alone takes it; from there it moves along its epipolar line.
+    """
+    height, width = flow.shape[:2]
+    centre_x, centre_y = (width - 1) / 2, (height - 1) / 2
+    calibration = np.array([[motion.focal, 0, centre_x], [0, motion.focal, centre_y], [0, 0, 1]])
+    infinite = (calibration @ motion.rotation @ np.linalg.inv(calibration)).astype(np.float32)
+    epipole = (calibration @ motion.translation).astype(np.float32)
+    x, y = (np.arange(0, size, step, dtype=np.float32) for size in (width, height))
+    y = y[:, None]
+    depth = 1 / (infinite[2, 0] * x + (infinite[2, 1] * y + infinite[2, 2]))
+    rotated_x = (infinite[0, 0] * x + (infinite[0, 1] * y + infinite[0, 2])) * depth
+    rotated_y = (infinite[1, 0] * x + (infinite[1, 1] * y + infinite[1, 2])) * depth
+    towards_x, towards_y = (epipole[0] - epipole[2] * rotated_x) * depth, (epipole[1] - epipole[2] * rotated_y) * depth
+    reach = np.maximum(np.sqrt(towards_x * towards_x + towards_y * towards_y), np.float32(_PARALLAX_FLOOR))
+    towards_x /= reach
+    towards_y /= reach
+    left_x, left_y = x + flow[::step, ::step, 0] - rotated_x, y + flow[::step, ::step, 1] - rotated_y
+    along = left_x * towards_x + left_y * towards_y
+    across = left_x * towards_y - left_y * towards_x
+    return EpipolarFlow(across, along, reach, towards_x, towards_y)

@@ -1,0 +1,129 @@
+"""Which model the background of some frames follows, by model selection over a few frame pairs."""
+
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from moseg_tasks.saliency.camera import fit_camera_motion, split_flow
+from moseg_tasks.saliency.gric import gric
+from moseg_tasks.saliency.ground import Ground, fit_ground
+from moseg_tasks.saliency.layers import fit_layers
+from schemas.parameters import SaliencyParams
+
+_TWO_FLOW_LAYERS = {"dimension": 2, "num_parameters": 12}
+_RIGID_SCENE = {"dimension": 3, "num_parameters": 5}
+
+
+class BackgroundChoice(NamedTuple):
+    """The background model of frames in a row, and the evidence for it.
+
+    Attributes
+    ----------
+    model : "layers" or "rigid"
+        One or two affine layers, or a static scene of any depth on a ground.
+    focal : float
+        Focal length in longer sides of the frame, the likeliest under rigid motion.
+    ground_share : float
+        Median part of the frame's lower part that lies on one plane.
+    nearer_below : float
+        Part of the pairs in which that plane comes nearer towards the lower border by more than it is uneven.
+    tilt : float
+        Median of its slope across the frame over its slope down the frame.
+    gain : float
+        GRIC a pixel of the layers less that of the rigid scene, mean over the pairs; 0 where there is no such ground.
+    """
+
+    model: Literal["layers", "rigid"] = "layers"
+    focal: float = 1.0
+    ground_share: float = 0.0
+    nearer_below: float = 0.0
+    tilt: float = 0.0
+    gain: float = 0.0
+
+
+LAYERS = BackgroundChoice()
+"""The background of frames about which nothing is known."""
+
+
+def choose_background(flows: Sequence[np.ndarray], params: SaliencyParams) -> BackgroundChoice:
+    """A rigid scene where it explains the pairs better than layers and stands on a level ground, layers otherwise.
+
+    Flow of a camera that pans agrees with a rigid scene, too, with a depth of every pixel that means nothing. Such
+    depth has no ground: a plane in the frame's lower part, level, that comes nearer towards the lower border in one
+    pair as in the next.
+
+    Parameters
+    ----------
+    flows : sequence of float32 (y, x, 2)
+        Flow of frame pairs spread over the frames, px/frame of the working grid.
+    params : SaliencyParams
+
+    Returns
+    -------
+    BackgroundChoice
+    """
+    if params.background == "layers" or not flows:
+        return LAYERS
+    focal = _choose_focal(flows, params)
+    across, grounds = [], []
+    for flow in flows:
+        motion = fit_camera_motion(flow, focal, params)
+        if motion is None:
+            return LAYERS
+        parts = split_flow(flow, motion)
+        across.append(_samples(parts.across, params))
+        grounds.append(fit_ground(parts.along / parts.reach, parts.reach, params))
+    choice = BackgroundChoice("rigid", focal, *_ground_evidence(grounds, params))
+    if params.background == "rigid":
+        return choice
+    if not _has_ground(choice, params):
+        return choice._replace(model="layers")
+    gains = [_gain(flow, residual, params) for flow, residual in zip(flows, across, strict=True)]
+    choice = choice._replace(gain=float(np.mean(gains)))
+    return choice if choice.gain > 0 else choice._replace(model="layers")
+
+
+def _has_ground(choice: BackgroundChoice, params: SaliencyParams) -> bool:
+    return (
+        choice.ground_share >= params.ground_share
+        and choice.nearer_below >= params.ground_agreement
+        and choice.tilt <= params.ground_tilt
+    )
+
+
+def _ground_evidence(grounds: list[Ground], params: SaliencyParams) -> tuple[float, float, float]:
+    return (
+        float(np.median([ground.share for ground in grounds])),
+        float(np.mean([ground.approach > params.ground_tolerance for ground in grounds])),
+        float(np.median([ground.tilt for ground in grounds])),
+    )
+
+
+def _choose_focal(flows: Sequence[np.ndarray], params: SaliencyParams) -> float:
+    """Of the focal lengths nearly as good as the best, the one nearest to the frame's longer side.
+
+    Only a camera that turns while it travels tells its focal length; for any other all are about as good.
+    """
+    cost = np.zeros(len(params.focals))
+    for flow in flows:
+        for index, focal in enumerate(params.focals):
+            motion = fit_camera_motion(flow, focal, params)
+            misfit = 1.0
+            if motion is not None:
+                across = split_flow(flow, motion, params.gric_step).across
+                misfit = float(np.mean(np.minimum((across / params.focal_residual) ** 2, 1)))
+            cost[index] += misfit / len(flows)
+    good = np.flatnonzero(cost <= cost.min() + params.focal_slack)
+    return params.focals[good[np.argmin(np.abs(np.log(np.array(params.focals)[good])))]]
+
+
+def _gain(flow: np.ndarray, across: np.ndarray, params: SaliencyParams) -> float:
+    """GRIC a pixel of the layers less that of the rigid scene."""
+    layers = gric(_samples(fit_layers(flow, params).residual, params), params.gric_noise, **_TWO_FLOW_LAYERS)
+    return layers - gric(across, params.gric_noise, **_RIGID_SCENE)
+
+
+def _samples(image: np.ndarray, params: SaliencyParams) -> np.ndarray:
+    """Every `gric_step`-th pixel: neighbours in a flow field are no separate data."""
+    return image[:: params.gric_step, :: params.gric_step].ravel()

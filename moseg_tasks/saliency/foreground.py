@@ -1,0 +1,47 @@
+"""Probability of each pixel to move on its own: evidence of motion, of colour and of coherence."""
+
+import numpy as np
+
+from moseg_tasks.saliency.logits import motion_logit, probability
+from schemas.parameters import ForegroundParams
+
+
+def foreground_probability(
+    saliency: np.ndarray,
+    reliability: np.ndarray,
+    misfit: np.ndarray,
+    colour: np.ndarray,
+    usual_reliability: float,
+    params: ForegroundParams,
+) -> np.ndarray:
+    """Sum of logits: of saliency, of colour, less what speaks of water, leaves and other textures that move.
+
+    Parameters
+    ----------
+    saliency : float32 (y, x)
+        Accumulated saliency, 0..1.
+    reliability : float32 (y, x)
+        Accumulated consistency of the flow, 0..1.
+    misfit : float32 (y, x)
+        Accumulated misfit to the own motion, ``log(1 + (d / s)^2)``.
+    colour : float32 (y, x)
+        Log ratio of colours.
+    usual_reliability : float
+        Mean consistency of the flow of what moves in these frames. Only what is less consistent loses: limbs that blur
+        are no water.
+    params : ForegroundParams
+
+    Returns
+    -------
+    probability : float32 (y, x)
+        0..1.
+    """
+    floor = np.float32(params.reliability_floor)
+    unreliable = np.minimum(np.log((floor + reliability) / (floor + np.float32(usual_reliability))), 0)
+    deviates = np.log1p(np.expm1(misfit) / np.float32(params.misfit_tolerance**2))
+    return probability(
+        motion_logit(saliency, params.threshold, params.sharpness)
+        + np.float32(params.colour_weight) * colour
+        + np.float32(params.reliability_weight) * unreliable
+        - np.float32(params.misfit_weight) * deviates
+    )

@@ -1,0 +1,80 @@
+"""The motion of what is salient: an affine flow of its own, and how badly each pixel follows it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from moseg_tasks.saliency.background import AffineMotion, affine_flow
+from moseg_tasks.saliency.grid import vector_length
+from schemas.parameters import OwnMotionParams
+
+_MAD_TO_SIGMA = 1.4826  # median of |x| of a unit Gaussian, inverted
+_SLOPE_PRIOR = 50.0  # px^2: a slope is believed only of what is larger than some 7 px
+_SPREAD_STEP = 3  # px between the pixels that the spread is taken from
+
+
+def own_motion_misfit(
+    residual_flows: Sequence[np.ndarray | None], weight: np.ndarray, params: OwnMotionParams
+) -> np.ndarray:
+    """Deviation of each pixel of a frame from the motion that most of what is salient follows.
+
+    What moves as one object has a small misfit throughout. Water, spray and leaves move, too, but not as one.
+
+    Parameters
+    ----------
+    residual_flows : two of float32 (y, x, 2) or None
+        Flow to the previous and to the next frame less the background's, px/frame; None at the video's ends.
+    weight : float32 (y, x)
+        Of each pixel in the fit, 0..1: how sure it is that it belongs to what moves.
+    params : OwnMotionParams
+
+    Returns
+    -------
+    misfit : float32 (y, x)
+        ``log(1 + (d / s)^2)`` with the smaller deviation d of both directions and the spread s of what is salient. 0
+        where nothing is salient.
+    """
+    deviation = None
+    for flow in residual_flows:
+        motion = None if flow is None else _fit_own_motion(flow, weight, params)
+        if motion is not None:
+            left = vector_length(flow - affine_flow(motion, flow.shape[:2]))
+            deviation = left if deviation is None else np.minimum(deviation, left)
+    if deviation is None:
+        return np.zeros(weight.shape, np.float32)
+    some = (slice(None, None, _SPREAD_STEP),) * 2
+    spread = max(params.spread_floor, _weighted_quantile(deviation[some].ravel(), weight[some].ravel(), params.spread))
+    return np.log1p((deviation / np.float32(spread)) ** 2)
+
+
+def _fit_own_motion(flow: np.ndarray, weight: np.ndarray, params: OwnMotionParams) -> AffineMotion | None:
+    """Weighted robust affine motion, started at the weighted median vector; None where too little is salient."""
+    height, width = weight.shape
+    y, x = np.mgrid[params.step // 2 : height : params.step, params.step // 2 : width : params.step]
+    given = weight[y, x].ravel().astype(np.float64)
+    salient = given > 0.01 * given.max(initial=0.0)
+    given, points = given[salient], np.column_stack([x.ravel(), y.ravel()])[salient]
+    if given.sum() < params.least_weight:
+        return None
+    vectors = flow[points[:, 1], points[:, 0]].astype(np.float64)
+    centre = given @ points / given.sum()
+    design = np.column_stack([np.ones(len(points)), points - centre])
+    prior = np.diag([1e-6, _SLOPE_PRIOR, _SLOPE_PRIOR])
+    theta = np.zeros((3, 2))
+    theta[0] = [_weighted_quantile(vectors[:, axis], given, 0.5) for axis in (0, 1)]
+    scale = params.scale_floor
+    for _ in range(params.iterations):
+        error = vectors - design @ theta
+        left = np.hypot(error[:, 0], error[:, 1])
+        scale = max(params.scale_floor, _MAD_TO_SIGMA * _weighted_quantile(left, given, 0.5))
+        weighted = design * (given * np.clip(1 - (left / (params.tukey_constant * scale)) ** 2, 0, None) ** 2)[:, None]
+        theta = np.linalg.solve(weighted.T @ design + prior, weighted.T @ vectors)
+    return AffineMotion(theta, centre, scale)
+
+
+def _weighted_quantile(values: np.ndarray, weights: np.ndarray, share: float) -> float:
+    """Smallest value below which at least `share` of the weight lies."""
+    order = np.argsort(values)
+    reached = np.cumsum(weights[order], dtype=np.float64)
+    index = int(np.searchsorted(reached, share * reached[-1]))
+    return float(values[order][min(index, len(values) - 1)])

@@ -1,0 +1,51 @@
+"""Rigid background: a static scene of any depth that stands on a ground, seen by a moving camera."""
+
+import cv2
+import numpy as np
+
+from moseg_tasks.saliency.camera import CameraMotion, EpipolarFlow, split_flow
+from moseg_tasks.saliency.ground import fit_ground
+from moseg_tasks.saliency.layers import Background
+from moseg_tasks.saliency.support import unsupported_parallax
+from schemas.parameters import SaliencyParams
+
+
+def explain_rigidly(flow: np.ndarray, motion: CameraMotion, params: SaliencyParams) -> Background:
+    """Flow of a static scene, as near the observed one as a static scene can come, and what is left of it.
+
+    The residual has two parts. Across the epipolar line nothing static moves. Along it any motion is that of some
+    depth, but not of every depth that makes sense: what would float above the ground, or lie under it, moves.
+
+    Parameters
+    ----------
+    flow : float32 (y, x, 2)
+        px/frame.
+    motion : CameraMotion
+    params : SaliencyParams
+
+    Returns
+    -------
+    Background
+    """
+    parts = split_flow(flow, motion)
+    jump = _impossible_parallax(parts, params)
+    left_x = parts.across * parts.towards_y + jump * parts.towards_x
+    left_y = jump * parts.towards_y - parts.across * parts.towards_x
+    background = flow - cv2.merge([left_x, left_y])
+    return Background(background, np.sqrt(parts.across * parts.across + jump * jump))
+
+
+def _impossible_parallax(parts: EpipolarFlow, params: SaliencyParams) -> np.ndarray:
+    """Parallax float32 (y, x) beyond that of any static thing: positive above the ground, negative under it."""
+    inverse_depth = parts.along / parts.reach
+    ground = fit_ground(inverse_depth, parts.reach, params)
+    # A surface that leans towards the camera by as much as the ground falls back is no jump yet.
+    tolerance = params.support_slope * abs(ground.plane[2]) * parts.reach + params.support_noise
+    if ground.share < params.ground_share:
+        buried = np.zeros_like(inverse_depth)
+    else:
+        parallax = ground.inverse_depth(inverse_depth.shape) * parts.reach
+        uneven = np.maximum(params.ground_relief * parallax, np.float32(params.ground_tolerance))
+        buried = np.maximum(parallax - parts.along - uneven, 0)
+    jump = unsupported_parallax(inverse_depth, parts.reach, buried, tolerance.astype(np.float32))
+    return np.where((buried > 0) & (buried >= jump), -jump, jump)

@@ -1,0 +1,15 @@
+"""Parameters of the accumulation of maps along the flow."""
+
+from pydantic import Field
+
+from schemas.frozen import Frozen
+
+
+class AccumulationParams(Frozen):
+    """What is seen in a frame is averaged with what the flow leads to in the frames before and after it."""
+
+    memory: float = Field(0.85, ge=0, lt=1, description="weight of the other frames where the flow is consistent")
+    consistency_floor: float = Field(0.5, ge=0, le=1, description="least consistency that the memory is scaled with")
+    reliability_floor: float = Field(0.1, gt=0, le=1, description="weight of a frame's saliency where its flow fails")
+    consistency_relative: float = Field(0.02, ge=0, description="forward-backward error allowed, share of |flow|^2")
+    consistency_absolute: float = Field(0.1, gt=0, description="forward-backward error allowed, (px/frame)^2")

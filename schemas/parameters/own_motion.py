@@ -1,0 +1,20 @@
+"""Parameters of the motion of what moves."""
+
+from pydantic import Field
+
+from schemas.frozen import Frozen
+
+
+class OwnMotionParams(Frozen):
+    """The affine motion of what is salient, and how badly each pixel follows it."""
+
+    sharpness: float = Field(5.0, gt=0, description="power of the probability to be foreground in a pixel's weight")
+    step: int = Field(4, ge=1, description="spacing of the grid that the motion is fitted on, px")
+    iterations: int = Field(8, ge=1, description="rounds of iteratively reweighted least squares")
+    tukey_constant: float = Field(4.7, gt=0, description="residual, in scales, from which Tukey's weight is 0")
+    scale_floor: float = Field(0.15, gt=0, description="smallest scale of the residuals in the fit, px/frame")
+    least_weight: float = Field(
+        10.0, gt=0, description="summed weight on the grid below which there is no motion to fit"
+    )
+    spread: float = Field(0.75, gt=0, le=1, description="share of what is salient whose residual counts as its own")
+    spread_floor: float = Field(0.1, gt=0, description="least residual that counts as its own, px/frame")

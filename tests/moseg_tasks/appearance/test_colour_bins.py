@@ -1,0 +1,69 @@
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from moseg_tasks.appearance import colour_bins
+from schemas.parameters import AppearanceParams
+
+PARAMS = AppearanceParams()
+CORNERS = np.array([[[r, g, b] for r in (0, 255) for g in (0, 255) for b in (0, 255)]], np.float32)
+
+
+def grey(levels) -> np.ndarray:
+    return np.repeat(np.asarray(levels, np.float32)[None, :, None], 3, axis=2)
+
+
+def split(bins: np.ndarray, params: AppearanceParams = PARAMS) -> tuple[np.ndarray, ...]:
+    levels = params.levels
+    return bins // levels**2, bins // levels % levels, bins % levels
+
+
+def test_grey_levels_keep_their_order_from_the_first_bin_of_lightness_to_the_last():
+    lightness, a, b = split(colour_bins(grey(range(256)), PARAMS))
+    assert (np.diff(lightness.astype(int)) >= 0).all()
+    assert lightness[0, 0] == 0 and lightness[0, -1] == PARAMS.levels - 1
+    assert len(np.unique(lightness)) == PARAMS.levels
+    assert np.ptp(a) <= 1 and np.ptp(b) <= 1
+
+
+def test_grey_is_in_the_middle_of_both_ranges_of_chroma():
+    _, a, b = split(colour_bins(grey([128]), PARAMS))
+    assert abs(int(a[0, 0]) - PARAMS.levels // 2) <= 1 and abs(int(b[0, 0]) - PARAMS.levels // 2) <= 1
+
+
+def test_red_and_green_and_blue_and_yellow_are_opposites():
+    primaries = np.array([[[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 0]]], np.float32)
+    _, a, b = (part[0] for part in split(colour_bins(primaries, PARAMS)))
+    last = PARAMS.levels - 1
+    assert a[0] == last and a[1] == 0 and b[2] == 0 and b[3] == last
+
+
+@pytest.mark.parametrize("levels", [2, 7, 32, 40])
+def test_the_colours_at_the_corners_of_the_cube_are_in_range(levels):
+    params = AppearanceParams(levels=levels)
+    bins = colour_bins(CORNERS, params)
+    assert bins.dtype == np.uint16 and bins.shape == (1, 8)
+    assert int(bins.max()) < levels**3 <= np.iinfo(np.uint16).max
+    assert all(part.max() < levels for part in split(bins, params))
+    assert bins[0, 0] < levels**2 and bins[0, -1] >= (levels - 1) * levels**2
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(2, 40), st.integers(0, 1000), st.integers(1, 9), st.integers(1, 9))
+def test_a_bin_is_the_rounded_down_place_of_the_colour_in_cielab(levels, seed, height, width):
+    params = AppearanceParams(levels=levels)
+    image = np.random.default_rng(seed).uniform(0, 255, (height, width, 3)).astype(np.float32)
+    lab = cv2.cvtColor(image / 255, cv2.COLOR_RGB2LAB).astype(np.float64)
+    ranges, starts = np.array([100, params.chroma_range, params.chroma_range]), np.array([0, 0.5, 0.5])
+    places = (lab / ranges + starts) * levels
+    found = np.stack(split(colour_bins(image, params), params), axis=-1)
+    assert (found <= np.clip(places, 0, levels - 1) + 1e-3).all()
+    assert (found >= np.clip(places, 0, levels - 1) - 1 - 1e-3).all()
+
+
+def test_the_image_is_left_as_it_was():
+    image = CORNERS.copy()
+    colour_bins(image, PARAMS)
+    np.testing.assert_array_equal(image, CORNERS)

@@ -1,0 +1,95 @@
+"""Static by agreement of the views."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from moseg_tasks.clustering import agreed_static, cluster_motions
+from schemas.errors import InputError
+from schemas.parameters import ClusteringParams
+
+EVERY = [
+    ClusteringParams(fusion=fusion, grouping=grouping, auto=auto)
+    for fusion, grouping, auto in itertools.product(
+        ["product", "sum", "coregularised"], ["linkage", "spectral"], ["threshold", "eigengap"]
+    )
+]
+
+
+def test_an_object_is_static_where_every_view_says_so():
+    blind, sees = np.array([1.0, 0.9, 0.9, 0.9]), np.array([1.0, 0.8, 0.1, np.nan])
+    assert agreed_static([blind, sees], 0.5).tolist() == [True, True, False, False]
+    assert agreed_static([sees, blind], 0.5).tolist() == [True, True, False, False]
+    assert agreed_static([blind], 0.5).all()
+
+
+def test_the_background_is_static_whatever_is_known_of_it():
+    assert agreed_static([np.array([np.nan, 0.1])], 0.5).tolist() == [True, False]
+
+
+def test_a_speck_that_no_view_could_measure_is_static_and_one_that_a_view_sees_move_is_not():
+    unknown = np.array([1.0, np.nan, np.nan, np.nan])
+    assert agreed_static([unknown, np.array([1.0, np.nan, 0.1, 0.9])], 0.5).tolist() == [True, True, False, False]
+    assert agreed_static([unknown], 0.5).all()
+
+
+def test_the_threshold_is_the_least_support_of_a_yes():
+    support = np.array([1.0, 0.5, 0.49])
+    assert agreed_static([support], 0.5).tolist() == [True, True, False]
+
+
+@settings(max_examples=80, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    params=st.sampled_from(EVERY),
+    size=st.integers(1, 8),
+    num_views=st.integers(1, 2),
+    share_known=st.sampled_from([0.3, 1.0]),
+)
+def test_what_agreement_says_stands_whatever_the_affinities_are(seed, params, size, num_views, share_known):
+    rng = np.random.default_rng(seed)
+    views = []
+    for _ in range(num_views):
+        view = rng.random((size, size)) ** rng.choice([0.1, 1.0, 10.0])
+        view = np.where(rng.random((size, size)) < share_known, view, np.nan)
+        view = np.where(np.isnan(view) | np.isnan(view.T), np.nan, (view + view.T) / 2)
+        np.fill_diagonal(view, 1.0)
+        views.append(view)
+    is_static = rng.random(size) < 0.4
+    is_static[0] = True
+    motion = cluster_motions(views, None, params, is_static).motion
+    assert np.array_equal(motion == 0, is_static)
+    assert sorted(set(motion.tolist())) == list(range(motion.max() + 1))
+    order = np.concatenate([[0], 1 + rng.permutation(size - 1)]).astype(int)
+    shuffled = cluster_motions([v[np.ix_(order, order)] for v in views], None, params, is_static[order]).motion
+    assert np.array_equal(shuffled == 0, is_static[order])
+
+
+@pytest.mark.parametrize("params", EVERY)
+def test_moving_objects_are_grouped_by_their_affinities_though_all_are_like_the_background(params):
+    affinity = np.full((6, 6), 0.02)
+    affinity[0] = affinity[:, 0] = 0.95
+    for group in ((1, 2), (3, 4)):
+        affinity[np.ix_(group, group)] = 0.95
+    np.fill_diagonal(affinity, 1.0)
+    is_static = np.array([True, False, False, False, False, True])
+    motion = cluster_motions([affinity, affinity], None, params, is_static).motion
+    assert motion.tolist() == [0, 1, 1, 2, 2, 0]
+    assert not cluster_motions([np.ones((6, 6))], None, params).motion.any()
+
+
+def test_an_object_of_unknown_affinities_moves_unless_it_is_called_static():
+    unknown = np.full((2, 2), np.nan)
+    assert cluster_motions([unknown], None, EVERY[0], np.array([True, False])).motion.tolist() == [0, 1]
+    assert cluster_motions([unknown], None, EVERY[0]).motion.tolist() == [0, 0]
+
+
+def test_bad_use_is_named():
+    with pytest.raises(InputError, match="motions are given twice"):
+        cluster_motions([np.eye(2)], 2, EVERY[0], np.array([True, False]))
+    for is_static in ([True], [False, True]):
+        with pytest.raises(InputError, match="not the static objects"):
+            cluster_motions([np.eye(2)], None, EVERY[0], np.array(is_static))

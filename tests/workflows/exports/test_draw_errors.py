@@ -1,0 +1,86 @@
+"""Errors are told apart by colour, whatever the frame shows; void has none."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from workflows.exports.draw_errors import DIMMING, ERROR_COLOURS, OPACITY, draw_errors
+
+VOID = 255
+
+
+def made_up(frame_colour):
+    """A frame of one colour, a prediction and a truth with all four cases and a void column."""
+    image = np.full((1, 5, 3), frame_colour, np.uint8)
+    labels = np.array([[0, 7, 9, 0, 7]], np.uint16)
+    truth = np.array([[0, 1, 0, 2, VOID]], np.uint8)
+    return image, labels, truth
+
+
+def tinted(kind, grey):
+    return (1 - OPACITY) * DIMMING * grey + OPACITY * np.array(ERROR_COLOURS[kind])
+
+
+@pytest.mark.parametrize("grey", [0, 120, 255])
+def test_each_error_has_its_colour_over_the_dimmed_frame(grey):
+    drawn = draw_errors(*made_up(grey), void=VOID)[0].astype(float)
+    static = [DIMMING * grey] * 3
+    expected = [static, *(tinted(kind, grey) for kind in ERROR_COLOURS), static]
+    np.testing.assert_allclose(drawn, expected, atol=1)
+
+
+def test_the_colours_are_named_in_the_order_in_which_they_are_meant():
+    assert list(ERROR_COLOURS) == ["true positive", "false positive", "false negative"]
+
+
+def test_without_a_void_label_every_true_label_moves():
+    drawn = draw_errors(*made_up(120))[0].astype(float)
+    np.testing.assert_allclose(drawn[4], tinted("true positive", 120), atol=1)
+
+
+def test_what_moves_in_both_is_right_whichever_object_it_is():
+    image, labels, truth = made_up(60)
+    swapped = np.where(labels == 7, 9, np.where(labels == 9, 7, 0)).astype(np.uint16)
+    np.testing.assert_array_equal(draw_errors(image, swapped, truth, VOID), draw_errors(image, labels, truth, VOID))
+
+
+def test_the_frame_has_no_colour_that_could_pass_for_an_error():
+    drawn = draw_errors(*made_up((250, 160, 0)), void=VOID)
+    assert np.ptp(drawn[0, 0]) == 0
+    assert drawn[0, 0].max() < 100
+
+
+# Machado, Oliveira, Fernandes, "A Physiologically-based Model for Simulation of Color Vision Deficiency", TVCG 2009,
+# severity 1.0, on linear RGB.
+DICHROMACIES = {
+    "normal": np.eye(3),
+    "protanopia": [
+        [0.152286, 1.052583, -0.204868],
+        [0.114503, 0.786281, 0.099216],
+        [-0.003882, -0.048116, 1.051998],
+    ],
+    "deuteranopia": [
+        [0.367322, 0.860646, -0.227968],
+        [0.280085, 0.672501, 0.047413],
+        [-0.011820, 0.042940, 0.968881],
+    ],
+    "tritanopia": [
+        [1.255528, -0.076749, -0.178779],
+        [-0.078411, 0.930809, 0.147602],
+        [0.004733, 0.691367, 0.303900],
+    ],
+}
+
+
+@pytest.mark.parametrize("vision", DICHROMACIES)
+@pytest.mark.parametrize("grey", [0, 255])
+def test_drawn_errors_differ_for_the_colour_blind_too(vision, grey):
+    drawn = draw_errors(*made_up(grey), void=VOID)[0, :4] / 255
+    linear = np.where(drawn <= 0.04045, drawn / 12.92, ((drawn + 0.055) / 1.055) ** 2.4)
+    seen = np.clip(linear @ np.transpose(DICHROMACIES[vision]), 0, 1)
+    # CIE 1976 L*a*b* with the white of sRGB; a difference of 2.3 is just noticeable.
+    xyz = seen @ np.array([[0.4124, 0.2126, 0.0193], [0.3576, 0.7152, 0.1192], [0.1805, 0.0722, 0.9505]])
+    x, y, z = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116).T
+    lab = np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
+    assert min(np.linalg.norm(one - other) for one, other in combinations(lab, 2)) > 20

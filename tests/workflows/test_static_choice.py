@@ -1,0 +1,70 @@
+"""Who says what is static: the views' agreement or the background's group."""
+
+import numpy as np
+import pytest
+
+from schemas.configs import PipelineConfig, Variant
+from schemas.digests import digest_bytes
+from schemas.presets import GEOMETRIES
+from workflows.graph import SequenceGraph, SequenceLeaves
+from workflows.stages.clustering import MOTION_GROUPS
+
+
+def _refs(task, count):
+    return tuple(f"{task}/{digest_bytes('test', str(number).encode())}" for number in range(count))
+
+
+LEAVES = SequenceLeaves(name="toy", shape=(48, 64), frames=_refs("frame", 5), masks=_refs("given_masks", 1)[0])
+
+
+def _clustering(variant=Variant.FUSED, proposal_source="saliency", affinity=None, **clustering):
+    """Parameters of the clustering that a variant is scored by."""
+    config = PipelineConfig(proposal_source=proposal_source, clustering=clustering, affinity=affinity or {})
+    graph = SequenceGraph(LEAVES, config)
+    return graph.recipes[graph.clustering(variant)].params["clustering"]
+
+
+@pytest.mark.parametrize("variant", [Variant.FUSED, Variant.OC_DEPTH, Variant.OC, Variant.TRAJS])
+def test_only_what_was_proposed_because_it_moves_needs_agreement_to_be_dropped(variant):
+    assert _clustering(variant)["static"] == "agreement"
+    assert _clustering(variant, "groundtruth")["static"] == "group"
+    assert _clustering(variant, static="group")["static"] == "group"
+    assert _clustering(variant, "groundtruth", static="agreement")["static"] == "agreement"
+
+
+def test_a_given_number_of_motions_says_what_is_static():
+    assert "static" not in _clustering(motions=3)
+    assert _clustering(motions=3, static="agreement") == _clustering(motions=3, static="group")
+
+
+def test_agreement_reads_the_threshold_however_the_groups_are_counted():
+    assert "threshold" in _clustering(auto="eigengap")
+    assert "threshold" not in _clustering(auto="eigengap", static="group")
+
+
+def test_the_papers_geometry_keeps_the_papers_decision():
+    values = GEOMETRIES["paper"]
+    assert _clustering(affinity=values["affinity"], **values["clustering"])["static"] == "group"
+
+
+class _View(dict):
+    def array(self, name):
+        return self[name]
+
+
+class _Views:
+    def __init__(self, *views):
+        self._views = [_View(view) for view in views]
+
+    def all(self, role):
+        return self._views
+
+
+@pytest.mark.parametrize(("static", "motion"), [("agreement", [0, 1]), ("group", [0, 0])])
+def test_a_view_that_cannot_tell_keeps_an_object_only_by_agreement(static, motion):
+    alike = np.full((2, 2), 0.9)
+    blind = {"affinity": alike, "static_support": np.array([1.0, 1.0])}
+    badly_fitted = {"affinity": alike, "static_support": np.array([1.0, 0.01])}
+    params = {"num_motions": None, "clustering": {"static": static}}
+    output = MOTION_GROUPS.run(params, _Views(blind, badly_fitted), np.random.default_rng(0))
+    assert output.arrays["motion"].tolist() == motion

@@ -1,0 +1,44 @@
+"""`moseg contact-sheet`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from schemas.configs import Variant
+from workflows.cli.notes import motions_note
+from workflows.cli.options import DataOptions, PipelineOptions, RunOptions, with_option_groups
+
+
+@with_option_groups
+def contact_sheet(
+    data: DataOptions,
+    pipeline: PipelineOptions,
+    run: RunOptions,
+    out: Annotated[str, typer.Option("--out", help="Folder for one PNG a sequence.")] = "contact-sheets",
+    variant: Annotated[Variant, typer.Option("--variant", help="Row of the paper's ablation to run.")] = Variant.FUSED,
+    frames: Annotated[
+        int,
+        typer.Option("--frames", "--columns", min=1, help="Frames of a sheet, spread over the annotated ones."),
+    ] = 8,
+) -> None:
+    """A picture of every sequence: frames, motion saliency, masks and errors against ground truth.
+
+    Example: moseg contact-sheet --dataset davis16 --root DAVIS --sequences dog,blackswan --out sheets
+    """
+    from workflows.contact_sheets import write_contact_sheets
+    from workflows.exports import check_folder
+    from workflows.given_folders import with_given_folders
+
+    config, folders = pipeline.read()
+    check_folder(Path(out))
+    dataset = data.open(config.max_side)
+    sources = [with_given_folders(dataset.sequence(name), folders, config.max_side) for name in dataset.names]
+    with run.open() as session:
+        paths = write_contact_sheets(session, sources, config, variant, Path(out), frames)
+    for path in paths:
+        print(path)
+    use = session.use()
+    print(f"{use.computed} artifacts computed, {use.reused} reused, {session.seconds:.1f} s")
+    for note in (*motions_note(config), *(f"{absent} is not on disk" for absent in dataset.absent)):
+        print(f"note: {note}")

@@ -1,0 +1,90 @@
+"""A contact sheet: frames of a sequence side by side, below each what was found in it."""
+
+from collections.abc import Iterable
+from functools import cache
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from workflows.exports.draw_errors import ERROR_COLOURS
+from workflows.exports.sheet_column import SheetFrame, colour_soft_map, draw_column
+
+PAPER, INK = (255, 255, 255), (32, 32, 32)
+MARGIN, GAP = 16, 6
+HEAD_SIZE, TEXT_SIZE = 28, 18
+TITLES_WIDTH = 156
+"""Width of the titles left of the rows, px: the longest line of a legend, "false negative", beside its colour."""
+LEAST_TILE = (102, 150)
+"""Least height and width that a tile has to itself, px: a legend of three lines, and the longest caption."""
+_LINE = TEXT_SIZE + 6
+
+
+def draw_contact_sheet(
+    head: str, frames: Iterable[SheetFrame], soft_title: str = "saliency", void: int | None = None
+) -> np.ndarray:
+    """Draw frames as columns; the rows are frame, soft map, mask and errors, as far as the frames have them.
+
+    Parameters
+    ----------
+    head : str
+        Line above everything.
+    frames : iterable of SheetFrame
+        At least one; all of one size and with the same pictures.
+    soft_title : str
+        Title of the row of soft maps.
+    void : int, optional
+        True label that counts for neither side.
+
+    Returns
+    -------
+    uint8 (y, x, rgb)
+    """
+    captions, columns = [], []
+    for frame in frames:
+        captions.append(frame.caption)
+        columns.append(draw_column(frame, soft_title, void))
+    titles = list(columns[0])
+    shape = columns[0]["frame"].shape[:2]
+    row_height, column_width = (max(side, least) for side, least in zip(shape, LEAST_TILE, strict=True))
+    first_x, first_y = MARGIN + TITLES_WIDTH, MARGIN + HEAD_SIZE + 2 * GAP + _LINE
+    step_x, step_y = column_width + GAP, row_height + GAP
+    width = max(first_x + len(columns) * step_x - GAP, MARGIN + round(_font(HEAD_SIZE).getlength(head))) + MARGIN
+    sheet = Image.new("RGB", (width, first_y + len(titles) * step_y - GAP + MARGIN), PAPER)
+    pen = ImageDraw.Draw(sheet)
+    pen.text((MARGIN, MARGIN), head, INK, _font(HEAD_SIZE), anchor="lt")
+    for row, title in enumerate(titles):
+        _draw_title(sheet, pen, (MARGIN, first_y + row * step_y), title, soft_title)
+    for index, (caption, tiles) in enumerate(zip(captions, columns, strict=True)):
+        x = first_x + index * step_x
+        pen.text((x, first_y - GAP), caption, INK, _font(TEXT_SIZE), anchor="ls")
+        for row, tile in enumerate(tiles.values()):
+            sheet.paste(Image.fromarray(tile), (x, first_y + row * step_y))
+    return np.asarray(sheet)
+
+
+def _draw_title(
+    sheet: Image.Image, pen: ImageDraw.ImageDraw, corner: tuple[int, int], title: str, soft_title: str
+) -> None:
+    """A row's title and, below it, what its colours mean."""
+    x, y = corner
+    font = _font(TEXT_SIZE)
+    pen.text((x, y), title, INK, font, anchor="lt")
+    y += _LINE
+    if title == soft_title:
+        length = TITLES_WIDTH - 2 * MARGIN
+        scale = colour_soft_map(np.tile(np.linspace(0, 1, length, dtype=np.float32), (TEXT_SIZE, 1)))
+        sheet.paste(Image.fromarray(scale), (x, y))
+        y += _LINE
+        pen.text((x, y), "0", INK, font, anchor="lt")
+        pen.text((x + length, y), "1", INK, font, anchor="rt")
+    elif title == "errors":
+        for kind, colour in ERROR_COLOURS.items():
+            pen.rectangle((x, y, x + TEXT_SIZE - 2, y + TEXT_SIZE - 2), colour, INK)
+            pen.text((x + TEXT_SIZE + 4, y + TEXT_SIZE // 2), kind, INK, font, anchor="lm")
+            y += _LINE
+
+
+@cache
+def _font(size: int) -> ImageFont.FreeTypeFont:
+    """The font that Pillow brings along: the same on every machine."""
+    return ImageFont.load_default(size)

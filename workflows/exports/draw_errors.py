@@ -1,0 +1,57 @@
+"""Where a mask is right and where it is wrong, drawn over the frame."""
+
+from types import MappingProxyType
+
+import cv2
+import numpy as np
+
+ERROR_COLOURS = MappingProxyType(
+    {
+        "true positive": (255, 255, 255),
+        "false positive": (230, 159, 0),
+        "false negative": (0, 114, 178),
+    }
+)
+"""RGB. Of the colours of Okabe and Ito with white, the three that lie farthest apart in the worst of normal vision and
+the three dichromacies, by lightness alone too."""
+DIMMING = 0.3
+"""Share of the frame's brightness that is left: enough to know the scene by, darker than every error colour."""
+OPACITY = 0.8
+"""Share of the error colour in its pixels: a white frame does not pass for a true positive, edges stay visible."""
+
+
+def draw_errors(image: np.ndarray, labels: np.ndarray, truth: np.ndarray, void: int | None = None) -> np.ndarray:
+    """Colour what moves, in the labels or in truth, over the frame in dim grey.
+
+    All moving objects are one, as in J: which object a pixel belongs to does not count.
+
+    Parameters
+    ----------
+    image : uint8 (y, x, rgb)
+    labels, truth : unsigned integer (y, x)
+        0 = static.
+    void : int, optional
+        Label of `truth` that counts for neither side: these pixels are left uncoloured.
+
+    Returns
+    -------
+    uint8 (y, x, rgb)
+
+    References
+    ----------
+    Okabe, Ito, "Color Universal Design: How to make figures and presentations that are friendly to colorblind people",
+    2008.
+    """
+    dim = (DIMMING * cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)).astype(np.float32)
+    drawn = np.repeat(dim[..., None], 3, axis=-1)
+    predicted, moves = labels > 0, truth > 0
+    masks = {
+        "true positive": predicted & moves,
+        "false positive": predicted & ~moves,
+        "false negative": ~predicted & moves,
+    }
+    counts = np.ones(truth.shape, dtype=bool) if void is None else truth != void
+    for kind, colour in ERROR_COLOURS.items():
+        mask = masks[kind] & counts
+        drawn[mask] = (1 - OPACITY) * drawn[mask] + OPACITY * np.array(colour, np.float32)
+    return np.rint(drawn).astype(np.uint8)

@@ -1,0 +1,139 @@
+"""What moves, without learned weights: from the saliency of frames to the objects of sections on the working grid."""
+
+from workflows.graph.frame_cues import FrameCues
+from workflows.graph.nodes import Nodes
+from workflows.sections import Section
+from workflows.stages.accumulation import PASSES
+
+
+class Foreground:
+    """Writes the recipes of the foreground and its components, a section at a time."""
+
+    def __init__(self, nodes: Nodes, cues: FrameCues, sections: tuple[Section, ...]):
+        self._nodes = nodes
+        self._config = nodes.config
+        self._leaves = nodes.leaves
+        self._cues = cues
+        self._sections = sections
+        self._chains: dict[tuple[str, str], tuple[str, ...]] = {}
+
+    def components(self, index: int) -> str:
+        """Reference of a section's objects, to the end of the frames that it shares with the next."""
+        section = self._sections[index]
+        params = {
+            "num_frames": section.proposal_stop - section.start,
+            "components": self._config.components.model_dump(mode="json"),
+            "identity": self._config.identity.model_dump(mode="json"),
+        }
+        frames = range(section.start, section.proposal_stop)
+        inputs = {
+            "foreground": self.foregrounds(index),
+            "frames": self._leaves.frames[section.start : section.proposal_stop],
+            "saliency": tuple(self._cues.saliency(frame) for frame in frames),
+        }
+        return self._nodes.add("components", "space-time", params, inputs)
+
+    def foregrounds(self, index: int) -> tuple[str, ...]:
+        """References of the foreground of all frames that a section's objects are labelled in."""
+        stop = self._sections[index].proposal_stop
+        return tuple(
+            self.foreground(other)
+            for other, section in enumerate(self._sections[index:], index)
+            if section.start < stop
+        )
+
+    def foreground(self, index: int) -> str:
+        """Reference of the probability to move of a section's pixels."""
+        reach = self._config.appearance.reach + 1  # the looks of both neighbours, of which each has its own reach
+        first = max(index - reach, 0)
+        near = range(first, min(index + reach + 1, len(self._sections)))
+        start = self._sections[index].start
+        params = {
+            # Frames are counted from the first section that is read: a cut elsewhere in the video moves no key.
+            "start": start - self._sections[first].start,
+            "centres": [self._centre(other) - self._sections[first].start for other in near],
+            "own": index - first,
+            "appearance": self._config.appearance.model_dump(
+                mode="json", include={"levels", "smoothing", "floor", "doubt", "clip", "memory", "reach"}
+            ),
+            "foreground": self._config.foreground.model_dump(mode="json"),
+        }
+        inputs = {"appearance": tuple(self.appearance(other) for other in near), **self._accumulated(index)}
+        return self._nodes.add("foreground", "motion-and-colour", params, inputs)
+
+    def appearance(self, index: int) -> str:
+        """Reference of the colours of a section's moving and static pixels."""
+        unread = {"smoothing", "floor", "doubt", "clip", "memory", "reach"}
+        params = {**self._evidence(), "appearance": self._config.appearance.model_dump(mode="json", exclude=unread)}
+        section = self._sections[index]
+        inputs = {"frames": self._leaves.frames[section.start : section.stop], **self._accumulated(index)}
+        return self._nodes.add("appearance", "lab-histograms", params, inputs)
+
+    def _accumulated(self, index: int) -> dict[str, str]:
+        """What both passes accumulate in a section: saliency, consistency and misfit."""
+        return self._both("accumulation", self._accumulate, index) | self._both("coherence", self._cohere, index)
+
+    def _own_motion(self, index: int) -> str:
+        section, num_frames = self._sections[index], len(self._leaves.frames)
+        params = {
+            # Only whether a neighbour is missing matters, not where in the video a section lies.
+            "start": min(section.start, 1),
+            "num_frames": min(section.start, 1) + min(num_frames, section.stop + 1) - section.start,
+            **self._evidence(),
+            "own_motion": self._config.own_motion.model_dump(mode="json"),
+        }
+        inputs = {"saliency": self._saliency(index), **self._both("accumulation", self._accumulate, index)}
+        return self._nodes.add("own_motion", "affine", params, inputs)
+
+    def _accumulate(self, index: int, origin: str, carried: dict[str, str]) -> str:
+        read = self._config.accumulation.model_dump(
+            mode="json", exclude={"consistency_relative", "consistency_absolute"}
+        )
+        inputs = {"saliency": self._saliency(index), "consistency": self._consistency(index), **carried}
+        return self._nodes.add("accumulation", "along-flow", {"from": origin, "accumulation": read}, inputs)
+
+    def _cohere(self, index: int, origin: str, carried: dict[str, str]) -> str:
+        params = {"from": origin, "memory": self._config.accumulation.memory}
+        inputs = {"saliency": self._saliency(index), "own_motion": self._own_motion(index), **carried}
+        return self._nodes.add("coherence", "along-flow", params, inputs)
+
+    def _consistency(self, index: int) -> str:
+        section = self._sections[index]
+        first, last = max(section.start - 1, 0), min(section.stop + 1, len(self._leaves.frames))
+        params = {
+            "first": section.start - first,
+            "last": section.stop - first,
+            "accumulation": self._config.accumulation.model_dump(
+                mode="json", include={"consistency_relative", "consistency_absolute"}
+            ),
+        }
+        inputs = {"saliency": tuple(self._cues.saliency(frame) for frame in range(first, last))}
+        return self._nodes.add("consistency", "forward-backward", params, inputs)
+
+    def _saliency(self, index: int) -> tuple[str, ...]:
+        section = self._sections[index]
+        return tuple(self._cues.saliency(frame) for frame in range(section.start, section.stop))
+
+    def _evidence(self) -> dict[str, float]:
+        """How saliency becomes a probability to move."""
+        return self._config.foreground.model_dump(mode="json", include={"threshold", "sharpness"})
+
+    def _centre(self, index: int) -> float:
+        section = self._sections[index]
+        return (section.start + section.stop - 1) / 2
+
+    def _both(self, name: str, write, index: int) -> dict[str, str]:
+        """References of both passes of a section."""
+        return {f"{name}_{origin}": self._chain(name, write, origin)[index] for origin in PASSES}
+
+    def _chain(self, name: str, write, origin: str) -> tuple[str, ...]:
+        """References of one pass through all sections, each going on where the one before it left off."""
+        if (name, origin) not in self._chains:
+            order = range(len(self._sections)) if origin == "past" else reversed(range(len(self._sections)))
+            refs: dict[int, str] = {}
+            carried: dict[str, str] = {}
+            for index in order:
+                refs[index] = write(index, origin, carried)
+                carried = {"carried": refs[index]}
+            self._chains[name, origin] = tuple(refs[index] for index in range(len(self._sections)))
+        return self._chains[name, origin]

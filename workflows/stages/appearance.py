@@ -1,0 +1,26 @@
+"""Colours of a section's moving and static pixels."""
+
+import numpy as np
+
+from moseg_tasks.appearance import colour_bins, count_colours
+from moseg_tasks.saliency import reduce_frame
+from schemas.parameters import AppearanceParams, ForegroundParams
+from workflows.stages.accumulation import mean_of_passes
+from workflows.stages.task import Output, Task
+
+
+def _run(params, inputs, rng):
+    appearance = AppearanceParams(**params["appearance"])
+    foreground = ForegroundParams(threshold=params["threshold"], sharpness=params["sharpness"])
+    accumulated = mean_of_passes(inputs, "accumulation", "maps")
+    misfits = mean_of_passes(inputs, "coherence", "misfit")
+    bins, counts = [], []
+    for frame, maps, misfit in zip(inputs.all("frames"), accumulated, misfits, strict=True):
+        bins.append(colour_bins(reduce_frame(frame.cached("image"), misfit.shape), appearance))
+        counts.append(count_colours(bins[-1], maps[..., 0], maps[..., 2], misfit, appearance, foreground))
+    histograms = np.stack([sum(count.moving for count in counts), sum(count.static for count in counts)])
+    totals = {name: sum(getattr(count, name) for count in counts) for name in ("reliability", "weight")}
+    return Output({"bins": np.stack(bins), "histograms": histograms.astype(np.float32)}, totals)
+
+
+COLOUR_HISTOGRAMS = Task("appearance", "lab-histograms", version=1, run=_run)

@@ -1,0 +1,47 @@
+"""Arrays that this process has read or written, kept for the next task that reads them."""
+
+from collections import OrderedDict
+from collections.abc import Mapping
+
+import numpy as np
+
+from store import ArtifactStore
+
+CACHE_BYTES = 384 * 2**20
+"""A hundred 480p flows: what the flow models of a sequence of common length read one after the other."""
+
+
+class ArrayCache:
+    """Least recently used arrays, read-only and bounded in bytes; sound because an artifact never changes."""
+
+    def __init__(self, limit: int):
+        self._limit = limit
+        self._arrays: OrderedDict[tuple[str, str, str], np.ndarray] = OrderedDict()
+        self._nbytes = 0
+
+    def find(self, store: ArtifactStore, ref: str, name: str) -> np.ndarray | None:
+        """An array where it is kept, else None."""
+        entry = (str(store.root), ref, name)
+        if entry not in self._arrays:
+            return None
+        self._arrays.move_to_end(entry)
+        return self._arrays[entry]
+
+    def keep(self, store: ArtifactStore, ref: str, arrays: Mapping[str, np.ndarray]) -> None:
+        """Keep an artifact's arrays just as a reader would get them; those used least give way."""
+        for name, array in arrays.items():
+            # Of another memory order, sums over it would be rounded otherwise than over what is read back.
+            kept = np.asarray(array, order="C").view()
+            kept.flags.writeable = False
+            entry = (str(store.root), ref, name)
+            if entry in self._arrays or kept.nbytes > self._limit:
+                continue
+            self._arrays[entry] = kept
+            self._nbytes += kept.nbytes
+        while self._nbytes > self._limit:
+            _, dropped = self._arrays.popitem(last=False)
+            self._nbytes -= dropped.nbytes
+
+
+ARRAYS = ArrayCache(CACHE_BYTES)
+"""Of this process."""

@@ -1,0 +1,36 @@
+"""Objects of a section on the working grid: space-time components of the foreground, split and rejoined by motion."""
+
+import numpy as np
+
+from moseg_tasks.proposals import keep_best, label_components, rejoin_components, split_touching
+from moseg_tasks.saliency import reduce_frame
+from schemas.parameters import ComponentParams, IdentityParams
+from workflows.stages.task import Output, Task
+
+
+def join_rows(sections, name: str, num_rows: int) -> np.ndarray:
+    """The first `num_rows` rows of an array that goes on from section to section."""
+    parts = []
+    for section in sections:
+        parts.append(section.rows(name, 0, min(num_rows, section.shape(name)[0])))
+        num_rows -= len(parts[-1])
+    return np.concatenate(parts) if len(parts) > 1 else parts[0]
+
+
+def _run(params, inputs, rng):
+    identity = IdentityParams(**params["identity"])
+    foreground = join_rows(inputs.all("foreground"), "foreground", params["num_frames"])
+    labels = label_components(foreground)
+    if labels.any():
+        cues = inputs.all("saliency")
+        flows, residual_flows = (
+            np.stack([frame.array(name) for frame in cues]).astype(np.float32) for name in ("flows", "residual_flows")
+        )
+        labels = split_touching(labels, residual_flows, identity)
+        images = [reduce_frame(frame.cached("image"), labels.shape[1:]) for frame in inputs.all("frames")]
+        labels = rejoin_components(labels, np.rint(images).astype(np.uint8), flows, residual_flows, identity)
+    components = keep_best(foreground, labels, ComponentParams(**params["components"]))
+    return Output({"labels": components.labels, "scores": components.scores})
+
+
+SPACE_TIME = Task("components", "space-time", version=1, run=_run)

@@ -1,0 +1,26 @@
+"""How badly each pixel of a section's frames follows the motion of what is salient."""
+
+import numpy as np
+
+from moseg_tasks.saliency import motion_logit, own_motion_misfit, probability
+from schemas.parameters import OwnMotionParams
+from workflows.stages.accumulation import mean_of_passes
+from workflows.stages.task import Output, Task
+
+
+def _run(params, inputs, rng):
+    own_motion_params = OwnMotionParams(**params["own_motion"])
+    num_frames, start = params["num_frames"], params["start"]
+    misfits = []
+    accumulated = mean_of_passes(inputs, "accumulation", "maps")
+    for t, (frame, maps) in enumerate(zip(inputs.all("saliency"), accumulated, strict=True), start):
+        strict, reliability = maps[..., 0], maps[..., 2]
+        moves = probability(motion_logit(strict, params["threshold"], params["sharpness"]))
+        to_previous, to_next = frame.array("residual_flows").astype(np.float32)
+        flows = (to_previous if t > 0 else None, to_next if t + 1 < num_frames else None)
+        weight = moves**own_motion_params.sharpness * reliability**2
+        misfits.append(own_motion_misfit(flows, weight, own_motion_params).astype(np.float16))
+    return Output({"misfit": np.stack(misfits)})
+
+
+AFFINE_MISFIT = Task("own_motion", "affine", version=1, run=_run)
