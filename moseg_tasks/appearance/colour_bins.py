@@ -5,7 +5,8 @@ import numpy as np
 
 from schemas.parameters import AppearanceParams
 
-_LIGHTEST = 100.0
+_BYTES = np.arange(256)
+_GREY = 128  # a and b of a colour without chroma, as OpenCV keeps them in a byte
 
 
 def colour_bins(image: np.ndarray, params: AppearanceParams) -> np.ndarray:
@@ -13,8 +14,8 @@ def colour_bins(image: np.ndarray, params: AppearanceParams) -> np.ndarray:
 
     Parameters
     ----------
-    image : float32 (y, x, 3)
-        RGB, 0..255.
+    image : uint8 (y, x, 3)
+        RGB.
     params : AppearanceParams
 
     Returns
@@ -22,9 +23,10 @@ def colour_bins(image: np.ndarray, params: AppearanceParams) -> np.ndarray:
     bins : uint16 (y, x)
         ``(L * levels + a) * levels + b``.
     """
-    lab = cv2.cvtColor(image * np.float32(1 / 255), cv2.COLOR_RGB2LAB)
-    levels, half = params.levels, params.chroma_range / 2
-    scale = np.array([levels / _LIGHTEST, levels / params.chroma_range, levels / params.chroma_range], np.float32)
-    offset = np.array([0.0, half * scale[1], half * scale[2]], np.float32)
-    indices = np.clip(lab * scale + offset, 0, levels - 1).astype(np.int32)
-    return ((indices[..., 0] * levels + indices[..., 1]) * levels + indices[..., 2]).astype(np.uint16)
+    lightness, a, b = cv2.split(cv2.cvtColor(image, cv2.COLOR_RGB2LAB))
+    levels = params.levels
+    light = _BYTES * levels // 256
+    # Half a byte off the edge between two bins: grey lies there.
+    chroma = np.floor((_BYTES - _GREY + 0.5) * levels / params.chroma_range + levels / 2).clip(0, levels - 1)
+    tables = (light * levels**2, chroma * levels, chroma)
+    return sum(np.take(table.astype(np.uint16), side) for table, side in zip(tables, (lightness, a, b), strict=True))

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 import cv2
 import numpy as np
 
+from moseg_tasks.half_floats import narrow, widen
 from moseg_tasks.saliency.grid import pixel_grid
 from schemas.parameters import AccumulationParams
 
@@ -40,9 +41,9 @@ def accumulate(
     memory = carried
     for seen, flow, weight in zip(maps, flows, weights, strict=True):
         if memory is not None:
-            warped = _warp(memory.astype(np.float32), flow)
+            warped = _warp(widen(memory), flow)
             seen = seen + weight * (warped - seen)
-        memory = seen.astype(np.float16)
+        memory = narrow(seen)
         accumulated.append(memory)
     return np.stack(accumulated)
 

@@ -65,6 +65,8 @@ def choose_background(flows: Sequence[np.ndarray], params: SaliencyParams) -> Ba
     """
     if params.background == "layers" or not flows:
         return LAYERS
+    if params.background == "auto" and not _may_have_ground(flows, params):
+        return LAYERS
     focal = _choose_focal(flows, params)
     across, grounds = [], []
     for flow in flows:
@@ -82,6 +84,21 @@ def choose_background(flows: Sequence[np.ndarray], params: SaliencyParams) -> Ba
     gains = [_gain(flow, residual, params) for flow, residual in zip(flows, across, strict=True)]
     choice = choice._replace(gain=float(np.mean(gains)))
     return choice if choice.gain > 0 else choice._replace(model="layers")
+
+
+def _may_have_ground(flows: Sequence[np.ndarray], params: SaliencyParams) -> bool:
+    """Whether anything comes nearer towards the lower border in enough pairs, at the likeliest focal length.
+
+    A ground does at any focal length that is not far off; where it does not, the others need not be tried.
+    """
+    focal = params.focals[int(np.argmin(np.abs(np.log(params.focals))))]
+    nearer = 0
+    for flow in flows:
+        motion = fit_camera_motion(flow, focal, params)
+        if motion is not None:
+            parts = split_flow(flow, motion)
+            nearer += fit_ground(parts.along / parts.reach, parts.reach, params).approach > params.ground_tolerance
+    return nearer >= params.ground_hint * len(flows)
 
 
 def _has_ground(choice: BackgroundChoice, params: SaliencyParams) -> bool:

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from moseg_tasks.half_floats import narrow
 from moseg_tasks.saliency.camera import fit_camera_motion
 from moseg_tasks.saliency.choice import LAYERS, BackgroundChoice
 from moseg_tasks.saliency.grid import reduce_flow, reduce_frame, vector_length, working_shape
@@ -80,7 +81,7 @@ def estimate_saliency(
             continue
         observed = reduce_flow(flow, shape)
         background = _explain(observed, params, choice)
-        flows[direction], residual_flows[direction] = observed, observed - background.flow
+        flows[direction], residual_flows[direction] = narrow(observed), narrow(observed - background.flow)
         backgrounds.append(background)
         errors.append(colour_error(reduced, reduce_frame(other, shape), background.flow))
     if not backgrounds:
@@ -90,8 +91,7 @@ def estimate_saliency(
     ungated = soft_map(residual, speed, params, choice.model == "rigid")
     error = blur_error(np.minimum.reduce(errors), params.gate_blur)
     saliency, strict = (
-        (ungated * photometric_gate(error, scale)).astype(np.float16)
-        for scale in (params.gate_error, params.strict_gate_error)
+        narrow(ungated * photometric_gate(error, scale)) for scale in (params.gate_error, params.strict_gate_error)
     )
     return FrameSaliency(saliency, strict, flows, residual_flows)
 

@@ -72,6 +72,9 @@ class SaliencyParams(Frozen):
     ground_relief: float = Field(0.2, ge=0, lt=1, description="the same, as a share of the ground's own parallax")
     ground_share: float = Field(0.5, ge=0, le=1, description="least share of the lower part that lies on a ground")
     ground_agreement: float = Field(0.9, ge=0, le=1, description="least share of pairs whose ground is nearer below")
+    ground_hint: float = Field(
+        0.6, ge=0, le=1, description="the same share, with an assumed focal length, below which no other one is tried"
+    )
     ground_tilt: float = Field(0.3, ge=0, description="steepest ground of a rigid scene, across over down the frame")
     support_slope: float = Field(
         0.5, ge=0, description="parallax a static surface gains on the way up, a pixel, as a share of the ground's loss"

@@ -19,13 +19,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "79d72408fb0298c0",
-    "oc-depth": "54f9d5e7c82d98bc",
-    "oc": "f20a31f009c98bab",
-    "trajs": "28fb4b1cf173b083",
-    "base": "d3f1bb26232090a6",
+    "fused": "058af103f4c6eede",
+    "oc-depth": "ff5682be237e331f",
+    "oc": "cdba5ab3656e879b",
+    "trajs": "ad8da484d5143f5b",
+    "base": "60e976fb3bfe689a",
     "flow": "8978fb0e3d6f04db",
-    "tracks": "595427c35491def8",
+    "tracks": "d72f87952eb99b97",
 }
 
 

@@ -7,7 +7,7 @@ PAIRS_PARAMS = frozenset({"selection_length", "selection_step"})
 """They only say which flows the selection of the background's model reads."""
 SELECTION_PARAMS = PAIRS_PARAMS | {
     *("background", "gric_noise", "gric_step", "focals", "focal_residual", "focal_slack"),
-    *("ground_agreement", "ground_tilt"),
+    *("ground_agreement", "ground_hint", "ground_tilt"),
 }
 """Read by the selection alone."""
 RESIDUAL_PARAMS = frozenset(

@@ -5,6 +5,7 @@ A pass goes on where it left the section before, so that no frame is computed tw
 
 import numpy as np
 
+from moseg_tasks.half_floats import narrow, widen
 from moseg_tasks.saliency import accumulate, flow_consistency, memory_weight
 from schemas.parameters import AccumulationParams
 from workflows.stages.inputs import Inputs
@@ -17,13 +18,13 @@ PASSES = ("past", "future")
 def mean_of_passes(inputs: Inputs, role: str, name: str) -> np.ndarray:
     """Mean float32 of an array over both passes."""
     past, future = (inputs[f"{role}_{each}"].array(name) for each in PASSES)
-    return np.stack([(frame0.astype(np.float32) + frame1) / 2 for frame0, frame1 in zip(past, future, strict=True)])
+    return np.stack([(widen(frame0) + widen(frame1)) / 2 for frame0, frame1 in zip(past, future, strict=True)])
 
 
 def _run_consistency(params, inputs, rng):
-    flows = [frame.array("flows").astype(np.float32) for frame in inputs.all("saliency")]
+    flows = [widen(frame.array("flows")) for frame in inputs.all("saliency")]
     consistency = flow_consistency(flows, AccumulationParams(**params["accumulation"]))
-    return Output({"consistency": consistency[params["first"] : params["last"]].astype(np.float16)})
+    return Output({"consistency": narrow(consistency[params["first"] : params["last"]])})
 
 
 def _run_saliency(params, inputs, rng):
@@ -34,10 +35,10 @@ def _run_saliency(params, inputs, rng):
 
     def see(frame, agreement):
         seen = (frame.array("strict_saliency"), frame.array("saliency"), agreement[direction])
-        return np.dstack(seen).astype(np.float32)
+        return widen(np.dstack(seen))
 
     def weigh(agreement):
-        weight = memory_weight(agreement.astype(np.float32), direction, accumulation_params)
+        weight = memory_weight(widen(agreement), direction, accumulation_params)
         return np.dstack([weight, weight, np.full_like(weight, accumulation_params.memory)])
 
     # A frame at a time: all of a section's at once would be the run's peak of memory.
@@ -54,7 +55,7 @@ def _run_misfit(params, inputs, rng):
     direction, order = _direction(params["from"])
     frames, misfits = inputs.all("saliency")[order], inputs["own_motion"].array("misfit")[order]
     accumulated = accumulate(
-        (misfit.astype(np.float32) for misfit in misfits),
+        (widen(misfit) for misfit in misfits),
         _flows(frames, direction),
         [params["memory"]] * len(frames),
         _carried(inputs, "misfit", params["from"]),
@@ -68,7 +69,7 @@ def _direction(origin):
 
 
 def _flows(frames, direction):
-    return (frame.array("flows")[direction].astype(np.float32) for frame in frames)
+    return (widen(frame.array("flows")[direction]) for frame in frames)
 
 
 def _carried(inputs, name, origin):

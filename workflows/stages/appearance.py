@@ -16,7 +16,8 @@ def _run(params, inputs, rng):
     misfits = mean_of_passes(inputs, "coherence", "misfit")
     bins, counts = [], []
     for frame, maps, misfit in zip(inputs.all("frames"), accumulated, misfits, strict=True):
-        bins.append(colour_bins(reduce_frame(frame.cached("image"), misfit.shape), appearance))
+        reduced = reduce_frame(frame.cached("image"), misfit.shape).astype(np.uint8)
+        bins.append(colour_bins(reduced, appearance))
         counts.append(count_colours(bins[-1], maps[..., 0], maps[..., 2], misfit, appearance, foreground))
     histograms = np.stack([sum(count.moving for count in counts), sum(count.static for count in counts)])
     totals = {name: sum(getattr(count, name) for count in counts) for name in ("reliability", "weight")}

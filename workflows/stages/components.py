@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from moseg_tasks.half_floats import widen
 from moseg_tasks.proposals import keep_best, label_components, rejoin_components, split_touching
 from moseg_tasks.saliency import reduce_frame
 from schemas.parameters import ComponentParams, IdentityParams
@@ -20,16 +21,19 @@ def join_rows(sections, name: str, num_rows: int) -> np.ndarray:
 def _run(params, inputs, rng):
     identity = IdentityParams(**params["identity"])
     foreground = join_rows(inputs.all("foreground"), "foreground", params["num_frames"])
-    labels = label_components(foreground)
+    component_params = ComponentParams(**params["components"])
+    labels = label_components(foreground, component_params)
     if labels.any():
         cues = inputs.all("saliency")
         flows, residual_flows = (
-            np.stack([frame.array(name) for frame in cues]).astype(np.float32) for name in ("flows", "residual_flows")
+            np.stack([widen(frame.array(name)) for frame in cues]) for name in ("flows", "residual_flows")
         )
         labels = split_touching(labels, residual_flows, identity)
-        images = [reduce_frame(frame.cached("image"), labels.shape[1:]) for frame in inputs.all("frames")]
-        labels = rejoin_components(labels, np.rint(images).astype(np.uint8), flows, residual_flows, identity)
-    components = keep_best(foreground, labels, ComponentParams(**params["components"]))
+        images = [
+            reduce_frame(frame.cached("image"), labels.shape[1:]).astype(np.uint8) for frame in inputs.all("frames")
+        ]
+        labels = rejoin_components(labels, np.stack(images), flows, residual_flows, identity)
+    components = keep_best(foreground, labels, component_params)
     return Output({"labels": components.labels, "scores": components.scores})
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from moseg_tasks.appearance import ColourCount, colour_ratio, pool_sections
+from moseg_tasks.half_floats import narrow
 from moseg_tasks.saliency import foreground_probability
 from schemas.parameters import AppearanceParams, ForegroundParams
 from workflows.stages.accumulation import mean_of_passes
@@ -29,8 +30,9 @@ def _run(params, inputs, rng):
     probabilities = []
     for t, (bins, maps, misfit) in enumerate(zip(sections[own].array("bins"), accumulated, misfits, strict=True)):
         ratio, usual = _blend(look, centres, own, params["start"] + t)
-        probabilities.append(foreground_probability(maps[..., 1], maps[..., 2], misfit, ratio[bins], usual, foreground))
-    return Output({"foreground": np.stack(probabilities).astype(np.float16)})
+        moves = foreground_probability(maps[..., 1], maps[..., 2], misfit, ratio[bins], usual, foreground)
+        probabilities.append(narrow(moves))
+    return Output({"foreground": np.stack(probabilities)})
 
 
 def _read_count(section) -> ColourCount:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from moseg_tasks.half_floats import narrow, widen
 from moseg_tasks.saliency import motion_logit, own_motion_misfit, probability
 from schemas.parameters import OwnMotionParams
 from workflows.stages.accumulation import mean_of_passes
@@ -16,10 +17,10 @@ def _run(params, inputs, rng):
     for t, (frame, maps) in enumerate(zip(inputs.all("saliency"), accumulated, strict=True), start):
         strict, reliability = maps[..., 0], maps[..., 2]
         moves = probability(motion_logit(strict, params["threshold"], params["sharpness"]))
-        to_previous, to_next = frame.array("residual_flows").astype(np.float32)
+        to_previous, to_next = widen(frame.array("residual_flows"))
         flows = (to_previous if t > 0 else None, to_next if t + 1 < num_frames else None)
         weight = moves**own_motion_params.sharpness * reliability**2
-        misfits.append(own_motion_misfit(flows, weight, own_motion_params).astype(np.float16))
+        misfits.append(narrow(own_motion_misfit(flows, weight, own_motion_params)))
     return Output({"misfit": np.stack(misfits)})
 
 

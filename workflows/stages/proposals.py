@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from moseg_tasks.half_floats import widen
 from moseg_tasks.proposals.boxes import object_boxes
 from moseg_tasks.proposals.given import relabel_masks
 from moseg_tasks.proposals.refinement import refine_outlines
@@ -19,7 +20,7 @@ def _run_saliency(params, inputs, rng):
     foreground = join_rows(inputs.all("foreground"), "foreground", len(labels))
     masks = np.stack(
         [
-            refine_outlines(frame.cached("image"), objects, probability.astype(np.float32), refinement)
+            refine_outlines(frame.cached("image"), objects, widen(probability), refinement)
             for frame, objects, probability in zip(frames, labels, foreground, strict=True)
         ]
     )

@@ -15,7 +15,7 @@ def empty(level: float = 0.1) -> np.ndarray:
 
 
 def find_components(foreground: np.ndarray, params: ComponentParams) -> Components:
-    return keep_best(foreground, label_components(foreground), params)
+    return keep_best(foreground, label_components(foreground, params), params)
 
 
 def count(foreground: np.ndarray, **params) -> int:

@@ -64,7 +64,7 @@ def propose(images: list[np.ndarray]) -> np.ndarray:
     misfits = [find_misfit(frames, maps, t)[..., None] for t in range(NUM_FRAMES)]
     weights = [ACCUMULATION.memory] * NUM_FRAMES
     misfits = mean_of_passes(flows, (misfits, misfits), (weights, weights))[..., 0]
-    bins = [colour_bins(reduce_frame(image, misfits.shape[1:]), APPEARANCE) for image in images]
+    bins = [colour_bins(reduce_frame(image, misfits.shape[1:]).astype(np.uint8), APPEARANCE) for image in images]
     counts = [
         count_colours(bins[t], maps[t, ..., 0], maps[t, ..., 2], misfits[t], APPEARANCE, FOREGROUND)
         for t in range(NUM_FRAMES)
@@ -76,7 +76,7 @@ def propose(images: list[np.ndarray]) -> np.ndarray:
         for t in range(NUM_FRAMES)
     ]
     foreground = np.stack(foreground)
-    labels = keep_best(foreground, label_components(foreground), ComponentParams()).labels
+    labels = keep_best(foreground, label_components(foreground, ComponentParams()), ComponentParams()).labels
     outlines = zip(images, labels, foreground, strict=True)
     return np.stack([refine_outlines(*each, RefinementParams()) for each in outlines])
 
