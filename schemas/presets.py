@@ -49,4 +49,5 @@ QUALITIES: Mapping[str, Choices] = {
     "default": {},
     "best": {"flow": {"preset": "fine"}},
 }
-"""What accuracy may cost, on any preset: the size that frames are analysed at, and how finely DIS searches."""
+"""What accuracy may cost, on any preset: the size that frames are analysed at, and how finely DIS searches. Other flow
+is the same in `best`."""

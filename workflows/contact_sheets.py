@@ -88,7 +88,7 @@ def write_contact_sheets(
 
 
 def choose_soft_map(graph: SequenceGraph, config: PipelineConfig, frame: int) -> SoftMap | None:
-    """The last soft map of a frame before masks are cut from it; None where objects come from elsewhere."""
+    """The motion saliency of a frame; None where objects come from elsewhere."""
     if config.proposal_source != "saliency":
         return None
     return SoftMap(graph.frame_cues.saliency(frame), "saliency", "saliency")

@@ -26,4 +26,9 @@ def keep_freed_memory() -> None:
 
 def allocation_environ() -> dict[str, str]:
     """The same for processes to come, as environment."""
-    return {"MALLOC_MMAP_THRESHOLD_": str(MMAP_BYTES), "MALLOC_TRIM_THRESHOLD_": str(TRIM_BYTES)}
+    # Tasks run in one thread, which is not the first one: its own arena could not grow to hold what it frees.
+    return {
+        "MALLOC_MMAP_THRESHOLD_": str(MMAP_BYTES),
+        "MALLOC_TRIM_THRESHOLD_": str(TRIM_BYTES),
+        "MALLOC_ARENA_MAX": "1",
+    }

@@ -23,18 +23,18 @@ def accumulate(
 
     Parameters
     ----------
-    maps : T of float (y, x, channel)
+    maps : T of float32 (y, x) or (y, x, channel)
         S.
     flows : T of float32 (y, x, 2)
         From each frame to the one before it in the pass, px/frame.
-    weights : T of float32 (y, x, channel) or float
+    weights : T of float32, shaped as the maps, or float
         w, of the memory.
-    carried : float16 (y, x, channel), optional
+    carried : float16, shaped as the maps, optional
         A of the frame before the first; the pass begins with ``A = S`` without it.
 
     Returns
     -------
-    accumulated : float16 (T, y, x, channel)
+    accumulated : float16 (T, y, x) or (T, y, x, channel)
         A. Each step starts from the rounded one, as does one that reads it from a file.
     """
     accumulated = []

@@ -68,20 +68,23 @@ def choose_background(flows: Sequence[np.ndarray], params: SaliencyParams) -> Ba
     if params.background == "auto" and not _may_have_ground(flows, params):
         return LAYERS
     focal = _choose_focal(flows, params)
-    across, grounds = [], []
+    pairs, across, grounds = [], [], []
     for flow in flows:
         motion = fit_camera_motion(flow, focal, params)
         if motion is None:
-            return LAYERS
+            continue
         parts = split_flow(flow, motion)
+        pairs.append(flow)
         across.append(_samples(parts.across, params))
         grounds.append(fit_ground(parts.along / parts.reach, parts.reach, params))
-    choice = BackgroundChoice("rigid", focal, *_ground_evidence(grounds, params))
+    if not pairs:
+        return LAYERS
+    choice = BackgroundChoice("rigid", focal, *_ground_evidence(grounds, len(flows), params))
     if params.background == "rigid":
         return choice
     if not _has_ground(choice, params):
         return choice._replace(model="layers")
-    gains = [_gain(flow, residual, params) for flow, residual in zip(flows, across, strict=True)]
+    gains = [_gain(flow, residual, params) for flow, residual in zip(pairs, across, strict=True)]
     choice = choice._replace(gain=float(np.mean(gains)))
     return choice if choice.gain > 0 else choice._replace(model="layers")
 
@@ -109,10 +112,11 @@ def _has_ground(choice: BackgroundChoice, params: SaliencyParams) -> bool:
     )
 
 
-def _ground_evidence(grounds: list[Ground], params: SaliencyParams) -> tuple[float, float, float]:
+def _ground_evidence(grounds: list[Ground], num_pairs: int, params: SaliencyParams) -> tuple[float, float, float]:
+    """Share of the ground, share of all pairs in which it is nearer below, and tilt."""
     return (
         float(np.median([ground.share for ground in grounds])),
-        float(np.mean([ground.approach > params.ground_tolerance for ground in grounds])),
+        sum(ground.approach > params.ground_tolerance for ground in grounds) / num_pairs,
         float(np.median([ground.tilt for ground in grounds])),
     )
 

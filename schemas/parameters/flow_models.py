@@ -12,7 +12,8 @@ FlowModelName = Literal["oc_depth", "oc_depth_paper", "oc"]
 class FlowModelParams(Frozen):
     """Least-squares fit of a flow model to each object's pixels."""
 
-    # DIS solves for flow on half the resolution at best and interpolates: the pixels between tell nothing new.
+    # DIS solves for flow on half the resolution at best (unless its preset is fine) and interpolates: the pixels
+    # between tell nothing new.
     step: int = Field(2, ge=1, description="every so many rows and columns of the flow are read")
     erosion: int = Field(
         0, ge=0, description="pixels next to another object are left out up to this distance, in pixels that are read"

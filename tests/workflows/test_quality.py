@@ -1,0 +1,58 @@
+"""Qualities: what accuracy may cost, on top of any preset."""
+
+import numpy as np
+import pytest
+
+from moseg_tasks.flow import estimate_flow
+from schemas.configs import PipelineConfig
+from schemas.errors import InputError
+from schemas.parameters import FlowParams
+from schemas.presets import GEOMETRIES, PRESETS, QUALITIES
+from workflows.cli.options import PipelineOptions, choose_preset
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+@pytest.mark.parametrize("geometry", GEOMETRIES)
+@pytest.mark.parametrize("quality", QUALITIES)
+def test_every_combination_is_a_configuration(preset, geometry, quality):
+    PipelineConfig.model_validate(choose_preset(preset, geometry, quality))
+
+
+def test_the_default_quality_changes_nothing():
+    assert PipelineOptions(quality="default").read() == PipelineOptions().read()
+
+
+def test_fast_looks_at_smaller_frames_and_a_setting_has_the_last_word():
+    config, _ = PipelineOptions(quality="fast").read()
+    assert (config.max_side, config.saliency.working_side) == (427, 284)
+    config, _ = PipelineOptions(quality="fast", settings=["saliency.working_side=300"]).read()
+    assert (config.max_side, config.saliency.working_side) == (427, 300)
+
+
+def test_a_quality_leaves_the_backend_of_a_preset():
+    config, _ = PipelineOptions(preset="paper", quality="best").read()
+    assert (config.flow.method, config.flow.preset) == ("raft", "fine")
+
+
+def test_an_unknown_quality_is_told_with_the_one_that_was_meant():
+    with pytest.raises(InputError, match="best"):
+        PipelineOptions(quality="bset").read()
+
+
+def test_an_unknown_quality_ends_in_one_line(moseg):
+    ran = moseg("eval", "--quality", "perfect")
+    assert ran.code == 2 and ran.err.count("\n") == 1 and "--quality" in ran.err
+
+
+@pytest.mark.parametrize("side", [20, 96])
+def test_fine_flow_finds_a_known_shift_another_way_than_medium(side):
+    rng = np.random.default_rng(4)
+    coarse = rng.integers(0, 256, (side // 4 + 4, side // 4 + 4, 3), dtype=np.uint8)
+    scene = np.kron(coarse, np.ones((4, 4, 1), np.uint8))
+    image0, image1 = scene[4 : 4 + side, 4 : 4 + side], scene[4 : 4 + side, 2 : 2 + side]
+    fine, medium = (estimate_flow(image0, image1, FlowParams(preset=preset)) for preset in ("fine", "medium"))
+    assert fine.shape == (side, side, 2) and np.isfinite(fine).all()
+    # Smaller frames are searched at full size by either.
+    assert np.array_equal(fine, medium) == (side < 32)
+    if side > 32:
+        np.testing.assert_allclose(np.median(fine, axis=(0, 1)), [2, 0], atol=0.1)
