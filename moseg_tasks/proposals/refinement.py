@@ -29,7 +29,7 @@ def refine_outlines(
     Returns
     -------
     objects : uint16 (Y, X)
-        Where the filtered foreground is over a half, the nearest object.
+        Where the filtered foreground is over a half, the nearest object within two cells.
     """
     height, width = frame.shape[:2]
     objects = np.zeros((height, width), np.uint16)

@@ -8,10 +8,10 @@ import numpy as np
 from scipy import ndimage
 from scipy.optimize import linear_sum_assignment
 
+from moseg_tasks.saliency.consistency import NEXT, PREVIOUS
 from schemas.errors import InputError
 from schemas.parameters.identity import IdentityParams
 
-PREVIOUS, NEXT = 0, 1
 _LAB_BINS = (8, 32, 32)
 _LAB_RANGES = (0, 256) * 3
 

@@ -10,7 +10,7 @@ from moseg_tasks.saliency.grid import pixel_grid
 from schemas.parameters import SaliencyParams
 
 _MINIMAL_SAMPLE = 4
-_MAD_TO_SIGMA = 1.4826  # median of |x| of a unit Gaussian, inverted
+MAD_TO_SIGMA = 1.4826  # median of |x| of a unit Gaussian, inverted
 
 
 class AffineMotion(NamedTuple):
@@ -116,7 +116,7 @@ def _tukey_affine(
     for _ in range(params.affine_iterations):
         if not inliers.any():
             break
-        scale = max(params.affine_scale_floor, _MAD_TO_SIGMA * float(np.median(residual[inliers])))
+        scale = max(params.affine_scale_floor, MAD_TO_SIGMA * float(np.median(residual[inliers])))
         cutoff = params.tukey_constant * scale
         weight = np.clip(1 - (residual / cutoff) ** 2, 0, None) ** 2
         weighted = design * weight[:, None]

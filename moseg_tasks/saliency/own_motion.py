@@ -4,13 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from moseg_tasks.saliency.background import AffineMotion, affine_flow
+from moseg_tasks.saliency.background import MAD_TO_SIGMA, AffineMotion, affine_flow
 from moseg_tasks.saliency.grid import vector_length
 from schemas.parameters import OwnMotionParams
 
-_MAD_TO_SIGMA = 1.4826  # median of |x| of a unit Gaussian, inverted
-_SLOPE_PRIOR = 50.0  # px^2: a slope is believed only of what is larger than some 7 px
-_SPREAD_STEP = 3  # px between the pixels that the spread is taken from
+_RIDGE = 1e-6  # keeps the fit solvable where Tukey's weights are all 0
 
 
 def own_motion_misfit(
@@ -42,7 +40,7 @@ def own_motion_misfit(
             deviation = left if deviation is None else np.minimum(deviation, left)
     if deviation is None:
         return np.zeros(weight.shape, np.float32)
-    some = (slice(None, None, _SPREAD_STEP),) * 2
+    some = (slice(None, None, params.spread_step),) * 2
     spread = max(params.spread_floor, _weighted_quantile(deviation[some].ravel(), weight[some].ravel(), params.spread))
     return np.log1p((deviation / np.float32(spread)) ** 2)
 
@@ -52,21 +50,21 @@ def _fit_own_motion(flow: np.ndarray, weight: np.ndarray, params: OwnMotionParam
     height, width = weight.shape
     y, x = np.mgrid[params.step // 2 : height : params.step, params.step // 2 : width : params.step]
     given = weight[y, x].ravel().astype(np.float64)
-    salient = given > 0.01 * given.max(initial=0.0)
+    salient = given > params.salient_share * given.max(initial=0.0)
     given, points = given[salient], np.column_stack([x.ravel(), y.ravel()])[salient]
     if given.sum() < params.least_weight:
         return None
     vectors = flow[points[:, 1], points[:, 0]].astype(np.float64)
     centre = given @ points / given.sum()
     design = np.column_stack([np.ones(len(points)), points - centre])
-    prior = np.diag([1e-6, _SLOPE_PRIOR, _SLOPE_PRIOR])
+    prior = np.diag([_RIDGE, params.slope_prior, params.slope_prior])
     theta = np.zeros((3, 2))
     theta[0] = [_weighted_quantile(vectors[:, axis], given, 0.5) for axis in (0, 1)]
     scale = params.scale_floor
     for _ in range(params.iterations):
         error = vectors - design @ theta
         left = np.hypot(error[:, 0], error[:, 1])
-        scale = max(params.scale_floor, _MAD_TO_SIGMA * _weighted_quantile(left, given, 0.5))
+        scale = max(params.scale_floor, MAD_TO_SIGMA * _weighted_quantile(left, given, 0.5))
         weighted = design * (given * np.clip(1 - (left / (params.tukey_constant * scale)) ** 2, 0, None) ** 2)[:, None]
         theta = np.linalg.solve(weighted.T @ design + prior, weighted.T @ vectors)
     return AffineMotion(theta, centre, scale)

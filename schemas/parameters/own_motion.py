@@ -13,6 +13,13 @@ class OwnMotionParams(Frozen):
     iterations: int = Field(8, ge=1, description="rounds of iteratively reweighted least squares")
     tukey_constant: float = Field(4.7, gt=0, description="residual, in scales, from which Tukey's weight is 0")
     scale_floor: float = Field(0.15, gt=0, description="smallest scale of the residuals in the fit, px/frame")
+    salient_share: float = Field(
+        0.01, ge=0, lt=1, description="weights under this share of the greatest one are left out of the fit"
+    )
+    slope_prior: float = Field(
+        50.0, gt=0, description="weighted squared extent, px², at which a slope is believed half"
+    )
+    spread_step: int = Field(3, ge=1, description="spacing of the pixels that the spread is taken from, px")
     least_weight: float = Field(
         10.0, gt=0, description="summed weight on the grid below which there is no motion to fit"
     )

@@ -18,7 +18,9 @@ class SaliencyParams(Frozen):
     ransac_step: int = Field(12, ge=1, description="spacing of the grid that the initial homography is drawn from, px")
     ransac_threshold: float = Field(0.5, gt=0, description="reprojection error of an inlier of the homography, px")
     ransac_iterations: int = Field(50, ge=1, description="hypotheses drawn at least; at most ten times as many")
-    ransac_seed: int = Field(0, ge=0, description="seed of the homography's random draws")
+    ransac_seed: int = Field(
+        0, ge=0, description="seed of the random draws: of the homography, the camera's motion and the ground"
+    )
 
     affine_step: int = Field(6, ge=1, description="spacing of the grid that the affine fit reads, px")
     affine_iterations: int = Field(8, ge=1, description="rounds of iteratively reweighted least squares")

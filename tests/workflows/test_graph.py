@@ -19,13 +19,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "058af103f4c6eede",
-    "oc-depth": "ff5682be237e331f",
-    "oc": "cdba5ab3656e879b",
-    "trajs": "ad8da484d5143f5b",
-    "base": "60e976fb3bfe689a",
+    "fused": "fd7b4250073cf9e7",
+    "oc-depth": "21f83c4723fe60c8",
+    "oc": "2a0c9aaa22a9e1d2",
+    "trajs": "e6a43605ce3aff33",
+    "base": "38ed1dd5fe6e40c3",
     "flow": "8978fb0e3d6f04db",
-    "tracks": "d72f87952eb99b97",
+    "tracks": "b60b29aa79f68b03",
 }
 
 

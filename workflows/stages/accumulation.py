@@ -18,7 +18,7 @@ PASSES = ("past", "future")
 def mean_of_passes(inputs: Inputs, role: str, name: str) -> np.ndarray:
     """Mean float32 of an array over both passes."""
     past, future = (inputs[f"{role}_{each}"].array(name) for each in PASSES)
-    return np.stack([(widen(frame0) + widen(frame1)) / 2 for frame0, frame1 in zip(past, future, strict=True)])
+    return np.stack([(widen(before) + widen(after)) / 2 for before, after in zip(past, future, strict=True)])
 
 
 def _run_consistency(params, inputs, rng):
