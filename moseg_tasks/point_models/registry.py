@@ -1,0 +1,30 @@
+"""Point models by name."""
+
+from moseg_tasks.motion_models import FLOW_MODELS
+from moseg_tasks.point_models.affine import AffineModel
+from moseg_tasks.point_models.flow import FlowPointModel
+from moseg_tasks.point_models.fundamental import FundamentalModel
+from moseg_tasks.point_models.homography import HomographyModel
+from moseg_tasks.point_models.point_model import PointModel
+from moseg_tasks.point_models.trifocal import TrifocalModel
+from schemas.errors import InputError
+
+POINT_MODELS: dict[str, PointModel] = {
+    model.name: model
+    for model in (
+        AffineModel(),
+        HomographyModel(),
+        FundamentalModel(),
+        FundamentalModel(rank_two=False, name="bilinear"),
+        TrifocalModel(),
+        FlowPointModel(FLOW_MODELS["oc"]),
+        FlowPointModel(FLOW_MODELS["oc_depth"]),
+    )
+}
+
+
+def point_model(name: str) -> PointModel:
+    """The point model of this name; raises InputError where there is none."""
+    if name not in POINT_MODELS:
+        raise InputError("unknown point model", got=name, expected=", ".join(POINT_MODELS))
+    return POINT_MODELS[name]
