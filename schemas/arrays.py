@@ -21,6 +21,11 @@ def _layout(dtype: str, dims: str, unit: str = "") -> ArrayLayout:
 LAYOUTS: dict[str, dict[str, ArrayLayout]] = {
     "frame": {"image": _layout("uint8", "y x rgb")},
     "annotation": {"masks": _layout("uint16", "frame y x")},
+    "labelled_points": {
+        "points": _layout("float64", "track frame xy", "px of the original frames"),
+        "visible": _layout("bool", "track frame"),
+        "labels": _layout("uint16", "track", "0 = static, else the label of what moves"),
+    },
     "given_masks": {"masks": _layout("uint16", "frame y x")},
     "given_depth": {"inverse_depth": _layout("float32", "y x", "relative")},
     "given_flow": {"flow": _layout("float32", "y x uv", "px/frame")},
@@ -28,6 +33,11 @@ LAYOUTS: dict[str, dict[str, ArrayLayout]] = {
         "points": _layout("float32", "track frame xy", "px"),
         "visible": _layout("bool", "track frame"),
     },
+    "trajectories": {
+        "points": _layout("float64", "track frame xy", "px"),
+        "visible": _layout("bool", "track frame"),
+    },
+    "trajectory_labels": {"labels": _layout("uint16", "track", "motion")},
     "flow": {"flow": _layout("float32", "y x uv", "px/frame")},
     "depth": {"inverse_depth": _layout("float32", "y x", "relative")},
     "detections": {
@@ -93,11 +103,31 @@ LAYOUTS: dict[str, dict[str, ArrayLayout]] = {
         "residual": _layout("float64", "section_pair model_object data_object", "(px/frame)^2"),
         "energy": _layout("float64", "section_pair object", "(px/frame)^2"),
     },
+    "object_hypotheses": {
+        "residual": _layout(
+            "float32",
+            "section_pair model hypothesis node",
+            "px^2; objects, then cells of the background",
+        )
+    },
     "affinity": {"affinity": _layout("float64", "object object"), "static_support": _layout("float64", "object")},
     "clustering": {
         "motion": _layout("uint16", "object", "motion group, 0 = the background's"),
         "embedding": _layout("float64", "object coordinate"),
         "eigenvalues": _layout("float64", "view eigenvalue"),
+    },
+    "hypotheses": {
+        "parameters": _layout("float64", "frame_set hypothesis parameter"),
+        "frames": _layout("int32", "frame_set frame"),
+    },
+    "hypothesis_residual": {"residual": _layout("float16", "frame_set hypothesis track", "px, NaN where not seen")},
+    "kernel": {"kernel": _layout("float32", "draw track track")},
+    "trajectory_clustering": {
+        "motion": _layout("uint16", "track", "motion group"),
+        "embedding": _layout("float64", "track coordinate"),
+        "eigenvalues": _layout("float64", "view eigenvalue"),
+        "costs": _layout("float64", "num_motions", "0..1, from one motion on"),
+        "cuts": _layout("float64", "num_motions", "from one motion on"),
     },
     "segmentation": {"labels": _layout("uint16", "frame y x", "0 static, else the moving object's identity")},
 }

@@ -3,7 +3,7 @@
 from enum import StrEnum
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from schemas.frozen import Frozen
 from schemas.parameters import (
@@ -23,9 +23,12 @@ from schemas.parameters import (
     ForegroundParams,
     FundamentalParams,
     GroundingDinoParams,
+    HypothesisParams,
     IdentityParams,
     InstanceParams,
+    KernelParams,
     LinkingParams,
+    ObjectHypothesisParams,
     OwnMotionParams,
     PipsParams,
     RaftParams,
@@ -36,6 +39,7 @@ from schemas.parameters import (
     SamHqParams,
     SeedParams,
     TrackParams,
+    TrajectoryClusteringParams,
 )
 
 
@@ -47,6 +51,15 @@ class Variant(StrEnum):
     OC = "oc"
     TRAJS = "trajs"
     BASE = "base"
+
+
+class TrajectoryVariant(StrEnum):
+    """Rows of the ablation on labelled trajectories: all point models fused, or one alone."""
+
+    FUSED = "fused"
+    TRAJS = "trajs"
+    HOMOGRAPHY = "homography"
+    AFFINE = "affine"
 
 
 class SectionParams(Frozen):
@@ -93,8 +106,30 @@ class PipelineConfig(Frozen):
     tracks: TrackParams = TrackParams()
     fundamental: FundamentalParams = FundamentalParams()
     flow_model: FlowModelParams = FlowModelParams()
+    object_hypotheses: ObjectHypothesisParams = ObjectHypothesisParams()
     affinity: AffinityParams = AffinityParams()
     clustering: ClusteringParams = ClusteringParams()
+    fused_point_models: tuple[str, ...] = Field(
+        ("affine", "homography", "fundamental"),
+        description="point models that the fused variant combines on labelled trajectories, separated by commas",
+    )
+    hypotheses: HypothesisParams = HypothesisParams()
+    kernel: KernelParams = KernelParams()
+    trajectory_clustering: TrajectoryClusteringParams = TrajectoryClusteringParams()
+
+    @field_validator("fused_point_models", mode="before")
+    @classmethod
+    def _split_models(cls, value: object) -> object:
+        return tuple(name.strip() for name in value.split(",")) if isinstance(value, str) else value
+
+    def point_models(self, variant: TrajectoryVariant) -> tuple[str, ...]:
+        """Point models of a variant on labelled trajectories."""
+        return {
+            TrajectoryVariant.FUSED: self.fused_point_models,
+            TrajectoryVariant.TRAJS: ("fundamental",),
+            TrajectoryVariant.HOMOGRAPHY: ("homography",),
+            TrajectoryVariant.AFFINE: ("affine",),
+        }[variant]
 
     def views(self, variant: Variant) -> tuple[str, ...]:
         """Motion models of a variant: ``trajs`` or the name of a flow model; none for ``base``."""

@@ -1,8 +1,13 @@
 """Scores of one sequence and the report of an evaluation, as written to JSON."""
 
+from typing import Literal
+
 from pydantic import ConfigDict, Field
 
 from schemas.frozen import Frozen
+
+GroundTruth = Literal["pixels", "points"]
+"""What ground truth says something about: every pixel of a frame, or points in it."""
 
 
 class SequenceScore(Frozen):
@@ -18,15 +23,17 @@ class SequenceScore(Frozen):
         Contour accuracy (DAVIS) of the union of moving masks, mean over annotated frames.
     J_objects, boundary_F_objects : float
         The same per ground-truth object under the Hungarian assignment, mean over objects.
+
+    Where ground truth is a label at points, P, R, F and J count points instead of pixels, and boundaries are None.
     """
 
     P: float
     R: float
     F: float
     J: float
-    boundary_F: float
+    boundary_F: float | None = None
     J_objects: float
-    boundary_F_objects: float
+    boundary_F_objects: float | None = None
 
 
 class EvaluationRow(Frozen):
@@ -45,17 +52,28 @@ class StoreUse(Frozen):
 
 
 class EvaluationReport(Frozen):
-    """What ``--json`` writes."""
+    """What ``--json`` writes, but for what is None.
+
+    Attributes
+    ----------
+    dataset : str
+    over : 'pixels' or 'points'
+        What every score counts: the pixels of annotated masks, or labelled points.
+    rows : tuple of EvaluationRow
+    store : StoreUse
+    seconds : float
+    """
 
     model_config = ConfigDict(populate_by_name=True)
 
     dataset: str
+    over: GroundTruth = "pixels"
     rows: tuple[EvaluationRow, ...]
     store: StoreUse
     seconds: float = Field(ge=0)
 
 
 def mean_score(scores: list[SequenceScore]) -> SequenceScore:
-    """Mean of each percentage over sequences."""
-    fields = SequenceScore.model_fields
-    return SequenceScore(**{name: sum(getattr(s, name) for s in scores) / len(scores) for name in fields})
+    """Mean of each percentage over sequences; None for what one of them lacks."""
+    columns = {name: [getattr(score, name) for score in scores] for name in SequenceScore.model_fields}
+    return SequenceScore(**{n: None if None in column else sum(column) / len(column) for n, column in columns.items()})

@@ -29,7 +29,10 @@ LEAF_READERS = (
     ("ingest:masks", "workflows.sources.mask_files", "MaskFiles", "DECODING_VERSION"),
     ("ingest:depth", "workflows.sources.depth_files", "DepthFiles", "DECODING_VERSION"),
     ("ingest:flow", "workflows.sources.flow_files", "FlowFiles", "DECODING_VERSION"),
+    ("ingest:labelled_points", "workflows.sources.labelled_points", "LabelledPointFile", "DECODING_VERSION"),
     ("ingest:tracks", "workflows.sources.track_files", "TrackFile", "DECODING_VERSION"),
+    ("ingest:trajectories", "workflows.sources.trajectory_files", "TrajectoryFile", "DECODING_VERSION"),
+    ("ingest:trajectory_labels", "workflows.sources.trajectory_files", "TrajectoryLabels", "DECODING_VERSION"),
     ("ingest:scenes", "workflows.sources.scenes", "_rendered", "RENDERER_VERSION"),
 )
 """What decodes files into leaves: an `ingest` artifact remembers its outcome, so it too has a version."""

@@ -7,14 +7,15 @@ from typing import NamedTuple
 import numpy as np
 from PIL import Image
 
-from moseg_tasks.metrics import count_overlaps, region_similarity
+from moseg_tasks.metrics import Overlaps, count_overlaps, count_point_overlaps, region_similarity, sample_points
 from schemas.configs import PipelineConfig, Variant
 from store import ArtifactStore
 from workflows.datasets import SequenceSource
 from workflows.exports.atomic_write import atomic_path, blame_output
 from workflows.exports.draw_contact_sheet import draw_contact_sheet
+from workflows.exports.draw_point_errors import PointLabels
 from workflows.exports.sheet_column import SheetFrame
-from workflows.graph import SequenceGraph
+from workflows.graph import SequenceGraph, SequenceLeaves
 from workflows.leaves import ingest_sequences
 from workflows.resize import resize_labels
 from workflows.session import Session
@@ -103,8 +104,7 @@ def spread(num_items: int, num_chosen: int) -> tuple[int, ...]:
 def _plan_sheet(
     store: ArtifactStore, graph: SequenceGraph, config: PipelineConfig, variant: Variant, num_frames: int
 ) -> _Sheet:
-    leaves = graph.leaves
-    shown = range(len(leaves.frames)) if leaves.annotation is None else _annotated(store, leaves.annotation)
+    shown = _scored_frames(store, graph.leaves)
     frames = tuple(shown[position] for position in spread(len(shown), num_frames))
     soft_maps = tuple(choose_soft_map(graph, config, frame) for frame in frames)
     return _Sheet(
@@ -112,7 +112,7 @@ def _plan_sheet(
         frames=frames,
         segmentations=graph.segmentations(variant),
         soft_maps=None if None in soft_maps else soft_maps,
-        score=None if leaves.annotation is None else graph.score(variant),
+        score=graph.score(variant) if graph.leaves.annotation or graph.leaves.labelled_points else None,
     )
 
 
@@ -121,7 +121,7 @@ def _write_sheet(store: ArtifactStore, sheet: _Sheet, config: PipelineConfig, va
     head = [f"{leaves.name}   {variant}"]
     if sheet.score is not None:
         score = store.attributes(sheet.score)
-        head.append(f"J {score['J']:.1f}   Fu {score['F']:.1f}")
+        head.append(f"J {score['J']:.1f}   Fu {score['F']:.1f}" + "   over points" * (leaves.annotation is None))
     title = sheet.soft_maps[0].title if sheet.soft_maps else ""
     frames = _read_frames(store, sheet, config.sections.length)
     path = Path(folder) / f"{leaves.name}.png"
@@ -143,8 +143,22 @@ def _read_frames(store: ArtifactStore, sheet: _Sheet, section_length: int) -> It
         if leaves.annotation is not None:
             row = _annotated(store, leaves.annotation).index(frame)
             truth = store.read_rows(leaves.annotation, "masks", row, row + 1)[0]
-            drawn = drawn._replace(truth=truth, J=_frame_similarity(labels, truth, leaves.void))
+            overlaps = count_overlaps(resize_labels(labels, truth.shape), truth, leaves.void)
+            drawn = drawn._replace(truth=truth, J=_frame_similarity(overlaps))
+        elif leaves.labelled_points is not None:
+            labelled = _label_points(store, leaves.labelled_points, frame, labels)
+            overlaps = count_point_overlaps(labelled.predicted, labelled.truth)
+            drawn = drawn._replace(labelled=labelled, J=_frame_similarity(overlaps))
         yield drawn
+
+
+def _scored_frames(store: ArtifactStore, leaves: SequenceLeaves) -> Sequence[int]:
+    """Frames that the score is about; all where there is no ground truth."""
+    if leaves.annotation is not None:
+        return _annotated(store, leaves.annotation)
+    if leaves.labelled_points is not None:
+        return np.flatnonzero(store.read(leaves.labelled_points, "visible").any(axis=0)).tolist()
+    return range(len(leaves.frames))
 
 
 def _annotated(store: ArtifactStore, annotation: str) -> list[int]:
@@ -152,9 +166,16 @@ def _annotated(store: ArtifactStore, annotation: str) -> list[int]:
     return store.attributes(annotation)["indices"]
 
 
-def _frame_similarity(labels: np.ndarray, truth: np.ndarray, void: int | None) -> float:
-    """J of one frame, percent, at the annotation's size as in the sequence's score."""
-    overlaps = count_overlaps(resize_labels(labels, truth.shape), truth, void)
+def _label_points(store: ArtifactStore, labelled_points: str, frame: int, labels: np.ndarray) -> PointLabels:
+    """The points seen in a frame, with what is predicted and what is true."""
+    size = tuple(store.attributes(labelled_points)["size"])
+    points, visible = (store.read(labelled_points, name)[:, frame] for name in ("points", "visible"))
+    truth = store.read(labelled_points, "labels")
+    return PointLabels(points[visible], *sample_points(resize_labels(labels, size), points, visible, truth), size)
+
+
+def _frame_similarity(overlaps: Overlaps) -> float:
+    """J of one frame, percent; its overlaps are counted at the ground truth's size, as in the sequence's score."""
     true_labels = {true for true, _ in overlaps} - {0}
     predicted_labels = {predicted for _, predicted in overlaps} - {0}
     return 100 * region_similarity(overlaps, true_labels, predicted_labels)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from schemas.configs import PipelineConfig, Variant
 from schemas.scores import EvaluationReport, EvaluationRow, SequenceScore, mean_score
-from workflows.datasets import SequenceSource
+from workflows.datasets import SequenceSource, find_ground_truth
 from workflows.graph import SequenceGraph
 from workflows.leaves import ingest_sequences
 from workflows.session import Session
@@ -25,8 +25,10 @@ def evaluate(
     Raises
     ------
     InputError
-        A sequence cannot be read, has no ground truth, or lacks a cue that `config` takes as given.
+        A sequence cannot be read, has no ground truth, or lacks a cue that `config` takes as given; or some have
+        masks and others labelled points.
     """
+    over = find_ground_truth(sources)
     scores: dict[tuple[Variant, str], str] = {}
 
     def build():
@@ -47,4 +49,4 @@ def evaluate(
     for variant in variants:
         found = {source.name: by_ref[scores[variant, source.name]] for source in sources}
         rows.append(EvaluationRow(variant=variant.value, sequences=found, mean=mean_score(list(found.values()))))
-    return EvaluationReport(dataset=dataset, rows=tuple(rows), store=session.use(), seconds=session.seconds)
+    return EvaluationReport(dataset=dataset, over=over, rows=tuple(rows), store=session.use(), seconds=session.seconds)

@@ -94,6 +94,18 @@ def _tracks(leaf: LeafWriter, source) -> dict:
     return {"leaves": [leaf({"points": points, "visible": visible}, {})]}
 
 
+def _labelled_points(leaf: LeafWriter, source) -> dict:
+    """One leaf for the labelled points of a sequence, with the size of the frames they were labelled in."""
+    found = source.read()
+    labels = sorted({int(label) for label in found.labels} - {0})
+    return {"leaves": [leaf(found._asdict(), {"size": list(source.size)})], "labels": labels}
+
+
+def _labels(leaf: LeafWriter, source) -> dict:
+    labels = source.read()
+    return {"leaves": [leaf({"labels": labels}, {})], "labels": np.unique(labels).tolist()}
+
+
 def _put_leaf(store: ArtifactStore, kind: str, arrays: dict[str, np.ndarray], attributes: dict) -> str:
     digests = _digests(arrays)
     recipe = _content_recipe(kind, digests, attributes)
@@ -117,8 +129,11 @@ def _content_recipe(kind: str, digests: dict[str, str], attributes: dict) -> Rec
 _LEAVES: dict[str, Callable[[LeafWriter, Any], dict]] = {
     "frame": _per_item("image"),
     "annotation": _masks,
+    "labelled_points": _labelled_points,
     "given_masks": _masks,
     "given_depth": _per_item("inverse_depth"),
     "given_flow": _per_item("flow"),
     "given_tracks": _tracks,
+    "trajectories": _tracks,
+    "trajectory_labels": _labels,
 }

@@ -43,6 +43,8 @@ def ingest_jobs(source: SequenceSource, config: PipelineConfig, annotated: bool)
 
     if annotated and source.annotations is not None:
         jobs["annotation"] = [IngestJob("annotation", source.annotations, batch)]
+    elif annotated and source.labelled_points is not None:
+        jobs["labelled_points"] = [IngestJob("labelled_points", source.labelled_points, batch)]
     if config.proposal_source in GIVEN_SOURCES:
         add("masks", "given_masks", source.objects or source.annotations, f"proposals: {config.proposal_source}")
     if config.depth.method in GIVEN_SOURCES:
@@ -72,10 +74,12 @@ def make_leaves(source: SequenceSource, ingested: dict[str, list[dict]]) -> Sequ
     if len(frames) < 2:
         raise InputError("too few frames to see motion", where=where, got=len(frames), expected="at least 2")
     (shape,) = shapes
-    annotation = ingested["annotation"][0] if "annotation" in ingested else None
-    num_motions = source.num_motions
-    if num_motions is None and annotation is not None:
-        num_motions = 1 + len(set(annotation["labels"]) - {source.void})
+    annotation, labelled_points = (
+        ingested[role][0] if role in ingested else None for role in ("annotation", "labelled_points")
+    )
+    num_motions, truth = source.num_motions, annotation or labelled_points
+    if num_motions is None and truth is not None:
+        num_motions = 1 + len(set(truth["labels"]) - {source.void})
     lists = {
         role: tuple(ingested[role][0]["leaves"])
         for role in ("depth", "flow_forward", "flow_backward")
@@ -92,6 +96,7 @@ def make_leaves(source: SequenceSource, ingested: dict[str, list[dict]]) -> Sequ
         shape=shape,
         frames=frames,
         annotation=annotation["leaves"][0] if annotation else None,
+        labelled_points=labelled_points["leaves"][0] if labelled_points else None,
         void=source.void,
         num_motions=num_motions,
         masks=ingested["masks"][0]["leaves"][0] if "masks" in ingested else None,

@@ -1,13 +1,13 @@
 """What an evaluation would compute and reuse, with nothing computed or stored."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from schemas.configs import PipelineConfig, Variant
 from schemas.digests import digest_json
 from schemas.errors import CorruptArtifactError, MissingArtifactError, MissingInputError
-from schemas.recipes import leaf_recipe
+from schemas.recipes import Recipe, leaf_recipe
 from store import ArtifactStore
-from workflows.datasets import SequenceSource
+from workflows.datasets import SequenceSource, find_ground_truth
 from workflows.graph import SequenceGraph
 from workflows.ingest import IngestJob, preview_ingest, recall_ingest
 from workflows.leaves import ingest_jobs, make_leaves
@@ -37,21 +37,38 @@ def plan_evaluation(
 
     Frames that were never ingested are decoded, because keys are digests of what files decode to. With weights that are
     neither here nor pinned nothing can have been made.
+
+    Raises
+    ------
+    InputError
+        Where the evaluation would have nothing to score against.
     """
+    find_ground_truth(sources)
     weights = {name: _plan_weights(folder, name, needed) for name, needed in needed_items(config).items()}
     recipes, sinks, num_ingests = {}, [], 0
     for source in sources:
         ingested = {}
         for role, jobs in ingest_jobs(source, config, annotated=True).items():
-            known = [_recall(store, job) for job in jobs]
-            num_ingests += known.count(None)
-            ingested[role] = [
-                preview_ingest(job) if entry is None else entry for job, entry in zip(jobs, known, strict=True)
-            ]
+            ingested[role], num_new = foresee_ingest(store, jobs)
+            num_ingests += num_new
         graph = SequenceGraph(make_leaves(source, ingested)._replace(weights=weights), config)
         sinks.extend(graph.score(variant) for variant in variants)
         sinks.extend(graph.cues())
         recipes |= graph.recipes
+    return count_uses(store, recipes, sinks, num_ingests)
+
+
+def foresee_ingest(store: ArtifactStore | EmptyStore, jobs: Sequence[IngestJob]) -> tuple[list[dict], int]:
+    """What ingesting the jobs would give, and how many of them a run would have to decode."""
+    known = [_recall(store, job) for job in jobs]
+    found = [preview_ingest(job) if entry is None else entry for job, entry in zip(jobs, known, strict=True)]
+    return found, known.count(None)
+
+
+def count_uses(
+    store: ArtifactStore | EmptyStore, recipes: Mapping[str, Recipe], sinks: Sequence[str], num_ingests: int
+) -> dict[str, StageUse]:
+    """Artifacts to compute and to reuse by stage."""
     computed, reused = make_plan(store, recipes, sinks).count()
     if num_ingests:
         computed["ingest"] = num_ingests

@@ -6,11 +6,14 @@ from typing import NamedTuple
 import numpy as np
 
 from moseg_tasks.clustering.agreement import set_apart
+from moseg_tasks.clustering.count_motions import CountEvidence, MotionCount, count_motions
 from moseg_tasks.clustering.fusion import fill_unknown, fuse_kernels, unit_diagonal
 from moseg_tasks.clustering.kmeans import cluster_points
 from moseg_tasks.clustering.linkage import link_objects
+from moseg_tasks.clustering.motion_tracks import MotionTracks
 from moseg_tasks.clustering.num_motions import count_by_eigengap
 from moseg_tasks.clustering.spectral import Embedding, embed_views
+from moseg_tasks.clustering.stability import resampled_affinities
 from schemas.errors import InputError
 from schemas.parameters import ClusteringParams
 
@@ -30,6 +33,9 @@ class Clustering(NamedTuple):
         Groups, the background's included.
     objective : float64 (iterations,)
         The co-regularised objective after each round.
+    scores : float64 (C,)
+        What the number of motions was chosen by where it was found by comparing 1, 2, ... C groups, the larger the
+        better; else empty.
     """
 
     motion: np.ndarray
@@ -37,6 +43,7 @@ class Clustering(NamedTuple):
     eigenvalues: np.ndarray
     num_motions: int
     objective: np.ndarray
+    scores: np.ndarray
 
 
 def cluster_motions(
@@ -44,12 +51,14 @@ def cluster_motions(
     num_motions: int | None,
     params: ClusteringParams,
     is_static: np.ndarray | None = None,
+    tracks: Sequence[MotionTracks] = (),
+    rng: np.random.Generator | None = None,
 ) -> Clustering:
     """Group objects by motion.
 
-    Nothing here is random, and the order of the objects other than the background does not matter: they are handled in
-    an order that follows from their affinities, so that even a nearly diagonal affinity tells nothing by its order.
-    Objects that no affinity tells apart are interchangeable.
+    Nothing here is random but what is fitted to tracks, where they tell the number of motions. The order of the objects
+    other than the background does not matter: they are handled in an order that follows from their affinities, so that
+    even a nearly diagonal affinity tells nothing by its order. Objects that no affinity tells apart can be swapped.
 
     Parameters
     ----------
@@ -59,11 +68,16 @@ def cluster_motions(
     num_motions : int, optional
         Motions with the background's, at most K in effect. None finds it, by `params.auto`: ``threshold`` merges groups
         of the fused kernel while they are alike, and can answer 1; it needs affinities with a scale, that of ORK only
-        tells more from less. ``eigengap`` needs none, but seldom answers 1.
+        tells more from less. ``eigengap`` needs none, but seldom answers 1. The other methods are those of
+        ``count_motions``.
     params : ClusteringParams
     is_static : bool (K,), optional
         What is static where it is known beforehand (``agreed_static``), the background with it: it is one group, and
         the affinities only group the other objects. None leaves that to the clustering: the background's group.
+    tracks : sequence of MotionTracks
+        Each section's, owned by objects. Read, as is `rng`, where the number of motions is found by them:
+        ``description_length``, ``geometric`` and ``stability``.
+    rng : numpy.random.Generator, optional
 
     Returns
     -------
@@ -72,8 +86,8 @@ def cluster_motions(
     Raises
     ------
     InputError
-        Where there is no view, the views disagree in shape, `num_motions` is below 1, or it is given together with
-        `is_static`, which may leave fewer or more.
+        Where there is no view, the views disagree in shape, `num_motions` is below 1, it is given together with
+        `is_static`, which may leave fewer or more, or the number is to be found by tracks and there are none.
     """
     _check(affinities, num_motions, is_static)
     views = fill_unknown([unit_diagonal(affinity) for affinity in affinities])
@@ -84,19 +98,17 @@ def cluster_motions(
     views, kernel = views[:, order][:, :, order], kernel[np.ix_(order, order)]
     spectral_views = views if params.fusion == "coregularised" else kernel[None]
 
-    count = min(num_motions, len(kernel)) if num_motions is not None else _count(spectral_views, kernel, params)
-    embedding = _embed(spectral_views, count, params)
-    if params.grouping == "spectral":
-        ordered = cluster_points(embedding.coordinates, count)
+    objects = _Objects(kernel, spectral_views, None if is_static is None else is_static[order], params)
+    if num_motions is not None:
+        count, scores = min(num_motions, len(kernel)), np.empty(0)
     else:
-        ordered = link_objects(kernel, count, params.threshold)
+        rank = np.argsort(order)
+        count, scores = _count(objects, [section._replace(owner=rank[section.owner]) for section in tracks], rng)
+    ordered, embedding = objects.group(count)
     labels, coordinates = np.empty(len(order), np.int64), np.empty_like(embedding.coordinates)
     labels[order], coordinates[order] = ordered, embedding.coordinates
-    if is_static is not None:
-        # Linkage never joins what was set apart; k-means on too few coordinates can.
-        labels = np.where(is_static, labels.max() + 1, labels)
     motion = _background_first(labels)
-    return Clustering(motion, coordinates, embedding.eigenvalues, int(motion.max()) + 1, embedding.objective)
+    return Clustering(motion, coordinates, embedding.eigenvalues, int(motion.max()) + 1, embedding.objective, scores)
 
 
 def _check(affinities, num_motions, is_static) -> None:
@@ -126,10 +138,53 @@ def _content_order(kernel: np.ndarray) -> np.ndarray:
     return np.concatenate([[0], others]).astype(np.int64)
 
 
-def _count(views: np.ndarray, kernel: np.ndarray, params: ClusteringParams) -> int:
+class _Objects(NamedTuple):
+    """Objects in the order of their content, and how they are grouped."""
+
+    kernel: np.ndarray
+    views: np.ndarray
+    is_static: np.ndarray | None
+    params: ClusteringParams
+
+    def group(self, count: int) -> tuple[np.ndarray, Embedding]:
+        """Labels of so many groups, and the embedding."""
+        embedding = _embed(self.views, count, self.params)
+        if self.params.grouping == "spectral":
+            labels = cluster_points(embedding.coordinates, count)
+        else:
+            labels = link_objects(self.kernel, count, self.params.threshold)
+        if self.is_static is not None:
+            # Linkage never joins what was set apart; k-means on too few coordinates can.
+            labels = np.where(self.is_static, labels.max() + 1, labels)
+        return labels, embedding
+
+    def groupings(self) -> list[np.ndarray]:
+        """Labels of 1, 2, ... groups."""
+        most = min(self.params.count.most_motions, len(self.kernel))
+        return [self.group(count)[0] for count in range(1, most + 1)]
+
+    def seen_as(self, affinity: np.ndarray) -> "_Objects":
+        """The same objects under another affinity."""
+        view = affinity[None] if self.is_static is None else set_apart(affinity[None], self.is_static)
+        return self._replace(kernel=view[0], views=view)
+
+
+def _count(objects: _Objects, tracks: Sequence[MotionTracks], rng: np.random.Generator | None) -> MotionCount:
+    """Groups to ask for where the number of motions is not given."""
+    params = objects.params
+    if params.auto == "threshold":
+        return MotionCount(int(link_objects(objects.kernel, None, params.threshold).max()) + 1, np.empty(0))
+    eigenvalues = _embed(objects.views, 1, params).eigenvalues
     if params.auto == "eigengap":
-        return count_by_eigengap(_embed(views, 1, params).eigenvalues)
-    return int(link_objects(kernel, None, params.threshold).max()) + 1
+        return MotionCount(count_by_eigengap(eigenvalues), np.empty(0))
+    resampled = []
+    if params.auto == "stability":
+        if rng is None or len(tracks) == 0:
+            raise InputError("no tracks to resample", where="cluster_motions: stability", expected="tracks, rng")
+        affinities = resampled_affinities(tracks, len(objects.kernel), params.count, rng)
+        resampled = [objects.seen_as(affinity).groupings() for affinity in affinities]
+    evidence = CountEvidence(objects.groupings(), objects.kernel, eigenvalues, tracks, resampled)
+    return count_motions(evidence, params.auto, params.count, rng)
 
 
 def _embed(views: np.ndarray, dimension: int, params: ClusteringParams) -> Embedding:

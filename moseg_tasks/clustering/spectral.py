@@ -4,16 +4,21 @@ from typing import NamedTuple
 
 import numpy as np
 
+from moseg_tasks.clustering.eigenpairs import leading_eigenpairs
+
+MOST_EIGENVALUES = 20
+"""Kept of each view: all of objects, the leading ones of trajectories."""
+
 
 class Embedding(NamedTuple):
-    """Spectral embedding of K objects.
+    """Spectral embedding of K objects or trajectories.
 
     Attributes
     ----------
     coordinates : float64 (K, V k)
         The views' k leading eigenvectors side by side, rows scaled to unit length.
-    eigenvalues : float64 (V, K)
-        Of each view's normalised affinity before co-regularisation, descending.
+    eigenvalues : float64 (V, E)
+        Of each view's normalised affinity before co-regularisation, descending; of many only the leading 20.
     objective : float64 (iterations,)
         The co-regularised objective after each round of updates; it never falls.
     """
@@ -53,14 +58,15 @@ def embed_views(
     A. Kumar, P. Rai and H. Daume III, "Co-regularized multi-view spectral clustering", NIPS 2011, equations 2 to 4.
     """
     laplacians = [normalise_affinity(view) for view in views]
-    eigenvalues = np.stack([np.linalg.eigvalsh(laplacian)[::-1] for laplacian in laplacians])
-    bases = [leading_eigenvectors(laplacian, dimension) for laplacian in laplacians]
+    num_eigenvalues = min(len(views[0]), MOST_EIGENVALUES)
+    eigenvalues = np.stack([leading_eigenpairs(laplacian, num_eigenvalues)[0] for laplacian in laplacians])
+    bases = [leading_eigenpairs(laplacian, dimension)[1] for laplacian in laplacians]
     history = []
     if len(views) > 1 and co_regularisation > 0:
         for _ in range(num_iterations):
             for v, laplacian in enumerate(laplacians):
                 others = sum(basis @ basis.T for w, basis in enumerate(bases) if w != v)
-                bases[v] = leading_eigenvectors(laplacian + co_regularisation * others, dimension)
+                bases[v] = leading_eigenpairs(laplacian + co_regularisation * others, dimension)[1]
             history.append(_objective(laplacians, bases, co_regularisation))
             if len(history) > 1 and history[-1] - history[-2] <= tolerance * abs(history[-1]):
                 break
@@ -74,11 +80,6 @@ def normalise_affinity(affinity: np.ndarray) -> np.ndarray:
     degree = affinity.sum(axis=1)
     scale = np.where(degree > 0, 1.0 / np.sqrt(np.where(degree > 0, degree, 1.0)), 0.0)
     return scale[:, None] * affinity * scale[None, :]
-
-
-def leading_eigenvectors(symmetric: np.ndarray, dimension: int) -> np.ndarray:
-    """The eigenvectors of the largest eigenvalues, float64 (K, dimension)."""
-    return np.linalg.eigh(symmetric)[1][:, ::-1][:, :dimension]
 
 
 def unit_rows(vectors: np.ndarray) -> np.ndarray:

@@ -2,8 +2,10 @@
 
 from moseg_tasks.metrics.assign_objects import assign_objects
 from moseg_tasks.metrics.boundary_similarity import BOUNDARY_TOLERANCE, boundary_map, boundary_similarity
+from moseg_tasks.metrics.clustering_error import clustering_error
 from moseg_tasks.metrics.foreground_scores import ForegroundScores, score_foreground
 from moseg_tasks.metrics.overlaps import Overlaps, add_overlaps, count_overlaps
+from moseg_tasks.metrics.point_scores import PointPairs, count_point_overlaps, sample_points, score_points
 from moseg_tasks.metrics.region_similarity import region_similarity
 from moseg_tasks.metrics.score_sequence import FramePairs, score_sequence
 
@@ -12,12 +14,17 @@ __all__ = [
     "ForegroundScores",
     "FramePairs",
     "Overlaps",
+    "PointPairs",
     "add_overlaps",
     "assign_objects",
     "boundary_map",
     "boundary_similarity",
+    "clustering_error",
     "count_overlaps",
+    "count_point_overlaps",
     "region_similarity",
+    "sample_points",
     "score_foreground",
+    "score_points",
     "score_sequence",
 ]

@@ -1,9 +1,9 @@
 """Parameters of every stage, one file a stage."""
 
 from schemas.parameters.accumulation import AccumulationParams
-from schemas.parameters.affinity import AffinityParams
+from schemas.parameters.affinity import AffinityParams, HypothesisAffinityParams
 from schemas.parameters.appearance import AppearanceParams
-from schemas.parameters.clustering import ClusteringParams
+from schemas.parameters.clustering import ClusteringParams, MotionCountParams
 from schemas.parameters.components import ComponentParams
 from schemas.parameters.deaot import DeaotParams
 from schemas.parameters.depth import DepthParams
@@ -18,6 +18,7 @@ from schemas.parameters.grounding_dino import GroundingDinoParams
 from schemas.parameters.identity import IdentityParams
 from schemas.parameters.instances import InstanceParams, SeedParams
 from schemas.parameters.linking import LinkingParams
+from schemas.parameters.object_hypotheses import ObjectHypothesisParams
 from schemas.parameters.own_motion import OwnMotionParams
 from schemas.parameters.pips import PipsParams
 from schemas.parameters.raft import RaftParams
@@ -27,6 +28,14 @@ from schemas.parameters.saliency import SaliencyParams
 from schemas.parameters.sam2 import Sam2Params
 from schemas.parameters.sam_hq import SamHqParams
 from schemas.parameters.tracks import TrackParams
+from schemas.parameters.trajectories import (
+    EnergyParams,
+    HypothesisParams,
+    KernelParams,
+    PieceParams,
+    SeparationParams,
+    TrajectoryClusteringParams,
+)
 
 __all__ = [
     "AccumulationParams",
@@ -39,16 +48,23 @@ __all__ = [
     "DepthParams",
     "DetectionParams",
     "DptDinov2Params",
+    "EnergyParams",
     "FlowModelName",
     "FlowModelParams",
     "FlowParams",
     "ForegroundParams",
     "FundamentalParams",
     "GroundingDinoParams",
+    "HypothesisAffinityParams",
+    "HypothesisParams",
     "IdentityParams",
     "InstanceParams",
+    "KernelParams",
     "LinkingParams",
+    "MotionCountParams",
+    "ObjectHypothesisParams",
     "OwnMotionParams",
+    "PieceParams",
     "PipsParams",
     "RaftParams",
     "RamParams",
@@ -57,5 +73,7 @@ __all__ = [
     "Sam2Params",
     "SamHqParams",
     "SeedParams",
+    "SeparationParams",
     "TrackParams",
+    "TrajectoryClusteringParams",
 ]

@@ -10,7 +10,11 @@ from schemas.frozen import Frozen
 class AffinityParams(Frozen):
     """How pairwise residuals become affinities."""
 
-    method: Literal["residual", "ork"] = Field("residual", description="residual size, or the paper's weighted ORK")
+    method: Literal["residual", "ork", "hypotheses", "combined"] = Field(
+        "residual",
+        description="residual size, the paper's weighted ORK, ORK over many hypotheses (hypotheses), or residual size"
+        " and many hypotheses together (combined)",
+    )
     ork_threshold: int = Field(2, ge=1, description="t of the weighted ORK: how many smallest residuals score")
     ork_reading: Literal["models", "objects"] = Field(
         "models", description="rank the models for each object's data, or the objects under each model"
@@ -35,3 +39,28 @@ class AffinityParams(Frozen):
     quantile: float = Field(
         0.5, ge=0, le=1, description="quantile over frame pairs of the distance between two objects"
     )
+
+
+class HypothesisAffinityParams(Frozen):
+    """How many hypotheses of motion, drawn from the tracks of a few objects each, become an affinity of objects."""
+
+    models: tuple[str, ...] = Field(
+        ("homography", "fundamental"), min_length=1, description="point models of two frames that hypotheses are of"
+    )
+    gap: int = Field(3, ge=1, description="frames between the two frames of a pair")
+    num_hypotheses: int = Field(300, ge=1, description="minimal samples of each model in each frame pair")
+    num_objects: int = Field(3, ge=1, description="random objects whose tracks a sample is drawn from")
+    min_tracks: int = Field(
+        4, ge=1, description="tracks seen in a pair below which an object takes no part, unless it has no more"
+    )
+    window: float = Field(0.075, gt=0, le=1, description="share of a pair's hypotheses that an object prefers")
+    fade: float = Field(
+        10.0,
+        ge=0,
+        description="residual at which a preference counts half, in units of what good hypotheses leave of a typical"
+        " object; 0: ranks alone count",
+    )
+    fusion: Literal["product", "sum"] = Field(
+        "product", description="geometric or arithmetic mean of the models' cosines between preferences"
+    )
+    power: float = Field(5.0, gt=0, description="power of that mean")

@@ -6,6 +6,64 @@ from pydantic import Field
 
 from schemas.frozen import Frozen
 
+TRACK_METHODS = ("description_length", "geometric")
+"""Ways to find the number of motions that compare how well each explains the tracks."""
+READ_TRACKS = (*TRACK_METHODS, "stability")
+"""Ways that read tracks; the others only read affinities."""
+
+_FITS = frozenset(
+    {"most_motions", "gap", "num_samples", "num_refits", "threshold", "truncation", "homography_ratio", "least_span"}
+)
+COUNT_READS = {
+    "description_length": _FITS | {"outlier_range", "least_noise", "parameter_price"},
+    "geometric": _FITS | {"motion_price"},
+    "confidences": frozenset({"most_motions", "least_silhouette"}),
+    "stability": frozenset({"most_motions", "gap", "num_resamples", "least_agreement"}),
+}
+"""Parameters of `MotionCountParams` that each way to find the number of motions reads; the other ways read none."""
+
+
+class MotionCountParams(Frozen):
+    """How clusterings into 1, 2, ... motions are compared where the number is not given."""
+
+    most_motions: int = Field(6, ge=1, description="largest number of motions that is tried")
+    gap: int = Field(3, ge=1, description="frames between the two frames of a pair")
+    num_samples: int = Field(100, ge=1, description="minimal samples drawn for each fit")
+    threshold: float = Field(1.0, gt=0, description="Sampson distance of an inlier of a fundamental matrix, px")
+    num_refits: int = Field(5, ge=0, description="most local refits of a homography to its inliers")
+    homography_ratio: float = Field(
+        0.95,
+        ge=0,
+        description="a pair shows no parallax where a homography explains its widest object: where it has this share of"
+        " the fundamental matrix's inliers",
+    )
+    least_span: float = Field(
+        0.5,
+        ge=0,
+        description="spread of the widest object, in that of all tracks, below which parallax is taken for granted",
+    )
+    truncation: float = Field(
+        0.5, gt=0, description="distance from which an observation counts as far (affine fits) or costs 1, px"
+    )
+    motion_price: float = Field(0.02, ge=0, description="cost of a motion, in shares of observations (geometric)")
+    outlier_range: float = Field(
+        5.0, gt=0, description="range over which the distances of outliers are spread, px (description_length)"
+    )
+    least_noise: float = Field(0.03, gt=0, description="noise of tracks below which none is believed, px")
+    parameter_price: float = Field(
+        0.5,
+        ge=0,
+        description="nats of a parameter in logarithms of the number of observations; 0.5 is the Bayesian information"
+        " criterion (description_length)",
+    )
+    least_silhouette: float = Field(
+        0.5, ge=-1, le=1, description="best silhouette below which there is one motion only (confidences)"
+    )
+    num_resamples: int = Field(6, ge=2, description="random halves of the frame pairs that are compared (stability)")
+    least_agreement: float = Field(
+        0.9, ge=0, le=1, description="mean adjusted Rand index of resamples that agree (stability)"
+    )
+
 
 class ClusteringParams(Frozen):
     """How affinities of several views become motion groups."""
@@ -20,9 +78,14 @@ class ClusteringParams(Frozen):
     grouping: Literal["linkage", "spectral"] = Field(
         "linkage", description="average linkage around the background, or k-means on the spectral embedding (the paper)"
     )
-    auto: Literal["threshold", "eigengap"] = Field(
-        "threshold", description="how the number of motions is found where it is not given"
+    auto: Literal["threshold", "description_length", "geometric", "confidences", "stability", "eigengap"] = Field(
+        "threshold",
+        description="how the number of motions is found where it is not given: groups merge while they are alike"
+        " (threshold); what describes the tracks in the fewest nats (description_length), or explains them at a fixed"
+        " price for each motion (geometric); the clearest clusters (confidences); clusters that come back in other"
+        " pairs of frames (stability); the largest gap of the spectrum (eigengap)",
     )
+    count: MotionCountParams = MotionCountParams()
     threshold: float = Field(
         0.5,
         gt=0,

@@ -19,10 +19,10 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "fd7b4250073cf9e7",
-    "oc-depth": "21f83c4723fe60c8",
-    "oc": "2a0c9aaa22a9e1d2",
-    "trajs": "e6a43605ce3aff33",
+    "fused": "a742e4689168267c",
+    "oc-depth": "8522c3adb624a12a",
+    "oc": "6954eb5d6a3e8ff5",
+    "trajs": "a39c6b4984689ff3",
     "base": "38ed1dd5fe6e40c3",
     "flow": "8978fb0e3d6f04db",
     "tracks": "b60b29aa79f68b03",

@@ -16,8 +16,8 @@ BEHIND_FLOW = {"flow", "flow_model", "flow_residual"} | GROUPS
 BEHIND_DEPTH = {"depth", "flow_model", "flow_residual"} | GROUPS
 BEHIND_TRACKS = {"tracks", "fundamental", "fundamental_residual"} | GROUPS
 GOLDEN = {
-    "paper": "3e46e6f1d80dee24",
-    "modern": "16cbb1b510a1198b",
+    "paper": "f7fd68ca2764e04f",
+    "modern": "5f09b2222d0e2dab",
 }
 
 

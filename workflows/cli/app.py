@@ -9,6 +9,7 @@ from typer.main import get_command
 
 from schemas.errors import InputError, StoreError
 from workflows.cli import contact_sheet, evaluate, inspect, score, segment
+from workflows.cli.datasets import datasets_app
 from workflows.cli.store import store_app
 from workflows.cli.weights import weights_app
 
@@ -25,8 +26,8 @@ app.command("ablate")(evaluate.ablate)
 app.command("plan")(evaluate.plan)
 app.command("score")(score.score)
 app.command("contact-sheet")(contact_sheet.contact_sheet)
-app.command("datasets")(inspect.datasets)
 app.command("backends")(inspect.backends)
+app.add_typer(datasets_app, name="datasets")
 app.add_typer(store_app, name="store")
 app.add_typer(weights_app, name="weights")
 

@@ -1,9 +1,11 @@
 """`moseg eval`, `moseg ablate` and `moseg plan`."""
 
 import os
+from typing import Literal
 
-from schemas.configs import PipelineConfig, Variant
+from schemas.configs import PipelineConfig, TrajectoryVariant, Variant
 from schemas.errors import MissingStoreError
+from schemas.trajectory_scores import TrajectoryReport
 from workflows.cli.notes import motions_note
 from workflows.cli.options import (
     DEFAULT_STORE,
@@ -12,15 +14,19 @@ from workflows.cli.options import (
     PipelineOptions,
     RunOptions,
     StoreOption,
+    VariantName,
     VariantsOption,
+    read_variants,
     with_option_groups,
 )
+from workflows.cli.trajectory_options import TrajectoryOptions
 
 
 @with_option_groups
 def evaluate(
     data: DataOptions,
     pipeline: PipelineOptions,
+    trajectories: TrajectoryOptions,
     run: RunOptions,
     variant: VariantsOption = None,
     json: JsonOption = None,
@@ -29,21 +35,37 @@ def evaluate(
 
     Example: moseg eval --dataset davis16 --root DAVIS --variant fused --json fused.json
     """
-    from workflows.cli.tables import print_report
+    report, _, notes = _evaluate(data, pipeline, trajectories, run, variant, json)
+    if isinstance(report, TrajectoryReport):
+        from workflows.cli.trajectory_tables import print_trajectory_report as print_report
+    else:
+        from workflows.cli.tables import print_report
 
-    report, _, notes = _evaluate(data, pipeline, run, tuple(variant or (Variant.FUSED,)), json)
     print_report(report, notes)
 
 
 @with_option_groups
-def ablate(data: DataOptions, pipeline: PipelineOptions, run: RunOptions, json: JsonOption = None) -> None:
+def ablate(
+    data: DataOptions,
+    pipeline: PipelineOptions,
+    trajectories: TrajectoryOptions,
+    run: RunOptions,
+    json: JsonOption = None,
+) -> None:
     """The paper's ablation: all five variants in one table, with the artifacts computed and reused.
+
+    On labelled trajectories: all views fused, and each of the three models alone.
 
     Example: moseg ablate --dataset synthetic --proposals groundtruth --depth groundtruth
     """
-    from workflows.cli.tables import print_ablation, print_stages
+    from workflows.cli.tables import print_stages
 
-    report, stages, notes = _evaluate(data, pipeline, run, tuple(Variant), json)
+    report, stages, notes = _evaluate(data, pipeline, trajectories, run, "all", json)
+    if isinstance(report, TrajectoryReport):
+        from workflows.cli.trajectory_tables import print_trajectory_ablation as print_ablation
+    else:
+        from workflows.cli.tables import print_ablation
+
     print_ablation(report, notes)
     print_stages(stages)
     print(f"{report.store.computed} artifacts computed, {report.store.reused} reused, {report.seconds:.1f} s")
@@ -51,7 +73,11 @@ def ablate(data: DataOptions, pipeline: PipelineOptions, run: RunOptions, json: 
 
 @with_option_groups
 def plan(
-    data: DataOptions, pipeline: PipelineOptions, variant: VariantsOption = None, store: StoreOption = DEFAULT_STORE
+    data: DataOptions,
+    pipeline: PipelineOptions,
+    trajectories: TrajectoryOptions,
+    variant: VariantsOption = None,
+    store: StoreOption = DEFAULT_STORE,
 ) -> None:
     """What `moseg eval` with the same options would compute and reuse; nothing is computed or stored.
 
@@ -60,18 +86,27 @@ def plan(
     from store import open_store
     from workflows.cli.tables import print_stages
     from workflows.plan_evaluation import EmptyStore, plan_evaluation
+    from workflows.plan_trajectories import plan_trajectories
     from workflows.weights.fetch_command import fetch_command
     from workflows.weights.folder import open_weights
     from workflows.weights.needed import needed_items
 
     config, folders = pipeline.read()
-    _, sources = _open(data, config, folders)
+    dataset = data.open(config.max_side)
     try:
         opened = open_store(store, create=False)
     except MissingStoreError:
         opened = EmptyStore()
     weights = open_weights(os.environ, offline=True, allow_non_commercial=True)
-    stages = plan_evaluation(opened, sources, config, tuple(variant or (Variant.FUSED,)), weights)
+    if dataset.has_frames:
+        trajectories.refuse(dataset.name)
+        variants = read_variants(variant, Variant, dataset.name)
+        stages = plan_evaluation(opened, _open(dataset, config, folders), config, variants, weights)
+    else:
+        config = trajectories.apply(pipeline, config, dataset.name)
+        variants = read_variants(variant, TrajectoryVariant, dataset.name)
+        sources = [dataset.trajectories(name) for name in dataset.names]
+        stages = plan_trajectories(opened, sources, config, variants, trajectories.all_seeds)
     print_stages(stages)
     computed, reused = (sum(use[i] for use in stages.values()) for i in (0, 1))
     print(f"{computed} artifacts to compute, {reused} to reuse")
@@ -84,32 +119,40 @@ def plan(
 def _evaluate(
     data: DataOptions,
     pipeline: PipelineOptions,
+    trajectories: TrajectoryOptions,
     run: RunOptions,
-    variants: tuple[Variant, ...],
+    variant: list[VariantName] | Literal["all"] | None,
     json: str | None,
 ):
     """The report, written to `json` where asked, the use of the store by stage, and what a reader must know."""
+    from workflows.cli.trajectory_runs import evaluate_clips
     from workflows.evaluate import evaluate as run_evaluation
     from workflows.exports import check_writable, write_text
 
     config, folders = pipeline.read()
     if json is not None:
         check_writable(json)
-    dataset, sources = _open(data, config, folders)
+    dataset = data.open(config.max_side)
+    kind = Variant if dataset.has_frames else TrajectoryVariant
+    variants = tuple(kind) if variant == "all" else read_variants(variant, kind, dataset.name)
+    if not dataset.has_frames:
+        config = trajectories.apply(pipeline, config, dataset.name)
+        return evaluate_clips(dataset, config, run, variants, trajectories.all_seeds, json)
+    trajectories.refuse(dataset.name)
+    sources = _open(dataset, config, folders)
     with run.open() as session:
         report = run_evaluation(session, dataset.name, sources, config, variants)
     if json is not None:
-        write_text(json, report.model_dump_json(indent=2) + "\n")
+        write_text(json, report.model_dump_json(indent=2, exclude_none=True) + "\n")
     notes = (*_notes(config, variants), *(f"{absent} is not on disk" for absent in dataset.absent))
     return report, session.stages(), notes
 
 
-def _open(data: DataOptions, config: PipelineConfig, folders: dict[str, str]):
-    """The data set and the sources of its sequences, given cues included."""
+def _open(dataset, config: PipelineConfig, folders: dict[str, str]):
+    """The sources of a data set's sequences, given cues included."""
     from workflows.given_folders import with_given_folders
 
-    dataset = data.open(config.max_side)
-    return dataset, [with_given_folders(dataset.sequence(name), folders, config.max_side) for name in dataset.names]
+    return [with_given_folders(dataset.sequence(name), folders, config.max_side) for name in dataset.names]
 
 
 def _notes(config: PipelineConfig, variants: tuple[Variant, ...]) -> tuple[str, ...]:

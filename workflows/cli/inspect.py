@@ -1,21 +1,6 @@
-"""`moseg datasets` and `moseg backends`."""
+"""`moseg backends`."""
 
 import os
-
-
-def datasets() -> None:
-    """Data sets: which are there, which are missing, and how to get them."""
-    from workflows.datasets import describe_datasets
-
-    for row in describe_datasets(os.environ):
-        found = f"{len(row.names)} sequences" if row.is_present else f"not here: {row.problem}"
-        print(f"{row.name}: {found}")
-        print(f"    ground truth  {row.ground_truth}")
-        print(f"    files         {row.tree}")
-        print(f"    from          {row.source}")
-        if row.is_present and row.absent:
-            print(f"    absent        {', '.join(row.absent)}")
-    print("A data set is looked for at --root, else at $MOSEG_DATA/<name>.")
 
 
 def backends() -> None:

@@ -4,18 +4,23 @@ import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from difflib import get_close_matches
+from enum import StrEnum
 from functools import wraps
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Any, TypeVar, get_type_hints
 
 import typer
 from pydantic import ValidationError
 
-from schemas.configs import PipelineConfig, Variant
+from schemas.configs import PipelineConfig, TrajectoryVariant, Variant
 from schemas.errors import InputError
 from schemas.presets import GEOMETRIES, PRESETS, QUALITIES
 from workflows.cli.config_errors import explain
 
 DEFAULT_STORE = ".moseg/store"
+
+AnyVariant = TypeVar("AnyVariant", Variant, TrajectoryVariant)
+VariantName = StrEnum("VariantName", {variant.name: variant.value for variant in (*Variant, *TrajectoryVariant)})
+"""Of every kind of data set; `read_variants` says which of them one has."""
 
 StoreOption = Annotated[str, typer.Option("--store", help="Artifact store: a folder or file:// URL.")]
 QuietOption = Annotated[bool, typer.Option("--quiet", help="No progress on standard error.")]
@@ -27,7 +32,12 @@ NonCommercialOption = Annotated[
 ]
 JsonOption = Annotated[str | None, typer.Option("--json", help="Also write the result to this file.")]
 VariantsOption = Annotated[
-    list[Variant] | None, typer.Option("--variant", help="Row of the ablation; may be repeated (default: fused).")
+    list[VariantName] | None,
+    typer.Option(
+        "--variant",
+        help="Row of the ablation; may be repeated (default: fused). Of frames: fused, oc-depth, oc, trajs, base; of"
+        " labelled trajectories: fused, trajs, homography, affine.",
+    ),
 ]
 
 
@@ -96,7 +106,9 @@ class PipelineOptions:
         str | None,
         typer.Option("--tracks", help="lucas-kanade, pips, groundtruth or folder:PATH (default: lucas-kanade)."),
     ] = None
-    affinity: Annotated[str | None, typer.Option("--affinity", help="residual or ork (default: residual).")] = None
+    affinity: Annotated[
+        str | None, typer.Option("--affinity", help="residual, ork, hypotheses or combined (default: residual).")
+    ] = None
     geometry: Annotated[str, typer.Option("--geometry", help="Fits, affinity and clustering: default or paper.")] = (
         "default"
     )
@@ -236,6 +248,16 @@ def sequence_names(text: str | None) -> tuple[str, ...] | None:
     if not names:
         raise InputError("no sequence named", where="--sequences", got=repr(text), expected="names separated by commas")
     return names
+
+
+def read_variants(names: list[VariantName] | None, kind: type[AnyVariant], dataset: str) -> tuple[AnyVariant, ...]:
+    """The variants named, each once, ``fused`` where there is none; raises InputError on one that is not of `kind`."""
+    known = [variant.value for variant in kind]
+    for name in names or ():
+        if name not in known:
+            what = f"no such variant of data set {dataset}"
+            raise InputError(what, where="--variant", got=name.value, expected=" or ".join(known))
+    return tuple(kind(name) for name in dict.fromkeys(names or (VariantName.FUSED,)))
 
 
 def choose_preset(preset: str, geometry: str = "default", quality: str = "default") -> dict[str, Any]:

@@ -37,16 +37,17 @@ def score(
         check_writable(json)
     saved = open_predictions(Path(predictions), format)
     dataset = data.open(PipelineConfig().max_side)
-    scores = score_predictions(dataset, saved, quiet)
+    over, scores = score_predictions(dataset, saved, quiet)
     row = EvaluationRow(
         variant=name or Path(predictions).resolve().name, sequences=scores, mean=mean_score(list(scores.values()))
     )
     report = EvaluationReport(
         dataset=dataset.name,
+        over=over,
         rows=(row,),
         store=StoreUse(computed=0, reused=0),
         seconds=time.perf_counter() - started,
     )
     print_report(report, tuple(f"{absent} is not on disk" for absent in dataset.absent))
     if json is not None:
-        write_text(json, report.model_dump_json(indent=2) + "\n")
+        write_text(json, report.model_dump_json(indent=2, exclude_none=True) + "\n")

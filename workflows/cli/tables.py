@@ -3,7 +3,7 @@
 from rich.console import Console
 from rich.table import Table
 
-from schemas.scores import EvaluationReport, SequenceScore
+from schemas.scores import EvaluationReport, GroundTruth, SequenceScore
 from workflows.cli.paper import PAPER_ROWS
 from workflows.session import StageUse
 
@@ -30,13 +30,13 @@ def print_report(report: EvaluationReport, notes: tuple[str, ...] = ()) -> None:
     for note in notes:
         out.print(f"note: {note}", highlight=False)
     for row in report.rows:
-        table = _score_table(f"{report.dataset}, {row.variant}", "sequence")
+        table = _score_table(f"{report.dataset}, {row.variant}", "sequence", report.over)
         for name, score in row.sequences.items():
-            table.add_row(name, *_cells(score))
+            table.add_row(name, *_cells(score, report.over))
         table.add_section()
-        table.add_row("mean", *_cells(row.mean))
+        table.add_row("mean", *_cells(row.mean, report.over))
         out.print(table)
-    print_paper(out, report.dataset)
+    print_paper(out, report.dataset, report.over)
     out.print(
         f"{report.store.computed} artifacts computed, {report.store.reused} reused, {report.seconds:.1f} s",
         highlight=False,
@@ -49,19 +49,20 @@ def print_ablation(report: EvaluationReport, notes: tuple[str, ...] = ()) -> Non
     for note in notes:
         out.print(f"note: {note}", highlight=False)
     num_sequences = len(report.rows[0].sequences)
-    table = _score_table(f"{report.dataset}, mean of {num_sequences} sequences", "variant")
+    table = _score_table(f"{report.dataset}, mean of {num_sequences} sequences", "variant", report.over)
     for row in report.rows:
-        table.add_row(row.variant, *_cells(row.mean))
+        table.add_row(row.variant, *_cells(row.mean, report.over))
     out.print(table)
-    print_paper(out, report.dataset)
+    print_paper(out, report.dataset, report.over)
 
 
-def print_paper(out: Console, dataset: str) -> None:
-    """The paper's figures for a data set, marked as the paper's."""
+def print_paper(out: Console, dataset: str, over: GroundTruth = "pixels") -> None:
+    """The paper's figures for a data set, marked as the paper's and, beside scores over points, as over pixels."""
     rows = PAPER_ROWS.get(dataset)
     if rows is None:
         return
-    table = Table(title=f"{dataset}, as the paper reports it (not measured here)")
+    kind = ", over pixels" if over == "points" else ""
+    table = Table(title=f"{dataset}{kind}, as the paper reports it (not measured here)")
     table.add_column("method")
     for name in ("Pu", "Ru", "Fu"):
         table.add_column(name, justify="right")
@@ -83,13 +84,18 @@ def print_stages(stages: dict[str, StageUse]) -> None:
     console().print(table)
 
 
-def _score_table(title: str, first: str) -> Table:
-    table = Table(title=title)
+def _score_table(title: str, first: str, over: GroundTruth) -> Table:
+    table = Table(title=f"{title}, over points" if over == "points" else title)
     table.add_column(first)
-    for name in SCORE_COLUMNS:
+    for name in _columns(over):
         table.add_column(name, justify="right")
     return table
 
 
-def _cells(score: SequenceScore) -> list[str]:
-    return [f"{getattr(score, field):.1f}" for field in SCORE_COLUMNS.values()]
+def _columns(over: GroundTruth) -> dict[str, str]:
+    """Scores by their head; of boundaries points say nothing."""
+    return {head: name for head, name in SCORE_COLUMNS.items() if over == "pixels" or "boundary" not in name}
+
+
+def _cells(score: SequenceScore, over: GroundTruth) -> list[str]:
+    return [f"{getattr(score, name):.1f}" for name in _columns(over).values()]

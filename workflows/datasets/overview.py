@@ -9,6 +9,7 @@ from workflows.datasets.dataset import DatasetLayout
 from workflows.datasets.registry import DATASETS
 from workflows.datasets.roots import default_root
 from workflows.datasets.selection import select_sequences
+from workflows.sources.spelling import unknown_name
 
 
 class DatasetRow(NamedTuple):
@@ -42,12 +43,19 @@ class DatasetRow(NamedTuple):
 
 def describe_datasets(env: Mapping[str, str]) -> tuple[DatasetRow, ...]:
     """A row for each data set, looked for below ``$MOSEG_DATA`` of the environment `env`."""
-    return tuple(
-        _describe(layout, default_root(layout, env) if layout.needs_root else None) for layout in DATASETS.values()
-    )
+    return tuple(_describe(layout, default_root(layout, env)) for layout in DATASETS.values())
+
+
+def describe_dataset(name: str, root: str | None, env: Mapping[str, str]) -> DatasetRow:
+    """The row of one data set, looked for at `root`, else below ``$MOSEG_DATA``; raises InputError on another name."""
+    if name not in DATASETS:
+        raise unknown_name("data set", name, DATASETS)
+    layout = DATASETS[name]
+    return _describe(layout, os.path.abspath(root) if root else default_root(layout, env))
 
 
 def _describe(layout: DatasetLayout, root: str | None) -> DatasetRow:
+    root = root if layout.needs_root else None
     names, absent, problem = (), layout.official or (), ""
     if layout.needs_root and root is None:
         problem = "$MOSEG_DATA is not set"

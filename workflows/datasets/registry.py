@@ -7,6 +7,7 @@ from workflows.datasets.davis16 import DAVIS16
 from workflows.datasets.davis_moving import DAVIS_MOVING
 from workflows.datasets.folder import FOLDER
 from workflows.datasets.kt3dinsmoseg import KT3DINSMOSEG
+from workflows.datasets.kt3dmoseg import KT3DMOSEG
 from workflows.datasets.roots import find_root
 from workflows.datasets.selection import select_sequences
 from workflows.datasets.synthetic import SYNTHETIC
@@ -14,7 +15,7 @@ from workflows.datasets.ytvos_moving import YTVOS_MOVING
 from workflows.sources.spelling import unknown_name
 
 DATASETS: dict[str, DatasetLayout] = {
-    layout.name: layout for layout in (SYNTHETIC, DAVIS_MOVING, DAVIS16, YTVOS_MOVING, KT3DINSMOSEG, FOLDER)
+    layout.name: layout for layout in (SYNTHETIC, DAVIS_MOVING, DAVIS16, YTVOS_MOVING, KT3DINSMOSEG, KT3DMOSEG, FOLDER)
 }
 
 

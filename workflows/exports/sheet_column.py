@@ -7,6 +7,7 @@ import numpy as np
 
 from workflows.exports.draw_errors import draw_errors
 from workflows.exports.draw_labels import draw_labels
+from workflows.exports.draw_point_errors import PointLabels, draw_point_errors
 from workflows.resize import resize_labels
 
 TILE_SIDE = 320
@@ -30,7 +31,9 @@ class SheetFrame(NamedTuple):
     truth : unsigned integer (y, x) or None
         Ground truth at any size.
     J : float or None
-        Region similarity of the frame's moving pixels, percent.
+        Region similarity of the frame's moving pixels, or of its labelled points, percent.
+    labelled : PointLabels or None
+        Ground truth at points, where there is none at every pixel.
     """
 
     index: int
@@ -39,6 +42,7 @@ class SheetFrame(NamedTuple):
     soft_map: np.ndarray | None = None
     truth: np.ndarray | None = None
     J: float | None = None
+    labelled: PointLabels | None = None
 
     @property
     def caption(self) -> str:
@@ -68,6 +72,8 @@ def draw_column(frame: SheetFrame, soft_title: str, void: int | None = None) -> 
         # Drawn at the frame's size and reduced: a thin error fades, where nearest neighbours might skip it.
         truth = resize_labels(frame.truth, frame.image.shape[:2])
         tiles["errors"] = _resize(draw_errors(frame.image, frame.labels, truth, void), shape)
+    elif frame.labelled is not None:
+        tiles["errors"] = draw_point_errors(image, frame.labelled)
     return tiles
 
 

@@ -1,6 +1,8 @@
-"""The graph of a sequence: from a sink back to the decoded frames, every node a recipe."""
+"""The graph of a sequence, or of a clip of trajectories: from a sink back to what was decoded, every node a recipe."""
 
 from workflows.graph.sequence_graph import SequenceGraph
 from workflows.graph.sequence_leaves import GIVEN_SOURCES, SequenceLeaves
+from workflows.graph.trajectory_graph import TrajectoryGraph
+from workflows.graph.trajectory_leaves import TrajectoryLeaves
 
-__all__ = ["GIVEN_SOURCES", "SequenceGraph", "SequenceLeaves"]
+__all__ = ["GIVEN_SOURCES", "SequenceGraph", "SequenceLeaves", "TrajectoryGraph", "TrajectoryLeaves"]

@@ -1,5 +1,7 @@
 """Motions: point tracks, motion models of every object, and the affinity between objects under each model."""
 
+from collections.abc import Iterator, Set
+
 from workflows.graph.frame_cues import FrameCues
 from workflows.graph.nodes import Nodes
 from workflows.graph.objects import Objects
@@ -7,6 +9,11 @@ from workflows.graph.sequence_leaves import GIVEN_SOURCES
 from workflows.sections import Section
 
 LUCAS_KANADE_PARAMS = {"window", "pyramid_levels", "forward_backward"}
+BY_HYPOTHESES = ("hypotheses", "combined")
+"""Methods of the affinity that compare objects under many hypotheses of motion, alone or beside their own models."""
+CELL_PARAMS = {"background_rows", "background_columns"}
+PATCH_PARAMS = {"block", "min_patch", "elongation"}
+PREFERENCE_PARAMS = {"window", "noise_floor", "scale_quantile"}
 
 
 class Motions:
@@ -23,38 +30,57 @@ class Motions:
 
     def affinity(self, view: str) -> str:
         """Reference of the objects' affinity under one motion model."""
-        params = self._config.affinity
-        is_flow = view != "trajs"
-        # Support for static has a scale whichever affinity goes with it.
-        unread = {"method"} | ({"direction"} if params.method == "ork" else {"ork_threshold", "ork_reading"})
-        if not is_flow:
-            unread.add("relative_flow")
-        read = params.model_dump(mode="json", exclude=unread)
-        residuals = self.residuals(view)
-        return self._nodes.add(
-            "affinity", params.method, {"is_flow": is_flow, "affinity": read}, {"residuals": residuals}
-        )
+        method = self._config.affinity.method
+        params: dict = {"is_flow": view != "trajs"}
+        inputs = {}
+        if method != "hypotheses":
+            params["affinity"] = self._affinity_params(view)
+            inputs["residuals"] = self.residuals(view)
+        if method in BY_HYPOTHESES:
+            params["hypotheses"] = self._hypothesis_params(PREFERENCE_PARAMS | CELL_PARAMS)
+            if view == "trajs":
+                del params["hypotheses"]["noise_floor"]
+            inputs["hypotheses"] = self.hypotheses(view)
+        return self._nodes.add("affinity", method, params, inputs)
 
     def residuals(self, view: str) -> tuple[str, ...]:
-        """References of the residuals of every section's frame pairs under one motion model."""
-        num_frames = len(self._leaves.frames)
-        gap = min(self._config.fundamental.gap, num_frames - 1) if view == "trajs" else 1
-        refs = []
-        for index, section in enumerate(self._sections):
-            num_pairs = min(section.stop, num_frames - gap) - section.start
-            if num_pairs > 0:
-                refs.append(
-                    self._fundamental_residual(index, num_pairs, gap)
-                    if view == "trajs"
-                    else self._flow_residual(index, num_pairs, view)
-                )
-        return tuple(refs)
+        """References of the residuals of every section's frame pairs under the objects' models of one kind."""
+        if view == "trajs":
+            return tuple(self._fundamental_residual(*pairs) for pairs in self._pairs(self._config.fundamental.gap))
+        return tuple(self._flow_residual(index, num_pairs, view) for index, num_pairs, _ in self._pairs(1))
+
+    def hypotheses(self, view: str) -> tuple[str, ...]:
+        """References of the residuals of every section's frame pairs under many hypotheses of one kind of model."""
+        if view == "trajs":
+            return tuple(self._track_hypotheses(*pairs) for pairs in self._pairs(self._config.fundamental.gap))
+        return tuple(self._flow_hypotheses(index, num_pairs, view) for index, num_pairs, _ in self._pairs(1))
 
     def tracks(self, index: int) -> str:
         """Reference of a section's point tracks; they reach `gap` frames into the next section."""
         if index not in self._tracks:
             self._tracks[index] = self._track(index)
         return self._tracks[index]
+
+    def _pairs(self, gap: int) -> Iterator[tuple[int, int, int]]:
+        """Every section that has pairs of frames: its index, their number, and the frames between the two of a pair."""
+        num_frames = len(self._leaves.frames)
+        gap = min(gap, num_frames - 1)
+        for index, section in enumerate(self._sections):
+            num_pairs = min(section.stop, num_frames - gap) - section.start
+            if num_pairs > 0:
+                yield index, num_pairs, gap
+
+    def _affinity_params(self, view: str) -> dict:
+        """The parameters that an affinity from residuals under the objects' own models reads."""
+        params = self._config.affinity
+        # Support for static has a scale whichever affinity goes with it.
+        unread = {"method"} | ({"direction"} if params.method == "ork" else {"ork_threshold", "ork_reading"})
+        if view == "trajs":
+            unread.add("relative_flow")
+        return params.model_dump(mode="json", exclude=unread)
+
+    def _hypothesis_params(self, names: Set[str]) -> dict:
+        return self._config.object_hypotheses.model_dump(mode="json", include=set(names))
 
     def _track(self, index: int) -> str:
         section = self._sections[index]
@@ -89,7 +115,27 @@ class Motions:
             "fundamental_residual", "sampson", {**pairs, "fundamental": read}, {"fits": fits, **cues}
         )
 
+    def _track_hypotheses(self, index: int, num_pairs: int, gap: int) -> str:
+        params = {"section": index, "num_pairs": num_pairs, "gap": gap, "shape": list(self._leaves.shape)}
+        params["min_points"] = self._config.fundamental.min_points
+        params["hypotheses"] = self._hypothesis_params({"num_hypotheses"} | CELL_PARAMS)
+        inputs = {"tracks": self.tracks(index), "linking": self._objects.linking()}
+        return self._nodes.add("object_hypotheses", "track-samples", params, inputs)
+
+    def _flow_hypotheses(self, index: int, num_pairs: int, model: str) -> str:
+        params = self._flow_params(index, model)
+        params["hypotheses"] = self._hypothesis_params({"num_hypotheses"} | PATCH_PARAMS | CELL_PARAMS)
+        return self._nodes.add("object_hypotheses", "flow-patches", params, self._flow_inputs(index, num_pairs, model))
+
     def _flow_residual(self, index: int, num_pairs: int, model: str) -> str:
+        params, inputs = self._flow_params(index, model), self._flow_inputs(index, num_pairs, model)
+        fits = self._nodes.add("flow_model", "least-squares", params, inputs)
+        return self._nodes.add("flow_residual", "mean-squared-error", {}, {"fits": fits})
+
+    def _flow_params(self, index: int, model: str) -> dict:
+        return {"section": index, "model": model, "flow_model": self._config.flow_model.model_dump(mode="json")}
+
+    def _flow_inputs(self, index: int, num_pairs: int, model: str) -> dict:
         start = self._sections[index].start
         frames = range(start, start + num_pairs)
         inputs = {
@@ -99,6 +145,4 @@ class Motions:
         }
         if model != "oc" and self._config.depth.method != "none":
             inputs["depth"] = tuple(self._cues.depth(frame) for frame in frames)
-        params = {"section": index, "model": model, "flow_model": self._config.flow_model.model_dump(mode="json")}
-        fits = self._nodes.add("flow_model", "least-squares", params, inputs)
-        return self._nodes.add("flow_residual", "mean-squared-error", {}, {"fits": fits})
+        return inputs

@@ -7,13 +7,14 @@ from schemas.errors import InputError
 from schemas.frozen import Frozen
 from schemas.recipes import Recipe
 from workflows.graph.sequence_leaves import SequenceLeaves
+from workflows.graph.trajectory_leaves import TrajectoryLeaves
 from workflows.stages.registry import find_task
 
 
 class Nodes:
-    """Recipes of one sequence under one configuration, by reference."""
+    """Recipes of one sequence or clip under one configuration, by reference."""
 
-    def __init__(self, leaves: SequenceLeaves, config: PipelineConfig):
+    def __init__(self, leaves: SequenceLeaves | TrajectoryLeaves, config: PipelineConfig):
         self.leaves = leaves
         self.config = config
         self.recipes: dict[str, Recipe] = {}

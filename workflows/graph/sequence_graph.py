@@ -6,6 +6,7 @@ the same recipe, whichever variant or run asks.
 
 from schemas.configs import PipelineConfig, Variant
 from schemas.errors import InputError
+from schemas.parameters.clustering import COUNT_READS, READ_TRACKS
 from schemas.recipes import Recipe
 from workflows.graph.foreground import Foreground
 from workflows.graph.frame_cues import FrameCues
@@ -45,14 +46,16 @@ class SequenceGraph:
 
     def score(self, variant: Variant) -> str:
         """Reference of the variant's score."""
-        if self.leaves.annotation is None:
-            raise InputError("no ground truth to score against", where=f"sequence {self.leaves.name}")
-        return self._nodes.add(
-            "score",
-            "motion-segmentation",
-            {"void": self.leaves.void, "section_length": self._config.sections.length},
-            {"segmentation": self.segmentations(variant), "annotation": self.leaves.annotation},
-        )
+        leaves, length = self.leaves, self._config.sections.length
+        if leaves.annotation is not None:
+            method, params = "motion-segmentation", {"void": leaves.void, "section_length": length}
+            truth = {"annotation": leaves.annotation}
+        elif leaves.labelled_points is not None:
+            method, params = "labelled-points", {"section_length": length}
+            truth = {"labelled_points": leaves.labelled_points}
+        else:
+            raise InputError("no ground truth to score against", where=f"sequence {leaves.name}")
+        return self._nodes.add("score", method, params, {"segmentation": self.segmentations(variant), **truth})
 
     def segmentations(self, variant: Variant) -> tuple[str, ...]:
         """References of the labels of every section."""
@@ -82,6 +85,10 @@ class SequenceGraph:
                     got="--motions gt without ground truth",
                     expected="--motions auto or a number",
                 )
+        inputs = {"affinities": tuple(self.motions.affinity(view) for view in views)}
+        if num_motions == "auto" and params.auto in READ_TRACKS:
+            inputs["tracks"] = tuple(self.motions.tracks(index) for index in range(len(self._sections)))
+            inputs["linking"] = self.objects.linking()
         return self._nodes.add(
             "clustering",
             "motion-groups",
@@ -89,7 +96,7 @@ class SequenceGraph:
                 "num_motions": None if num_motions == "auto" else num_motions,
                 "clustering": self._clustering_params(len(views), num_motions == "auto"),
             },
-            {"affinities": tuple(self.motions.affinity(view) for view in views)},
+            inputs,
         )
 
     def _clustering_params(self, num_views: int, is_auto: bool) -> dict:
@@ -98,7 +105,7 @@ class SequenceGraph:
         by_agreement = params.static == "agreement"
         if params.static == "auto":
             by_agreement = self._config.proposal_source == "saliency"
-        unread = {"motions"}
+        unread = {"motions", "count"}
         if not is_auto:
             unread |= {"auto", "threshold", "static"}
         elif params.auto != "threshold" and not by_agreement:
@@ -110,6 +117,8 @@ class SequenceGraph:
         read = params.model_dump(mode="json", exclude=unread)
         if is_auto:
             read["static"] = "agreement" if by_agreement else "group"
+            if params.auto in COUNT_READS:
+                read["count"] = params.count.model_dump(mode="json", include=COUNT_READS[params.auto])
         return read
 
     def cues(self) -> tuple[str, ...]:

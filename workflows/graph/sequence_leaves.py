@@ -17,7 +17,9 @@ class SequenceLeaves(NamedTuple):
         Height and width of the frames as analysed, px.
     frames : tuple of references
     annotation : reference or None
-        Ground truth.
+        Ground truth at every pixel of the annotated frames.
+    labelled_points : reference or None
+        Ground truth at points, where there is no annotation.
     void : int or None
         Annotated label that counts for neither side.
     num_motions : int or None
@@ -36,6 +38,7 @@ class SequenceLeaves(NamedTuple):
     shape: tuple[int, int]
     frames: tuple[str, ...]
     annotation: str | None = None
+    labelled_points: str | None = None
     void: int | None = None
     num_motions: int | None = None
     masks: str | None = None

@@ -3,7 +3,8 @@
 import numpy as np
 
 from moseg_tasks.affinity import estimate_affinity, static_support
-from schemas.parameters import AffinityParams
+from moseg_tasks.object_hypotheses import geometric_mean, preference_kernel, scale_by_background
+from schemas.parameters import AffinityParams, ObjectHypothesisParams
 from workflows.stages.task import Output, Task
 
 
@@ -23,5 +24,33 @@ def _runner(method: str):
     return run
 
 
+def _preferences(params, inputs):
+    """Affinity (K, K) of objects by the hypotheses that they prefer, the mean over models."""
+    read = ObjectHypothesisParams(**params["hypotheses"])
+    residuals = np.concatenate([section.array("residual") for section in inputs.all("hypotheses")])
+    noise_floor = read.noise_floor if params["is_flow"] else 0.0
+    kernels = [preference_kernel(residuals[:, model], read.window, noise_floor) for model in range(residuals.shape[1])]
+    num_objects = residuals.shape[3] - read.background_rows * read.background_columns
+    return scale_by_background(np.mean(kernels, axis=0), num_objects, read)
+
+
+def _run_hypotheses(params, inputs, rng):
+    affinity = _preferences(params, inputs)
+    return Output({"affinity": affinity, "static_support": affinity[0]})
+
+
+def _run_combined(params, inputs, rng):
+    size, preferences = _BY_SIZE(params, inputs, rng).arrays, _preferences(params, inputs)
+    return Output(
+        {
+            "affinity": geometric_mean(size["affinity"], preferences),
+            "static_support": geometric_mean(size["static_support"], preferences[0]),
+        }
+    )
+
+
+_BY_SIZE = _runner("residual")
 RESIDUAL_SIZE = Task("affinity", "residual", version=2, run=_runner("residual"))
 ORDERED_RESIDUAL_KERNEL = Task("affinity", "ork", version=2, run=_runner("ork"))
+MANY_HYPOTHESES = Task("affinity", "hypotheses", version=1, run=_run_hypotheses)
+SIZE_AND_HYPOTHESES = Task("affinity", "combined", version=1, run=_run_combined)

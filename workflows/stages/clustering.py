@@ -1,8 +1,18 @@
 """Motion groups of a sequence's objects from the affinities of one or several motion models."""
 
-from moseg_tasks.clustering import agreed_static, cluster_motions
+from moseg_tasks.clustering import MotionTracks, agreed_static, cluster_motions
 from schemas.parameters import ClusteringParams
+from schemas.parameters.clustering import READ_TRACKS
 from workflows.stages.task import Output, Task
+
+
+def _tracks(inputs) -> list[MotionTracks]:
+    """Tracks of every section, owned by the objects of the sequence."""
+    identities = inputs["linking"].cached("identity")
+    return [
+        MotionTracks(section.cached("points"), section.cached("visible"), identity[section.cached("object")])
+        for section, identity in zip(inputs.all("tracks"), identities, strict=True)
+    ]
 
 
 def _run(params, inputs, rng):
@@ -12,11 +22,15 @@ def _run(params, inputs, rng):
     if clustering_params.static == "agreement":
         is_static = agreed_static([view.array("static_support") for view in views], clustering_params.threshold)
     affinities = [view.array("affinity") for view in views]
-    result = cluster_motions(affinities, params["num_motions"], clustering_params, is_static)
+    counts_by_tracks = params["num_motions"] is None and clustering_params.auto in READ_TRACKS
+    tracks = _tracks(inputs) if counts_by_tracks else []
+    result = cluster_motions(affinities, params["num_motions"], clustering_params, is_static, tracks, rng)
+    attributes = {"num_motions": int(result.num_motions), "objective": [float(value) for value in result.objective]}
+    if len(result.scores):
+        attributes["scores"] = [float(value) for value in result.scores]
     return Output(
-        {"motion": result.motion, "embedding": result.embedding, "eigenvalues": result.eigenvalues},
-        {"num_motions": int(result.num_motions), "objective": [float(value) for value in result.objective]},
+        {"motion": result.motion, "embedding": result.embedding, "eigenvalues": result.eigenvalues}, attributes
     )
 
 
-MOTION_GROUPS = Task("clustering", "motion-groups", version=2, run=_run)
+MOTION_GROUPS = Task("clustering", "motion-groups", version=3, run=_run)

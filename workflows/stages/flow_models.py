@@ -10,31 +10,29 @@ from schemas.parameters import FlowModelParams
 from workflows.stages.task import Output, Task
 
 
-def _run_fit(params, inputs, rng):
-    model = FLOW_MODELS[params["model"]]
-    flow_model_params = FlowModelParams(**params["flow_model"])
+def read_pairs(params, inputs, flow_model_params: FlowModelParams):
+    """For each pair the flow, the inverse depth or None, and the object of the sequence, of all pixels to be read."""
     identity = inputs["linking"].cached("identity")[params["section"]]
-    num_objects = inputs["linking"].attributes["num_objects"]
     masks = inputs["proposals"].cached("masks")
     flows = inputs.all("flow")
     depths = inputs.all("depth") if "depth" in inputs else [None] * len(flows)
-    moments, theta, valid = [], [], []
     for mask, flow, depth in zip(masks[: len(flows)], flows, depths, strict=True):
         vectors = flow.cached("flow")
         read = (slice(None, None, flow_model_params.step),) * 2
         if not np.isfinite(vectors[read]).all():
             # Given flow knows some pixels only, which may be just those that would be left out.
             read = (slice(None),) * 2
-        moments.append(
-            flow_moments(
-                np.ascontiguousarray(vectors[read]),
-                None if depth is None else np.ascontiguousarray(depth.array("inverse_depth")[read]),
-                identity[mask[read]],
-                num_objects,
-                model,
-                flow_model_params,
-            )
-        )
+        rho = None if depth is None else np.ascontiguousarray(depth.array("inverse_depth")[read])
+        yield np.ascontiguousarray(vectors[read]), rho, identity[mask[read]]
+
+
+def _run_fit(params, inputs, rng):
+    model = FLOW_MODELS[params["model"]]
+    flow_model_params = FlowModelParams(**params["flow_model"])
+    num_objects = inputs["linking"].attributes["num_objects"]
+    moments, theta, valid = [], [], []
+    for flow, depth, owner in read_pairs(params, inputs, flow_model_params):
+        moments.append(flow_moments(flow, depth, owner, num_objects, model, flow_model_params))
         fitted, usable = fit_from_moments(moments[-1], model, flow_model_params)
         theta.append(fitted)
         valid.append(usable)

@@ -10,7 +10,7 @@ from schemas.parameters import FundamentalParams
 from workflows.stages.task import Output, Task
 
 
-def _pair_points(params, inputs):
+def pair_tracks(params, inputs):
     """For each pair the points visible in both frames: xy in each, and the object of the sequence that each lies on."""
     points, visible = inputs["tracks"].cached("points"), inputs["tracks"].cached("visible")
     identity = inputs["linking"].cached("identity")[params["section"]]
@@ -25,7 +25,7 @@ def _run_fit(params, inputs, rng):
     num_objects = inputs["linking"].attributes["num_objects"]
     fundamental_params, shape = FundamentalParams(**params["fundamental"]), tuple(params["shape"])
     fits = [
-        fit_fundamentals(*pair, num_objects, fundamental_params, rng, shape) for pair in _pair_points(params, inputs)
+        fit_fundamentals(*pair, num_objects, fundamental_params, rng, shape) for pair in pair_tracks(params, inputs)
     ]
     return Output({name: np.stack([getattr(fit, name) for fit in fits]) for name in FundamentalFits._fields})
 
@@ -35,7 +35,7 @@ def _run_residual(params, inputs, rng):
     stacked = [inputs["fits"].array(name) for name in FundamentalFits._fields]
     residuals = [
         fundamental_residuals(FundamentalFits(*fit), *pair, fundamental_params)
-        for fit, pair in zip(zip(*stacked, strict=True), _pair_points(params, inputs), strict=True)
+        for fit, pair in zip(zip(*stacked, strict=True), pair_tracks(params, inputs), strict=True)
     ]
     return Output({"residual": np.stack(residuals)})
 

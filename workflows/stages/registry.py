@@ -13,6 +13,7 @@ from workflows.stages import (
     flow_models,
     foreground,
     fundamental,
+    hypotheses,
     instances,
     linking,
     own_motion,
@@ -23,6 +24,7 @@ from workflows.stages import (
     segmentation,
     tags,
     tracks,
+    trajectories,
 )
 from workflows.stages.task import Task
 
@@ -61,11 +63,21 @@ TASKS: dict[tuple[str, str], Task] = {
         fundamental.SAMPSON_RESIDUAL,
         flow_models.LEAST_SQUARES_FIT,
         flow_models.MSE_RESIDUAL,
+        hypotheses.FLOW_PATCHES,
+        hypotheses.TRACK_SAMPLES,
         affinity.RESIDUAL_SIZE,
         affinity.ORDERED_RESIDUAL_KERNEL,
+        affinity.MANY_HYPOTHESES,
+        affinity.SIZE_AND_HYPOTHESES,
         clustering.MOTION_GROUPS,
         segmentation.MOVING_OBJECTS,
+        trajectories.MINIMAL_SAMPLES,
+        trajectories.POINT_MODEL,
+        trajectories.ORDERED_RESIDUALS,
+        trajectories.MOTION_GROUPS,
+        trajectories.SCORE,
         score.MOTION_SEGMENTATION,
+        score.LABELLED_POINTS,
     )
 }
 

@@ -58,7 +58,7 @@ def test_a_bin_is_the_rounded_down_place_of_the_colour_in_cielab(levels, seed, h
     lab = cv2.cvtColor(image.astype(np.float32) / 255, cv2.COLOR_RGB2LAB).astype(np.float64)
     ranges, starts = np.array([100, params.chroma_range, params.chroma_range]), np.array([0, 0.5, 0.5])
     places = (lab / ranges + starts) * levels
-    byte = 1.6 * levels * np.array([100 / 255, 1, 1]) / ranges  # by which L, a and b kept in bytes may move a place
+    byte = 2.6 * levels * np.array([100 / 255, 1, 1]) / ranges  # by which L, a and b kept in bytes may move a place
     found = np.stack(split(colour_bins(image, params), params), axis=-1)
     assert (found <= np.clip(places + byte, 0, levels - 1)).all()
     assert (found >= np.clip(places - byte, 0, levels - 1) - 1).all()

@@ -1,0 +1,87 @@
+"""The number of motions that describes the tracks in the fewest words: a likelihood and the price of its parameters."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from moseg_tasks.clustering.epipolar_distances import EpipolarDistances, MotionDistances
+from moseg_tasks.clustering.motion_tracks import MotionTracks
+from schemas.parameters.clustering import MotionCountParams
+
+_FUNDAMENTAL_DOF, _HOMOGRAPHY_DOF, _AFFINE_DOF = 7, 8, 4
+_FIRST_INLIERS, _FIRST_NOISE = 0.7, 0.2
+"""Where the alternation starts: share of inliers, and noise, px."""
+_NUM_ROUNDS = 15
+"""The description changes by less than a nat after ten."""
+
+
+def description_lengths(
+    labelings: Sequence[np.ndarray],
+    tracks: Sequence[MotionTracks],
+    params: MotionCountParams,
+    rng: np.random.Generator,
+) -> np.ndarray:
+    """Description length of the tracks under each labeling int (K,), nats, float64 (len(labelings),).
+
+    Every motion has an epipolar geometry of its own in every frame pair, a fundamental matrix or, of fewer parameters,
+    an affine one: whichever describes its observations in fewer nats, or none; in pairs without parallax a homography.
+    An observation is Gaussian noise around it or one of the outliers, which lie anywhere. Noise and share of outliers
+    are those that describe the labeling best and are the same for all its motions. A parameter is worth half the
+    logarithm of the number of observations, as in the Bayesian information criterion.
+
+    The price makes what a motion must gain depend on how much there is to gain by chance. A cost with a fixed penalty,
+    right for five hundred tracks, splits a hundred without need and overlooks a mover of twenty.
+
+    Parameters
+    ----------
+    labelings : sequence of int (K,)
+    tracks : sequence of MotionTracks
+    params : MotionCountParams
+        What `COUNT_READS` names for ``description_length``.
+    rng : numpy.random.Generator
+
+    References
+    ----------
+    G. Schwarz, "Estimating the dimension of a model", Annals of Statistics 6, 1978; P. Torr, "Bayesian model estimation
+    and selection for epipolar geometry and generic manifold fitting", IJCV 50, 2002 (the mixture, and the competition
+    of models).
+    """
+    distances = EpipolarDistances(tracks, len(labelings[0]), params, rng)
+    return np.array([description_length(distances.of(labels), params) for labels in labelings])
+
+
+def description_length(distances: MotionDistances, params: MotionCountParams) -> float:
+    """Nats that observations and the parameters of their motions take; 0 without observations."""
+    num = len(distances.fit)
+    if num == 0:
+        return 0.0
+    num_fits = int(distances.fit.max()) + 1
+
+    def of_fits(values: np.ndarray) -> np.ndarray:
+        return np.bincount(distances.fit, values, num_fits)
+
+    squared = np.stack([distances.full, distances.affine]) ** 2
+    # A distance is infinite for all observations of a fit or for none.
+    unfitted = np.stack([of_fits(np.isinf(row)) > 0 for row in squared])
+    squared = np.where(np.isfinite(squared), squared, 0.0)
+    # A homography leaves a point no freedom, an epipolar geometry a line.
+    codimension = np.where(distances.is_flat, 2, 1)
+    is_flat = of_fits(distances.is_flat) > 0
+    dof = np.stack([np.where(is_flat, _HOMOGRAPHY_DOF, _FUNDAMENTAL_DOF), np.full(num_fits, _AFFINE_DOF)])
+    price = params.parameter_price * math.log(num)
+    inliers, variance = _FIRST_INLIERS, _FIRST_NOISE**2
+    for _ in range(_NUM_ROUNDS):
+        log_inlier = math.log(inliers) - (codimension * math.log(2 * math.pi * variance) + squared / variance) / 2
+        log_outlier = math.log(1 - inliers) - codimension * math.log(2 * params.outlier_range)
+        log_density = np.logaddexp(log_inlier, log_outlier)
+        modelled = price * dof - np.stack([of_fits(row) for row in log_density])
+        nats = np.vstack([np.where(unfitted, np.inf, modelled), -of_fits(log_outlier)])
+        choice = nats.argmin(axis=0)[distances.fit]
+        model = np.minimum(choice, 1)[None]
+        chosen = np.take_along_axis(squared, model, axis=0)[0]
+        odds = np.take_along_axis(log_inlier - log_density, model, axis=0)[0]
+        weight = np.where(choice < 2, np.exp(odds), 0.0)
+        inliers = float(np.clip(weight.mean(), 0.01, 0.99))
+        variance = max(float(weight @ chosen / max(weight @ codimension, 1.0)), params.least_noise**2)
+    return float(nats.min(axis=0).sum())

@@ -1,0 +1,77 @@
+"""The number of motions by what comes back: clusterings of resampled frame pairs agree on motions that are there."""
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+from sklearn.metrics import adjusted_rand_score
+
+from moseg_tasks.affinity import hypothesis_affinity
+from moseg_tasks.clustering.fusion import fill_unknown
+from moseg_tasks.clustering.motion_tracks import MotionTracks, check_tracks, frame_pairs
+from schemas.parameters.affinity import HypothesisAffinityParams
+from schemas.parameters.clustering import MotionCountParams
+
+
+def resampled_affinities(
+    tracks: Sequence[MotionTracks], num_owners: int, params: MotionCountParams, rng: np.random.Generator
+) -> list[np.ndarray]:
+    """Affinities of many hypotheses, each from a random half of the frame pairs, float64 (K, K) without NaN.
+
+    Parameters
+    ----------
+    tracks : sequence of MotionTracks
+    num_owners : int
+        K.
+    params : MotionCountParams
+        `gap` and `num_resamples` are read.
+    rng : numpy.random.Generator
+    """
+    for section in tracks:
+        check_tracks(section, num_owners)
+    resampled = []
+    for _ in range(params.num_resamples):
+        views = [_half(section, num_owners, params.gap, rng) for section in tracks]
+        resampled.append(fill_unknown([fill_unknown(views).mean(axis=0)])[0] if views else np.ones((num_owners,) * 2))
+    return resampled
+
+
+def stability_scores(resampled: Sequence[Sequence[np.ndarray]], least_agreement: float) -> np.ndarray:
+    """Score of 1, 2, ... motions; the largest wins: the number on which the resamples agree best.
+
+    A single group agrees with itself whatever the data say, so it stands for `least_agreement`: it wins where no other
+    number comes to more. What divides a static scene, such as its depth, comes back too, and passes for motion.
+
+    Parameters
+    ----------
+    resampled : sequence of sequences of int (K,)
+        Each resample's clusterings into 1, 2, ... motions.
+    least_agreement : float
+        Mean adjusted Rand index between two resamples, 1 where they are equal and about 0 by chance.
+
+    Returns
+    -------
+    float64 (len(resampled[0]),)
+
+    References
+    ----------
+    U. von Luxburg, "Clustering stability: an overview", Foundations and Trends in Machine Learning 2, 2010.
+    """
+    agreements = [_mean_agreement(labelings) for labelings in zip(*resampled, strict=True)]
+    return np.array([least_agreement, *agreements[1:]])
+
+
+def _mean_agreement(labelings: Sequence[np.ndarray]) -> float:
+    pairs = list(itertools.combinations(labelings, 2))
+    return float(np.mean([adjusted_rand_score(*pair) for pair in pairs])) if pairs else 1.0
+
+
+def _half(section: MotionTracks, num_owners: int, gap: int, rng: np.random.Generator) -> np.ndarray:
+    pairs = np.array(frame_pairs(section.points.shape[1], gap)).reshape(-1, 2)
+    kept = np.sort(rng.permutation(len(pairs))[: (len(pairs) + 1) // 2])
+    # First frames, then second frames: all pairs are so many frames apart.
+    frames = pairs[kept].T.ravel()
+    params = HypothesisAffinityParams(gap=max(len(kept), 1))
+    return hypothesis_affinity(
+        section.points[:, frames], section.visible[:, frames], section.owner, num_owners, params, rng
+    )

@@ -1,0 +1,17 @@
+"""Objects compared by the motion hypotheses that explain them: many hypotheses of the whole frame, one ranking each."""
+
+from moseg_tasks.object_hypotheses.background_cells import background_cells, split_background
+from moseg_tasks.object_hypotheses.background_scale import geometric_mean, scale_by_background
+from moseg_tasks.object_hypotheses.flow_patches import flow_patch_residuals
+from moseg_tasks.object_hypotheses.preferences import preference_kernel
+from moseg_tasks.object_hypotheses.track_samples import track_sample_residuals
+
+__all__ = [
+    "background_cells",
+    "flow_patch_residuals",
+    "geometric_mean",
+    "preference_kernel",
+    "scale_by_background",
+    "split_background",
+    "track_sample_residuals",
+]

@@ -1,0 +1,60 @@
+"""Two-view models of minimal samples of a frame's tracks, and how well they explain every object."""
+
+import numpy as np
+
+from moseg_tasks.geometry.ransac import draw_samples
+from moseg_tasks.point_models import POINT_MODELS, Correspondences
+from schemas.parameters import ObjectHypothesisParams
+
+TRACK_MODELS = ("fundamental", "homography")
+"""The first is blind to motion along epipolar lines, the second to none, but takes parallax for motion."""
+
+
+def track_sample_residuals(
+    points0: np.ndarray,
+    points1: np.ndarray,
+    nodes: np.ndarray,
+    num_nodes: int,
+    min_points: int,
+    params: ObjectHypothesisParams,
+    rng: np.random.Generator,
+) -> np.ndarray:
+    """Median squared distance of every node's tracks to models of samples from the whole frame.
+
+    A sample that mixes motions explains none; drawn inside objects, samples would be of one motion, but say little of
+    what lies beyond.
+
+    Parameters
+    ----------
+    points0, points1 : float (T, 2)
+        xy of the tracks visible in both frames of a pair, px.
+    nodes : integer (T,)
+        Object or part of the background of each track.
+    num_nodes : int
+        N.
+    min_points : int
+        A node with fewer tracks takes no part.
+    params : ObjectHypothesisParams
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    float64 (2, num_hypotheses, N)
+        px², one model of `TRACK_MODELS` after the other; NaN where a node takes no part, everywhere where the frame has
+        too few tracks for a sample.
+    """
+    residual = np.full((len(TRACK_MODELS), params.num_hypotheses, num_nodes), np.nan)
+    tracks = Correspondences(np.stack([points0, points1], axis=1).astype(np.float64))
+    members = [np.flatnonzero(nodes == node) for node in range(num_nodes)]
+    for found, name in zip(residual, TRACK_MODELS, strict=True):
+        model = POINT_MODELS[name]
+        if tracks.num_points < model.sample_size:
+            continue
+        samples = draw_samples(tracks.num_points, model.sample_size, params.num_hypotheses, rng)
+        # In single precision: only the order of distances is used, and what overflows is as far as can be.
+        with np.errstate(over="ignore"):
+            squared = model.residual(model.fit(tracks.take(samples)), tracks, np.float32)
+        for node, own in enumerate(members):
+            if len(own) >= min_points:
+                found[:, node] = np.median(squared[:, own], axis=1)
+    return residual

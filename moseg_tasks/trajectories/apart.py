@@ -1,0 +1,79 @@
+"""Objects that do not touch are motions of their own."""
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial.distance import cdist
+
+from schemas.parameters import SeparationParams
+
+
+def separate_objects(
+    points: np.ndarray, visible: np.ndarray, labels: np.ndarray, params: SeparationParams
+) -> np.ndarray:
+    """Split each group but the background's into the parts that lie apart in the image.
+
+    Two cars on parallel lanes obey one fundamental matrix, and nothing in their geometry says that they are two. What
+    moves on its own is one body: parts of a group with other trajectories or empty image between them are two. The
+    background is what spans the image: the group of the largest convex hull. It is left whole.
+
+    Parameters
+    ----------
+    points : float (N, frame, xy)
+        px.
+    visible : bool (N, frame)
+    labels : int (N,)
+        0 .. K - 1.
+    params : SeparationParams
+        Trajectories touch that are among each other's `num_neighbours` nearest, in either direction, by their mean
+        distance in the frames that show both. Parts of fewer than `min_tracks` stay with the largest part.
+
+    Returns
+    -------
+    int64 (N,)
+        Labels 0 .. K' - 1, K' >= K.
+    """
+    if not labels.any():
+        return labels.astype(np.int64)
+    neighbours = _nearest(points, visible, params.num_neighbours)
+    background = max(np.unique(labels), key=lambda label: _hull_area(points[labels == label], visible[labels == label]))
+    separated, count = labels.astype(np.int64), int(labels.max()) + 1
+    for label in np.unique(labels):
+        if label == background:
+            continue
+        own = np.flatnonzero(labels == label)
+        _, part = connected_components(neighbours[own][:, own], directed=False)
+        sizes = np.bincount(part)
+        for other in np.flatnonzero(sizes >= params.min_tracks):
+            if other != np.argmax(sizes):
+                separated[own[part == other]] = count
+                count += 1
+    return separated
+
+
+def _nearest(points: np.ndarray, visible: np.ndarray, count: int) -> csr_array:
+    """Whether j is among the nearest trajectories of i: sparse bool (N, N)."""
+    num = len(points)
+    total, together = np.zeros((num, num), np.float32), np.zeros((num, num), np.float32)
+    for frame in range(points.shape[1]):
+        seen = np.flatnonzero(visible[:, frame])
+        both = np.ix_(seen, seen)
+        total[both] += cdist(points[seen, frame], points[seen, frame])
+        together[both] += 1
+    distance = np.divide(total, together, out=np.full_like(total, np.inf), where=together > 0)
+    np.fill_diagonal(distance, np.inf)
+    count = min(count, num - 1)
+    nearest = np.argpartition(distance, count - 1, axis=1)[:, :count] if count else np.zeros((num, 0), int)
+    rows = np.repeat(np.arange(num), count)
+    is_known = np.isfinite(np.take_along_axis(distance, nearest, axis=1)).ravel()
+    pairs = rows[is_known], nearest.ravel()[is_known]
+    return csr_array((np.ones(len(pairs[0]), dtype=np.int8), pairs), shape=(num, num))
+
+
+def _hull_area(points: np.ndarray, visible: np.ndarray) -> float:
+    """Area of the convex hull of all that a group shows, px²; 0 of points on a line."""
+    try:
+        return float(ConvexHull(points[visible]).volume)
+    except (QhullError, ValueError):
+        return 0.0

@@ -1,0 +1,166 @@
+"""From what several models say of trajectories to motion groups."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from sklearn.cluster import KMeans
+
+from moseg_tasks.clustering.count_motions import CountEvidence, count_motions
+from moseg_tasks.clustering.motion_tracks import MotionTracks
+from moseg_tasks.clustering.num_motions import count_by_eigengap
+from moseg_tasks.clustering.spectral import embed_views
+from moseg_tasks.trajectories.apart import separate_objects
+from moseg_tasks.trajectories.candidates import Candidates, View, in_order
+from moseg_tasks.trajectories.energy import Energy, Grouping
+from moseg_tasks.trajectories.merging import merge_by_energy
+from schemas.errors import InputError
+from schemas.parameters import TrajectoryClusteringParams
+
+
+class TrajectoryClustering(NamedTuple):
+    """Motion groups of N trajectories.
+
+    Attributes
+    ----------
+    motion : uint16 (N,)
+        Group of each trajectory, in the order of their first trajectories.
+    embedding : float64 (N, D)
+        Spectral coordinates, rows of unit length; of zero length where nothing is known.
+    eigenvalues : float64 (V, E)
+        The leading ones of each clustered kernel's normalised affinity, descending.
+    objective : float64 (iterations,)
+        Of co-regularisation after each round; of a single kernel the sum of its leading eigenvalues.
+    costs, cuts : float64 (K,)
+        Geometric cost and normalised cut of the best grouping into 1 .. K motions (`Grouping`), NaN without one.
+    num_motions : int
+        Groups.
+    """
+
+    motion: np.ndarray
+    embedding: np.ndarray
+    eigenvalues: np.ndarray
+    objective: np.ndarray
+    costs: np.ndarray
+    cuts: np.ndarray
+    num_motions: int
+
+
+def cluster_trajectories(
+    draws: Sequence[Sequence[View]],
+    points: np.ndarray,
+    visible: np.ndarray,
+    num_motions: int | None,
+    params: TrajectoryClusteringParams,
+    rng: np.random.Generator,
+) -> TrajectoryClustering:
+    """Group trajectories by motion.
+
+    ``energy`` makes groupings from every draw of hypotheses, by spectral clustering and by merging of pieces
+    (`Candidates`, `merge_by_energy`), and takes the one of least `Energy`. Where the number of motions is not given, it
+    is that of which the `Candidates` have the least mean energy over the draws.
+    ``sum`` and ``coregularised`` are spectral clustering of the views' mean kernel and of all views, as published.
+
+    Parameters
+    ----------
+    draws : sequence of sequences of View
+        [draw of hypotheses][model].
+    points : float (N, frame, xy)
+        px.
+    visible : bool (N, frame)
+    num_motions : int, optional
+        At most N in effect. None finds it, at most `params.most_motions`; parts of a group that lie apart are then
+        motions of their own where `params.separate` says so.
+    params : TrajectoryClusteringParams
+    rng : numpy.random.Generator
+        Starts k-means.
+
+    Raises
+    ------
+    InputError
+        Where there is no view, or `num_motions` is below 1.
+
+    References
+    ----------
+    A. Kumar, P. Rai and H. Daume III, "Co-regularized multi-view spectral clustering", NIPS 2011; X. Xu, L.-F. Cheong
+    and Z. Li, "Motion segmentation by exploiting complementary geometric models", CVPR 2018.
+    """
+    if not draws or not draws[0]:
+        raise InputError("no view to cluster", where="cluster_trajectories", got="0 kernels", expected="one or more")
+    if num_motions is not None and num_motions < 1:
+        raise InputError("too few motions", where="cluster_trajectories", got=num_motions, expected="1 or more")
+    by_view = [np.mean([views[index].kernel for views in draws], axis=0) for index in range(len(draws[0]))]
+    mean = np.mean(by_view, axis=0)
+    views = _clustered_kernels(by_view, params.method)
+    most = min(params.most_motions if num_motions is None else num_motions, len(points))
+    energy = Energy(points, visible, mean, params.energy)
+    seed = int(rng.integers(2**31))
+
+    def embed(count: int):
+        return embed_views(views, count, params.co_regularisation, params.num_iterations, params.tolerance)
+
+    is_published = params.method != "energy"
+    candidates = [] if is_published else [Candidates(drawn, most, params, seed) for drawn in draws]
+
+    def group(count: int) -> list[Grouping]:
+        """The best grouping of each draw; of the published methods there is but one."""
+        if is_published:
+            spectral = KMeans(count, n_init=params.num_starts, random_state=seed).fit(embed(count).coordinates)
+            return [energy.least([in_order(spectral.labels_)])]
+        return [energy.least(each.of(count)) for each in candidates]
+
+    found = {count: group(count) for count in ([most] if num_motions is not None else range(1, most + 1))}
+    chosen = most
+    if num_motions is None:
+        tracks = MotionTracks(points, visible, np.arange(len(points)))
+        chosen = _count(found, mean, embed(1).eigenvalues, tracks, params, rng)
+    # Built to have little energy, these would speak for more motions than there are.
+    merged = [merge_by_energy(each.pieces, energy, params.pieces.num_tried).get(chosen) for each in candidates]
+    found[chosen] += [energy.least([in_order(labels)]) for labels in merged if labels is not None]
+    best = {count: min(groupings, key=lambda grouping: grouping.energy) for count, groupings in found.items()}
+    motion, embedding = best[chosen].labels, embed(chosen)
+    if num_motions is None and params.separate:
+        motion = in_order(separate_objects(points, visible, motion, params.separation))
+    return TrajectoryClustering(
+        motion=motion.astype(np.uint16),
+        embedding=embedding.coordinates,
+        eigenvalues=embedding.eigenvalues,
+        objective=embedding.objective,
+        costs=np.array([best[count].cost if count in best else np.nan for count in range(1, most + 1)]),
+        cuts=np.array([best[count].cut if count in best else np.nan for count in range(1, most + 1)]),
+        num_motions=int(motion.max()) + 1,
+    )
+
+
+def _clustered_kernels(by_view: Sequence[np.ndarray], method: str) -> np.ndarray:
+    """The kernels of which eigenvectors are taken, float64 (V, N, N)."""
+    views = np.stack(by_view).astype(np.float64)
+    if method == "coregularised":
+        return views
+    if method == "product":
+        return views.prod(axis=0, keepdims=True) ** (1 / len(views))
+    return views.mean(axis=0, keepdims=True)
+
+
+def _count(
+    found: dict[int, list[Grouping]],
+    kernel: np.ndarray,
+    eigenvalues: np.ndarray,
+    tracks: MotionTracks,
+    params: TrajectoryClusteringParams,
+    rng: np.random.Generator,
+) -> int:
+    """The number of motions, of the groupings of each draw into 1, 2, ... motions."""
+    if params.auto == "energy":
+        # More motions have more ways to fit by chance: the mean tells what the draws agree on, the least is luck.
+        return min(found, key=lambda count: np.mean([grouping.energy for grouping in found[count]]))
+    if params.auto == "eigengap":
+        return count_by_eigengap(eigenvalues[:, : len(found) + 1])
+    evidence = CountEvidence(
+        labelings=[min(groupings, key=lambda grouping: grouping.energy).labels for groupings in found.values()],
+        kernel=kernel,
+        eigenvalues=eigenvalues,
+        tracks=[tracks],
+        resampled=[[grouping.labels for grouping in draw] for draw in zip(*found.values(), strict=True)],
+    )
+    return count_motions(evidence, params.auto, params.count, rng).num_motions

@@ -1,0 +1,174 @@
+"""How badly one fundamental matrix for each group explains trajectories: the geometric cost of a grouping."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from moseg_tasks.geometry.eight_point import SAMPLE_SIZE, epipolar_equations, nearest_rank_two
+from schemas.parameters import EnergyParams
+
+_LAST_ROUNDS = 2
+"""Rounds with the final threshold."""
+
+
+class _Pair(NamedTuple):
+    """What every fit to two frames reads, of the trajectories that both show."""
+
+    seen: np.ndarray
+    """int (n,)"""
+    equations: np.ndarray
+    """float64 (n, 9): rows of x1' F x0."""
+    products: np.ndarray
+    """float64 (n, 81): their outer products."""
+    quadratics: np.ndarray
+    """float64 (12, n): quadratic monomials of x0, then of x1."""
+    thresholds: np.ndarray
+    """float64 (n,): tau of each trajectory, in the unit of the coordinates."""
+
+
+class _Fits(NamedTuple):
+    """The groups fitted to one pair: which they are, and their members float64 (k, n) among what it shows."""
+
+    pair: _Pair
+    groups: np.ndarray
+    members: np.ndarray
+
+
+class EpipolarCost:
+    """The cost of groups of trajectories, each under a fundamental matrix of its own in each pair of frames.
+
+    The cost of a group is the sum over its observations of ``min(d² / tau², 1)``, d the Sampson distance. The tolerance
+    grows with the displacement, ``tau² = threshold² + (relative |u|)²``: what passes by fast and near is tracked less
+    well, and bends and turns more than a rigid body. All groups
+    are fitted together by iteratively reweighted least squares: a fit only needs the weighted sum of the equations'
+    outer products, so that a hundred groups cost little more than one. It starts from all points of the group, and the
+    distance that counts as far halves from round to round down to tau: outliers lose their say bit by bit. Where they
+    abound PoseLib finds better matrices, at some hundred times the cost.
+
+    Parameters
+    ----------
+    points : float (N, frame, xy)
+        px.
+    visible : bool (N, frame)
+    params : EnergyParams
+
+    References
+    ----------
+    R. Hartley and A. Zisserman, Multiple View Geometry, 2nd edition, sections 11.2 and 11.4.3; A. Blake and
+    A. Zisserman, Visual Reconstruction, 1987 (graduated non-convexity).
+    """
+
+    def __init__(self, points: np.ndarray, visible: np.ndarray, params: EnergyParams):
+        self._params = params
+        firsts = range(0, points.shape[1] - params.gap, params.step)
+        pairs = (_prepare(points, visible, first, first + params.gap, params) for first in firsts)
+        self._pairs = [pair for pair in pairs if pair is not None]
+        self._num_observations = sum(len(pair.seen) for pair in self._pairs)
+        self._known: dict[bytes, float] = {}
+
+    def of_labelings(self, labelings: Sequence[np.ndarray]) -> np.ndarray:
+        """Mean cost of an observation under each labeling int (N,), float64 (len(labelings),) in 0..1; 0 where no two
+        frames show eight trajectories."""
+        groups = [[labels == label for label in np.unique(labels)] for labels in labelings]
+        new = {
+            group.tobytes(): group for labeling in groups for group in labeling if group.tobytes() not in self._known
+        }
+        if new:
+            self._known.update(zip(new, self._of_groups(np.stack(list(new.values()))), strict=True))
+        totals = [sum(self._known[group.tobytes()] for group in labeling) for labeling in groups]
+        return np.array(totals) / max(self._num_observations, 1)
+
+    def _of_groups(self, groups: np.ndarray) -> np.ndarray:
+        """Cost of each group, float64 (K,), of groups bool (K, N)."""
+        costs = np.zeros(len(groups))
+        fits: list[_Fits] = []
+        for pair in self._pairs:
+            members = groups[:, pair.seen].astype(np.float64)
+            # Up to seven points meet some fundamental matrix exactly.
+            fitted = np.flatnonzero(members.sum(axis=1) >= SAMPLE_SIZE)
+            fits.append(_Fits(pair, fitted, members[fitted]))
+        if not fits:
+            return costs
+        for fit, least in zip(fits, _fit_all(fits, self._params.num_fits), strict=True):
+            costs[fit.groups] += least
+        return costs
+
+
+def _prepare(points: np.ndarray, visible: np.ndarray, frame0: int, frame1: int, params: EnergyParams) -> _Pair | None:
+    """What the fits to a pair read, in coordinates of about unit size; None where it shows too few trajectories."""
+    seen = np.flatnonzero(visible[:, frame0] & visible[:, frame1])
+    if len(seen) < SAMPLE_SIZE:
+        return None
+    both = points[seen][:, [frame0, frame1]].astype(np.float64)
+    both -= both.mean(axis=(0, 1))
+    scale = max(float(np.sqrt(np.mean(both**2))), np.finfo(np.float64).tiny)
+    points0, points1 = np.moveaxis(both / scale, 1, 0)
+    displacement = np.sum((points1 - points0) ** 2, axis=1)
+    thresholds = np.sqrt((params.threshold / scale) ** 2 + params.relative**2 * displacement)
+    equations = epipolar_equations(points0, points1)
+    products = (equations[:, :, None] * equations[:, None, :]).reshape(len(seen), 81)
+    quadratics = np.concatenate([_quadratic_monomials(points0), _quadratic_monomials(points1)])
+    return _Pair(seen, equations, products, quadratics, thresholds)
+
+
+def _fit_all(fits: list[_Fits], num_iterations: int) -> list[np.ndarray]:
+    """Least cost of each group over the iterations, for each pair."""
+    weights = [fit.members for fit in fits]
+    least = [np.full(len(fit.groups), np.inf) for fit in fits]
+    bounds = np.cumsum([0, *(len(fit.groups) for fit in fits)])
+    for left in reversed(range(num_iterations)):
+        sums = [weight @ fit.pair.products for fit, weight in zip(fits, weights, strict=True)]
+        matrices = _solve(np.concatenate(sums).reshape(-1, 9, 9))
+        coefficients = _gradient_coefficients(matrices)
+        far = 4.0 ** max(left - _LAST_ROUNDS, 0)
+        for index, fit in enumerate(fits):
+            own, pair = slice(bounds[index], bounds[index + 1]), fit.pair
+            error = matrices[own].reshape(-1, 9) @ pair.equations.T
+            gradient = np.maximum(coefficients[own] @ pair.quadratics, np.finfo(np.float64).tiny)
+            gradient *= pair.thresholds**2
+            squared = error**2 / gradient
+            least[index] = np.minimum(least[index], (np.minimum(squared, 1.0) * fit.members).sum(axis=1))
+            # Of Geman and McClure's loss, on the first-order geometric error.
+            weights[index] = fit.members / (gradient * (1.0 + squared / far) ** 2)
+    return least
+
+
+def _solve(normal: np.ndarray) -> np.ndarray:
+    """Fundamental matrices (K, 3, 3) of unit norm from sums (K, 9, 9) of the equations' outer products.
+
+    The points' centroids and extents stand in the same sums, so that each group has its own Hartley normalisation.
+    """
+    transform0, transform1 = _hartley_of(normal, [6, 7]), _hartley_of(normal, [2, 5])
+    change = (transform1[:, :, None, :, None] * transform0[:, None, :, None, :]).reshape(-1, 9, 9)
+    _, vectors = np.linalg.eigh(change @ normal @ np.swapaxes(change, 1, 2))
+    F = nearest_rank_two(vectors[:, :, 0].reshape(-1, 3, 3))
+    F = np.swapaxes(transform1, 1, 2) @ F @ transform0
+    return F / np.linalg.norm(F, axis=(1, 2), keepdims=True)
+
+
+def _hartley_of(normal: np.ndarray, xy: list[int]) -> np.ndarray:
+    """Transforms (K, 3, 3) to centroid 0 and root mean square radius sqrt(2); x and y stand in the equations at `xy`
+    next to a 1 at 8."""
+    total = np.maximum(normal[:, 8, 8], np.finfo(np.float64).tiny)
+    centroid = normal[:, 8, xy] / total[:, None]
+    spread = normal[:, xy, xy].sum(axis=1) / total - (centroid**2).sum(axis=1)
+    scale = np.sqrt(2 / np.maximum(spread, np.finfo(np.float64).eps))
+    transform = np.zeros((len(normal), 3, 3))
+    transform[:, 0, 0] = transform[:, 1, 1] = scale
+    transform[:, :2, 2] = -scale[:, None] * centroid
+    transform[:, 2, 2] = 1
+    return transform
+
+
+def _gradient_coefficients(F: np.ndarray) -> np.ndarray:
+    """Coefficients (K, 12) of the squared gradient of x1' F x0 on the quadratic monomials of x0, then of x1."""
+    rows, columns = F[:, :2, :], F[:, :, :2]
+    forms = (np.swapaxes(rows, 1, 2) @ rows, columns @ np.swapaxes(columns, 1, 2))
+    return np.concatenate([form[:, [0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2]] * [1, 2, 2, 1, 2, 1] for form in forms], 1)
+
+
+def _quadratic_monomials(points: np.ndarray) -> np.ndarray:
+    """xx, xy, x, yy, y and 1 of points (n, 2): (6, n)."""
+    x, y = points.T
+    return np.stack([x * x, x * y, x, y * y, y, np.ones_like(x)])

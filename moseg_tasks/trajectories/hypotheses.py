@@ -1,0 +1,107 @@
+"""Hypotheses of a point model: minimal samples of the trajectories that a pair of frames shows, and their residuals."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from moseg_tasks.point_models import Correspondences, PointModel
+from schemas.errors import InputError
+from schemas.parameters import HypothesisParams
+
+_LARGEST = float(np.finfo(np.float16).max)
+
+
+class Hypotheses(NamedTuple):
+    """Models fitted to minimal samples.
+
+    Attributes
+    ----------
+    parameters : float64 (S, H, *P)
+        H models of each of S sets of frames, in pixel coordinates.
+    frames : int32 (S, num_frames)
+        The frames of each set.
+    """
+
+    parameters: np.ndarray
+    frames: np.ndarray
+
+
+def draw_hypotheses(
+    points: np.ndarray, visible: np.ndarray, model: PointModel, params: HypothesisParams, rng: np.random.Generator
+) -> Hypotheses:
+    """Fit a model to minimal samples of the trajectories seen in all frames of each set.
+
+    A set is `model.num_frames` frames at equal distance, one for each first frame and each of `params.gaps`; sets that
+    show fewer trajectories than a sample takes are left out.
+
+    Parameters
+    ----------
+    points : float64 (track, frame, xy)
+        px.
+    visible : bool (track, frame)
+    model : PointModel
+    params : HypothesisParams
+        `num_hypotheses`, `num_draws` and `gaps` are read; the models of a draw stand together.
+    rng : numpy.random.Generator
+
+    Raises
+    ------
+    InputError
+        Where no set of frames is left.
+    """
+    parameters, frames = [], []
+    for chosen in _frame_sets(points.shape[1], model.num_frames, params.gaps):
+        seen = np.flatnonzero(visible[:, chosen].all(axis=1))
+        if len(seen) < model.sample_size:
+            continue
+        num_samples = params.num_draws * params.num_hypotheses
+        samples = seen[_minimal_samples(len(seen), model.sample_size, num_samples, rng)]
+        parameters.append(model.fit(Correspondences(points[samples][..., chosen, :])))
+        frames.append(chosen)
+    if not frames:
+        gaps = ", ".join(map(str, params.gaps))
+        raise InputError(
+            f"too few trajectories for the {model.name} model",
+            got=f"{len(points)} in {points.shape[1]} frames",
+            expected=f"{model.sample_size} seen together in {model.num_frames} frames at gaps {gaps}",
+        )
+    return Hypotheses(np.stack(parameters), np.array(frames, dtype=np.int32))
+
+
+def hypothesis_residuals(
+    hypotheses: Hypotheses, points: np.ndarray, visible: np.ndarray, model: PointModel
+) -> np.ndarray:
+    """Distance of every trajectory to every hypothesis.
+
+    Returns
+    -------
+    residual : float16 (S, H, track)
+        px; NaN for trajectories not seen in all frames of a set. Only their order is used, which eleven bits tell
+        where distances differ by a thousandth.
+    """
+    num_sets, num_hypotheses = hypotheses.parameters.shape[:2]
+    residual = np.full((num_sets, num_hypotheses, len(points)), np.nan, np.float16)
+    for found, parameters, frames in zip(residual, hypotheses.parameters, hypotheses.frames, strict=True):
+        seen = np.flatnonzero(visible[:, frames].all(axis=1))
+        # What overflows single precision is as far as can be.
+        with np.errstate(over="ignore"):
+            squared = model.residual(parameters, Correspondences(points[seen][:, frames]), np.float32)
+        found[:, seen] = np.minimum(np.sqrt(squared), _LARGEST)
+    return residual
+
+
+def _frame_sets(num_frames: int, size: int, gaps: tuple[int, ...]) -> list[list[int]]:
+    return [
+        list(range(first, first + size * gap, gap)) for gap in gaps for first in range(num_frames - (size - 1) * gap)
+    ]
+
+
+def _minimal_samples(num_points: int, size: int, num_samples: int, rng: np.random.Generator) -> np.ndarray:
+    """Indices (num_samples, size), different within a sample."""
+    if num_points < 2 * size**2:
+        return np.argpartition(rng.random((num_samples, num_points)), size - 1, axis=1)[:, :size]
+    # Repetitions are rare among so many: drawing those samples again is faster than permutations.
+    samples = rng.integers(num_points, size=(num_samples, size))
+    while (repeated := (np.diff(np.sort(samples, axis=1), axis=1) == 0).any(axis=1)).any():
+        samples[repeated] = rng.integers(num_points, size=(np.count_nonzero(repeated), size))
+    return samples

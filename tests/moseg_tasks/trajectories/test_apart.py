@@ -1,0 +1,58 @@
+"""Laws of objects that lie apart."""
+
+import numpy as np
+import pytest
+
+from moseg_tasks.trajectories.apart import separate_objects
+from schemas.parameters import SeparationParams
+
+PARAMS = SeparationParams(num_neighbours=4, min_tracks=8)
+
+
+def _scene(*centres, size=12, spread=10.0, background=60):
+    """A background over the whole image, and a cluster of trajectories at each centre; all drift alike."""
+    rng = np.random.default_rng(0)
+    start = [rng.uniform(0, 400, (background, 2))]
+    start += [np.array(centre) + rng.uniform(-spread, spread, (size, 2)) for centre in centres]
+    points = np.concatenate(start)[:, None] + np.arange(4)[None, :, None] * [3.0, 1.0]
+    return points, np.ones(points.shape[:2], bool), background
+
+
+def test_two_objects_of_one_motion_become_two_motions():
+    points, visible, background = _scene((80, 80), (320, 320))
+    labels = (np.arange(len(points)) >= background).astype(int)
+    separated = separate_objects(points, visible, labels, PARAMS)
+    assert [len(set(separated[part])) for part in (slice(60), slice(60, 72), slice(72, 84))] == [1, 1, 1]
+    assert len(set(separated.tolist())) == 3
+
+
+def test_one_object_stays_whole():
+    points, visible, background = _scene((80, 80))
+    labels = (np.arange(len(points)) >= background).astype(int)
+    assert np.array_equal(separate_objects(points, visible, labels, PARAMS), labels)
+
+
+def test_the_background_is_never_split():
+    points, visible, background = _scene((80, 80), (320, 320))
+    points[:30, :, 0] *= 0.1
+    points[30:60, :, 0] = 380 + 0.1 * points[30:60, :, 0]
+    labels = np.zeros(len(points), int)
+    labels[background:] = 1
+    separated = separate_objects(points, visible, labels, PARAMS)
+    assert len(set(separated[:background].tolist())) == 1
+
+
+@pytest.mark.parametrize(("size", "count"), [(7, 2), (8, 3)])
+def test_a_few_strays_are_no_motion(size, count):
+    points, visible, background = _scene((80, 80), (320, 320))
+    kept = np.r_[: background + 12, background + 12 : background + 12 + size]
+    labels = (kept >= background).astype(int)
+    separated = separate_objects(points[kept], visible[kept], labels, PARAMS)
+    assert len(set(separated.tolist())) == count
+
+
+def test_a_trajectory_that_is_never_seen_keeps_its_label():
+    points, visible, background = _scene((80, 80))
+    visible[-1] = False
+    labels = (np.arange(len(points)) >= background).astype(int)
+    assert separate_objects(points, visible, labels, PARAMS)[-1] == 1

@@ -1,0 +1,104 @@
+"""Laws of motion groups of trajectories."""
+
+import numpy as np
+import pytest
+
+from moseg_tasks.metrics import clustering_error
+from moseg_tasks.point_models import POINT_MODELS
+from moseg_tasks.trajectories import (
+    View,
+    cluster_trajectories,
+    draw_hypotheses,
+    hypothesis_residuals,
+    trajectory_kernel,
+)
+from schemas.errors import InputError
+from schemas.parameters import EnergyParams, HypothesisParams, KernelParams, PieceParams, TrajectoryClusteringParams
+
+MODELS = ("affine", "homography", "fundamental")
+DRAWN = HypothesisParams(num_hypotheses=100, num_draws=2)
+PARAMS = TrajectoryClusteringParams(pieces=PieceParams(counts=(5, 7)), energy=EnergyParams(step=1))
+
+
+def _draws(points, visible, models=MODELS, seed=0):
+    rng, by_model = np.random.default_rng(seed), []
+    for name in models:
+        found = draw_hypotheses(points, visible, POINT_MODELS[name], DRAWN, rng)
+        residuals = np.split(hypothesis_residuals(found, points, visible, POINT_MODELS[name]), DRAWN.num_draws, axis=1)
+        by_model.append([View(trajectory_kernel(residual, KernelParams()), residual) for residual in residuals])
+    return list(zip(*by_model, strict=True))
+
+
+def _cluster(clip, count, params=PARAMS, models=MODELS):
+    draws = _draws(clip.points, clip.visible, models)
+    return cluster_trajectories(draws, clip.points, clip.visible, count, params, np.random.default_rng(0))
+
+
+@pytest.mark.parametrize("sizes", [(80, 30), (80, 30, 25), (80, 25, 25, 25)])
+def test_rigid_motions_are_told_apart(sizes, rigid_clip):
+    clip = rigid_clip(sizes)
+    found = _cluster(clip, len(sizes))
+    assert clustering_error(found.motion, clip.labels) <= 2
+    assert found.num_motions == len(sizes) and found.motion.dtype == np.uint16
+
+
+@pytest.mark.parametrize("method", ["sum", "product", "coregularised"])
+def test_published_methods_tell_them_apart_as_well(method, rigid_clip):
+    clip = rigid_clip((80, 30, 25))
+    found = _cluster(clip, 3, PARAMS.model_copy(update={"method": method}))
+    assert clustering_error(found.motion, clip.labels) <= 5
+
+
+def test_the_objective_of_coregularisation_never_falls(rigid_clip):
+    params = PARAMS.model_copy(update={"method": "coregularised", "co_regularisation": 0.1})
+    objective = _cluster(rigid_clip((80, 30)), 2, params).objective
+    assert len(objective) > 1 and (np.diff(objective) > -1e-9).all()
+
+
+def test_the_order_of_trajectories_does_not_matter(rigid_clip):
+    clip = rigid_clip((80, 30, 25))
+    order = np.random.default_rng(4).permutation(len(clip.labels))
+    shuffled = clip._replace(points=clip.points[order], visible=clip.visible[order], labels=clip.labels[order])
+    assert clustering_error(_cluster(shuffled, 3).motion, shuffled.labels) <= 2
+
+
+def test_the_same_generator_gives_the_same_groups(rigid_clip):
+    clip = rigid_clip((80, 30))
+    assert np.array_equal(_cluster(clip, 2).motion, _cluster(clip, 2).motion)
+
+
+def test_no_more_motions_are_found_than_asked_for(rigid_clip):
+    clip = rigid_clip((30, 10))
+    for count in (1, 5, 60):
+        assert _cluster(clip, count, models=("affine",)).num_motions <= min(count, 40)
+
+
+def test_what_each_number_of_motions_costs_is_told(rigid_clip):
+    clip = rigid_clip((80, 30, 25))
+    found = _cluster(clip, None)
+    assert len(found.costs) == PARAMS.most_motions and found.cuts[0] == pytest.approx(0, abs=1e-6)
+    assert found.costs[2] < found.costs[1] < found.costs[0]
+
+
+def test_bad_input_is_named(rigid_clip):
+    clip = rigid_clip((30, 10))
+    with pytest.raises(InputError, match="no view"):
+        cluster_trajectories([], clip.points, clip.visible, 2, PARAMS, np.random.default_rng(0))
+    with pytest.raises(InputError, match="too few motions"):
+        _cluster(clip, 0)
+
+
+@pytest.mark.parametrize("auto", ["energy", "description_length", "geometric"])
+@pytest.mark.parametrize("sizes", [(80,), (80, 30), (80, 30, 25)])
+def test_the_number_of_motions_is_found(rigid_clip, sizes, auto):
+    clip = rigid_clip(sizes)
+    # These bodies are transparent: the background's points between theirs would part them.
+    found = _cluster(clip, None, PARAMS.model_copy(update={"auto": auto, "separate": False}))
+    assert found.num_motions == len(sizes)
+    assert clustering_error(found.motion, clip.labels) <= 2
+
+
+@pytest.mark.parametrize("auto", ["confidences", "stability"])
+def test_other_ways_to_count_tell_two_clear_motions(rigid_clip, auto):
+    clip = rigid_clip((80, 50))
+    assert _cluster(clip, None, PARAMS.model_copy(update={"auto": auto})).num_motions == 2

@@ -1,0 +1,43 @@
+"""Laws of the energy that groupings compete by."""
+
+import numpy as np
+import pytest
+
+from moseg_tasks.trajectories.energy import Energy, normalised_cut
+from schemas.parameters import EnergyParams
+
+BLOCKS = np.kron(np.eye(2), np.ones((3, 3))) + 0.1
+SPLIT, ONE = np.repeat([0, 1], 3), np.zeros(6, int)
+
+
+def test_a_cut_is_the_share_of_affinity_that_leaves_each_group():
+    inside, outside = 3 * 1.1, 3 * 0.1
+    assert normalised_cut(BLOCKS, SPLIT) == pytest.approx(2 * outside / (inside + outside))
+    assert normalised_cut(BLOCKS, ONE) == pytest.approx(0)
+
+
+def test_cutting_through_a_block_costs_more_than_between_blocks():
+    assert normalised_cut(BLOCKS, np.array([0, 0, 1, 1, 1, 1])) > 2 * normalised_cut(BLOCKS, SPLIT)
+
+
+def test_a_trajectory_without_affinity_counts_as_cut_off():
+    lonely = np.zeros((7, 7))
+    lonely[:6, :6] = BLOCKS
+    assert normalised_cut(lonely, np.append(SPLIT, 2)) == pytest.approx(normalised_cut(BLOCKS, SPLIT) + 1)
+
+
+def test_the_cut_decides_between_groupings_of_equal_cost(rigid_clip):
+    clip = rigid_clip((40,), noise=0)
+    near = np.abs(clip.points[:, 0, None, 0] - clip.points[None, :, 0, 0]) < 150
+    energy = Energy(clip.points, clip.visible, near.astype(np.float32), EnergyParams(step=1))
+    by_side, by_chance = clip.points[:, 0, 0] > np.median(clip.points[:, 0, 0]), np.arange(40) % 2
+    least = energy.least([by_chance, by_side.astype(int)])
+    assert np.array_equal(least.labels, by_side) and least.cost < 1e-9
+
+
+def test_the_cost_decides_where_cuts_say_nothing(rigid_clip):
+    clip = rigid_clip((60, 40))
+    everything = np.ones((100, 100), np.float32)
+    energy = Energy(clip.points, clip.visible, everything, EnergyParams(step=1))
+    wrong = np.roll(clip.labels, 20)
+    assert np.array_equal(energy.least([wrong, clip.labels]).labels, clip.labels)

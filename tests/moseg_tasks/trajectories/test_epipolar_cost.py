@@ -1,0 +1,64 @@
+"""Laws of the geometric cost of a grouping."""
+
+import numpy as np
+import pytest
+
+from moseg_tasks.trajectories.epipolar_cost import EpipolarCost
+from schemas.parameters import EnergyParams
+
+PARAMS = EnergyParams(gap=3, step=1)
+TRUE = np.repeat([0, 1], [60, 40])
+ONE = np.zeros(100, int)
+
+
+@pytest.fixture(scope="module")
+def clip(rigid_clip):
+    return rigid_clip((60, 40))
+
+
+def _cost(clip, labelings, params=PARAMS):
+    return EpipolarCost(clip.points, clip.visible, params).of_labelings(labelings)
+
+
+def test_rigid_groups_without_noise_cost_nothing(rigid_clip):
+    exact = rigid_clip((60, 40), noise=0)
+    assert _cost(exact, [TRUE])[0] < 1e-9
+
+
+def test_the_true_grouping_costs_less_than_any_other(clip):
+    rng = np.random.default_rng(0)
+    halves = np.arange(len(TRUE)) % 2
+    costs = _cost(clip, [TRUE, ONE, halves, rng.permutation(TRUE)])
+    assert costs[0] < 0.1 and (costs[1:] > 2 * costs[0]).all()
+
+
+def test_costs_do_not_depend_on_names_order_or_company(clip):
+    order = np.random.default_rng(1).permutation(len(TRUE))
+    shuffled = EpipolarCost(clip.points[order], clip.visible[order], PARAMS)
+    together = _cost(clip, [TRUE, ONE, 7 - TRUE])
+    assert together[0] == pytest.approx(together[2], rel=1e-9)
+    assert together[0] == pytest.approx(_cost(clip, [TRUE])[0], rel=1e-9)
+    assert shuffled.of_labelings([TRUE[order]])[0] == pytest.approx(together[0], rel=1e-6)
+
+
+def test_the_unit_of_length_is_the_thresholds(clip):
+    larger = clip._replace(points=3 * clip.points + [100, -50])
+    scaled = _cost(larger, [TRUE, ONE], PARAMS.model_copy(update={"threshold": 3 * PARAMS.threshold}))
+    np.testing.assert_allclose(scaled, _cost(clip, [TRUE, ONE]), rtol=1e-6)
+
+
+def test_seven_points_meet_some_matrix_and_cost_nothing(clip):
+    labels = np.zeros(len(TRUE), int)
+    labels[::15] = 1  # seven trajectories of both motions
+    few = np.count_nonzero(labels)
+    assert few == 7
+    kept = clip._replace(points=clip.points[labels == 1], visible=clip.visible[labels == 1])
+    assert _cost(kept, [np.zeros(few, int)]).tolist() == [0.0]
+
+
+def test_a_few_outliers_cost_little_more_than_themselves(rigid_clip):
+    exact = rigid_clip((60,), noise=0.05, hidden=0)
+    points = exact.points.copy()
+    points[:6] += np.random.default_rng(2).uniform(-6, 6, points[:6].shape)
+    alone = _cost(exact, [exact.labels])[0]
+    assert _cost(exact._replace(points=points), [exact.labels])[0] < alone + 0.15

@@ -1,0 +1,38 @@
+"""What the recipe of a clustering reads where the number of motions is to be found."""
+
+import pytest
+
+from schemas.configs import PipelineConfig, Variant
+from schemas.digests import digest_bytes
+from schemas.parameters.clustering import COUNT_READS, READ_TRACKS
+from workflows.graph import SequenceGraph, SequenceLeaves
+
+
+def _clustering(**clustering):
+    frames = tuple(f"frame/{digest_bytes('test', str(number).encode())}" for number in range(5))
+    leaves = SequenceLeaves(name="toy", shape=(48, 64), frames=frames, num_motions=2)
+    graph = SequenceGraph(leaves, PipelineConfig(clustering=clustering))
+    return graph.recipes[graph.clustering(Variant.OC)]
+
+
+@pytest.mark.parametrize("auto", READ_TRACKS)
+def test_tracks_are_read_by_the_ways_to_count_that_need_them(auto):
+    assert {"tracks", "linking"} <= set(_clustering(auto=auto).inputs)
+    assert set(_clustering(auto=auto, motions="gt").inputs) == {"affinities"}
+
+
+@pytest.mark.parametrize("auto", ["threshold", "eigengap", "confidences"])
+def test_no_other_way_to_count_waits_for_tracks(auto):
+    assert set(_clustering(auto=auto).inputs) == {"affinities"}
+
+
+@pytest.mark.parametrize("auto", COUNT_READS)
+def test_only_the_parameters_that_are_read_are_part_of_the_recipe(auto):
+    assert set(_clustering(auto=auto).params["clustering"]["count"]) == COUNT_READS[auto]
+    assert "count" not in _clustering(auto=auto, motions=3).params["clustering"]
+
+
+def test_what_is_not_read_changes_nothing():
+    assert _clustering() == _clustering(count={"gap": 1})
+    unread = {"motion_price": 0.5, "least_silhouette": 0.1}
+    assert _clustering(auto="description_length") == _clustering(auto="description_length", count=unread)

@@ -1,0 +1,81 @@
+"""Bad use of labelled trajectories ends with exit code 2 and one clear line, before any work."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.usefixtures("in_empty_folder")
+
+
+def _assert_refused(ran, *words):
+    assert ran.code == 2
+    (line,) = ran.err.splitlines()
+    assert line.startswith("moseg: ")
+    for word in words:
+        assert str(word) in line
+    assert not Path(".moseg").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ("eval --variant oc", ("--variant", "oc", "fused or trajs or homography or affine")),
+        ("plan --variant base", ("--variant", "base")),
+        ("eval --variant homograph", ("--variant",)),
+        ("eval --proposals saliency", ("--proposals", "without images")),
+        ("eval --depth none", ("--depth",)),
+        ("eval --flow dis", ("--flow",)),
+        ("eval --tracks lucas-kanade", ("--tracks",)),
+        ("eval --affinity ork", ("--affinity",)),
+        ("eval --section-length 4", ("--section-length",)),
+        ("ablate --preset paper", ("--preset",)),
+        ("plan --quality fast", ("--quality",)),
+        ("eval --geometry paper", ("--geometry",)),
+        ("eval --set flow.preset=fine", ("flow.preset", "hypotheses")),
+        ("eval --set clustering.fusion=sum", ("clustering.fusion", "trajectory_clustering")),
+        ("eval --set hypotheses.gaps=0", ("hypotheses.gaps",)),
+        ("eval --set hypotheses.gaps=1,1", ("hypotheses.gaps",)),
+        ("eval --set kernel.window=2", ("kernel.window",)),
+        ("eval --views affine,homographie", ("--views", "homographie", "fundamental")),
+        ("eval --views affine,affine", ("--views",)),
+        ("eval --views oc_depth", ("--views", "oc_depth")),
+        ("eval --set fused_point_models=oc_depth", ("fused_point_models",)),
+        ("eval --seed 1 --seeds 2", ("--seed", "--seeds 2")),
+        ("eval --seeds 0", ("--seeds",)),
+        ("eval --seed -1", ("--seed",)),
+        ("eval --motions 0", ("clustering.motions",)),
+        ("eval --sequences Seq005_Clip09", ("Seq005_Clip09", "Seq005_Clip0")),
+        ("contact-sheet", ("no frames", "kt3dmoseg")),
+    ],
+)
+def test_what_means_nothing_on_trajectories_is_refused(moseg, clips, arguments, words):
+    command, *options = arguments.split()
+    _assert_refused(moseg(command, "--dataset", "kt3dmoseg", "--root", clips, *options), *words)
+
+
+def test_masks_are_not_scored_against_trajectories(moseg, clips, write_image, tmp_path):
+    write_image(tmp_path / "masks" / "Seq005_Clip01" / "00000.png", np.zeros((8, 8), np.uint8))
+    options = ("--predictions", tmp_path / "masks")
+    _assert_refused(moseg("score", "--dataset", "kt3dmoseg", "--root", clips, *options), "no frames", "kt3dmoseg")
+
+
+@pytest.mark.parametrize("option", ["--seeds", "--seed", "--views"])
+@pytest.mark.parametrize("command", ["eval", "ablate", "plan"])
+def test_what_means_nothing_on_frames_is_refused(moseg, command, option):
+    value = "affine" if option == "--views" else "2"
+    _assert_refused(moseg(command, option, value), option, "synthetic", "kt3dmoseg")
+
+
+def test_variants_of_trajectories_are_none_of_frames(moseg):
+    _assert_refused(moseg("eval", "--variant", "homography"), "--variant", "homography", "oc-depth")
+
+
+@pytest.mark.parametrize("damage", [b"", b"not MATLAB's", None])
+def test_a_damaged_clip_is_named(moseg, write_clip, tmp_path, damage):
+    path = write_clip(tmp_path / "data" / "Seq005_Clip01_Tracks.mat")
+    path.write_bytes(path.read_bytes()[:3000] if damage is None else damage)
+    ran = moseg("eval", "--dataset", "kt3dmoseg", "--root", tmp_path / "data", "--quiet", "--store", tmp_path / "store")
+    assert ran.code == 2
+    (line,) = ran.err.splitlines()
+    assert str(path) in line

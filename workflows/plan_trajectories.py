@@ -1,0 +1,32 @@
+"""What an evaluation on labelled trajectories would compute and reuse, with nothing computed or stored."""
+
+from collections.abc import Sequence
+
+from schemas.configs import PipelineConfig, TrajectoryVariant
+from store import ArtifactStore
+from workflows.datasets import TrajectorySource
+from workflows.evaluate_trajectories import with_seed
+from workflows.graph import TrajectoryGraph
+from workflows.plan_evaluation import EmptyStore, count_uses, foresee_ingest
+from workflows.session import StageUse
+from workflows.trajectory_leaves import make_trajectory_leaves, trajectory_jobs
+
+
+def plan_trajectories(
+    store: ArtifactStore | EmptyStore,
+    sources: Sequence[TrajectorySource],
+    config: PipelineConfig,
+    variants: Sequence[TrajectoryVariant],
+    seeds: Sequence[int] | None = None,
+) -> dict[str, StageUse]:
+    """Artifacts to compute and to reuse by stage; clips that were never ingested are decoded."""
+    recipes, sinks, num_ingests = {}, [], 0
+    for source in sources:
+        entries, num_new = foresee_ingest(store, trajectory_jobs(source))
+        num_ingests += num_new
+        leaves = make_trajectory_leaves(source, *entries)
+        for seeded in [with_seed(config, seed) for seed in seeds] if seeds else [config]:
+            graph = TrajectoryGraph(leaves, seeded)
+            sinks.extend(graph.score(variant) for variant in variants)
+            recipes |= graph.recipes
+    return count_uses(store, recipes, sinks, num_ingests)

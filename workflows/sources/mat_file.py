@@ -1,0 +1,174 @@
+"""Structs of numbers out of the bytes of MATLAB files of version 5 to 7.2.
+
+Read here rather than by ``scipy.io.loadmat``, because that follows what a damaged file claims until the process dies.
+Every length is compared with the bytes that are there, and whatever is wrong is an InputError that names the file.
+
+References
+----------
+The MathWorks, "MAT-File Format": the Level 5 format.
+"""
+
+import math
+import zlib
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from schemas.errors import InputError
+
+_HEADER_BYTES, _TAG_BYTES, _ALIGNMENT = 128, 8, 8
+_BYTE_ORDERS = {b"IM": "<", b"MI": ">"}
+_MATRIX, _COMPRESSED = 14, 15
+_NUMBER_TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
+_STRUCT_CLASS, _NUMBER_CLASSES, _COMPLEX_FLAG = 2, range(6, 16), 0x0800
+# Of compressed variables more is taken only up to so many times the file: 1,000 zeros compress to one byte.
+_ALWAYS_TAKEN_BYTES, _MOST_EXPANSION = 2**28, 100
+
+_EXPECTED = "a MATLAB file of version 5 to 7.2"
+
+
+class _DamagedError(ValueError):
+    """What is wrong with the bytes."""
+
+
+class _Element(NamedTuple):
+    """A piece of a file: its type and its bytes."""
+
+    kind: int
+    data: memoryview
+
+
+class _Matrix(NamedTuple):
+    """A variable or field: class, whether complex, shape, name, and the pieces of its values."""
+
+    kind: int
+    is_complex: bool
+    shape: tuple[int, ...]
+    name: str
+    values: Iterator[_Element]
+
+
+def read_struct(content: bytes, name: str, path: str) -> dict[str, np.ndarray | None] | None:
+    """The fields of a variable that is a single struct.
+
+    Parameters
+    ----------
+    content : bytes
+        Of the whole file.
+    name : str
+        The variable.
+    path : str
+        The file, for errors.
+
+    Returns
+    -------
+    dict of str to array, or None
+        Real numbers in the type in which they are stored, at the shape of the field; None for a field that holds
+        anything else. None where the file has no such variable or it is no single struct.
+
+    Raises
+    ------
+    InputError
+        Not such a file, or a damaged one.
+    """
+    order = _BYTE_ORDERS.get(content[_HEADER_BYTES - 2 : _HEADER_BYTES])
+    if order is None or content[_HEADER_BYTES - 4 : _HEADER_BYTES - 2] not in (b"\x00\x01", b"\x01\x00"):
+        raise InputError("not MATLAB's", where=path, got=f"{len(content)} bytes", expected=_EXPECTED)
+    most = max(_ALWAYS_TAKEN_BYTES, _MOST_EXPANSION * len(content))
+    try:
+        for element in _elements(memoryview(content)[_HEADER_BYTES:], order, most):
+            if element.kind != _MATRIX:
+                continue
+            matrix = _open_matrix(element, order)
+            if matrix.name == name:
+                return _fields(matrix, order) if _is_single_struct(matrix) else None
+    except (_DamagedError, zlib.error) as error:
+        raise InputError("damaged", where=path, got=error, expected=_EXPECTED) from error
+    return None
+
+
+def _elements(data: memoryview, order: str, most: int = 0) -> Iterator[_Element]:
+    """The pieces one after the other; compressed ones, which are not nested, unpacked to at most `most` bytes."""
+    while len(data):
+        if len(data) < _TAG_BYTES:
+            raise _DamagedError("a file that is cut short")
+        kind, length = np.frombuffer(data[:_TAG_BYTES], order + "u4").tolist()
+        start, stop = _TAG_BYTES, _TAG_BYTES + length
+        if kind >> 16:
+            # Four bytes or fewer stand in the tag itself.
+            kind, length = kind & 0xFFFF, kind >> 16
+            start, stop = 4, 4 + length
+            end = _TAG_BYTES
+        else:
+            end = stop if kind == _COMPRESSED else stop + -stop % _ALIGNMENT
+        # The last piece may lack its padding.
+        if stop > min(end, len(data)):
+            raise _DamagedError(f"{len(data)} bytes where {stop} are announced")
+        if kind == _COMPRESSED and most:
+            yield from _elements(_unpack(data[start:stop], most), order)
+        else:
+            yield _Element(kind, data[start:stop])
+        data = data[end:]
+
+
+def _unpack(data: memoryview, most: int) -> memoryview:
+    packed = zlib.decompressobj()
+    content = packed.decompress(data, most)
+    if not packed.eof:
+        raise _DamagedError(f"a compressed variable that is cut short or larger than {most} bytes")
+    return memoryview(content)
+
+
+def _open_matrix(element: _Element, order: str) -> _Matrix:
+    """A variable up to its values; one of no bytes is empty."""
+    if not len(element.data):
+        return _Matrix(_NUMBER_CLASSES[0], False, (0, 0), "", iter((_Element(9, element.data),)))
+    parts = _elements(element.data, order)
+    flags, dimensions = _numbers(_next(parts), order), _numbers(_next(parts), order)
+    if flags.dtype.kind != "u" or len(flags) != 2 or dimensions.dtype.kind != "i" or dimensions.min(initial=0) < 0:
+        raise _DamagedError("a variable without class or shape")
+    name = bytes(_next(parts).data).decode("latin-1")
+    word = int(flags[0])
+    return _Matrix(word & 0xFF, bool(word & _COMPLEX_FLAG), tuple(dimensions.tolist()), name, parts)
+
+
+def _is_single_struct(matrix: _Matrix) -> bool:
+    return matrix.kind == _STRUCT_CLASS and math.prod(matrix.shape) == 1
+
+
+def _fields(struct: _Matrix, order: str) -> dict[str, np.ndarray | None]:
+    length, names = _numbers(_next(struct.values), order), bytes(_next(struct.values).data)
+    if len(length) != 1 or length[0] < 1 or len(names) % length[0]:
+        raise _DamagedError("a struct without names of fields")
+    size = int(length[0])
+    fields = [names[start : start + size].split(b"\0")[0].decode("latin-1") for start in range(0, len(names), size)]
+    return {field: _array(_next(struct.values), order) for field in fields}
+
+
+def _array(element: _Element, order: str) -> np.ndarray | None:
+    """Real numbers of a field; None where it holds anything else."""
+    if element.kind != _MATRIX:
+        raise _DamagedError(f"a field of type {element.kind}")
+    matrix = _open_matrix(element, order)
+    if matrix.kind not in _NUMBER_CLASSES or matrix.is_complex:
+        return None
+    values = _numbers(_next(matrix.values), order)
+    if len(values) != math.prod(matrix.shape):
+        raise _DamagedError(f"{len(values)} values where {matrix.shape} are announced")
+    # MATLAB's first axis runs fastest.
+    return values.reshape(matrix.shape, order="F")
+
+
+def _numbers(element: _Element, order: str) -> np.ndarray:
+    code = _NUMBER_TYPES.get(element.kind)
+    if code is None or len(element.data) % np.dtype(code).itemsize:
+        raise _DamagedError(f"{len(element.data)} bytes of type {element.kind} where numbers belong")
+    return np.frombuffer(element.data, np.dtype(order + code))
+
+
+def _next(parts: Iterator[_Element]) -> _Element:
+    element = next(parts, None)
+    if element is None:
+        raise _DamagedError("a variable that is cut short")
+    return element
