@@ -10,7 +10,7 @@ STORE   ?= .moseg/store
 MOSEG   := .venv/bin/moseg
 OPTIONS  = $(if $(ROOT),--root "$(ROOT)") --workers $(WORKERS) --store "$(STORE)" $(ARGS)
 
-.PHONY: setup eval ablation segment test lint bench bench-networks bench-memory clean
+.PHONY: setup eval ablation segment test lint bench bench-networks bench-memory bench-objects clean
 
 setup: .venv/.ready
 
@@ -43,6 +43,10 @@ bench-networks: setup
 
 bench-memory: setup
 	.venv/bin/python benchmarks/long_video/peak_memory.py $(ARGS)
+
+bench-objects: setup
+	.venv/bin/python benchmarks/kt3dmoseg/object_affinities.py $(if $(ROOT),"$(ROOT)") $(ARGS)
+	.venv/bin/python benchmarks/kt3dmoseg/motion_counts.py $(if $(ROOT),"$(ROOT)")
 
 clean:
 	rm -rf .venv build *.egg-info

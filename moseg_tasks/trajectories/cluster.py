@@ -1,6 +1,6 @@
 """From what several models say of trajectories to motion groups."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -113,7 +113,7 @@ def cluster_trajectories(
     chosen = most
     if num_motions is None:
         tracks = MotionTracks(points, visible, np.arange(len(points)))
-        chosen = _count(found, mean, embed(1).eigenvalues, tracks, params, rng)
+        chosen = _count(found, mean, lambda: embed(1).eigenvalues, tracks, params, rng)
     # Built to have little energy, these would speak for more motions than there are.
     merged = [merge_by_energy(each.pieces, energy, params.pieces.num_tried).get(chosen) for each in candidates]
     found[chosen] += [energy.least([in_order(labels)]) for labels in merged if labels is not None]
@@ -145,7 +145,7 @@ def _clustered_kernels(by_view: Sequence[np.ndarray], method: str) -> np.ndarray
 def _count(
     found: dict[int, list[Grouping]],
     kernel: np.ndarray,
-    eigenvalues: np.ndarray,
+    spectrum: Callable[[], np.ndarray],
     tracks: MotionTracks,
     params: TrajectoryClusteringParams,
     rng: np.random.Generator,
@@ -155,11 +155,11 @@ def _count(
         # More motions have more ways to fit by chance: the mean tells what the draws agree on, the least is luck.
         return min(found, key=lambda count: np.mean([grouping.energy for grouping in found[count]]))
     if params.auto == "eigengap":
-        return count_by_eigengap(eigenvalues[:, : len(found) + 1])
+        return count_by_eigengap(spectrum()[:, : len(found) + 1])
     evidence = CountEvidence(
         labelings=[min(groupings, key=lambda grouping: grouping.energy).labels for groupings in found.values()],
         kernel=kernel,
-        eigenvalues=eigenvalues,
+        eigenvalues=spectrum(),
         tracks=[tracks],
         resampled=[[grouping.labels for grouping in draw] for draw in zip(*found.values(), strict=True)],
     )
