@@ -1,10 +1,10 @@
 """How often the number of motions is found on KT3DMoSeg, with objects that are pure.
 
 ``python benchmarks/kt3dmoseg/motion_counts.py [ROOT] [--seeds N] [--methods NAME ...] [--set NAME=VALUE ...] [--sweep
-NAME=V,V]`` prints for each method how often it finds the right number of motions (percent of clips and seeds): for the three
-partitions of ``object_partitions.py``, and, where the right number is 1, for the objects of the background alone and
-for synthetic objects that stand still. ``--sweep`` repeats a method for several values of one of its parameters, and
-says what it gives where each clip's value is the one that is best on all other clips.
+NAME=V,V]`` prints for each method how often it finds the right number of motions (percent of clips and seeds): for the
+three partitions of ``object_partitions.py``, and, where the right number is 1, for the objects of the background alone
+and for synthetic objects that stand still. ``--sweep`` repeats a method for several values of one of its parameters,
+and says what it gives where each clip's value is the one that is best on all other clips.
 """
 
 import argparse

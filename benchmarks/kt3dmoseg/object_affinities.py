@@ -1,9 +1,10 @@
 """Affinities between objects on KT3DMoSeg, with objects that are pure and the number of motions given.
 
-``python benchmarks/kt3dmoseg/object_affinities.py [ROOT] [--seeds N] [--grouping linkage|spectral] [--stress]``
-prints for each affinity the objects and the trajectories in a wrong group (percent, mean over clips and seeds) and how many cases have
-no error, for the three partitions of ``object_partitions.py``; then the objects in a wrong group of generated scenes,
-in some of which the movers are one object each. ``--stress`` adds noise, few tracks and impure objects.
+``python benchmarks/kt3dmoseg/object_affinities.py [ROOT] [--seeds N] [--grouping linkage|spectral] [--stress]`` prints
+for each affinity the objects and the trajectories in a wrong group (percent, mean over clips and seeds) and how many
+cases have no error, for the three partitions of ``object_partitions.py``; then the objects in a wrong group of
+generated scenes, in some of which the movers are one object each. ``--stress`` adds noise, few tracks and impure
+objects.
 """
 
 import argparse

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from moseg_tasks.affinity.preferences import share_preferences
 from schemas.errors import InputError
 
 
@@ -42,19 +43,9 @@ def preference_kernel(residuals: np.ndarray, window: float, noise_floor: float) 
     total, met = np.zeros((num_nodes, num_nodes)), np.zeros((num_nodes, num_nodes), dtype=np.int64)
     for pair in residuals:
         present = ~np.isnan(pair[0])
-        preferred = _preferences(np.maximum(pair.T[present], noise_floor**2), window)
+        preferred = share_preferences(np.maximum(pair.T[present], noise_floor**2), window)
         preferred /= np.linalg.norm(preferred, axis=1, keepdims=True)
         both = np.ix_(present, present)
         total[both] += preferred @ preferred.T
         met[both] += 1
     return np.where(met > 0, total / np.maximum(met, 1), np.nan)
-
-
-def _preferences(distances: np.ndarray, window: float) -> np.ndarray:
-    """Weight 0..1 of each hypothesis of each node, float64 (N, H), of equal sums."""
-    num_hypotheses = distances.shape[1]
-    count = max(1, round(window * num_hypotheses))
-    last = np.partition(distances, count - 1, axis=1)[:, count - 1 : count]
-    nearer, level = distances < last, distances == last
-    left = count - nearer.sum(axis=1, keepdims=True)
-    return nearer + level * (left / level.sum(axis=1, keepdims=True))
