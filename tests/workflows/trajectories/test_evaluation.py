@@ -177,3 +177,16 @@ def test_a_real_clip_of_two_motions_is_segmented(moseg, tmp_path):
     assert (ran.code, ran.err) == (0, "")
     (row,) = json.loads((tmp_path / "report.json").read_text())["rows"]
     assert row["mean"]["error"] <= 5  # 36.6 as one motion
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="no real clips of KT3DMoSeg: set MOSEG_TEST_DATA to their folder")
+def test_the_number_of_motions_of_real_clips_is_found(moseg, tmp_path):
+    names = ("Seq005_Clip01", "Seq028_Clip01", "Seq071_Clip01")
+    options = ("--sequences", ",".join(names), "--motions", "auto", "--store", tmp_path / "store", "--quiet")
+    ran = moseg("eval", "--dataset", "kt3dmoseg", "--root", DATA, *options, "--json", tmp_path / "report.json")
+    assert (ran.code, ran.err) == (0, "")
+    (row,) = json.loads((tmp_path / "report.json").read_text())["rows"]
+    for name in names:
+        found = row["sequences"][name]
+        assert found["num_motions"] == found["num_motions_true"], name
+        assert found["error"] <= 3, name
