@@ -81,6 +81,8 @@ class Candidates:
 
     def _cluster(self, vectors: np.ndarray, count: int) -> np.ndarray:
         """k-means of the leading eigenvectors, rows of unit length: labels int (N,), each in use."""
+        if count == 1:
+            return np.zeros(len(vectors), dtype=np.int64)
         coordinates = unit_rows(vectors[:, :count])
         found = KMeans(count, n_init=self._num_starts, random_state=self._seed).fit(coordinates)
         return np.unique(found.labels_, return_inverse=True)[1]

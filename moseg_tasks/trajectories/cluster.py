@@ -99,17 +99,17 @@ def cluster_trajectories(
     def embed(count: int):
         return embed_views(views, count, params.co_regularisation, params.num_iterations, params.tolerance)
 
-    is_published = params.method != "energy"
-    candidates = [] if is_published else [Candidates(drawn, most, params, seed) for drawn in draws]
-
-    def group(count: int) -> list[Grouping]:
-        """The best grouping of each draw; of the published methods there is but one."""
-        if is_published:
-            spectral = KMeans(count, n_init=params.num_starts, random_state=seed).fit(embed(count).coordinates)
-            return [energy.least([in_order(spectral.labels_)])]
-        return [energy.least(each.of(count)) for each in candidates]
-
-    found = {count: group(count) for count in ([most] if num_motions is not None else range(1, most + 1))}
+    counts = [most] if num_motions is not None else range(1, most + 1)
+    candidates = []
+    if params.method == "energy":
+        candidates = [Candidates(drawn, most, params, seed) for drawn in draws]
+        groupings = {count: [each.of(count) for each in candidates] for count in counts}
+        # Fits to a hundred groups at once cost little more than to one.
+        energy.prepare([labels for by_draw in groupings.values() for drawn in by_draw for labels in drawn])
+    else:
+        # Of the published methods there is but one grouping.
+        groupings = {count: [[_cluster(embed(count).coordinates, count, params, seed)]] for count in counts}
+    found = {count: [energy.least(drawn) for drawn in by_draw] for count, by_draw in groupings.items()}
     chosen = most
     if num_motions is None:
         tracks = MotionTracks(points, visible, np.arange(len(points)))
@@ -130,6 +130,11 @@ def cluster_trajectories(
         cuts=np.array([best[count].cut if count in best else np.nan for count in range(1, most + 1)]),
         num_motions=int(motion.max()) + 1,
     )
+
+
+def _cluster(coordinates: np.ndarray, count: int, params: TrajectoryClusteringParams, seed: int) -> np.ndarray:
+    """Labels int64 (N,) by k-means."""
+    return in_order(KMeans(count, n_init=params.num_starts, random_state=seed).fit(coordinates).labels_)
 
 
 def _clustered_kernels(by_view: Sequence[np.ndarray], method: str) -> np.ndarray:

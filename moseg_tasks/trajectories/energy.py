@@ -46,6 +46,10 @@ class Energy:
         # What one motion explains well needs no second, however large a share of the little that is left that takes.
         self._unit = max(float(self._cost.of_labelings([np.zeros(len(points), int)])[0]), params.least_unit)
 
+    def prepare(self, labelings: Sequence[np.ndarray]) -> None:
+        """Fit all groups of labelings that will be asked for."""
+        self._cost.of_labelings(labelings)
+
     def least(self, labelings: Sequence[np.ndarray]) -> Grouping:
         """The labeling of least energy, the first of equals."""
         costs = self._cost.of_labelings(labelings) / self._unit
