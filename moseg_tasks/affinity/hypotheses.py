@@ -53,9 +53,10 @@ def hypothesis_affinity(
     sizes = np.bincount(owner, minlength=num_objects)
     # All tracks of an object that has no more: a trajectory that stands for itself takes part.
     least = np.minimum(params.min_tracks, np.maximum(sizes, 1))
-    residuals = np.full((len(models), max(points.shape[1] - params.gap, 0), params.num_hypotheses, num_objects), np.nan)
+    gap = max(min(params.gap, points.shape[1] - 1), 1)
+    residuals = np.full((len(models), max(points.shape[1] - gap, 0), params.num_hypotheses, num_objects), np.nan)
     for frame in range(residuals.shape[1]):
-        frames = [frame, frame + params.gap]
+        frames = [frame, frame + gap]
         seen = visible[:, frames].all(axis=1)
         tracks = Correspondences(points[seen][:, frames].astype(np.float64))
         for index, model in enumerate(models):

@@ -25,11 +25,14 @@ def leading_eigenpairs(symmetric: np.ndarray, count: int) -> tuple[np.ndarray, n
         Orthonormal; of signs that do not depend on the solver.
     """
     num = len(symmetric)
+    if not symmetric.any():
+        return np.zeros(count), np.eye(num, count)
     if num < _DENSE or count > num // 4:
         values, vectors = np.linalg.eigh(symmetric)
     else:
-        # A start of its own would be random.
-        values, vectors = eigsh(symmetric, count, which="LA", v0=np.full(num, num**-0.5), tol=_TOLERANCE)
+        # A start of its own would be random, and so would be new ones where the first spans too little.
+        start, rng = np.full(num, num**-0.5), np.random.default_rng(0)
+        values, vectors = eigsh(symmetric, count, which="LA", v0=start, tol=_TOLERANCE, rng=rng)
     order = np.argsort(-values, kind="stable")[:count]
     vectors = vectors[:, order]
     largest = vectors[np.argmax(np.abs(vectors), axis=0), np.arange(vectors.shape[1])]

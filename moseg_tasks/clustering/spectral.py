@@ -6,8 +6,8 @@ import numpy as np
 
 from moseg_tasks.clustering.eigenpairs import leading_eigenpairs
 
-MOST_EIGENVALUES = 20
-"""Kept of each view: all of objects, the leading ones of trajectories."""
+FEW_ROWS, FEW_EIGENVALUES = 200, 20
+"""Of more objects or trajectories than the first only so many leading eigenvalues are kept."""
 
 
 class Embedding(NamedTuple):
@@ -18,7 +18,7 @@ class Embedding(NamedTuple):
     coordinates : float64 (K, V k)
         The views' k leading eigenvectors side by side, rows scaled to unit length.
     eigenvalues : float64 (V, E)
-        Of each view's normalised affinity before co-regularisation, descending; of many only the leading 20.
+        Of each view's normalised affinity before co-regularisation, descending; of more than 200 rows the leading 20.
     objective : float64 (iterations,)
         The co-regularised objective after each round of updates; it never falls.
     """
@@ -58,7 +58,7 @@ def embed_views(
     A. Kumar, P. Rai and H. Daume III, "Co-regularized multi-view spectral clustering", NIPS 2011, equations 2 to 4.
     """
     laplacians = [normalise_affinity(view) for view in views]
-    num_eigenvalues = min(len(views[0]), MOST_EIGENVALUES)
+    num_eigenvalues = len(views[0]) if len(views[0]) <= FEW_ROWS else FEW_EIGENVALUES
     eigenvalues = np.stack([leading_eigenpairs(laplacian, num_eigenvalues)[0] for laplacian in laplacians])
     bases = [leading_eigenpairs(laplacian, dimension)[1] for laplacian in laplacians]
     history = []

@@ -9,7 +9,6 @@ from sklearn.metrics import adjusted_rand_score
 from moseg_tasks.affinity import hypothesis_affinity
 from moseg_tasks.clustering.fusion import fill_unknown
 from moseg_tasks.clustering.motion_tracks import MotionTracks, check_tracks, frame_pairs
-from schemas.parameters.affinity import HypothesisAffinityParams
 from schemas.parameters.clustering import MotionCountParams
 
 
@@ -24,14 +23,14 @@ def resampled_affinities(
     num_owners : int
         K.
     params : MotionCountParams
-        `gap` and `num_resamples` are read.
+        `gap`, `affinity` and `num_resamples` are read.
     rng : numpy.random.Generator
     """
     for section in tracks:
         check_tracks(section, num_owners)
     resampled = []
     for _ in range(params.num_resamples):
-        views = [_half(section, num_owners, params.gap, rng) for section in tracks]
+        views = [_half(section, num_owners, params, rng) for section in tracks]
         resampled.append(fill_unknown([fill_unknown(views).mean(axis=0)])[0] if views else np.ones((num_owners,) * 2))
     return resampled
 
@@ -66,12 +65,12 @@ def _mean_agreement(labelings: Sequence[np.ndarray]) -> float:
     return float(np.mean([adjusted_rand_score(*pair) for pair in pairs])) if pairs else 1.0
 
 
-def _half(section: MotionTracks, num_owners: int, gap: int, rng: np.random.Generator) -> np.ndarray:
-    pairs = np.array(frame_pairs(section.points.shape[1], gap)).reshape(-1, 2)
+def _half(section: MotionTracks, num_owners: int, params: MotionCountParams, rng: np.random.Generator) -> np.ndarray:
+    pairs = np.array(frame_pairs(section.points.shape[1], params.gap)).reshape(-1, 2)
     kept = np.sort(rng.permutation(len(pairs))[: (len(pairs) + 1) // 2])
     # First frames, then second frames: all pairs are so many frames apart.
     frames = pairs[kept].T.ravel()
-    params = HypothesisAffinityParams(gap=max(len(kept), 1))
+    apart = params.affinity.model_copy(update={"gap": max(len(kept), 1)})
     return hypothesis_affinity(
-        section.points[:, frames], section.visible[:, frames], section.owner, num_owners, params, rng
+        section.points[:, frames], section.visible[:, frames], section.owner, num_owners, apart, rng
     )

@@ -17,8 +17,8 @@ class View(NamedTuple):
 
     kernel: np.ndarray
     """float32 (N, N): sparsified ordered residual kernel."""
-    residual: np.ndarray
-    """float16 (S, H, N): px."""
+    residual: np.ndarray | None
+    """float16 (S, H, N): px. Read where groupings compete by energy."""
 
 
 class _Oversegmentation(NamedTuple):
@@ -75,7 +75,7 @@ class Candidates:
         """Different labelings int (N,) into at most so many groups."""
         found = [self._cluster(vectors, num_motions) for vectors in self._embeddings]
         for pieces, merged in self._oversegmentations:
-            found += [groups[min(num_motions, len(groups)) - 1][pieces] for groups in merged]
+            found += [groups[num_motions - 1][pieces] for groups in merged if num_motions <= len(groups)]
         ordered = [in_order(labels) for labels in found]
         return list({labels.tobytes(): labels for labels in ordered}.values())
 

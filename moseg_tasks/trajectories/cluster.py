@@ -59,7 +59,8 @@ def cluster_trajectories(
     ``energy`` makes groupings from every draw of hypotheses, by spectral clustering and by merging of pieces
     (`Candidates`, `merge_by_energy`), and takes the one of least `Energy`. Where the number of motions is not given, it
     is that of which the `Candidates` have the least mean energy over the draws.
-    ``sum`` and ``coregularised`` are spectral clustering of the views' mean kernel and of all views, as published.
+    ``sum``, ``product`` and ``coregularised`` are spectral clustering of the views' mean kernel, of their geometric
+    mean and of all views, as published. How else the number may be found is `params.auto`.
 
     Parameters
     ----------
@@ -93,7 +94,8 @@ def cluster_trajectories(
     mean = np.mean(by_view, axis=0)
     views = _clustered_kernels(by_view, params.method)
     most = min(params.most_motions if num_motions is None else num_motions, len(points))
-    energy = Energy(points, visible, mean, params.energy)
+    weights = params.energy if num_motions is None else params.energy.model_copy(update={"motion_weight": 0.0})
+    energy = Energy(points, visible, mean, weights)
     seed = int(rng.integers(2**31))
 
     def embed(count: int):
@@ -160,12 +162,17 @@ def _count(
         # More motions have more ways to fit by chance: the mean tells what the draws agree on, the least is luck.
         return min(found, key=lambda count: np.mean([grouping.energy for grouping in found[count]]))
     if params.auto == "eigengap":
-        return count_by_eigengap(spectrum()[:, : len(found) + 1])
+        return count_by_eigengap(spectrum(), len(found))
+    resampled = [[grouping.labels for grouping in draw] for draw in zip(*found.values(), strict=True)]
+    if params.auto == "stability" and len(resampled) < 2:
+        raise InputError(
+            "nothing to compare", where="trajectory_clustering.auto", got="stability", expected="groupings of two draws"
+        )
     evidence = CountEvidence(
         labelings=[min(groupings, key=lambda grouping: grouping.energy).labels for groupings in found.values()],
         kernel=kernel,
         eigenvalues=spectrum(),
         tracks=[tracks],
-        resampled=[[grouping.labels for grouping in draw] for draw in zip(*found.values(), strict=True)],
+        resampled=resampled,
     )
     return count_motions(evidence, params.auto, params.count, rng).num_motions

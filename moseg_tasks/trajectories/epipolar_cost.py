@@ -10,6 +10,8 @@ from schemas.parameters import EnergyParams
 
 _LAST_ROUNDS = 2
 """Rounds with the final threshold."""
+_LEAST_GRADIENT = 1e-20
+"""Squared gradient of the error, in coordinates of unit size, below which a point lies on the epipole."""
 
 
 class _Pair(NamedTuple):
@@ -61,8 +63,9 @@ class EpipolarCost:
 
     def __init__(self, points: np.ndarray, visible: np.ndarray, params: EnergyParams):
         self._params = params
-        firsts = range(0, points.shape[1] - params.gap, params.step)
-        pairs = (_prepare(points, visible, first, first + params.gap, params) for first in firsts)
+        gap = min(params.gap, points.shape[1] - 1)
+        firsts = range(0, points.shape[1] - gap, params.step) if gap > 0 else ()
+        pairs = (_prepare(points, visible, first, first + gap, params) for first in firsts)
         self._pairs = [pair for pair in pairs if pair is not None]
         self._num_observations = sum(len(pair.seen) for pair in self._pairs)
         self._known: dict[bytes, float] = {}
@@ -102,7 +105,7 @@ def _prepare(points: np.ndarray, visible: np.ndarray, frame0: int, frame1: int, 
         return None
     both = points[seen][:, [frame0, frame1]].astype(np.float64)
     both -= both.mean(axis=(0, 1))
-    scale = max(float(np.sqrt(np.mean(both**2))), np.finfo(np.float64).tiny)
+    scale = float(np.sqrt(np.mean(both**2))) or 1.0
     points0, points1 = np.moveaxis(both / scale, 1, 0)
     displacement = np.sum((points1 - points0) ** 2, axis=1)
     thresholds = np.sqrt((params.threshold / scale) ** 2 + params.relative**2 * displacement)
@@ -125,8 +128,7 @@ def _fit_all(fits: list[_Fits], num_iterations: int) -> list[np.ndarray]:
         for index, fit in enumerate(fits):
             own, pair = slice(bounds[index], bounds[index + 1]), fit.pair
             error = matrices[own].reshape(-1, 9) @ pair.equations.T
-            gradient = np.maximum(coefficients[own] @ pair.quadratics, np.finfo(np.float64).tiny)
-            gradient *= pair.thresholds**2
+            gradient = np.maximum(coefficients[own] @ pair.quadratics, _LEAST_GRADIENT) * pair.thresholds**2
             squared = error**2 / gradient
             least[index] = np.minimum(least[index], (np.minimum(squared, 1.0) * fit.members).sum(axis=1))
             # Of Geman and McClure's loss, on the first-order geometric error.

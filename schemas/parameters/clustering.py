@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.parameters.affinity import HypothesisAffinityParams
 
 TRACK_METHODS = ("description_length", "geometric")
 """Ways to find the number of motions that compare how well each explains the tracks."""
@@ -18,7 +19,7 @@ COUNT_READS = {
     "description_length": _FITS | {"outlier_range", "least_noise", "parameter_price"},
     "geometric": _FITS | {"motion_price"},
     "confidences": frozenset({"most_motions", "least_silhouette"}),
-    "stability": frozenset({"most_motions", "gap", "num_resamples", "least_agreement"}),
+    "stability": frozenset({"most_motions", "gap", "affinity", "num_resamples", "least_agreement"}),
 }
 """Parameters of `MotionCountParams` that each way to find the number of motions reads; the other ways read none."""
 
@@ -26,7 +27,7 @@ COUNT_READS = {
 class MotionCountParams(Frozen):
     """How clusterings into 1, 2, ... motions are compared where the number is not given."""
 
-    most_motions: int = Field(6, ge=1, description="largest number of motions that is tried")
+    most_motions: int = Field(6, ge=1, le=19, description="largest number of motions that is tried")
     gap: int = Field(3, ge=1, description="frames between the two frames of a pair")
     num_samples: int = Field(100, ge=1, description="minimal samples drawn for each fit")
     threshold: float = Field(1.0, gt=0, description="Sampson distance of an inlier of a fundamental matrix, px")
@@ -59,6 +60,7 @@ class MotionCountParams(Frozen):
     least_silhouette: float = Field(
         0.5, ge=-1, le=1, description="best silhouette below which there is one motion only (confidences)"
     )
+    affinity: HypothesisAffinityParams = HypothesisAffinityParams()
     num_resamples: int = Field(6, ge=2, description="random halves of the frame pairs that are compared (stability)")
     least_agreement: float = Field(
         0.9, ge=0, le=1, description="mean adjusted Rand index of resamples that agree (stability)"

@@ -107,7 +107,7 @@ class TrajectoryClusteringParams(Frozen):
     co_regularisation: float = Field(0.01, ge=0, description="lambda of Kumar et al. 2011")
     num_iterations: int = Field(10, ge=1, description="most alternating updates of all views")
     tolerance: float = Field(1e-6, ge=0, description="relative growth of the objective at which the updates stop")
-    most_motions: int = Field(6, ge=1, description="largest number of motions that auto may find")
+    most_motions: int = Field(6, ge=1, le=19, description="largest number of motions that auto may find")
     num_starts: int = Field(3, ge=1, description="k-means runs, of which the tightest counts")
     separate: bool = Field(
         True, description="objects that do not touch are motions of their own, where the number is found"

@@ -3,6 +3,8 @@
 from difflib import get_close_matches
 from typing import Any
 
+from pydantic import BaseModel
+
 from schemas.configs import PipelineConfig
 
 
@@ -23,7 +25,14 @@ def explain(errors: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _parameter(error: dict[str, Any]) -> str:
     """``stage.name`` of the parameter; what pydantic puts behind it says which of its types was tried."""
-    return ".".join(str(part) for part in error["loc"][:2])
+    names, model = [], PipelineConfig
+    for part in error["loc"]:
+        names.append(str(part))
+        field = model.model_fields.get(part)
+        if field is None or not (isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel)):
+            break
+        model = field.annotation
+    return ".".join(names)
 
 
 def _siblings(parameter: str) -> list[str]:

@@ -4,6 +4,7 @@ Like a `SequenceGraph` it only writes recipes. One artifact holds what a model g
 frames stacked, for storing a pair alone would take longer than computing it.
 """
 
+from moseg_tasks.point_models import POINT_MODELS
 from schemas.configs import PipelineConfig, TrajectoryVariant
 from schemas.parameters.clustering import COUNT_READS
 from schemas.recipes import Recipe
@@ -31,18 +32,17 @@ class TrajectoryGraph:
 
     def clustering(self, variant: TrajectoryVariant) -> str:
         """Reference of the motion groups."""
-        models = self._config.point_models(variant)
+        # In one order, from the least general to the most: the clustering tells views apart by their place.
+        models = sorted(self._config.point_models(variant), key=list(POINT_MODELS).index)
         motions = self._config.clustering.motions
         num_motions = self.leaves.num_motions if motions == "gt" else motions
-        inputs = {
-            "kernels": tuple(self.kernel(model) for model in models),
-            "residuals": tuple(self.residuals(model) for model in models),
-            "trajectories": self.leaves.trajectories,
-        }
         params = {
             "num_motions": None if num_motions == "auto" else num_motions,
             "clustering": self._clustering_params(len(models), num_motions == "auto"),
         }
+        inputs = {"kernels": tuple(self.kernel(model) for model in models), "trajectories": self.leaves.trajectories}
+        if params["clustering"]["method"] == "energy":
+            inputs["residuals"] = tuple(self.residuals(model) for model in models)
         return self._nodes.add("trajectory_clustering", "motion-groups", params, inputs)
 
     def kernel(self, model: str) -> str:
@@ -65,8 +65,13 @@ class TrajectoryGraph:
         params = self._config.trajectory_clustering
         # A row of one model is what was published of it: spectral clustering of its kernel.
         method = params.method if num_views > 1 else "sum"
-        unread = set() if is_auto else {"most_motions", "auto", "separate", "separation"}
+        unread = set() if is_auto else {"most_motions", "auto", "separate"}
+        if not is_auto or not params.separate:
+            unread.add("separation")
         counts = COUNT_READS.get(params.auto, frozenset()) - {"most_motions"} if is_auto else frozenset()
+        if params.auto == "stability":
+            # Draws of hypotheses are the resamples.
+            counts &= {"least_agreement"}
         if method != "coregularised":
             unread |= {"co_regularisation", "num_iterations", "tolerance"}
         if method != "energy":

@@ -15,6 +15,8 @@ from workflows.sources.mat_file import read_struct
 
 STRUCT = "Data"
 FIELDS = ("ySparse", "visibleSparse", "GtLabel")
+FARTHEST = 1e6
+"""px from the origin; what lies beyond is no point of an image."""
 MOST_LABELS = np.iinfo(np.uint16).max
 
 _LAYOUT = "a struct Data with ySparse (3, N, F), visibleSparse (N, F) and GtLabel (N)"
@@ -77,6 +79,8 @@ def decode_mat_tracks(content: bytes, path: str) -> MatTracks:
     if num_bad := int(np.count_nonzero(~np.isfinite(points).all(axis=-1))):
         got = f"{num_bad} visible points with NaN, infinity or a third coordinate of 0"
         raise InputError("trajectories are not finite", where=path, got=got)
+    if (farthest := np.abs(points).max(initial=0)) > FARTHEST:
+        raise InputError("points far outside any image", where=path, got=f"{farthest:.3g} px", expected="px")
     return MatTracks(points, visible, labels.astype(np.int64))
 
 

@@ -48,10 +48,13 @@ def _run_kernel(params, inputs, rng):
 
 def _run_clustering(params, inputs, rng):
     kernels = [model.array("kernel") for model in inputs.all("kernels")]
-    residuals = [np.split(model.array("residual"), len(kernels[0]), axis=1) for model in inputs.all("residuals")]
+    num_draws = len(kernels[0])
+    residuals = [[None] * num_draws] * len(kernels)
+    if "residuals" in inputs:
+        residuals = [np.split(model.array("residual"), num_draws, axis=1) for model in inputs.all("residuals")]
     draws = [
         [View(kernel[draw], residual[draw]) for kernel, residual in zip(kernels, residuals, strict=True)]
-        for draw in range(len(kernels[0]))
+        for draw in range(num_draws)
     ]
     clustering_params = TrajectoryClusteringParams(**params["clustering"])
     result = cluster_trajectories(draws, *_points(inputs), params["num_motions"], clustering_params, rng)

@@ -205,9 +205,14 @@ def test_tracks_too_few_for_any_sample_leave_all_unknown():
     assert np.isnan(affinity).all()
 
 
-def test_a_clip_shorter_than_the_gap_leaves_all_unknown(scenes):
+def test_a_clip_shorter_than_the_gap_pairs_its_ends(scenes):
     short = scenes[0]._replace(points=scenes[0].points[:, :3], visible=scenes[0].visible[:, :3])
-    assert np.isnan(affinity_of(short)).all()
+    assert not np.isnan(affinity_of(short)).any()
+
+
+def test_a_single_frame_leaves_all_unknown(scenes):
+    frame = scenes[0]._replace(points=scenes[0].points[:, :1], visible=scenes[0].visible[:, :1])
+    assert np.isnan(affinity_of(frame)).all()
 
 
 @pytest.mark.parametrize("models", [("trifocal",), ("oc_depth",), ("no such model",)])

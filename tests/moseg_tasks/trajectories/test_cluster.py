@@ -98,6 +98,21 @@ def test_the_number_of_motions_is_found(rigid_clip, sizes, auto):
     assert clustering_error(found.motion, clip.labels) <= 2
 
 
+@pytest.mark.parametrize("count", [4, 9])
+def test_as_many_motions_are_found_as_are_asked_for(rigid_clip, count):
+    assert _cluster(rigid_clip((80, 30)), count).num_motions == count
+
+
+def test_a_large_gap_of_the_spectrum_is_looked_for_among_the_motions_allowed(rigid_clip):
+    found = _cluster(rigid_clip((150, 80)), None, PARAMS.model_copy(update={"auto": "eigengap", "method": "sum"}))
+    assert 1 <= found.num_motions <= PARAMS.most_motions
+
+
+def test_stability_needs_two_draws(rigid_clip):
+    with pytest.raises(InputError, match="two draws"):
+        _cluster(rigid_clip((40, 20)), None, PARAMS.model_copy(update={"auto": "stability", "method": "sum"}))
+
+
 @pytest.mark.parametrize("auto", ["confidences", "stability"])
 def test_other_ways_to_count_tell_two_clear_motions(rigid_clip, auto):
     clip = rigid_clip((80, 50))

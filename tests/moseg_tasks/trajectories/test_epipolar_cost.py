@@ -62,3 +62,14 @@ def test_a_few_outliers_cost_little_more_than_themselves(rigid_clip):
     points[:6] += np.random.default_rng(2).uniform(-6, 6, points[:6].shape)
     alone = _cost(exact, [exact.labels])[0]
     assert _cost(exact._replace(points=points), [exact.labels])[0] < alone + 0.15
+
+
+def test_a_clip_shorter_than_the_gap_is_judged_by_its_ends(clip):
+    short = clip._replace(points=clip.points[:, :3], visible=clip.visible[:, :3])
+    costs = _cost(short, [TRUE, ONE], PARAMS.model_copy(update={"gap": 5}))
+    assert 0 < costs[0] < costs[1]
+
+
+def test_points_that_all_coincide_cost_nothing():
+    points, visible = np.full((20, 5, 2), 100.0), np.ones((20, 5), bool)
+    assert EpipolarCost(points, visible, PARAMS).of_labelings([np.zeros(20, int)]).tolist() == [0.0]

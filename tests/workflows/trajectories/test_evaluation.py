@@ -138,6 +138,12 @@ def test_a_view_alone_reads_nothing_of_what_views_are_combined_by(evaluate, plan
         assert planned("--motions", "gt", "--variant", "affine", "--set", setting) == {}
 
 
+def test_the_order_of_views_does_not_matter(evaluate):
+    first, _ = evaluate("--motions", "gt", "--views", "affine,homography,fundamental")
+    second, _ = evaluate("--motions", "gt", "--views", "fundamental,affine,homography")
+    assert second["store"]["computed"] == 0 and second["rows"] == first["rows"]
+
+
 def test_the_ablation_has_its_own_variants(evaluate):
     report, out = evaluate("--motions", "gt", command="ablate")
     assert [row["variant"] for row in report["rows"]] == VARIANTS
