@@ -148,4 +148,4 @@ def _check_tracks(points: np.ndarray, visible: np.ndarray, owner: np.ndarray, nu
         got = f"points {points.shape}, visible {visible.shape}, owner {owner.shape}"
         raise InputError("tracks disagree in shape", where="affinity", got=got, expected="(N, F, 2), (N, F), (N,)")
     if len(owner) and not 0 <= owner.min() <= owner.max() < num_objects:
-        raise InputError("object out of range", where="owner", got=owner.max(), expected=f"below {num_objects}")
+        raise InputError("object out of range", where="owner", got=owner.max(), expected=f"0 .. {num_objects - 1}")

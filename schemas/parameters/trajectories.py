@@ -62,7 +62,7 @@ class PieceParams(Frozen):
     def _check_counts(cls, value: tuple[int, ...]) -> tuple[int, ...]:
         if not value or min(value) < 1 or len(set(value)) < len(value):
             raise ValueError("different numbers of pieces from 1 on, separated by commas")
-        return value
+        return tuple(sorted(value))
 
 
 class EnergyParams(Frozen):

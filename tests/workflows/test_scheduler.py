@@ -99,11 +99,11 @@ def test_ctrl_c_while_workers_start_ends_all_with_one_line(evaluated, tmp_path):
 
 @needs_process_groups
 def test_ctrl_c_at_work_ends_all_with_one_line_and_the_run_goes_on_from_there(evaluated, moseg, tmp_path):
-    # The run takes half a second: on a busy machine the key may come too late.
+    # The run takes half a second from its first frame: on a busy machine the key may come too late.
     for attempt in range(10):
         folder = tmp_path / str(attempt)
         arguments = (*evaluated.arguments, "--store", str(folder))
-        if _interrupt_once(lambda run, flows=folder / "objects" / "flow": any(flows.glob("*/*")), arguments):
+        if _interrupt_once(lambda run, frames=folder / "objects" / "frame": any(frames.glob("*/*")), arguments):
             break
     else:
         pytest.fail("no run could be interrupted")
