@@ -99,11 +99,15 @@ def test_ctrl_c_while_workers_start_ends_all_with_one_line(evaluated, tmp_path):
 
 @needs_process_groups
 def test_ctrl_c_at_work_ends_all_with_one_line_and_the_run_goes_on_from_there(evaluated, moseg, tmp_path):
-    # The run takes half a second from its first frame: on a busy machine the key may come too late.
-    for attempt in range(10):
+    # Many samples, for a run of seconds: one of half a second may end before a busy machine presses the key.
+    slow = (*evaluated.arguments, "--set", "fundamental.num_samples=4000")
+    whole = moseg(*slow, "--store", tmp_path / "whole", "--json", tmp_path / "whole.json")
+    assert (whole.code, whole.err) == (0, "")
+    expected = json.loads((tmp_path / "whole.json").read_text())
+    for attempt in range(5):
         folder = tmp_path / str(attempt)
-        arguments = (*evaluated.arguments, "--store", str(folder))
-        if _interrupt_once(lambda run, frames=folder / "objects" / "frame": any(frames.glob("*/*")), arguments):
+        arguments = (*slow, "--store", str(folder))
+        if _interrupt_once(lambda run, flows=folder / "objects" / "flow": any(flows.glob("*/*")), arguments):
             break
     else:
         pytest.fail("no run could be interrupted")
@@ -115,6 +119,6 @@ def test_ctrl_c_at_work_ends_all_with_one_line_and_the_run_goes_on_from_there(ev
     ran = moseg(*arguments, "--json", tmp_path / "report.json")
     assert (ran.code, ran.err) == (0, "")
     report = json.loads((tmp_path / "report.json").read_text())
-    assert report["rows"] == evaluated.report["rows"]
+    assert report["rows"] == expected["rows"]
     assert report["store"]["computed"] == len(set(store.refs()) - committed)
-    assert _contents(folder) == _contents(evaluated.store)
+    assert _contents(folder) == _contents(tmp_path / "whole")
