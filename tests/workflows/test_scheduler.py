@@ -71,6 +71,8 @@ def _interrupt_once(is_time, arguments) -> bool:
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        # A shell has what it runs in the background ignore Ctrl-C.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     _wait(lambda: run.poll() is not None or is_time(run))
     if run.poll() is None:
