@@ -8,7 +8,7 @@ import numpy as np
 import poselib
 
 from moseg_tasks.geometry.poselib_fundamental import poselib_fundamental
-from moseg_tasks.geometry.ransac import draw_samples
+from moseg_tasks.geometry.ransac import search_model
 from moseg_tasks.point_models.correspondences import Correspondences, checked
 from moseg_tasks.point_models.local_coordinates import local_coordinates
 from moseg_tasks.point_models.point_model import PointModel
@@ -91,7 +91,15 @@ def robust_fit(
     if estimate is not None:
         parameters = estimate(data.points, threshold, num_samples, rng)
     else:
-        parameters = _ransac(model, data, threshold, num_samples, num_refits, rng)
+        parameters, _ = search_model(
+            lambda index: model.fit(data.take(index)),
+            lambda models: model.residual(models, data),
+            (data.num_points, model.sample_size),
+            threshold=threshold,
+            num_samples=num_samples,
+            num_refits=num_refits,
+            rng=rng,
+        )
     if parameters is None:
         return RobustModelFit(None, nothing, NoFit.NO_MODEL)
     inlier_mask = model.residual(parameters[None], data)[0] < threshold**2
@@ -100,34 +108,6 @@ def robust_fit(
     if model.degenerate(data.take(inlier_mask)):
         return RobustModelFit(None, inlier_mask, NoFit.DEGENERATE)
     return RobustModelFit(parameters, inlier_mask, None)
-
-
-def _ransac(
-    model: PointModel,
-    data: Correspondences,
-    threshold: float,
-    num_samples: int,
-    num_refits: int,
-    rng: np.random.Generator,
-) -> np.ndarray:
-    """The model of least truncated squared distance over random minimal samples, refitted to its inliers."""
-    limit = threshold**2
-    candidates = model.fit(data.take(draw_samples(data.num_points, model.sample_size, num_samples, rng)))
-    distances = model.residual(candidates, data)
-    costs = np.minimum(distances, limit).sum(axis=-1)
-    best = int(np.argmin(costs))
-    parameters, distance, cost = candidates[best], distances[best], costs[best]
-    for _ in range(num_refits):
-        inlier_mask = distance < limit
-        if inlier_mask.sum() < model.sample_size:
-            break
-        refit = model.fit(data.take(inlier_mask))
-        refit_distance = model.residual(refit[None], data)[0]
-        refit_cost = np.minimum(refit_distance, limit).sum()
-        if refit_cost >= cost:
-            break
-        parameters, distance, cost = refit, refit_distance, refit_cost
-    return parameters
 
 
 def _fundamental(points: np.ndarray, threshold: float, num_samples: int, rng: np.random.Generator) -> np.ndarray | None:
