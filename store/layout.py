@@ -12,6 +12,7 @@ from schemas.recipes import Ref, split_ref
 MANIFEST = "manifest.json"
 _KEY = re.compile(r"[0-9a-f]{64}")
 _REF = TypeAdapter(Ref)
+_RUN_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 
 
 class Layout:
@@ -22,6 +23,7 @@ class Layout:
     staging/<space>-<pid>-<id>/         puts and removals under way
     quarantine/<task>-<key>-<id>/       damaged artifacts, each with a reason
     pins/<run>.json                     what runs need
+    logs/<run>/<space>-<pid>.jsonl      what happened in a run, a file for each of its processes
     """
 
     def __init__(self, root: Path):
@@ -30,6 +32,7 @@ class Layout:
         self.staging = root / "staging"
         self.quarantine = root / "quarantine"
         self.pins = root / "pins"
+        self.logs = root / "logs"
         # str operations: a lookup with pathlib costs more than the stat itself
         self._objects = str(self.objects)
 
@@ -54,6 +57,13 @@ def check_ref(ref: str) -> str:
         return _REF.validate_python(ref)
     except ValidationError:
         raise InputError("bad artifact reference", got=repr(ref), expected="<task>/<64 hexadecimal digits>") from None
+
+
+def check_run_id(run_id: str) -> str:
+    """The run's name itself; raises InputError where it could be more than the name of a file."""
+    if not _RUN_ID.fullmatch(run_id):
+        raise InputError("bad run name", got=repr(run_id), expected="letters, digits, '.', '_' and '-', at most 100")
+    return run_id
 
 
 def _names(folder: Path) -> list[str]:

@@ -14,7 +14,7 @@ from schemas.digests import canonical_json
 from schemas.errors import StoreError
 from schemas.manifests import FileEntry, Manifest
 from schemas.recipes import Recipe, split_ref
-from store import collection, pins, reading, verification
+from store import collection, logs, pins, reading, verification
 from store.codec import METADATA, encode_group
 from store.commit import commit
 from store.layout import Layout
@@ -47,9 +47,18 @@ class LocalStore:
     def __repr__(self) -> str:
         return f"LocalStore({str(self.root)!r})"
 
+    @property
+    def url(self) -> str:
+        """The root's absolute path."""
+        return str(self.root)
+
     def has(self, ref: str) -> bool:
         """Whether the artifact's folder is in place: one stat."""
         return os.path.isdir(self._layout.folder(ref))
+
+    def present(self, refs: Iterable[str]) -> set[str]:
+        """Those of the references that are stored: one stat each."""
+        return {ref for ref in refs if self.has(ref)}
 
     def put(
         self,
@@ -146,6 +155,22 @@ class LocalStore:
     def pinned(self) -> dict[str, Pin]:
         """The pins that hold now, by run."""
         return pins.pinned(self._layout)
+
+    def append_log(self, run_id: str, lines: bytes) -> None:
+        """Add whole lines to a run's log."""
+        logs.append_log(self._layout, run_id, lines)
+
+    def read_log(self, run_id: str) -> list[bytes]:
+        """The lines of a run's log, those of each process in order."""
+        return logs.read_log(self._layout, run_id)
+
+    def logs(self) -> dict[str, float]:
+        """Runs that left a log, with the time at which it last grew, seconds since the epoch."""
+        return logs.logs(self._layout)
+
+    def remove_log(self, run_id: str) -> bool:
+        """Delete a run's log; False where there is none."""
+        return logs.remove_log(self._layout, run_id)
 
     def gc(self, *, is_dry: bool = True, grace_seconds: float = 86_400.0) -> GcReport:
         """Delete what no pin reaches and is older than the grace period; by default only say what that is."""

@@ -6,7 +6,6 @@ longer than the lease: a process of another host cannot be asked, so there only 
 """
 
 import os
-import re
 import time
 import uuid
 from collections.abc import Iterable
@@ -14,12 +13,10 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from schemas.errors import InputError, StoreError
-from store.layout import Layout, check_ref
+from schemas.errors import StoreError
+from store.layout import Layout, check_ref, check_run_id
 from store.outcomes import Pin
 from store.owners import is_running, process_space
-
-_RUN_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 
 
 def pin(layout: Layout, run_id: str, refs: Iterable[str], lease_seconds: float | None = None) -> None:
@@ -79,6 +76,4 @@ def _holds(content: Pin) -> bool:
 
 
 def _file(layout: Layout, run_id: str) -> Path:
-    if not _RUN_ID.fullmatch(run_id):
-        raise InputError("bad run name", got=repr(run_id), expected="letters, digits, '.', '_' and '-', at most 100")
-    return layout.pins / f"{run_id}.json"
+    return layout.pins / f"{check_run_id(run_id)}.json"

@@ -20,8 +20,15 @@ class ArtifactStore(Protocol):
     Instances can be pickled and are cheap to build in a worker.
     """
 
+    @property
+    def url(self) -> str:
+        """What `store.open_store` takes to open the same store in another process."""
+
     def has(self, ref: str) -> bool:
         """Whether the artifact is stored: one lookup of a known name."""
+
+    def present(self, refs: Iterable[str]) -> set[str]:
+        """Those of the references that are stored: a lookup of a known name each, several at a time where that helps."""
 
     def put(
         self,
@@ -66,6 +73,18 @@ class ArtifactStore(Protocol):
 
     def pinned(self) -> dict[str, Pin]:
         """The pins that hold now, by run."""
+
+    def append_log(self, run_id: str, lines: bytes) -> None:
+        """Add whole lines to a run's log; processes of a run may do so at the same time."""
+
+    def read_log(self, run_id: str) -> list[bytes]:
+        """The lines of a run's log without their ends, those of each process in order."""
+
+    def logs(self) -> dict[str, float]:
+        """Runs that left a log, with the time at which it last grew, seconds since the epoch."""
+
+    def remove_log(self, run_id: str) -> bool:
+        """Delete a run's log; False where there is none."""
 
     def gc(self, *, is_dry: bool = True, grace_seconds: float = 86_400.0) -> GcReport:
         """Delete what no pin reaches."""

@@ -100,7 +100,7 @@ class Session:
             if found[recipe.ref] is None:
                 batches.setdefault(job.batch or recipe.ref, {})[recipe.ref] = (job, recipe)
         calls = [
-            Call(next(iter(batch)).replace("/", "-"), run_ingest, (str(self.store.root), tuple(batch.values())))
+            Call(next(iter(batch)).replace("/", "-"), run_ingest, (self.store.url, tuple(batch.values())))
             for batch in batches.values()
         ]
         with StageProgress({"ingest": sum(len(batch) for batch in batches.values())}, self._quiet) as progress:
@@ -145,7 +145,7 @@ class Session:
                 if repairs == MAX_REPAIRS:
                     raise
                 repairs += 1
-                quarantine_corrupt(str(self.store.root), error)
+                quarantine_corrupt(self.store.url, error)
             except MissingArtifactError as error:
                 # Missing again after it was planned anew is no other run's doing.
                 if str(error) in missed:
@@ -227,7 +227,7 @@ class Session:
                 call_of[parent] for recipe in computed for parent in recipe.input_refs() if parent in call_of
             )
             call_of |= {recipe.ref: name for recipe in computed}
-            arguments = (str(self.store.root), tuple(map(tuple, batches)))
+            arguments = (self.store.url, tuple(map(tuple, batches)))
             calls.append(Call(name, execute_batches, arguments, tuple(parents), network_of(computed[0]) is not None))
         return calls
 

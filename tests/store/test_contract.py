@@ -1,6 +1,7 @@
 """The laws that every artifact store keeps, run on each kind of store."""
 
 import pickle
+import time
 from abc import ABC, abstractmethod
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 from schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
 from schemas.recipes import Recipe
-from store import ArtifactStore, LocalStore, PutOutcome
+from store import ArtifactStore, LocalStore, PutOutcome, open_store
 
 RECIPE = Recipe(task="toy", version=2, params={"gap": 3}, inputs={"frame": "frame/" + "0" * 64})
 MASKS = np.arange(4 * 5 * 6, dtype=np.uint16).reshape(4, 5, 6)
@@ -53,6 +54,10 @@ class StoreContract(ABC):
     def test_has_only_what_was_put(self, store, ref):
         assert store.has(ref)
         assert not store.has(ABSENT)
+
+    def test_present_gives_those_that_are_stored(self, store, ref):
+        assert store.present([ABSENT, ref, ref]) == {ref}
+        assert store.present([]) == set()
 
     def test_read_gives_the_bytes_that_were_put(self, store, ref):
         for name, array in ARRAYS.items():
@@ -242,6 +247,26 @@ class StoreContract(ABC):
         assert store.pinned()["run-1"].refs == (ref, ABSENT)
         assert store.unpin("run-1") and not store.unpin("run-1")
         assert store.pinned() == {}
+
+    def test_the_url_opens_the_same_store(self, store, ref):
+        assert open_store(store.url, create=False).has(ref)
+
+    def test_a_log_keeps_its_lines_in_order(self, store):
+        before = time.time()
+        store.append_log("run-1", b"one\ntwo\n")
+        store.append_log("run-1", b"three\n")
+        store.append_log("run-2", b"other\n")
+        assert store.read_log("run-1") == [b"one", b"two", b"three"]
+        assert store.logs().keys() == {"run-1", "run-2"}
+        assert before - 60 < store.logs()["run-1"] < before + 600
+        assert store.remove_log("run-1") and not store.remove_log("run-1")
+        assert store.logs().keys() == {"run-2"} and store.read_log("run-1") == []
+
+    @pytest.mark.parametrize("bad", ["", "../run", "a/b", ".", "x" * 101])
+    def test_a_log_is_named_by_a_run_only(self, store, bad):
+        for call in (store.read_log, store.remove_log, lambda name: store.append_log(name, b"line\n")):
+            with pytest.raises(InputError, match="run"):
+                call(bad)
 
     def test_gc_deletes_what_no_pin_reaches(self, store, ref):
         other = Recipe(task="apple", version=1)

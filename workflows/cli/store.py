@@ -136,7 +136,7 @@ def _find(store, key: str) -> str:
     """The one artifact whose reference or key begins with `key`."""
     found = [ref for ref in store.refs() if ref.startswith(key) or ref.partition("/")[2].startswith(key)]
     if not found:
-        raise InputError("no such artifact", where=store.root, got=key, expected="<task>/<key> or its start")
+        raise InputError("no such artifact", where=store.url, got=key, expected="<task>/<key> or its start")
     if len(found) > 1:
         raise InputError("ambiguous key", got=key, expected=f"more letters: {len(found)} artifacts begin so")
     return found[0]

@@ -21,7 +21,7 @@ class ArrayCache:
 
     def find(self, store: ArtifactStore, ref: str, name: str) -> np.ndarray | None:
         """An array where it is kept, else None."""
-        entry = (str(store.root), ref, name)
+        entry = (store.url, ref, name)
         if entry not in self._arrays:
             return None
         self._arrays.move_to_end(entry)
@@ -33,7 +33,7 @@ class ArrayCache:
             # Of another memory order, sums over it would be rounded otherwise than over what is read back.
             kept = np.asarray(array, order="C").view()
             kept.flags.writeable = False
-            entry = (str(store.root), ref, name)
+            entry = (store.url, ref, name)
             if entry in self._arrays or kept.nbytes > self._limit:
                 continue
             self._arrays[entry] = kept

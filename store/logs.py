@@ -1,0 +1,69 @@
+"""Logs of runs: what happened, a line each, kept beside the artifacts.
+
+Each process of a run appends to a file of its own, so that no two writers share one, also on network file systems whose
+appends are not atomic. Nothing is held back: what was appended is there after a kill.
+"""
+
+import os
+import shutil
+from pathlib import Path
+
+from schemas.errors import StoreError
+from store.layout import Layout, check_run_id
+from store.owners import process_space
+
+
+def append_log(layout: Layout, run_id: str, lines: bytes) -> None:
+    """Add whole lines to a run's log; raises StoreError where the file system refuses."""
+    folder = _folder(layout, run_id)
+    path = f"{folder}/{process_space()}-{os.getpid()}.jsonl"
+    try:
+        try:
+            _append(path, lines)
+        except FileNotFoundError:
+            folder.mkdir(parents=True, exist_ok=True)
+            _append(path, lines)
+    except OSError as error:
+        raise StoreError(f"cannot write a run's log: {error.strerror}", where=layout.root, got=run_id) from error
+
+
+def read_log(layout: Layout, run_id: str) -> list[bytes]:
+    """The lines of a run's log, those of each process in order; a last line that a kill cut short is left out."""
+    lines: list[bytes] = []
+    for path in sorted(_folder(layout, run_id).glob("*.jsonl")):
+        try:
+            content = path.read_bytes()
+        except FileNotFoundError:
+            continue
+        except OSError as error:
+            raise StoreError(f"cannot read a run's log: {error.strerror}", where=path) from error
+        lines.extend(content[: content.rfind(b"\n") + 1].splitlines())
+    return lines
+
+
+def logs(layout: Layout) -> dict[str, float]:
+    """Runs that left a log, with the time at which it last grew, seconds since the epoch."""
+    found = {}
+    for folder in sorted(layout.logs.glob("*/")):
+        times = [path.stat().st_mtime for path in folder.glob("*.jsonl")]
+        if times:
+            found[folder.name] = max(times)
+    return found
+
+
+def remove_log(layout: Layout, run_id: str) -> bool:
+    """Delete a run's log; False where there is none."""
+    folder = _folder(layout, run_id)
+    if not folder.is_dir():
+        return False
+    shutil.rmtree(folder, ignore_errors=True)
+    return True
+
+
+def _append(path: str, lines: bytes) -> None:
+    with open(path, "ab", buffering=0) as file:
+        file.write(lines)
+
+
+def _folder(layout: Layout, run_id: str) -> Path:
+    return layout.logs / check_run_id(run_id)
