@@ -28,7 +28,7 @@ class ArtifactStore(Protocol):
         """Whether the artifact is stored: one lookup of a known name."""
 
     def present(self, refs: Iterable[str]) -> set[str]:
-        """Those of the references that are stored: a lookup of a known name each, several at a time where that helps."""
+        """Those of the references that are stored: a lookup of a known name each, several at once where that helps."""
 
     def put(
         self,
