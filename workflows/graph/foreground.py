@@ -2,6 +2,7 @@
 
 from workflows.graph.frame_cues import FrameCues
 from workflows.graph.nodes import Nodes
+from workflows.graph.once import once
 from workflows.sections import Section
 from workflows.stages.accumulation import PASSES
 
@@ -15,8 +16,8 @@ class Foreground:
         self._leaves = nodes.leaves
         self._cues = cues
         self._sections = sections
-        self._chains: dict[tuple[str, str], tuple[str, ...]] = {}
 
+    @once
     def components(self, index: int) -> str:
         """Reference of a section's objects, to the end of the frames that it shares with the next."""
         section = self._sections[index]
@@ -42,6 +43,7 @@ class Foreground:
             if section.start < stop
         )
 
+    @once
     def foreground(self, index: int) -> str:
         """Reference of the probability to move of a section's pixels."""
         reach = self._config.appearance.reach + 1  # the looks of both neighbours, of which each has its own reach
@@ -61,6 +63,7 @@ class Foreground:
         inputs = {"appearance": tuple(self.appearance(other) for other in near), **self._accumulated(index)}
         return self._nodes.add("foreground", "motion-and-colour", params, inputs)
 
+    @once
     def appearance(self, index: int) -> str:
         """Reference of the colours of a section's moving and static pixels."""
         unread = {"smoothing", "floor", "doubt", "clip", "memory", "reach"}
@@ -73,6 +76,7 @@ class Foreground:
         """What both passes accumulate in a section: saliency, consistency and misfit."""
         return self._both("accumulation", self._accumulate, index) | self._both("coherence", self._cohere, index)
 
+    @once
     def _own_motion(self, index: int) -> str:
         section, num_frames = self._sections[index], len(self._leaves.frames)
         params = {
@@ -97,6 +101,7 @@ class Foreground:
         inputs = {"saliency": self._saliency(index), "own_motion": self._own_motion(index), **carried}
         return self._nodes.add("coherence", "along-flow", params, inputs)
 
+    @once
     def _consistency(self, index: int) -> str:
         section = self._sections[index]
         first, last = max(section.start - 1, 0), min(section.stop + 1, len(self._leaves.frames))
@@ -110,6 +115,7 @@ class Foreground:
         inputs = {"saliency": tuple(self._cues.saliency(frame) for frame in range(first, last))}
         return self._nodes.add("consistency", "forward-backward", params, inputs)
 
+    @once
     def _saliency(self, index: int) -> tuple[str, ...]:
         section = self._sections[index]
         return tuple(self._cues.saliency(frame) for frame in range(section.start, section.stop))
@@ -126,14 +132,13 @@ class Foreground:
         """References of both passes of a section."""
         return {f"{name}_{origin}": self._chain(name, write, origin)[index] for origin in PASSES}
 
+    @once
     def _chain(self, name: str, write, origin: str) -> tuple[str, ...]:
         """References of one pass through all sections, each going on where the one before it left off."""
-        if (name, origin) not in self._chains:
-            order = range(len(self._sections)) if origin == "past" else reversed(range(len(self._sections)))
-            refs: dict[int, str] = {}
-            carried: dict[str, str] = {}
-            for index in order:
-                refs[index] = write(index, origin, carried)
-                carried = {"carried": refs[index]}
-            self._chains[name, origin] = tuple(refs[index] for index in range(len(self._sections)))
-        return self._chains[name, origin]
+        order = range(len(self._sections)) if origin == "past" else reversed(range(len(self._sections)))
+        refs: dict[int, str] = {}
+        carried: dict[str, str] = {}
+        for index in order:
+            refs[index] = write(index, origin, carried)
+            carried = {"carried": refs[index]}
+        return tuple(refs[index] for index in range(len(self._sections)))

@@ -1,6 +1,7 @@
 """Cues of frames and frame pairs: flow, inverse depth, motion saliency."""
 
 from workflows.graph.nodes import Nodes
+from workflows.graph.once import once
 from workflows.graph.sequence_leaves import GIVEN_SOURCES
 
 PAIRS_PARAMS = frozenset({"selection_length", "selection_step"})
@@ -22,10 +23,10 @@ class FrameCues:
 
     def __init__(self, nodes: Nodes):
         self._nodes = nodes
-        self._backgrounds: dict[int, str] = {}
         self._config = nodes.config
         self._leaves = nodes.leaves
 
+    @once
     def flow(self, frame0: int, frame1: int) -> str:
         """Reference of the flow from one frame to a neighbour."""
         params = self._config.flow
@@ -38,6 +39,7 @@ class FrameCues:
         read, weights = self._nodes.network(params.method)
         return self._nodes.add("flow", params.method, read, {**inputs, "weights": weights})
 
+    @once
     def depth(self, frame: int) -> str:
         """Reference of a frame's inverse depth."""
         method = self._config.depth.method
@@ -59,13 +61,17 @@ class FrameCues:
         # A short rest of the video says little by itself.
         if start and num_frames - start < length / 2:
             start -= length
-        if start not in self._backgrounds:
-            frames0 = range(start, min(start + length, num_frames - 1), params.selection_step)
-            read = params.model_dump(mode="json", exclude=RESIDUAL_PARAMS | PAIRS_PARAMS)
-            flows = tuple(self.flow(frame0, frame0 + 1) for frame0 in frames0)
-            self._backgrounds[start] = self._nodes.add("background", "model-selection", read, {"flows": flows})
-        return self._backgrounds[start]
+        return self._select_background(start)
 
+    @once
+    def _select_background(self, start: int) -> str:
+        params = self._config.saliency
+        stop = min(start + params.selection_length, len(self._leaves.frames) - 1)
+        read = params.model_dump(mode="json", exclude=RESIDUAL_PARAMS | PAIRS_PARAMS)
+        flows = tuple(self.flow(frame0, frame0 + 1) for frame0 in range(start, stop, params.selection_step))
+        return self._nodes.add("background", "model-selection", read, {"flows": flows})
+
+    @once
     def saliency(self, frame: int) -> str:
         """Reference of a frame's motion saliency."""
         frames = self._leaves.frames

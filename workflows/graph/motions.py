@@ -4,6 +4,7 @@ from collections.abc import Iterator, Set
 
 from workflows.graph.frame_cues import FrameCues
 from workflows.graph.nodes import Nodes
+from workflows.graph.once import once
 from workflows.graph.objects import Objects
 from workflows.graph.sequence_leaves import GIVEN_SOURCES
 from workflows.sections import Section
@@ -26,8 +27,8 @@ class Motions:
         self._cues = cues
         self._objects = objects
         self._sections = sections
-        self._tracks: dict[int, str] = {}
 
+    @once
     def affinity(self, view: str) -> str:
         """Reference of the objects' affinity under one motion model."""
         method = self._config.affinity.method
@@ -43,23 +44,42 @@ class Motions:
             inputs["hypotheses"] = self.hypotheses(view)
         return self._nodes.add("affinity", method, params, inputs)
 
+    @once
     def residuals(self, view: str) -> tuple[str, ...]:
         """References of the residuals of every section's frame pairs under the objects' models of one kind."""
         if view == "trajs":
             return tuple(self._fundamental_residual(*pairs) for pairs in self._pairs(self._config.fundamental.gap))
         return tuple(self._flow_residual(index, num_pairs, view) for index, num_pairs, _ in self._pairs(1))
 
+    @once
     def hypotheses(self, view: str) -> tuple[str, ...]:
         """References of the residuals of every section's frame pairs under many hypotheses of one kind of model."""
         if view == "trajs":
             return tuple(self._track_hypotheses(*pairs) for pairs in self._pairs(self._config.fundamental.gap))
         return tuple(self._flow_hypotheses(index, num_pairs, view) for index, num_pairs, _ in self._pairs(1))
 
+    @once
     def tracks(self, index: int) -> str:
         """Reference of a section's point tracks; they reach `gap` frames into the next section."""
-        if index not in self._tracks:
-            self._tracks[index] = self._track(index)
-        return self._tracks[index]
+        section = self._sections[index]
+        stop = min(section.stop + self._config.fundamental.gap, len(self._leaves.frames))
+        params = self._config.tracks
+        if params.method in GIVEN_SOURCES:
+            given = self._nodes.required("tracks", f"tracks: {params.method}")
+            inputs = {"tracks": given, "proposals": self._objects.proposals(index)}
+            return self._nodes.add("tracks", "given", {"start": section.start, "stop": stop}, inputs)
+        inputs = {
+            "frames": self._leaves.frames[section.start : stop],
+            "proposals": self._objects.proposals(index),
+        }
+        read = {"num_frames": min(self._objects.labelled_until(index), stop) - section.start}
+        unread = {"method"}
+        if params.method != "lucas-kanade":
+            unread |= LUCAS_KANADE_PARAMS
+            network, inputs["weights"] = self._nodes.network(params.method)
+            read |= network
+        read["tracks"] = params.model_dump(mode="json", exclude=unread)
+        return self._nodes.add("tracks", params.method, read, inputs)
 
     def _pairs(self, gap: int) -> Iterator[tuple[int, int, int]]:
         """Every section that has pairs of frames: its index, their number, and the frames between the two of a pair."""
@@ -81,27 +101,6 @@ class Motions:
 
     def _hypothesis_params(self, names: Set[str]) -> dict:
         return self._config.object_hypotheses.model_dump(mode="json", include=set(names))
-
-    def _track(self, index: int) -> str:
-        section = self._sections[index]
-        stop = min(section.stop + self._config.fundamental.gap, len(self._leaves.frames))
-        params = self._config.tracks
-        if params.method in GIVEN_SOURCES:
-            given = self._nodes.required("tracks", f"tracks: {params.method}")
-            inputs = {"tracks": given, "proposals": self._objects.proposals(index)}
-            return self._nodes.add("tracks", "given", {"start": section.start, "stop": stop}, inputs)
-        inputs = {
-            "frames": self._leaves.frames[section.start : stop],
-            "proposals": self._objects.proposals(index),
-        }
-        read = {"num_frames": min(self._objects.labelled_until(index), stop) - section.start}
-        unread = {"method"}
-        if params.method != "lucas-kanade":
-            unread |= LUCAS_KANADE_PARAMS
-            network, inputs["weights"] = self._nodes.network(params.method)
-            read |= network
-        read["tracks"] = params.model_dump(mode="json", exclude=unread)
-        return self._nodes.add("tracks", params.method, read, inputs)
 
     def _fundamental_residual(self, index: int, num_pairs: int, gap: int) -> str:
         cues = {"tracks": self.tracks(index), "linking": self._objects.linking()}

@@ -2,6 +2,7 @@
 
 from workflows.graph.foreground import Foreground
 from workflows.graph.nodes import Nodes
+from workflows.graph.once import once
 from workflows.graph.sequence_leaves import GIVEN_SOURCES
 from workflows.sections import Section
 from workflows.weights.needed import tagger_item
@@ -17,7 +18,6 @@ class Objects:
         self._foreground = foreground
         self._sections = sections
         self._proposals: list[str] = []
-        self._linking: str | None = None
 
     def proposals(self, index: int) -> str:
         """Reference of a section's object proposals."""
@@ -26,11 +26,17 @@ class Objects:
             self._proposals.append(self._propose(len(self._proposals)))
         return self._proposals[index]
 
+    @once
     def linking(self) -> str:
         """Reference of the identities of the sections' objects."""
-        if self._linking is None:
-            self._linking = self._link()
-        return self._linking
+        proposals = tuple(self.proposals(index) for index in range(len(self._sections)))
+        if self._config.proposal_source != "saliency":
+            return self._nodes.add("linking", "identity", {}, {"proposals": proposals})
+        params = {
+            "lengths": [section.stop - section.start for section in self._sections],
+            "linking": self._config.linking.model_dump(mode="json"),
+        }
+        return self._nodes.add("linking", "overlap", params, {"proposals": proposals})
 
     def labelled_until(self, index: int) -> int:
         """End of the frames in which a section's objects are labelled."""
@@ -57,16 +63,6 @@ class Objects:
         }
         params = {"refinement": self._config.refinement.model_dump(mode="json")}
         return self._nodes.add("proposals", "saliency", params, inputs)
-
-    def _link(self) -> str:
-        proposals = tuple(self.proposals(index) for index in range(len(self._sections)))
-        if self._config.proposal_source != "saliency":
-            return self._nodes.add("linking", "identity", {}, {"proposals": proposals})
-        params = {
-            "lengths": [section.stop - section.start for section in self._sections],
-            "linking": self._config.linking.model_dump(mode="json"),
-        }
-        return self._nodes.add("linking", "overlap", params, {"proposals": proposals})
 
     def _track_objects(self, index: int) -> str:
         """A section's objects from the masks of its first frame on."""
