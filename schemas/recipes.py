@@ -1,16 +1,19 @@
 """A recipe: the sentence whose digest is an artifact's key."""
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Annotated
 
-from pydantic import JsonValue, StringConstraints
+from pydantic import JsonValue, StringConstraints, TypeAdapter
 
-from schemas.digests import digest_json
+from schemas.digests import canonical_json, digest_bytes
 from schemas.frozen import Frozen
 
 TaskName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]{0,63}$")]
 Ref = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]{0,63}/[0-9a-f]{64}$")]
 """``<task>/<key>``: where an artifact lies, and what it is."""
+
+_INPUTS = TypeAdapter(dict[str, Ref | tuple[Ref, ...]])
 
 
 class Recipe(Frozen):
@@ -33,10 +36,26 @@ class Recipe(Frozen):
     params: dict[str, JsonValue] = {}
     inputs: dict[str, Ref | tuple[Ref, ...]] = {}
 
+    def about(self, inputs: Mapping[str, str | tuple[str, ...]]) -> "Recipe":
+        """The same sentence about other inputs; the rest is shared, neither checked nor spelt again.
+
+        For the thousands of nodes of a plan that differ in nothing else.
+        """
+        recipe = Recipe.model_construct(
+            task=self.task, version=self.version, params=self.params, inputs=_INPUTS.validate_python(inputs)
+        )
+        recipe.__dict__["head"] = self.head
+        return recipe
+
+    @cached_property
+    def head(self) -> bytes:
+        """Canonical JSON of task, version and parameters, as the list that the inputs end."""
+        return canonical_json([self.task, self.version, self.params])[:-1]
+
     @cached_property
     def key(self) -> str:
-        """BLAKE2b-256 of the recipe's canonical JSON, hexadecimal."""
-        return digest_json("recipe", [self.task, self.version, self.params, self.inputs])
+        """BLAKE2b-256 of the canonical JSON of task, version, parameters and inputs, hexadecimal."""
+        return digest_bytes("recipe", b"".join([self.head, b",", _spell(self.inputs), b"]"]))
 
     @cached_property
     def ref(self) -> str:
@@ -49,6 +68,16 @@ class Recipe(Frozen):
         for value in self.inputs.values():
             flat.extend([value] if isinstance(value, str) else value)
         return tuple(flat)
+
+
+def _spell(inputs: Mapping[str, str | tuple[str, ...]]) -> bytes:
+    """Canonical JSON of inputs, in a third of the time: nothing in a reference needs an escape."""
+    parts = []
+    for role in sorted(inputs):
+        value = inputs[role]
+        listed = f'"{value}"' if isinstance(value, str) else "[" + ",".join([f'"{ref}"' for ref in value]) + "]"
+        parts.append(f"{canonical_json(role).decode()}:{listed}" if not role.isidentifier() else f'"{role}":{listed}')
+    return ("{" + ",".join(parts) + "}").encode()
 
 
 def leaf_recipe(task: str, content_digest: str) -> Recipe:

@@ -1,6 +1,6 @@
 """What an evaluation would compute and reuse, with nothing computed or stored."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from schemas.configs import PipelineConfig, Variant
 from schemas.digests import digest_json
@@ -24,6 +24,10 @@ class EmptyStore:
     def has(self, ref: str) -> bool:
         """Never."""
         return False
+
+    def present(self, refs: Iterable[str]) -> set[str]:
+        """None."""
+        return set()
 
 
 def plan_evaluation(

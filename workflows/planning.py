@@ -1,7 +1,7 @@
 """A plan: which of a graph's nodes must be computed, and which stored artifacts they build on."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from schemas.recipes import Recipe, split_ref
@@ -38,10 +38,12 @@ def make_plan(store: ArtifactStore, recipes: Mapping[str, Recipe], sinks: Iterab
 
     References without a recipe are leaves: ingest has stored them, so they are neither computed nor counted.
     """
+    ends = [ref for ref in dict.fromkeys(sinks) if ref in recipes]
+    stored = _look_up(store, recipes, ends)
     compute: dict[str, Recipe] = {}
     reuse: dict[str, None] = {}
     entered: set[str] = set()
-    stack = [(ref, False) for ref in reversed(list(sinks))]
+    stack = [(ref, False) for ref in reversed(ends)]
     while stack:
         ref, inputs_done = stack.pop()
         if inputs_done:
@@ -50,9 +52,24 @@ def make_plan(store: ArtifactStore, recipes: Mapping[str, Recipe], sinks: Iterab
         if ref in entered or ref not in recipes:
             continue
         entered.add(ref)
-        if store.has(ref):
+        if ref in stored:
             reuse[ref] = None
             continue
         stack.append((ref, True))
         stack.extend((parent, False) for parent in reversed(recipes[ref].input_refs()))
     return Plan(compute, tuple(reuse))
+
+
+def _look_up(store: ArtifactStore, recipes: Mapping[str, Recipe], ends: Sequence[str]) -> set[str]:
+    """Those stored of all that a walk from `ends` meets; a step towards the leaves is one question to the store, which
+    may be far away."""
+    stored: set[str] = set()
+    met: set[str] = set()
+    step = list(ends)
+    while step:
+        met.update(step)
+        hits = store.present(step)
+        stored |= hits
+        parents = (parent for ref in step if ref not in hits for parent in recipes[ref].input_refs())
+        step = [parent for parent in dict.fromkeys(parents) if parent in recipes and parent not in met]
+    return stored

@@ -1,6 +1,10 @@
 """Golden keys, and what makes two recipes one."""
 
+import pickle
+
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from schemas.digests import digest_json
@@ -29,6 +33,22 @@ def test_golden_keys():
 def test_key_is_the_digest_of_the_sentence():
     made = recipe()
     assert made.key == digest_json("recipe", ["flow", 3, made.params, made.inputs])
+
+
+@given(st.dictionaries(st.text(), st.sampled_from(FRAMES) | st.lists(st.sampled_from(FRAMES))))
+def test_inputs_of_any_role_are_spelt_as_canonical_json(inputs):
+    made = recipe(inputs=inputs)
+    assert made.key == digest_json("recipe", ["flow", 3, made.params, inputs])
+
+
+def test_the_same_sentence_about_other_inputs_has_the_key_of_one_written_anew():
+    inputs = {"frame0": FRAMES[1], "others": tuple(FRAMES)}
+    made = recipe().about(inputs)
+    assert made == recipe(inputs=inputs)
+    assert made.key == recipe(inputs=inputs).key
+    assert pickle.loads(pickle.dumps(made)).ref == made.ref
+    with pytest.raises(ValidationError):
+        recipe().about({"frame0": "../frame"})
 
 
 def test_every_field_changes_the_key():

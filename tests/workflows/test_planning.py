@@ -23,7 +23,7 @@ class Graph:
             self.recipes[recipe.ref] = recipe
 
     def plan(self, stored, sinks):
-        store = SimpleNamespace(has={self.refs[number] for number in stored}.__contains__)
+        store = SimpleNamespace(present={self.refs[number] for number in stored}.intersection)
         plan = make_plan(store, self.recipes, [self.refs[number] for number in sinks])
         return [self.refs.index(ref) for ref in plan.compute], sorted(self.refs.index(ref) for ref in plan.reuse), plan
 
@@ -101,3 +101,27 @@ def test_leaves_are_neither_computed_nor_counted_but_kept():
     compute, reuse, plan = Graph([[]]).plan(set(), [0])
     assert (compute, reuse) == ([0], [])
     assert LEAF in plan.touched()
+
+
+def test_a_stored_sink_is_one_look_up_and_nothing_below_is_asked_for():
+    asked = []
+    graph = Graph([[], [0], [1], [0, 1]])
+
+    def present(refs):
+        asked.append(list(refs))
+        return {graph.refs[2]}.intersection(refs)
+
+    make_plan(SimpleNamespace(present=present), graph.recipes, [graph.refs[2]])
+    assert asked == [[graph.refs[2]]]
+
+
+def test_the_nodes_of_one_step_are_one_question():
+    asked = []
+    graph = Graph([[], [], [0, 1], [0, 1]])
+
+    def present(refs):
+        asked.append(list(refs))
+        return set()
+
+    make_plan(SimpleNamespace(present=present), graph.recipes, [graph.refs[2], graph.refs[3]])
+    assert asked == [[graph.refs[2], graph.refs[3]], [graph.refs[0], graph.refs[1]]]

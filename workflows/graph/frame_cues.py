@@ -1,5 +1,6 @@
 """Cues of frames and frame pairs: flow, inverse depth, motion saliency."""
 
+from schemas.recipes import Recipe
 from workflows.graph.nodes import Nodes
 from workflows.graph.once import once
 from workflows.graph.sequence_leaves import GIVEN_SOURCES
@@ -35,9 +36,13 @@ class FrameCues:
             return self._nodes.required(direction, f"flow: {params.method}")[min(frame0, frame1)]
         inputs = {"frame0": self._leaves.frames[frame0], "frame1": self._leaves.frames[frame1]}
         if params.method == "dis":
-            return self._nodes.add("flow", "dis", params.model_dump(mode="json", exclude={"method"}), inputs)
+            return self._nodes.add_like(self._dis(), inputs)
         read, weights = self._nodes.network(params.method)
         return self._nodes.add("flow", params.method, read, {**inputs, "weights": weights})
+
+    @once
+    def _dis(self) -> Recipe:
+        return self._nodes.kind("flow", "dis", self._config.flow.model_dump(mode="json", exclude={"method"}))
 
     @once
     def depth(self, frame: int) -> str:
@@ -83,5 +88,9 @@ class FrameCues:
             inputs |= {"previous": frames[frame - 1], "flow_previous": self.flow(frame, frame - 1)}
         if frame + 1 < len(frames):
             inputs |= {"next": frames[frame + 1], "flow_next": self.flow(frame, frame + 1)}
+        return self._nodes.add_like(self._background_residual(), inputs)
+
+    @once
+    def _background_residual(self) -> Recipe:
         read = self._config.saliency.model_dump(mode="json", exclude=SELECTION_PARAMS)
-        return self._nodes.add("saliency", "background-residual", read, inputs)
+        return self._nodes.kind("saliency", "background-residual", read)

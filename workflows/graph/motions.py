@@ -4,8 +4,8 @@ from collections.abc import Iterator, Set
 
 from workflows.graph.frame_cues import FrameCues
 from workflows.graph.nodes import Nodes
-from workflows.graph.once import once
 from workflows.graph.objects import Objects
+from workflows.graph.once import once
 from workflows.graph.sequence_leaves import GIVEN_SOURCES
 from workflows.sections import Section
 

@@ -21,8 +21,15 @@ class Nodes:
 
     def add(self, name: str, method: str, params: dict, inputs: dict) -> str:
         """Reference of a stage's recipe."""
-        task = find_task(name, method)
-        recipe = Recipe(task=name, version=task.version, params={"method": method, **params}, inputs=inputs)
+        return self.add_like(self.kind(name, method, params), inputs)
+
+    def kind(self, name: str, method: str, params: dict) -> Recipe:
+        """What nodes of a stage with the same parameters have in common: a recipe without inputs, for `add_like`."""
+        return Recipe(task=name, version=find_task(name, method).version, params={"method": method, **params})
+
+    def add_like(self, kind: Recipe, inputs: dict) -> str:
+        """Reference of a recipe of this kind."""
+        recipe = kind.about(inputs)
         self.recipes[recipe.ref] = recipe
         return recipe.ref
 
