@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from sklearn.metrics import calinski_harabasz_score, davies_bouldin_score, silhouette_score
 
 from moseg_tasks.clustering.spectral import embed_views
 
@@ -31,6 +30,9 @@ def confidences(labelings: Sequence[np.ndarray], kernel: np.ndarray, eigenvalues
     P. Rousseeuw, "Silhouettes", 1987; D. Davies and D. Bouldin, "A cluster separation measure", 1979; T. Calinski and
     J. Harabasz, "A dendrite method for cluster analysis", 1974.
     """
+    # Half a second to import: see random_kmeans.
+    from sklearn.metrics import calinski_harabasz_score, davies_bouldin_score, silhouette_score
+
     spectrum = np.append(np.maximum(eigenvalues.mean(axis=0), 0.0), 0.0)
     rows = np.full((max(len(labelings) - 1, 0), 4), np.nan)
     for index, labels in enumerate(labelings[1:]):

@@ -4,7 +4,6 @@ import itertools
 from collections.abc import Sequence
 
 import numpy as np
-from sklearn.metrics import adjusted_rand_score
 
 from moseg_tasks.affinity import hypothesis_affinity
 from moseg_tasks.clustering.fusion import fill_unknown
@@ -61,6 +60,9 @@ def stability_scores(resampled: Sequence[Sequence[np.ndarray]], least_agreement:
 
 
 def _mean_agreement(labelings: Sequence[np.ndarray]) -> float:
+    # Half a second to import: see random_kmeans.
+    from sklearn.metrics import adjusted_rand_score
+
     pairs = list(itertools.combinations(labelings, 2))
     return float(np.mean([adjusted_rand_score(*pair) for pair in pairs])) if pairs else 1.0
 

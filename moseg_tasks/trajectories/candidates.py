@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from sklearn.cluster import KMeans
 
 from moseg_tasks.clustering.eigenpairs import leading_eigenpairs
+from moseg_tasks.clustering.random_kmeans import cluster_many_points
 from moseg_tasks.clustering.spectral import normalise_affinity, unit_rows
 from moseg_tasks.trajectories.pieces import link_pieces, piece_affinity
 from schemas.parameters import TrajectoryClusteringParams
@@ -81,11 +81,7 @@ class Candidates:
 
     def _cluster(self, vectors: np.ndarray, count: int) -> np.ndarray:
         """k-means of the leading eigenvectors, rows of unit length: labels int (N,), each in use."""
-        if count == 1:
-            return np.zeros(len(vectors), dtype=np.int64)
-        coordinates = unit_rows(vectors[:, :count])
-        found = KMeans(count, n_init=self._num_starts, random_state=self._seed).fit(coordinates)
-        return np.unique(found.labels_, return_inverse=True)[1]
+        return cluster_many_points(unit_rows(vectors[:, :count]), count, self._num_starts, self._seed)
 
 
 def in_order(labels: np.ndarray) -> np.ndarray:

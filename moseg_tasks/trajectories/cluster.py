@@ -4,11 +4,11 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from sklearn.cluster import KMeans
 
 from moseg_tasks.clustering.count_motions import CountEvidence, count_motions
 from moseg_tasks.clustering.motion_tracks import MotionTracks
 from moseg_tasks.clustering.num_motions import count_by_eigengap
+from moseg_tasks.clustering.random_kmeans import cluster_many_points
 from moseg_tasks.clustering.spectral import embed_views
 from moseg_tasks.trajectories.apart import separate_objects
 from moseg_tasks.trajectories.candidates import Candidates, View, in_order
@@ -101,6 +101,9 @@ def cluster_trajectories(
     def embed(count: int):
         return embed_views(views, count, params.co_regularisation, params.num_iterations, params.tolerance)
 
+    def cluster(count: int) -> np.ndarray:
+        return cluster_many_points(embed(count).coordinates, count, params.num_starts, seed)
+
     counts = [most] if num_motions is not None else range(1, most + 1)
     candidates = []
     if params.method == "energy":
@@ -110,7 +113,7 @@ def cluster_trajectories(
         energy.prepare([labels for by_draw in groupings.values() for drawn in by_draw for labels in drawn])
     else:
         # Of the published methods there is but one grouping.
-        groupings = {count: [[_cluster(embed(count).coordinates, count, params, seed)]] for count in counts}
+        groupings = {count: [[in_order(cluster(count))]] for count in counts}
     found = {count: [energy.least(drawn) for drawn in by_draw] for count, by_draw in groupings.items()}
     chosen = most
     if num_motions is None:
@@ -132,11 +135,6 @@ def cluster_trajectories(
         cuts=np.array([best[count].cut if count in best else np.nan for count in range(1, most + 1)]),
         num_motions=int(motion.max()) + 1,
     )
-
-
-def _cluster(coordinates: np.ndarray, count: int, params: TrajectoryClusteringParams, seed: int) -> np.ndarray:
-    """Labels int64 (N,) by k-means."""
-    return in_order(KMeans(count, n_init=params.num_starts, random_state=seed).fit(coordinates).labels_)
 
 
 def _clustered_kernels(by_view: Sequence[np.ndarray], method: str) -> np.ndarray:
