@@ -50,6 +50,10 @@ class StoreError(MosegError, OSError):
     """The artifact store failed (disk full, not writable): a fault, exit code 1."""
 
 
+class ClusterError(MosegError, RuntimeError):
+    """Workers or their scheduler failed, not the work: a fault, exit code 1."""
+
+
 class StoreChoiceError(StoreError, InputError):
     """What was named as a store is none, or cannot be made one: bad input."""
 

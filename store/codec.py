@@ -113,13 +113,13 @@ def _encode_array(
 ) -> ArrayEntry:
     if array.dtype.name not in DTYPES:
         raise StoreError("dtype that cannot be stored", where=name, got=array.dtype, expected=", ".join(sorted(DTYPES)))
-    array = np.asarray(array, dtype=array.dtype.newbyteorder("<"), order="C")
     chunks = chunk_shape(array.shape, dims)
     nbytes = array.itemsize * int(np.prod(chunks, dtype=np.int64))
     if nbytes > MAX_CHUNK_BYTES:
         raise StoreError(
             "array too large for one chunk", where=name, got=f"{nbytes} bytes", expected=f"<= {MAX_CHUNK_BYTES}"
         )
+    array = np.asarray(array, dtype=array.dtype.newbyteorder("<"), order="C")
     digest = digest or hash_array(array)
     entry = ArrayEntry(name=name, dtype=array.dtype.str, shape=array.shape, dims=dims, digest=digest)
     metadata, *paths = array_files(entry)

@@ -8,21 +8,17 @@ folders of one small artifact was measured at 20 ms to 30 ms (ext4, virtual disk
 
 import errno
 import os
-import re
 import shutil
-import uuid
 from collections.abc import Mapping
-from pathlib import Path
 
 from schemas.errors import StoreError
-from store.layout import MANIFEST, Layout
+from store.layout import Layout
+from store.names import MANIFEST
 from store.outcomes import PutOutcome
-from store.owners import process_space
-
-_STAGED = re.compile(r"(?P<space>[0-9a-f]{16})-(?P<pid>\d+)-[0-9a-f]{32}")
+from store.owners import owned_name
 
 
-def commit(layout: Layout, ref: str, files: Mapping[str, memoryview], manifest: bytes) -> PutOutcome:
+def commit(layout: Layout, ref: str, files: Mapping[str, bytes | memoryview], manifest: bytes) -> PutOutcome:
     """Write an artifact's files, its manifest last, and rename their folder into place.
 
     Raises StoreError where the file system refuses (no permission, disk full).
@@ -42,7 +38,7 @@ def commit(layout: Layout, ref: str, files: Mapping[str, memoryview], manifest: 
 
 def new_staging(layout: Layout) -> str:
     """A new folder under ``staging/`` whose name says which process owns it."""
-    staged = f"{layout.staging}/{process_space()}-{os.getpid()}-{uuid.uuid4().hex}"
+    staged = f"{layout.staging}/{owned_name()}"
     try:
         os.mkdir(staged)
     except FileNotFoundError:
@@ -51,13 +47,7 @@ def new_staging(layout: Layout) -> str:
     return staged
 
 
-def staging_owner(folder: Path) -> tuple[str, int] | None:
-    """Space and number of the process that made a staging folder; None where its name does not say."""
-    match = _STAGED.fullmatch(folder.name)
-    return (match["space"], int(match["pid"])) if match else None
-
-
-def _write_files(folder: str, files: Mapping[str, memoryview]) -> None:
+def _write_files(folder: str, files: Mapping[str, bytes | memoryview]) -> None:
     made = {""}
     for path, content in files.items():
         parent = path.rpartition("/")[0]

@@ -9,7 +9,8 @@ import shutil
 from pathlib import Path
 
 from schemas.errors import StoreError
-from store.layout import Layout, check_run_id
+from store.layout import Layout
+from store.names import check_run_id
 from store.owners import process_space
 
 

@@ -1,4 +1,4 @@
-"""The marker that makes a folder a store of a known format."""
+"""The marker that makes a place a store of a known format."""
 
 import json
 import os
@@ -9,7 +9,7 @@ from schemas.errors import MissingStoreError, StoreChoiceError, StoreError
 
 MARKER = "moseg-store.json"
 FORMAT = 1
-_CONTENT = json.dumps({"store": "moseg artifacts", "format": FORMAT}).encode() + b"\n"
+CONTENT = json.dumps({"store": "moseg artifacts", "format": FORMAT}).encode() + b"\n"
 
 
 def open_root(root: Path, *, create: bool) -> None:
@@ -26,14 +26,17 @@ def open_root(root: Path, *, create: bool) -> None:
             kind = StoreChoiceError if root.exists() else MissingStoreError
             raise kind("no artifact store", where=root, expected=f"a folder with {MARKER}")
         content = _create(root)
+    check_marker(content, root / MARKER)
+
+
+def check_marker(content: bytes, where: object) -> None:
+    """Raise StoreChoiceError where a marker's content is not that of a store of this format."""
     try:
         found = json.loads(content)["format"]
     except (ValueError, KeyError, TypeError):
-        raise StoreChoiceError(
-            "unreadable store marker", where=root / MARKER, expected=_CONTENT.decode().strip()
-        ) from None
+        raise StoreChoiceError("unreadable store marker", where=where, expected=CONTENT.decode().strip()) from None
     if found != FORMAT:
-        raise StoreChoiceError("unknown store format", where=root / MARKER, got=found, expected=FORMAT)
+        raise StoreChoiceError("unknown store format", where=where, got=found, expected=FORMAT)
 
 
 def _read(root: Path) -> bytes | None:
@@ -60,10 +63,10 @@ def _create(root: Path) -> bytes:
                 got=f"{len(foreign)} other files",
                 expected="an empty folder or a store",
             )
-        partial.write_bytes(_CONTENT)
+        partial.write_bytes(CONTENT)
         partial.replace(root / MARKER)
     except StoreError:
         raise
     except OSError as error:
         raise StoreChoiceError(f"cannot create an artifact store: {error.strerror}", where=root) from error
-    return _CONTENT
+    return CONTENT

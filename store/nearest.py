@@ -6,7 +6,9 @@ from typing import NamedTuple
 from pydantic import JsonValue
 
 from schemas.errors import CorruptArtifactError, MissingArtifactError
+from schemas.manifests import Manifest
 from schemas.recipes import Recipe
+from store.ahead import map_reads
 from store.protocol import ArtifactStore
 
 ABSENT = "(absent)"
@@ -42,12 +44,9 @@ def nearest(store: ArtifactStore, recipe: Recipe, besides: str | None = None) ->
     """
     best: tuple[tuple[int, int, int], str, NearestRecipe] | None = None
     recipes: dict[str, Recipe | None] = {}
-    for ref in store.refs(recipe.task):
-        if ref == besides:
-            continue
-        try:
-            manifest = store.manifest(ref)
-        except (CorruptArtifactError, MissingArtifactError):
+    refs = (ref for ref in store.refs(recipe.task) if ref != besides)
+    for ref, manifest in map_reads(store, lambda ref: (ref, _manifest(store, ref)), refs):
+        if manifest is None:
             continue
         found = NearestRecipe(ref, differences(manifest.recipe, recipe))
         origins = _find_origins(store, recipes, found.differences, None if best is None else best[0][0])
@@ -83,11 +82,16 @@ def _find_origins(
 def _recipe(store: ArtifactStore, recipes: dict[str, Recipe | None], ref: str) -> Recipe | None:
     """Recipe of an artifact, looked up once; None where it is not stored or damaged."""
     if ref not in recipes:
-        try:
-            recipes[ref] = store.manifest(ref).recipe
-        except (CorruptArtifactError, MissingArtifactError):
-            recipes[ref] = None
+        manifest = _manifest(store, ref)
+        recipes[ref] = None if manifest is None else manifest.recipe
     return recipes[ref]
+
+
+def _manifest(store: ArtifactStore, ref: str) -> Manifest | None:
+    try:
+        return store.manifest(ref)
+    except (CorruptArtifactError, MissingArtifactError):
+        return None
 
 
 def differences(stored: Recipe, wanted: Recipe) -> tuple[FieldDifference, ...]:

@@ -1,29 +1,36 @@
 """From what a user writes after ``--store`` to a store."""
 
+import os
 from pathlib import Path
-from urllib.parse import unquote, urlsplit
+from urllib.parse import unquote_to_bytes, urlsplit
 
 from schemas.errors import InputError
 from store.local import LocalStore
+from store.protocol import ArtifactStore
 
-SUPPORTED = "a path or file:///path"
+REMOTE = ("s3", "s3a", "gs", "az", "azure", "adl", "abfs", "abfss")
+"""Schemes of object stores; ``http://`` cannot be written."""
+SUPPORTED = "a path, file:///path, s3://bucket/prefix, gs://bucket/prefix or az://container/prefix"
 
 
-def open_store(url: str, create: bool = True) -> LocalStore:
-    """Open a store by path or ``file://`` URL.
+def open_store(url: str, create: bool = True) -> ArtifactStore:
+    """Open a store by path, ``file://`` URL or URL of an object store.
 
     Raises
     ------
     InputError
-        Any other scheme.
-    StoreError
-        The folder cannot be used as a store.
+        Any other scheme, or a place that cannot be had as a store.
     """
     if "://" not in url:
         if not url:
             raise InputError("no artifact store named", got="an empty text", expected=SUPPORTED)
         return LocalStore(Path(url).expanduser(), create=create)
     parts = urlsplit(url)
+    if parts.scheme in REMOTE:
+        # costs time to import, and most stores are local
+        from store.remote import RemoteStore
+
+        return RemoteStore(url, create=create)
     if parts.scheme != "file" or parts.netloc not in ("", "localhost") or not parts.path:
-        raise InputError("unsupported artifact store", got=url, expected=SUPPORTED)
-    return LocalStore(unquote(parts.path), create=create)
+        raise InputError("unsupported artifact store", got=f"{parts.scheme}://", expected=SUPPORTED)
+    return LocalStore(os.fsdecode(unquote_to_bytes(parts.path)), create=create)

@@ -4,6 +4,7 @@ from enum import StrEnum
 from typing import NamedTuple
 
 from schemas.frozen import Frozen
+from schemas.manifests import Manifest
 from schemas.recipes import Ref
 
 
@@ -13,6 +14,24 @@ class PutOutcome(StrEnum):
     COMMITTED = "committed"
     LOST_RACE = "lost-race"
     """The artifact was there already; what is stored first stays."""
+
+
+class StoredArtifact(NamedTuple):
+    """An artifact outside of a store, as `export` gives and `adopt` takes it.
+
+    Attributes
+    ----------
+    manifest : Manifest
+        As it was committed: when, where, by which versions and in how many seconds it was made.
+    metadata : dict of str
+        Digest of each of Zarr's metadata files, by relative path.
+    files : dict of bytes
+        Content of every file but the manifest, by relative path.
+    """
+
+    manifest: Manifest
+    metadata: dict[str, str]
+    files: dict[str, bytes]
 
 
 class VerifyResult(NamedTuple):
@@ -59,11 +78,11 @@ class GcReport(NamedTuple):
     Attributes
     ----------
     num_kept : int
-        Artifacts that stay: reached from a pin, or younger than the grace period.
+        Artifacts that stay: reached from a pin, or here for less than the grace period.
     removed : tuple of str
         References of collected artifacts.
     leftovers : tuple of str
-        Folders of interrupted puts and old quarantined artifacts, relative to the store's root.
+        Places of interrupted puts and old quarantined artifacts, relative to the store's root.
     nbytes : int
         Bytes freed by both.
     is_dry : bool

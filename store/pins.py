@@ -7,21 +7,22 @@ longer than the lease: a process of another host cannot be asked, so there only 
 
 import os
 import time
-import uuid
 from collections.abc import Iterable
-from pathlib import Path
 
 from pydantic import ValidationError
 
 from schemas.errors import StoreError
-from store.layout import Layout, check_ref, check_run_id
+from store.medium import Medium
+from store.names import check_ref, check_run_id
 from store.outcomes import Pin
 from store.owners import is_running, process_space
 
+FOLDER = "pins"
 
-def pin(layout: Layout, run_id: str, refs: Iterable[str], lease_seconds: float | None = None) -> None:
+
+def pin(medium: Medium, run_id: str, refs: Iterable[str], lease_seconds: float | None = None) -> None:
     """Write a run's pin, in place of an earlier one."""
-    target = _file(layout, run_id)
+    path = _path(run_id)
     now = time.time()
     content = Pin(
         run_id=run_id,
@@ -31,42 +32,37 @@ def pin(layout: Layout, run_id: str, refs: Iterable[str], lease_seconds: float |
         space=process_space(),
         pid=os.getpid(),
     )
-    partial = target.with_name(f"{target.name}.{uuid.uuid4().hex}.partial")
-    try:
-        layout.pins.mkdir(exist_ok=True)
-        partial.write_text(content.model_dump_json() + "\n", encoding="utf-8")
-        partial.replace(target)
-    except OSError as error:
-        raise StoreError(f"cannot pin a run: {error.strerror}", where=layout.root, got=run_id) from error
+    medium.write_record(path, content.model_dump_json().encode("utf-8") + b"\n", "pin a run")
 
 
-def unpin(layout: Layout, run_id: str) -> bool:
+def unpin(medium: Medium, run_id: str) -> bool:
     """End a run's pin; False where there is none."""
-    try:
-        _file(layout, run_id).unlink()
-    except FileNotFoundError:
-        return False
-    except OSError as error:
-        raise StoreError(f"cannot unpin a run: {error.strerror}", where=layout.root, got=run_id) from error
-    return True
+    return medium.delete_record(_path(run_id), "unpin a run")
 
 
-def pinned(layout: Layout) -> dict[str, Pin]:
+def pinned(medium: Medium) -> dict[str, Pin]:
     """The pins that hold now, by run.
 
     Raises StoreError where a pin cannot be read: to pass it over would let a collection delete what it keeps.
     """
-    found = {}
-    for path in sorted(layout.pins.glob("*.json")):
-        try:
-            content = Pin.model_validate_json(path.read_bytes())
-        except FileNotFoundError:
-            continue
-        except (OSError, ValidationError) as error:
-            raise StoreError("unreadable pin", where=path, expected="a pin; delete the file to end it") from error
-        if _holds(content):
-            found[content.run_id] = content
-    return found
+    contents = [_read(medium, path, record) for path, record in medium.read_records(FOLDER).items()]
+    return {content.run_id: content for content in contents if _holds(content)}
+
+
+def pin_of(medium: Medium, run_id: str) -> Pin | None:
+    """A run's pin where it holds now: one look-up, however many pins there are."""
+    path = _path(run_id)
+    record = medium.read_record(path)
+    content = None if record is None else _read(medium, path, record)
+    return content if content is not None and _holds(content) else None
+
+
+def _read(medium: Medium, path: str, record: bytes) -> Pin:
+    try:
+        return Pin.model_validate_json(record)
+    except ValidationError as error:
+        where = f"{medium.url}/{path}"
+        raise StoreError("unreadable pin", where=where, expected="a pin; delete the file to end it") from error
 
 
 def _holds(content: Pin) -> bool:
@@ -75,5 +71,5 @@ def _holds(content: Pin) -> bool:
     return content.expires > time.time() and is_running(content.space, content.pid) is not False
 
 
-def _file(layout: Layout, run_id: str) -> Path:
-    return layout.pins / f"{check_run_id(run_id)}.json"
+def _path(run_id: str) -> str:
+    return f"{FOLDER}/{check_run_id(run_id)}.json"

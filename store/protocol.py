@@ -8,7 +8,7 @@ from pydantic import JsonValue
 
 from schemas.manifests import Manifest
 from schemas.recipes import Recipe
-from store.outcomes import GcReport, Pin, PutOutcome, TaskUsage, VerifyResult
+from store.outcomes import GcReport, Pin, PutOutcome, StoredArtifact, TaskUsage, VerifyResult
 
 
 @runtime_checkable
@@ -59,6 +59,16 @@ class ArtifactStore(Protocol):
     def verify(self, refs: Iterable[str] | None = None) -> Iterator[VerifyResult]:
         """Compare every byte of the artifacts with what their manifests name."""
 
+    def export(self, ref: str) -> StoredArtifact:
+        """An artifact with all its files, every byte compared with what its manifest names."""
+
+    def adopt(self, artifact: StoredArtifact) -> PutOutcome:
+        """Store what another store exported: the same bytes, and `created`, `host`, `versions` and `seconds` of its
+        manifest. Raises CorruptArtifactError where a byte is not as that manifest names it."""
+
+    def place(self, ref: str) -> str:
+        """Folder or URL of an artifact's Zarr group, for other programs to read."""
+
     def quarantine(self, ref: str, reason: str) -> bool:
         """Take an artifact out of service and keep its bytes aside; False where somebody else already did."""
 
@@ -73,6 +83,9 @@ class ArtifactStore(Protocol):
 
     def pinned(self) -> dict[str, Pin]:
         """The pins that hold now, by run."""
+
+    def pin_of(self, run_id: str) -> Pin | None:
+        """A run's pin where it holds now, looked up by its name; None where there is none."""
 
     def append_log(self, run_id: str, lines: bytes) -> None:
         """Add whole lines to a run's log; processes of a run may do so at the same time."""

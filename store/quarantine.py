@@ -1,9 +1,7 @@
-"""Taking a damaged artifact out of service with its bytes kept aside."""
+"""Taking a damaged artifact out of service with its bytes kept aside, on a file system."""
 
-import json
 import os
 import shutil
-import time
 import uuid
 
 from schemas.errors import StoreError
@@ -13,7 +11,7 @@ from store.layout import Layout
 REASON = "reason.json"
 
 
-def quarantine(layout: Layout, ref: str, reason: str) -> bool:
+def quarantine(layout: Layout, ref: str, reason: bytes) -> bool:
     """Move an artifact to ``quarantine/``, beside the reason; False where it is gone already.
 
     The reason is written first and the move is one rename, so an artifact is never half in service. Several processes
@@ -24,8 +22,7 @@ def quarantine(layout: Layout, ref: str, reason: str) -> bool:
     slot = layout.quarantine / f"{task}-{key}-{uuid.uuid4().hex}"
     try:
         slot.mkdir(parents=True)
-        content = {"ref": ref, "reason": reason, "time": time.time()}
-        (slot / REASON).write_text(json.dumps(content) + "\n", encoding="utf-8")
+        (slot / REASON).write_bytes(reason)
         try:
             os.rename(folder, slot / "artifact")
         except FileNotFoundError:

@@ -1,31 +1,28 @@
 """Reading an artifact back, trusting no byte.
 
-Zarr takes a chunk that is not there for zeros. So files are read here, each must have the length its manifest names,
-and only then does Zarr decode them, from memory, with checksums.
+Zarr takes a chunk that is not there for zeros. So a medium reads the files here, each must have the length its manifest
+names, and only then are they decoded, from memory, with checksums.
 """
 
-import errno
-import os
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
 from schemas.digests import digest_array, hash_array
-from schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
+from schemas.errors import CorruptArtifactError, InputError, StoreError
 from schemas.manifests import ArrayEntry, Manifest
 from schemas.recipes import split_ref
 from store.codec import array_files, decode_array
-from store.layout import MANIFEST, Layout
+from store.medium import Medium
 from store.sealing import Sealed, digest_metadata, unseal
 
-_DAMAGED = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EIO)
 
-
-def read_manifest(layout: Layout, ref: str) -> Manifest:
+def read_manifest(medium: Medium, ref: str) -> Manifest:
     """The manifest of an artifact, its seal checked."""
-    return read_sealed(layout, ref).manifest
+    return read_sealed(medium, ref).manifest
 
 
-def read_sealed(layout: Layout, ref: str) -> Sealed:
+def read_sealed(medium: Medium, ref: str) -> Sealed:
     """The manifest of an artifact and the digests of its metadata files.
 
     Raises
@@ -35,8 +32,11 @@ def read_sealed(layout: Layout, ref: str) -> Sealed:
     CorruptArtifactError
         The manifest is lost, changed, or another artifact's.
     """
-    folder = layout.folder(ref)
-    data = read_file(folder, MANIFEST, ref)
+    return check_seal(ref, medium.read_manifest(ref))
+
+
+def check_seal(ref: str, data: bytes) -> Sealed:
+    """What a manifest file holds; raises CorruptArtifactError where it is changed, or another artifact's."""
     try:
         sealed = unseal(data)
     except ValueError as error:
@@ -47,45 +47,38 @@ def read_sealed(layout: Layout, ref: str) -> Sealed:
     return sealed
 
 
-def read_array(layout: Layout, ref: str, name: str, check: bool) -> np.ndarray:
+def read_array(medium: Medium, ref: str, name: str, check: bool) -> np.ndarray:
     """One whole array, its digest compared where `check`."""
-    sealed = read_sealed(layout, ref)
+    sealed = read_sealed(medium, ref)
     entry = _entry(sealed.manifest, ref, name)
-    return load_checked(layout, ref, sealed, entry) if check else load_array(layout, ref, sealed, entry)
+    return load_checked(medium, ref, sealed, entry) if check else load_array(medium, ref, sealed, entry)
 
 
-def read_rows(layout: Layout, ref: str, name: str, start: int, stop: int) -> np.ndarray:
+def read_rows(medium: Medium, ref: str, name: str, start: int, stop: int) -> np.ndarray:
     """Rows ``start`` to ``stop`` (exclusive) of an array's leading axis; raises InputError outside of it."""
-    sealed = read_sealed(layout, ref)
+    sealed = read_sealed(medium, ref)
     entry = _entry(sealed.manifest, ref, name)
     num_rows = entry.shape[0] if entry.shape else 0
     if not 0 <= start <= stop <= num_rows:
         raise InputError(
             "rows outside the array", where=f"{ref} {name}", got=f"{start}:{stop}", expected=f"0:{num_rows}"
         )
-    return load_array(layout, ref, sealed, entry, slice(start, stop))
+    return load_array(medium, ref, sealed, entry, slice(start, stop))
 
 
-def load_array(layout: Layout, ref: str, sealed: Sealed, entry: ArrayEntry, rows: slice = slice(None)) -> np.ndarray:
+def load_array(medium: Medium, ref: str, sealed: Sealed, entry: ArrayEntry, rows: slice = slice(None)) -> np.ndarray:
     """Read, check and decode one of the arrays that a manifest names, or rows of it."""
-    folder = layout.folder(ref)
-    sizes = {file.path: file.nbytes for file in sealed.manifest.files}
-    files = {path: read_file(folder, path, ref, sizes.get(path)) for path in array_files(entry, rows)}
-    for path, content in files.items():
-        if path in sealed.metadata and digest_metadata(content) != sealed.metadata[path]:
-            raise CorruptArtifactError("changed metadata", where=f"{ref} {path}", ref=ref)
-    try:
-        return decode_array(entry, files, rows)
-    except MemoryError:
-        raise
-    except Exception as error:
-        # Zarr, its codecs and Blosc each raise their own kinds on bytes that they cannot decode
-        raise CorruptArtifactError(f"undecodable array: {error}", where=f"{ref} {entry.name}", ref=ref) from error
+    return _decode(ref, entry, read_files(medium, ref, sealed, array_files(entry, rows)), rows)
 
 
-def load_checked(layout: Layout, ref: str, sealed: Sealed, entry: ArrayEntry) -> np.ndarray:
+def load_checked(medium: Medium, ref: str, sealed: Sealed, entry: ArrayEntry) -> np.ndarray:
     """As `load_array`, the whole array, and its decoded bytes compared with the digest in the manifest."""
-    array = load_array(layout, ref, sealed, entry)
+    return decode_checked(ref, entry, read_files(medium, ref, sealed, array_files(entry)))
+
+
+def decode_checked(ref: str, entry: ArrayEntry, files: Mapping[str, bytes]) -> np.ndarray:
+    """Decode an array from its files; raises CorruptArtifactError where that fails or gives another digest."""
+    array = _decode(ref, entry, files)
     # Stores of earlier versions hold BLAKE2b-256.
     digest = hash_array(array) if entry.digest.startswith("sha256:") else digest_array("array", array)
     if digest != entry.digest:
@@ -93,22 +86,29 @@ def load_checked(layout: Layout, ref: str, sealed: Sealed, entry: ArrayEntry) ->
     return array
 
 
-def read_file(folder: str, path: str, ref: str, nbytes: int | None = None) -> bytes:
-    """Content of one of an artifact's files, which must have `nbytes` bytes."""
+def read_files(medium: Medium, ref: str, sealed: Sealed, paths: Iterable[str]) -> dict[str, bytes]:
+    """Content of some of an artifact's files, their lengths and the digests of metadata files checked."""
+    sizes = {file.path: file.nbytes for file in sealed.manifest.files}
+    files = medium.read_files(ref, sealed.payload, paths)
+    for path, content in files.items():
+        nbytes = sizes.get(path, len(content))
+        if len(content) != nbytes:
+            raise CorruptArtifactError(
+                "file of another length", where=f"{ref} {path}", got=len(content), expected=nbytes, ref=ref
+            )
+        if path in sealed.metadata and digest_metadata(content) != sealed.metadata[path]:
+            raise CorruptArtifactError("changed metadata", where=f"{ref} {path}", ref=ref)
+    return files
+
+
+def _decode(ref: str, entry: ArrayEntry, files: Mapping[str, bytes], rows: slice = slice(None)) -> np.ndarray:
     try:
-        with open(f"{folder}/{path}", "rb", buffering=0) as file:
-            content = file.readall()
-    except OSError as error:
-        if error.errno not in _DAMAGED:
-            raise StoreError(f"cannot read: {error.strerror}", where=f"{ref} {path}") from error
-        if not os.path.lexists(folder):
-            raise MissingArtifactError("no such artifact", where=ref) from None
-        raise CorruptArtifactError(f"unreadable file: {error.strerror}", where=f"{ref} {path}", ref=ref) from None
-    if nbytes is not None and len(content) != nbytes:
-        raise CorruptArtifactError(
-            "file of another length", where=f"{ref} {path}", got=len(content), expected=nbytes, ref=ref
-        )
-    return content
+        return decode_array(entry, files, rows)
+    except MemoryError:
+        raise
+    except Exception as error:
+        # Zarr, its codecs and Blosc each raise their own kinds on bytes that they cannot decode
+        raise CorruptArtifactError(f"undecodable array: {error}", where=f"{ref} {entry.name}", ref=ref) from error
 
 
 def _entry(manifest: Manifest, ref: str, name: str) -> ArrayEntry:

@@ -18,16 +18,25 @@ _SEAL_LENGTH = 64
 
 
 class Sealed(Frozen):
-    """A manifest and the digest of each metadata file, by relative path."""
+    """A manifest, the digest of each metadata file by relative path, and where the files lie.
+
+    Attributes
+    ----------
+    payload : str
+        Name of the place of the artifact's files, on a medium on which several may be there for one key; empty where
+        they lie beside the manifest.
+    """
 
     metadata: dict[str, str]
     manifest: Manifest
+    payload: str = ""
 
 
-def seal(manifest: Manifest, metadata_files: Mapping[str, bytes | memoryview]) -> bytes:
-    """Content of the manifest file."""
-    digests = {path: digest_metadata(content) for path, content in metadata_files.items()}
-    content = Sealed(metadata=digests, manifest=manifest).model_dump_json().encode("utf-8")
+def seal(manifest: Manifest, metadata: Mapping[str, str], payload: str = "") -> bytes:
+    """Content of the manifest file; `metadata` are the digests of the metadata files by relative path."""
+    sealed = Sealed(metadata=dict(metadata), manifest=manifest, payload=payload)
+    # a manifest that lies beside its files is spelt as before there were other places
+    content = sealed.model_dump_json(exclude=None if payload else {"payload"}).encode("utf-8")
     return _BEFORE + _digest(content) + _BETWEEN + content + _AFTER
 
 

@@ -1,23 +1,24 @@
 """Comparing every byte of stored artifacts with what their manifests name."""
 
-import os
 from collections.abc import Iterable, Iterator
 
 from schemas.errors import CorruptArtifactError, MissingArtifactError
-from store.layout import MANIFEST, Layout
+from store.codec import array_files
+from store.medium import Medium
+from store.names import check_ref
 from store.outcomes import VerifyResult
-from store.reading import load_checked, read_file, read_sealed
-from store.sealing import Sealed, digest_metadata
+from store.reading import load_checked, read_files, read_sealed
+from store.sealing import Sealed
 
 
-def verify(layout: Layout, refs: Iterable[str] | None = None) -> Iterator[VerifyResult]:
+def verify(medium: Medium, refs: Iterable[str] | None = None) -> Iterator[VerifyResult]:
     """Check artifacts, all by default; those that vanish meanwhile are passed over.
 
     Raises MissingArtifactError where one that was asked for is not stored.
     """
-    for ref in layout.refs() if refs is None else refs:
+    for ref in medium.refs() if refs is None else refs:
         try:
-            check_artifact(layout, ref)
+            check_artifact(medium, ref)
         except CorruptArtifactError as error:
             yield VerifyResult(ref, str(error))
         except MissingArtifactError:
@@ -27,7 +28,7 @@ def verify(layout: Layout, refs: Iterable[str] | None = None) -> Iterator[Verify
             yield VerifyResult(ref, None)
 
 
-def check_artifact(layout: Layout, ref: str) -> None:
+def check_artifact(medium: Medium, ref: str) -> Sealed:
     """Check one artifact's manifest, its list of files, its metadata and the digest of each array's decoded bytes.
 
     Raises
@@ -35,37 +36,26 @@ def check_artifact(layout: Layout, ref: str) -> None:
     CorruptArtifactError
         Any of these is not as committed.
     """
-    sealed = read_sealed(layout, ref)
+    sealed = check_list(medium, ref)
     manifest = sealed.manifest
-    if manifest.recipe.ref != ref:
-        raise CorruptArtifactError("the recipe is another artifact's", where=ref, got=manifest.recipe.ref, ref=ref)
-    _check_files(layout.folder(ref), ref, sealed)
+    rest = sealed.metadata.keys() - {path for entry in manifest.arrays for path in array_files(entry)}
+    read_files(medium, ref, sealed, sorted(rest))
     for entry in manifest.arrays:
-        load_checked(layout, ref, sealed, entry)
+        load_checked(medium, ref, sealed, entry)
+    return sealed
 
 
-def _check_files(folder: str, ref: str, sealed: Sealed) -> None:
-    try:
-        found = dict(_walk(folder))
-    except FileNotFoundError:
-        raise MissingArtifactError("no such artifact", where=ref) from None
-    found.pop(MANIFEST, None)
+def check_list(medium: Medium, ref: str) -> Sealed:
+    """Check one artifact's manifest, and that the files it names lie there and no others."""
+    sealed = read_sealed(medium, check_ref(ref))
+    if sealed.manifest.recipe.ref != ref:
+        found = sealed.manifest.recipe.ref
+        raise CorruptArtifactError("the recipe is another artifact's", where=ref, got=found, ref=ref)
+    sizes = medium.file_sizes(ref, sealed.payload)
     listed = {file.path: file.nbytes for file in sealed.manifest.files}
-    for path in sorted(found.keys() | listed.keys()):
-        if found.get(path) != listed.get(path):
-            got = f"{found[path]} bytes" if path in found else "no file"
+    for path in sorted(sizes.keys() | listed.keys()):
+        if sizes.get(path) != listed.get(path):
+            got = f"{sizes[path]} bytes" if path in sizes else "no file"
             expected = f"{listed[path]} bytes" if path in listed else "no file"
             raise CorruptArtifactError("wrong file", where=f"{ref} {path}", got=got, expected=expected, ref=ref)
-    for path, digest in sealed.metadata.items():
-        if digest_metadata(read_file(folder, path, ref)) != digest:
-            raise CorruptArtifactError("changed metadata", where=f"{ref} {path}", ref=ref)
-
-
-def _walk(folder: str, prefix: str = "") -> Iterator[tuple[str, int]]:
-    """Relative path and size of every file; -1 for what is neither a file nor a folder."""
-    for entry in os.scandir(folder):
-        if entry.is_dir(follow_symlinks=False):
-            yield from _walk(entry.path, f"{prefix}{entry.name}/")
-        else:
-            is_file = entry.is_file(follow_symlinks=False)
-            yield f"{prefix}{entry.name}", entry.stat().st_size if is_file else -1
+    return sealed

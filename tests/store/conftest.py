@@ -1,13 +1,31 @@
-"""A fresh store, and toy artifacts whose task has no layout in the schemas."""
+"""A fresh store, toy artifacts whose task has no layout in the schemas, and a server that speaks S3."""
 
-from collections.abc import Callable
+import os
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from http.client import HTTPConnection
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from schemas.recipes import Recipe
 from store import LocalStore
+
+BUCKET = "moseg-tests"
+START_SECONDS = 60
+
+
+class Server(NamedTuple):
+    """Where a server listens, and the environment in which a process finds it."""
+
+    endpoint: str
+    environment: dict[str, str]
 
 
 @pytest.fixture
@@ -26,3 +44,48 @@ def put_toy() -> Callable[..., str]:
         return recipe.ref
 
     return put
+
+
+@pytest.fixture(scope="session")
+def s3_server() -> Iterator[Server]:
+    """A process on this machine that answers as S3 does, with one bucket; nothing is real but the protocol."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    environment = {
+        "AWS_ACCESS_KEY_ID": "test-key",
+        "AWS_SECRET_ACCESS_KEY": "test-secret",
+        "AWS_REGION": "us-east-1",
+        "AWS_ENDPOINT_URL": f"http://127.0.0.1:{port}",
+        "NO_PROXY": "127.0.0.1",
+        "no_proxy": "127.0.0.1",
+    }
+    command = [sys.executable, "-m", "moto.server", "-H", "127.0.0.1", "-p", str(port)]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    process = subprocess.Popen(command, env=os.environ | environment, **quiet)
+    try:
+        deadline = time.monotonic() + START_SECONDS
+        while True:
+            try:
+                socket.create_connection(("127.0.0.1", port)).close()
+                break
+            except ConnectionRefusedError:
+                assert process.poll() is None and time.monotonic() < deadline, "the S3 server does not start"
+                time.sleep(0.05)
+        with closing(HTTPConnection("127.0.0.1", port)) as connection:
+            connection.request("PUT", f"/{BUCKET}")
+            assert connection.getresponse().status == 200
+        yield Server(environment["AWS_ENDPOINT_URL"], environment)
+    finally:
+        process.kill()
+        process.wait()
+
+
+@pytest.fixture
+def s3(s3_server, tmp_path, monkeypatch) -> str:
+    """URL of an empty prefix that this process can write."""
+    for name in [name for name in os.environ if name.startswith("AWS_")]:
+        monkeypatch.delenv(name)
+    for name, value in s3_server.environment.items():
+        monkeypatch.setenv(name, value)
+    return f"s3://{BUCKET}/{tmp_path.name}"

@@ -5,6 +5,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from urllib.parse import quote
 
 import numpy as np
 import pytest
@@ -69,8 +70,14 @@ def test_paths_and_file_urls_open_the_same_store(tmp_path, form, put_toy):
     assert open_store(url, create=False).has(ref)
 
 
+def test_a_file_url_names_bytes_whatever_their_encoding(tmp_path, put_toy):
+    folder = os.fsencode(tmp_path / "latin-") + b"\xfc"
+    ref = put_toy(LocalStore(os.fsdecode(folder)))
+    assert open_store(f"file://{quote(folder)}", create=False).has(ref)
+
+
 @pytest.mark.parametrize(
-    "url", ["s3://bucket/store", "gs://bucket", "file://elsewhere/store", "file://", "", "memory://"]
+    "url", ["http://server/store", "ftp://server/store", "file://elsewhere/store", "file://", "", "memory://"]
 )
 def test_other_urls_are_bad_input_that_names_what_is_supported(url):
     with pytest.raises(InputError, match="file:///path"):

@@ -40,7 +40,7 @@ def test_unseal_gives_the_manifest_back_to_the_last_digit(attributes):
 
 
 def test_seal_names_the_metadata_files():
-    sealed = unseal(seal(manifest(), {"zarr.json": b"{}"}))
+    sealed = unseal(seal(manifest(), {"zarr.json": digest_metadata(b"{}")}))
     assert sealed.metadata == {"zarr.json": digest_metadata(b"{}")}
 
 

@@ -56,7 +56,7 @@ def _assert_bad_input(ran, *words):
         ("eval --workers -1", "--workers"),
         ("eval --workers 2 --scheduler tcp://127.0.0.1:8786", "--scheduler"),
         ("eval --scheduler nowhere", "--scheduler"),
-        ("eval --store s3://bucket/store", "s3://"),
+        ("eval --store ftp://host/store", "ftp://"),
         ("plan --variant all", "--variant"),
         ("ablate --dataset sintetic", "sintetic"),
         ("segment", "video"),

@@ -1,0 +1,68 @@
+"""Taking an artifact out of one store and into another: the same bytes, checked at both ends."""
+
+from schemas.errors import CorruptArtifactError
+from schemas.manifests import Manifest
+from store.codec import METADATA, array_files
+from store.medium import Medium
+from store.outcomes import PutOutcome, StoredArtifact
+from store.reading import decode_checked, read_files
+from store.sealing import digest_metadata, seal
+from store.verification import check_list
+
+
+def export(medium: Medium, ref: str) -> StoredArtifact:
+    """An artifact with all its files, every byte compared with what its manifest names.
+
+    Raises
+    ------
+    MissingArtifactError
+        Nothing is stored under `ref`.
+    CorruptArtifactError
+        A byte is not the one that was committed.
+    """
+    sealed = check_list(medium, ref)
+    manifest = sealed.manifest
+    files = read_files(medium, ref, sealed, [file.path for file in manifest.files])
+    artifact = StoredArtifact(manifest, sealed.metadata, files)
+    check_copy(artifact)
+    return artifact
+
+
+def adopt(medium: Medium, artifact: StoredArtifact) -> PutOutcome:
+    """Commit an exported artifact; its manifest is sealed anew for this medium, all else stays.
+
+    Raises CorruptArtifactError where the bytes are not those its manifest names.
+    """
+    ref = artifact.manifest.recipe.ref
+    if medium.has(ref):
+        return PutOutcome.LOST_RACE
+    check_copy(artifact)
+    return medium.commit(ref, artifact.files, lambda payload: seal(artifact.manifest, artifact.metadata, payload))
+
+
+def check_copy(artifact: StoredArtifact) -> None:
+    """Check an artifact outside of a store; raises CorruptArtifactError where a byte or a name is not as committed.
+
+    The names of files are compared with those that the arrays ask for: an artifact from somebody else's store cannot
+    place a file anywhere else.
+    """
+    manifest, files = artifact.manifest, artifact.files
+    ref = manifest.recipe.ref
+    if manifest.key != manifest.recipe.key:
+        raise CorruptArtifactError("the recipe is another artifact's", where=ref, got=manifest.key, ref=ref)
+    sizes = {path: len(content) for path, content in files.items()}
+    listed = {file.path: file.nbytes for file in manifest.files}
+    if sizes != listed or sizes.keys() != _names(manifest):
+        found = sorted(sizes.items() ^ listed.items()) or sorted(sizes.keys() ^ _names(manifest))
+        raise CorruptArtifactError("wrong files", where=ref, got=found, ref=ref)
+    digests = {path: digest_metadata(files[path]) for path in files if path.rpartition("/")[2] == METADATA}
+    if digests != artifact.metadata:
+        raise CorruptArtifactError("changed metadata", where=ref, ref=ref)
+    for entry in manifest.arrays:
+        decode_checked(ref, entry, {path: files[path] for path in array_files(entry)})
+
+
+def _names(manifest: Manifest) -> set[str]:
+    """Names of the files of a group with the manifest's arrays; none of an array whose name is no name."""
+    arrays = [entry for entry in manifest.arrays if entry.name.isidentifier()]
+    return {METADATA} | {path for entry in arrays for path in array_files(entry)}

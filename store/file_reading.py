@@ -1,0 +1,81 @@
+"""Reading an artifact's files from a file system, and telling a lost file from a fault."""
+
+import errno
+import os
+from collections.abc import Collection, Iterable, Iterator
+
+from schemas.errors import CorruptArtifactError, MissingArtifactError, StoreError
+from store.layout import Layout
+from store.names import MANIFEST
+
+_DAMAGED = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EIO)
+
+
+def read_file(folder: str, path: str, ref: str) -> bytes:
+    """Content of one of an artifact's files.
+
+    Raises
+    ------
+    MissingArtifactError
+        There is no artifact.
+    CorruptArtifactError
+        The artifact is there, the file is lost or cannot be read.
+    """
+    try:
+        with open(f"{folder}/{path}", "rb", buffering=0) as file:
+            return file.readall()
+    except OSError as error:
+        if error.errno not in _DAMAGED:
+            raise StoreError(f"cannot read: {error.strerror}", where=f"{ref} {path}") from error
+        if not os.path.lexists(folder):
+            raise MissingArtifactError("no such artifact", where=ref) from None
+        raise CorruptArtifactError(f"unreadable file: {error.strerror}", where=f"{ref} {path}", ref=ref) from None
+
+
+def read_files(folder: str, paths: Iterable[str], ref: str) -> dict[str, bytes]:
+    """Content of several of an artifact's files."""
+    return {path: read_file(folder, path, ref) for path in paths}
+
+
+def read_manifests(layout: Layout, refs: Collection[str]) -> dict[str, bytes]:
+    """Manifest files of the artifacts that lie there; no bytes where one is unreadable."""
+    found = {}
+    for ref in refs:
+        try:
+            found[ref] = read_file(layout.folder(ref), MANIFEST, ref)
+        except MissingArtifactError:
+            continue
+        except CorruptArtifactError:
+            found[ref] = b""
+    return found
+
+
+def file_sizes(folder: str, ref: str) -> dict[str, int]:
+    """Relative path and size of every file but the manifest; -1 for what is neither a file nor a folder."""
+    try:
+        found = dict(_walk(folder))
+    except FileNotFoundError:
+        raise MissingArtifactError("no such artifact", where=ref) from None
+    found.pop(MANIFEST, None)
+    return found
+
+
+def folder_nbytes(folder: str) -> int:
+    """Bytes of all files under a folder; nothing where it has vanished."""
+    total = 0
+    for parent, _, names in os.walk(folder):
+        for name in names:
+            try:
+                total += os.lstat(f"{parent}/{name}").st_size
+            except FileNotFoundError:
+                continue
+    return total
+
+
+def _walk(folder: str, prefix: str = "") -> Iterator[tuple[str, int]]:
+    for entry in os.scandir(folder):
+        if entry.is_dir(follow_symlinks=False):
+            yield from _walk(entry.path, f"{prefix}{entry.name}/")
+        else:
+            is_file = entry.is_file(follow_symlinks=False)
+            yield f"{prefix}{entry.name}", entry.stat().st_size if is_file else -1

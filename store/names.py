@@ -1,0 +1,39 @@
+"""What references and names of runs must look like, on every store."""
+
+import re
+
+from pydantic import TypeAdapter, ValidationError
+
+from schemas.errors import InputError
+from schemas.recipes import Ref, split_ref
+
+MANIFEST = "manifest.json"
+_KEY = re.compile(r"[0-9a-f]{64}")
+_REF = TypeAdapter(Ref)
+_RUN_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
+
+
+def check_ref(ref: str) -> str:
+    """The reference itself; raises InputError where it is not ``<task>/<64 hexadecimal digits>``."""
+    try:
+        return _REF.validate_python(ref)
+    except ValidationError:
+        raise InputError("bad artifact reference", got=repr(ref), expected="<task>/<64 hexadecimal digits>") from None
+
+
+def check_run_id(run_id: str) -> str:
+    """The run's name itself; raises InputError where it could be more than the name of a file."""
+    if not _RUN_ID.fullmatch(run_id):
+        raise InputError("bad run name", got=repr(run_id), expected="letters, digits, '.', '_' and '-', at most 100")
+    return run_id
+
+
+def slot(ref: str) -> str:
+    """``<task>/<ab>/<key>``, an artifact's place in a tree; raises InputError where `ref` is malformed."""
+    task, key = split_ref(check_ref(ref))
+    return f"{task}/{key[:2]}/{key}"
+
+
+def is_key_in(key: str, prefix: str) -> bool:
+    """Whether a name in the folder of a key's first two digits is that of an artifact."""
+    return key[:2] == prefix and _KEY.fullmatch(key) is not None

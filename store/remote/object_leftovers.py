@@ -1,0 +1,92 @@
+"""What interrupted processes left on an object store."""
+
+from collections import Counter
+from collections.abc import Collection
+from typing import NamedTuple
+
+from store.owners import is_abandoned
+from store.remote.layout import (
+    ASIDE,
+    OBJECTS,
+    PAYLOADS,
+    QUARANTINE,
+    manifest_name,
+    payload_folder,
+    ref_of_aside,
+    ref_of_manifest,
+    ref_of_payload,
+)
+from store.remote.object_trash import read_aside
+from store.remote.requests import Found, Requests
+
+
+class Attempt(NamedTuple):
+    """The files of one put: whose artifact, and by which process."""
+
+    ref: str
+    name: str
+
+    @property
+    def folder(self) -> str:
+        """Where they lie."""
+        return payload_folder(self.ref, self.name)
+
+    def is_named_in(self, manifest: bytes) -> bool:
+        """Whether a manifest is that of this put: names of attempts are random."""
+        return self.name.encode("utf-8") in manifest
+
+
+def find_leftovers(requests: Requests, now: float, before: float) -> dict[str, int]:
+    """Folders and objects, with their bytes, that no process will finish, and quarantined artifacts of a time before.
+
+    Files that no manifest names are a leftover where the process that put them has ended, or a day has passed. Another
+    collection may be setting the manifest aside, or giving it back: it always writes the one before it deletes the
+    other. So the lookups are manifest, copy, manifest; between the first two it cannot hide, nor between the last.
+    """
+    sizes, ages = _attempts(requests, now)
+    stored = {ref_of_manifest(item.name) for item in requests.listing(OBJECTS)}
+    counts = Counter(attempt.ref for attempt in sizes)
+    # where a manifest has one place of files to name, it is that
+    doubtful = [attempt for attempt in sizes if attempt.ref not in stored or counts[attempt.ref] > 1]
+    orphans = [attempt for attempt in doubtful if is_abandoned(attempt.name, ages[attempt])]
+    orphans = _unnamed_in_service(requests, orphans)
+
+    copies = {item.name: item for item in requests.listing(ASIDE) if ref_of_aside(item.name)}
+    held = {name: read_aside(content) for name, content in requests.get_many(copies).items() if content is not None}
+    abandoned = {name for name, aside in held.items() if is_abandoned(aside.owner, now - copies[name].modified)}
+    kept = [aside.manifest for name, aside in held.items() if name not in abandoned]
+    orphans = [attempt for attempt in orphans if not any(attempt.is_named_in(manifest) for manifest in kept)]
+
+    found = {attempt.folder: sizes[attempt] for attempt in sorted(_unnamed_in_service(requests, orphans))}
+    found |= {name: copies[name].nbytes for name in sorted(abandoned)}
+    return found | _old_quarantine(requests, before)
+
+
+def _attempts(requests: Requests, now: float) -> tuple[dict[Attempt, int], dict[Attempt, float]]:
+    """Bytes of the files of each put, and seconds since the last was written."""
+    sizes: dict[Attempt, int] = {}
+    ages: dict[Attempt, float] = {}
+    for item in requests.listing(PAYLOADS):
+        owner = ref_of_payload(item.name)
+        if owner is not None:
+            attempt = Attempt(*owner)
+            sizes[attempt] = sizes.get(attempt, 0) + item.nbytes
+            ages[attempt] = min(ages.get(attempt, now), now - item.modified)
+    return sizes, ages
+
+
+def _unnamed_in_service(requests: Requests, attempts: Collection[Attempt]) -> list[Attempt]:
+    """Those attempts that no manifest in service names."""
+    manifests = requests.get_many([manifest_name(attempt.ref) for attempt in attempts])
+    return [attempt for attempt in attempts if not attempt.is_named_in(manifests[manifest_name(attempt.ref)] or b"")]
+
+
+def _old_quarantine(requests: Requests, before: float) -> dict[str, int]:
+    slots: dict[str, list[Found]] = {}
+    for item in requests.listing(QUARANTINE):
+        slots.setdefault("/".join(item.name.split("/")[:2]), []).append(item)
+    return {
+        slot: sum(item.nbytes for item in items)
+        for slot, items in slots.items()
+        if max(item.modified for item in items) <= before
+    }

@@ -1,0 +1,90 @@
+"""Artifacts taken out of service on an object store before they are deleted.
+
+There is no rename. A collection first writes a copy of the manifest under ``aside/`` that only one process at a time
+can own, then deletes the manifest: with it the artifact is gone. Its files stay until the collection has read the
+pins again. A process that is killed in between leaves the copy, which names it, and files that no manifest names; the
+next collection finds both.
+"""
+
+from collections.abc import Collection, Iterable
+from typing import NamedTuple
+
+from schemas.errors import CorruptArtifactError
+from store.owners import is_abandoned, owned_name
+from store.reading import check_seal
+from store.remote.layout import aside_name, manifest_name, payload_folder
+from store.remote.requests import Requests
+
+
+class Aside(NamedTuple):
+    """A manifest that was set aside, and by which process."""
+
+    owner: str
+    manifest: bytes
+
+
+def read_aside(content: bytes) -> Aside:
+    """What an object under ``aside/`` holds."""
+    owner, _, manifest = content.partition(b"\n")
+    return Aside(owner.decode("ascii", "replace"), manifest)
+
+
+class ObjectTrash:
+    """Manifests under ``aside/`` that this process owns; see `store.medium.Trash`."""
+
+    def __init__(self, requests: Requests):
+        self.taken: set[str] = set()
+        self._requests = requests
+        self._owner = owned_name()
+        self._manifests: dict[str, bytes] = {}
+
+    def read_manifests(self, refs: Collection[str]) -> dict[str, bytes]:
+        """Manifests of artifacts that were taken."""
+        return {ref: self._manifests[ref] for ref in refs if ref in self._manifests}
+
+    def take(self, refs: Iterable[str]) -> None:
+        """Set manifests aside; artifacts that another process is taking are left to it."""
+        names = {manifest_name(ref): ref for ref in refs}
+        found = {names[name]: data for name, data in self._requests.get_many(names).items() if data is not None}
+        self._drop_abandoned(found)
+        copies = {aside_name(ref): self._owner.encode("ascii") + b"\n" + data for ref, data in found.items()}
+        owned = self._requests.create_many(copies)
+        self._manifests |= {ref: data for ref, data in found.items() if aside_name(ref) in owned}
+        self._requests.delete(manifest_name(ref) for ref in self._manifests)
+        self.taken |= self._manifests.keys()
+
+    def give_back(self, refs: Iterable[str]) -> None:
+        """Write manifests again. Where the artifact was computed again meanwhile, that one stays."""
+        names = {manifest_name(ref): ref for ref in refs}
+        created = self._requests.create_many({name: self._manifests[ref] for name, ref in names.items()})
+        # a request that was repeated because its answer was lost finds what it wrote itself
+        there = self._requests.get_many(names.keys() - created)
+        back = [ref for name, ref in names.items() if name in created or there[name] == self._manifests[ref]]
+        self._requests.delete(map(aside_name, back))
+        for ref in back:
+            del self._manifests[ref]
+        self.taken -= set(names.values())
+
+    def empty(self) -> None:
+        """Delete the files of what was taken, and the copies of its manifests last."""
+        files = [name for ref, data in self._manifests.items() for name in _files(ref, data)]
+        self._requests.delete(files)
+        self._requests.delete(map(aside_name, self._manifests))
+        self._manifests.clear()
+
+    def _drop_abandoned(self, refs: Iterable[str]) -> None:
+        """Delete copies that killed processes left of artifacts that are still in service."""
+        claims = self._requests.get_many([aside_name(ref) for ref in refs])
+        owners = {name: read_aside(content).owner for name, content in claims.items() if content is not None}
+        # how old a copy is does not matter to a process that can be asked; another's is left to `leftovers`
+        self._requests.delete(name for name, owner in owners.items() if is_abandoned(owner, age=0))
+
+
+def _files(ref: str, data: bytes) -> list[str]:
+    """Names of an artifact's files; none where the manifest does not say, and they are left to `leftovers`."""
+    try:
+        sealed = check_seal(ref, data)
+    except CorruptArtifactError:
+        return []
+    folder = payload_folder(ref, sealed.payload)
+    return [f"{folder}/{file.path}" for file in sealed.manifest.files]

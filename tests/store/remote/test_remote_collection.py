@@ -1,0 +1,221 @@
+"""Collections, removals and quarantine on an object store, with other processes at work."""
+
+import json
+import subprocess
+import sys
+import time
+
+import numpy as np
+import obstore
+import pytest
+from obstore.exceptions import AlreadyExistsError
+
+from schemas.recipes import Recipe
+from store import collection, open_store
+from store.owners import owned_name
+from store.remote import object_files, object_logs
+from store.remote import requests as remote_requests
+from store.remote.connection import connect
+from store.remote.layout import aside_name, manifest_name
+from store.remote.object_trash import ObjectTrash
+
+DAY = 86_400.0
+
+
+@pytest.fixture
+def store(s3):
+    return open_store(s3)
+
+
+@pytest.fixture
+def names(s3):
+    """Names of the objects that lie in a folder now."""
+    client = connect(s3)
+    return lambda folder: sorted(item["path"] for item in obstore.list(client, folder).collect())
+
+
+@pytest.fixture
+def dead_name() -> str:
+    """A name such as a process that has ended gives to something half done."""
+    code = "from store.owners import owned_name; print(owned_name())"
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip()
+
+
+@pytest.fixture
+def put_by_the_dead(dead_name, monkeypatch) -> None:
+    """What is put in this test was put by a process that has ended."""
+    monkeypatch.setattr(object_files, "owned_name", lambda: dead_name)
+
+
+def put_orphan(store, s3, attempt: str) -> str:
+    """Files of a put that never came to its manifest."""
+    folder = f"payloads/toy/{'0' * 2}/{'0' * 64}/{attempt}"
+    obstore.put(connect(s3), f"{folder}/zarr.json", b"{}")
+    return folder
+
+
+def as_of(monkeypatch, seconds: float) -> None:
+    now = time.time()
+    monkeypatch.setattr(collection.time, "time", lambda: now + seconds)
+
+
+def test_what_was_removed_or_collected_leaves_no_object(store, put_toy, names):
+    for number in range(4):
+        put_toy(store, number)
+    assert store.remove(next(store.refs()))
+    assert len(store.gc(is_dry=False, grace_seconds=0).removed) == 3
+    assert names("") == ["moseg-store.json"]
+
+
+def test_orphans_go_when_their_process_has_ended_or_a_day_has_passed(store, s3, dead_name, monkeypatch, put_toy):
+    ref = put_toy(store)
+    ours, theirs = put_orphan(store, s3, owned_name()), put_orphan(store, s3, f"{'0' * 16}-1-{'0' * 32}")
+    left = put_orphan(store, s3, dead_name)
+    report = store.gc(grace_seconds=0)
+    assert report.leftovers == (left,)
+    assert report.nbytes == store.usage()["toy"].nbytes + len(b"{}")
+    assert store.gc(is_dry=False).leftovers == (left,)
+    assert store.gc().leftovers == ()
+    as_of(monkeypatch, DAY + 60)
+    store.pin("run", [ref])
+    assert set(store.gc(is_dry=False).leftovers) == {ours, theirs}
+    assert [result.is_intact for result in store.verify()] == [True]
+
+
+def test_the_files_that_a_manifest_names_are_no_orphans_beside_others(store, s3, monkeypatch, put_toy, names):
+    ref = put_toy(store)
+    key = ref.split("/")[1]
+    obstore.put(connect(s3), f"payloads/toy/{key[:2]}/{key}/{'0' * 16}-1-{'0' * 32}/zarr.json", b"{}")
+    as_of(monkeypatch, DAY + 60)
+    store.pin("run", [ref])
+    assert len(store.gc(is_dry=False).leftovers) == 1
+    assert [result.is_intact for result in store.verify()] == [True]
+
+
+def test_what_another_collection_holds_is_left_to_it(store, put_toy, names, put_by_the_dead):
+    ref = put_toy(store)
+    other = ObjectTrash(store._medium._requests)
+    other.take([ref])
+    assert not store.has(ref) and len(names("aside")) == 1
+    assert store.gc(is_dry=False, grace_seconds=0)[1:3] == ((), ())
+    other.give_back([ref])
+    assert names("aside") == [] and [result.is_intact for result in store.verify()] == [True]
+
+    other.take([ref])
+    late = ObjectTrash(store._medium._requests)
+    other_manifest = other.read_manifests([ref])[ref]
+    obstore.put(connect(store.url), manifest_name(ref), other_manifest)
+    late.take([ref])
+    late.empty()
+    assert late.taken == set() and store.has(ref)
+
+
+def test_a_collection_that_was_killed_is_cleared_away(store, s3, put_toy, names, dead_name, put_by_the_dead):
+    refs = [put_toy(store, number) for number in range(2)]
+    client = connect(s3)
+    for ref in refs:
+        manifest = obstore.get(client, manifest_name(ref)).bytes().to_bytes()
+        obstore.put(client, aside_name(ref), dead_name.encode() + b"\n" + manifest)
+    # of one the manifest was already deleted
+    obstore.delete(client, manifest_name(refs[1]))
+    report = store.gc(is_dry=False)
+    assert len(report.leftovers) == 3 and report.removed == ()
+    assert names("aside") == [] and [result.is_intact for result in store.verify()] == [True]
+    assert len({name.split("/")[3] for name in names("payloads")}) == 1
+
+
+def test_a_copy_that_a_killed_collection_left_is_no_hindrance(store, s3, put_toy, names, dead_name):
+    ref = put_toy(store)
+    obstore.put(connect(s3), aside_name(ref), dead_name.encode() + b"\n")
+    assert store.remove(ref)
+    assert names("") == ["moseg-store.json"]
+
+
+def test_what_was_computed_again_during_a_collection_stays(store, put_toy, names):
+    ref = put_toy(store)
+    trash = ObjectTrash(store._medium._requests)
+    trash.take([ref])
+    store.put(Recipe(task="toy", version=1, params={"number": 0}), {"x": np.ones(3)}, dims={"x": ("a",)})
+    trash.give_back([ref])
+    trash.empty()
+    assert np.array_equal(store.read(ref, "x", check=True), np.ones(3))
+    assert [result.is_intact for result in store.verify()] == [True]
+    assert names("aside") == [] and len({name.split("/")[4] for name in names("payloads")}) == 1
+
+
+def test_damage_is_quarantined_with_its_bytes_and_reason(store, s3, put_toy, names):
+    ref = put_toy(store)
+    client = connect(s3)
+    (chunk,) = [name for name in names("payloads") if "/c." in name]
+    obstore.put(client, chunk, b"junk")
+    assert store.quarantine(ref, "file of another length") and not store.quarantine(ref, "again")
+    kept = {name.split("/", 2)[2]: obstore.get(client, name).bytes().to_bytes() for name in names("quarantine")}
+    assert kept.keys() == {
+        "reason.json",
+        "artifact/manifest.json",
+        "artifact/zarr.json",
+        "artifact/x/zarr.json",
+        "artifact/x/c.0.0",
+    }
+    assert kept["artifact/x/c.0.0"] == b"junk"
+    reason = json.loads(kept["reason.json"])
+    assert (reason["ref"], reason["reason"]) == (ref, "file of another length")
+    assert names("payloads") == [] and names("objects") == []
+    assert put_toy(store) == ref and [result.is_intact for result in store.verify()] == [True]
+
+
+def test_a_damaged_manifest_is_quarantined_and_its_files_are_leftovers(store, s3, put_toy, names, monkeypatch):
+    ref = put_toy(store)
+    obstore.put(connect(s3), manifest_name(ref), b"{}")
+    assert store.quarantine(ref, "the seal is broken")
+    assert not store.has(ref)
+    put_toy(store)
+    store.pin("run", [ref])
+    as_of(monkeypatch, DAY + 60)
+    assert len(store.gc(is_dry=False).leftovers) == 2
+    assert names("quarantine") == [] and [result.is_intact for result in store.verify()] == [True]
+
+
+def test_a_collection_of_a_manifest_that_is_damaged_deletes_it(store, s3, put_toy, names, monkeypatch):
+    ref = put_toy(store)
+    obstore.put(connect(s3), manifest_name(ref), b"{}")
+    assert store.gc(is_dry=False, grace_seconds=0).removed == (ref,)
+    as_of(monkeypatch, DAY + 60)
+    store.gc(is_dry=False)
+    assert names("") == ["moseg-store.json"]
+
+
+def test_a_process_with_a_number_that_was_used_before_shares_no_log(store, monkeypatch):
+    store.append_log("run", b"one\n")
+    monkeypatch.setattr(object_logs, "_writers", {})
+    monkeypatch.setattr(object_logs, "_counter", iter(range(1000)))
+    for number in range(12):
+        store.append_log("run", f"{number}\n".encode())
+    lines = store.read_log("run")
+    assert len(lines) == 13
+    assert [line for line in lines if line != b"one"] == [str(number).encode() for number in range(12)]
+
+
+def test_many_lookups_and_reads_are_under_way_at_once(store, put_toy):
+    recipe = Recipe(task="toy", version=1, params={"number": 1})
+    array = np.arange(200 * 3 * 2).reshape(200, 3, 2)
+    store.put(recipe, {"x": array}, dims={"x": ("frame", "y", "x")})
+    absent = {f"toy/{number:064x}" for number in range(200)}
+    assert store.present([*absent, recipe.ref]) == {recipe.ref}
+    assert np.array_equal(store.read(recipe.ref, "x", check=True), array)
+
+
+def test_an_artifact_whose_return_was_answered_late_keeps_its_files(store, put_toy, names, monkeypatch):
+    ref = put_toy(store)
+    trash = ObjectTrash(store._medium._requests)
+    trash.take([ref])
+    real = obstore.put
+
+    def answer_lost(client, name, content, **options):
+        real(client, name, content, **options)
+        raise AlreadyExistsError("written by the first of two requests")
+
+    monkeypatch.setattr(remote_requests.obstore, "put", answer_lost)
+    trash.give_back([ref])
+    trash.empty()
+    assert [result.is_intact for result in store.verify()] == [True] and names("aside") == []
