@@ -19,6 +19,7 @@ from workflows.graph import SequenceGraph, SequenceLeaves
 from workflows.leaves import ingest_sequences
 from workflows.resize import resize_labels
 from workflows.session import Session
+from workflows.waves import cut_waves
 
 
 class SoftMap(NamedTuple):
@@ -67,6 +68,19 @@ def write_contact_sheets(
     InputError
         A sequence cannot be read or lacks a cue that `config` takes as given, or the folder cannot be written.
     """
+    waves = cut_waves(sources, session.num_workers())
+    return tuple(path for wave in waves for path in _write_sheets(session, wave, config, variant, folder, num_frames))
+
+
+def _write_sheets(
+    session: Session,
+    sources: Sequence[SequenceSource],
+    config: PipelineConfig,
+    variant: Variant,
+    folder: Path,
+    num_frames: int,
+) -> tuple[Path, ...]:
+    """The sheets of the sequences of a wave."""
     sheets: list[_Sheet] = []
 
     def build():

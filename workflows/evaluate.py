@@ -4,10 +4,12 @@ from collections.abc import Sequence
 
 from schemas.configs import PipelineConfig, Variant
 from schemas.scores import EvaluationReport, EvaluationRow, SequenceScore, mean_score
+from store import map_reads
 from workflows.datasets import SequenceSource, find_ground_truth
 from workflows.graph import SequenceGraph
 from workflows.leaves import ingest_sequences
 from workflows.session import Session
+from workflows.waves import cut_waves
 
 
 def evaluate(
@@ -29,24 +31,34 @@ def evaluate(
         masks and others labelled points.
     """
     over = find_ground_truth(sources)
-    scores: dict[tuple[Variant, str], str] = {}
+    scores: dict[tuple[Variant, str], SequenceScore] = {}
+    for wave in cut_waves(sources, session.num_workers()):
+        scores |= _score(session, wave, config, variants)
+    rows = []
+    for variant in variants:
+        found = {source.name: scores[variant, source.name] for source in sources}
+        rows.append(EvaluationRow(variant=variant.value, sequences=found, mean=mean_score(list(found.values()))))
+    return EvaluationReport(dataset=dataset, over=over, rows=tuple(rows), store=session.use(), seconds=session.seconds)
+
+
+def _score(
+    session: Session, sources: Sequence[SequenceSource], config: PipelineConfig, variants: Sequence[Variant]
+) -> dict[tuple[Variant, str], SequenceScore]:
+    """Scores of the sequences of a wave, by variant and name."""
+    refs: dict[tuple[Variant, str], str] = {}
 
     def build():
         recipes, cues = {}, []
         for leaves in ingest_sequences(session, sources, config, annotated=True):
             graph = SequenceGraph(leaves, config)
             for variant in variants:
-                scores[variant, leaves.name] = graph.score(variant)
+                refs[variant, leaves.name] = graph.score(variant)
             cues.extend(graph.cues())
             recipes |= graph.recipes
-        return recipes, (*scores.values(), *cues)
+        return recipes, (*refs.values(), *cues)
 
     def read():
-        return {ref: SequenceScore(**session.store.attributes(ref)) for ref in scores.values()}
+        found = map_reads(session.store, session.store.attributes, refs.values())
+        return {named: SequenceScore(**attributes) for named, attributes in zip(refs, found, strict=True)}
 
-    by_ref = session.compute(build, read)
-    rows = []
-    for variant in variants:
-        found = {source.name: by_ref[scores[variant, source.name]] for source in sources}
-        rows.append(EvaluationRow(variant=variant.value, sequences=found, mean=mean_score(list(found.values()))))
-    return EvaluationReport(dataset=dataset, over=over, rows=tuple(rows), store=session.use(), seconds=session.seconds)
+    return session.compute(build, read)

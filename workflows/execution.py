@@ -1,19 +1,25 @@
 """Computing recipes: inputs out of the store, the task's function, its outputs into the store."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
 
-from schemas.errors import CorruptArtifactError, InputError
+from schemas.errors import CorruptArtifactError, InputError, MissingArtifactError
+from schemas.events import EventKind
 from schemas.recipes import Recipe
-from store import ArtifactStore, PutOutcome, open_store
+from store import PutOutcome, open_store
+from workflows.degeneracy import degenerate_event
+from workflows.events import EventLog, failed_event, note_written, work_event
+from workflows.ingest import IngestJob, run_ingest
 from workflows.stages.array_cache import ARRAYS
 from workflows.stages.inputs import Inputs
 from workflows.stages.registry import find_task
 from workflows.stages.task import Output
 from workflows.weights.packages import require_network_packages
+from workflows.write_behind import Put, WriteBehind
 
 
 class TaskReport(NamedTuple):
@@ -24,31 +30,86 @@ class TaskReport(NamedTuple):
     outcome: str
 
 
-def execute_batches(store_url: str, batches: Sequence[Sequence[Recipe]], *_dependencies: object) -> list[TaskReport]:
-    """Compute batches one after the other, each of recipes that differ in their inputs only; `_dependencies` only order
-    the graph."""
+def execute_batches(
+    store_url: str, batches: Sequence[Sequence[Recipe]], run_id: str | None = None, *_dependencies: object
+) -> list[TaskReport]:
+    """Compute batches one after the other, each of recipes that differ in their inputs only, and write the events to
+    the log of `run_id`; `_dependencies` only order the graph."""
     store = open_store(store_url)
-    return [report for batch in batches for report in execute_recipes(store, batch)]
+    reports: list[TaskReport] = []
+    with EventLog(store, run_id) as log:
 
+        def tell(put: Put) -> None:
+            with _telling_failures(log, [put.recipe]):
+                outcome = put.outcome.result()
+            reports.append(TaskReport(put.recipe.ref, put.seconds, outcome))
+            _tell_stored(log, put.recipe, put.output, reports[-1])
 
-def execute_recipes(store: ArtifactStore, recipes: Sequence[Recipe]) -> list[TaskReport]:
-    """Compute the artifacts of recipes that differ in their inputs only, but for those that another process has
-    computed."""
-    stored = [recipe for recipe in recipes if store.has(recipe.ref)]
-    missing = [recipe for recipe in recipes if recipe not in stored]
-    reports = [TaskReport(recipe.ref, 0.0, PutOutcome.LOST_RACE) for recipe in stored]
-    if missing:
-        started = time.perf_counter()
-        outputs = _run(store, missing)
-        seconds = (time.perf_counter() - started) / len(missing)
-        for recipe, output in zip(missing, outputs, strict=True):
-            outcome = store.put(recipe, output.arrays, output.attributes, seconds=seconds)
-            ARRAYS.keep(store, recipe.ref, output.arrays)
-            reports.append(TaskReport(recipe.ref, seconds, outcome))
+        # All at once: what was in hand when a process is killed is known also where an append is a request.
+        log.write(work_event(EventKind.STARTED, recipe.ref) for batch in batches for recipe in batch)
+        with WriteBehind(store, tell) as behind:
+            for batch in batches:
+                reports.extend(_execute_batch(behind, batch, log))
     return reports
 
 
-def _run(store: ArtifactStore, recipes: Sequence[Recipe]) -> Sequence[Output]:
+def _execute_batch(store: WriteBehind, recipes: Sequence[Recipe], log: EventLog) -> list[TaskReport]:
+    """Compute the artifacts of recipes but for those that another process has computed, which are reported."""
+    stored = [recipe for recipe in recipes if store.has(recipe.ref)]
+    missing = [recipe for recipe in recipes if recipe not in stored]
+    if missing:
+        started = time.perf_counter()
+        with _telling_failures(log, missing):
+            outputs = _run(store, missing)
+        seconds = (time.perf_counter() - started) / len(missing)
+        for recipe, output in zip(missing, outputs, strict=True):
+            ARRAYS.keep(store.url, recipe.ref, output.arrays)
+            store.put(recipe, output, seconds)
+    log.add(*(work_event(EventKind.LOST_RACE, recipe.ref) for recipe in stored))
+    return [TaskReport(recipe.ref, 0.0, PutOutcome.LOST_RACE) for recipe in stored]
+
+
+def execute_ingest(
+    store_url: str, batch: Sequence[tuple[IngestJob, Recipe]], run_id: str, *_dependencies: object
+) -> dict[str, dict]:
+    """Decode a batch of sources, see `run_ingest`, and write the events to the log of `run_id`."""
+    store = open_store(store_url)
+    recipes = [recipe for _, recipe in batch]
+    with EventLog(store, run_id) as log:
+        log.write(work_event(EventKind.STARTED, recipe.ref) for recipe in recipes)
+        with _telling_failures(log, recipes):
+            started = time.perf_counter()
+            remembered = run_ingest(store_url, batch)
+            seconds = (time.perf_counter() - started) / len(batch)
+        for recipe in recipes:
+            log.add(work_event(EventKind.COMPUTED, recipe.ref, seconds), work_event(EventKind.COMMITTED, recipe.ref))
+    return remembered
+
+
+def _tell_stored(log: EventLog, recipe: Recipe, output: Output, report: TaskReport) -> None:
+    events = [work_event(EventKind.COMPUTED, recipe.ref, report.seconds)]
+    degenerate = degenerate_event(recipe.ref, recipe.task, output.arrays)
+    if degenerate is not None:
+        events.append(degenerate)
+    # A put's outcomes are named as the events that they are.
+    log.add(*events, work_event(EventKind(report.outcome), recipe.ref))
+
+
+@contextmanager
+def _telling_failures(log: EventLog, recipes: Sequence[Recipe]) -> Iterator[None]:
+    """Write to the log what fails in the block; a damaged or lost input is for the client to mend, and no failure."""
+    try:
+        yield
+    except (CorruptArtifactError, MissingArtifactError):
+        raise
+    except Exception as error:
+        for recipe in recipes:
+            log.add(failed_event(error, recipe.ref))
+        note_written(error, recipes[0].ref)
+        raise
+
+
+def _run(store: WriteBehind, recipes: Sequence[Recipe]) -> Sequence[Output]:
     params = dict(recipes[0].params)
     task = find_task(recipes[0].task, params.pop("method"))
     inputs = [Inputs(store, recipe) for recipe in recipes]
@@ -72,6 +133,7 @@ def seeded_generator(key: str) -> np.random.Generator:
     return np.random.default_rng(int(key, 16))
 
 
-def quarantine_corrupt(store_url: str, error: CorruptArtifactError) -> None:
-    """Take the artifact that an error names out of service, so that the next plan counts it as a miss."""
-    open_store(store_url).quarantine(error.ref, str(error))
+def quarantine_corrupt(store_url: str, error: CorruptArtifactError) -> bool:
+    """Take the artifact that an error names out of service, so that the next plan counts it as a miss; False where
+    another process already did."""
+    return open_store(store_url).quarantine(error.ref, str(error))

@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from schemas.digests import digest_json, hash_array
+from schemas.errors import MissingArtifactError
 from schemas.recipes import Recipe, leaf_recipe
-from store import ArtifactStore, open_store
+from store import ArtifactStore, map_reads, open_store
 
 INGEST_VERSION = 1
 
@@ -45,8 +46,10 @@ def run_ingest(store_url: str, batch: Sequence[tuple[IngestJob, Recipe]]) -> dic
     for job, recipe in batch:
         started = time.perf_counter()
         attributes = _LEAVES[job.kind](partial(_put_leaf, store, job.kind), job.source)
-        store.remove(recipe.ref)
-        store.put(recipe, {}, attributes, seconds=time.perf_counter() - started)
+        # Another process may just have remembered the same, and a third be reading it.
+        if _recall(store, recipe.ref) != attributes:
+            store.remove(recipe.ref)
+            store.put(recipe, {}, attributes, seconds=time.perf_counter() - started)
         remembered[recipe.ref] = attributes
     return remembered
 
@@ -56,12 +59,28 @@ def preview_ingest(job: IngestJob) -> dict:
     return _LEAVES[job.kind](partial(_name_leaf, job.kind), job.source)
 
 
-def recall_ingest(store: ArtifactStore, recipe: Recipe) -> dict | None:
-    """What an earlier ingest of the same bytes gave, or None; a leaf that has gone since counts as not remembered."""
-    if not store.has(recipe.ref):
+def recall_ingests(
+    store: ArtifactStore, recipes: Sequence[Recipe], read: Callable[[ArtifactStore, str], dict | None] | None = None
+) -> dict[str, dict | None]:
+    """What earlier ingests of the same bytes gave, by reference; None where there was none, or a leaf has gone since.
+
+    `read` gives the memory under a reference, or None where there is none to be trusted; by default a damaged one is
+    raised as CorruptArtifactError.
+    """
+    refs = sorted(store.present(recipe.ref for recipe in recipes))
+    memories = dict(zip(refs, map_reads(store, partial(read or _recall, store), refs), strict=True))
+    known = {ref: memory for ref, memory in memories.items() if memory is not None}
+    leaves = store.present({leaf for memory in known.values() for leaf in memory["leaves"]})
+    found: dict[str, dict | None] = {recipe.ref: None for recipe in recipes}
+    return found | {ref: memory for ref, memory in known.items() if leaves.issuperset(memory["leaves"])}
+
+
+def _recall(store: ArtifactStore, ref: str) -> dict | None:
+    """What is remembered under a reference; None where nothing is, or is no longer."""
+    try:
+        return store.attributes(ref)
+    except MissingArtifactError:
         return None
-    attributes = dict(store.attributes(recipe.ref))
-    return attributes if all(store.has(ref) for ref in attributes["leaves"]) else None
 
 
 def _per_item(name: str) -> Callable[[LeafWriter, Any], dict]:

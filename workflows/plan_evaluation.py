@@ -9,7 +9,7 @@ from schemas.recipes import Recipe, leaf_recipe
 from store import ArtifactStore
 from workflows.datasets import SequenceSource, find_ground_truth
 from workflows.graph import SequenceGraph
-from workflows.ingest import IngestJob, preview_ingest, recall_ingest
+from workflows.ingest import IngestJob, preview_ingest, recall_ingests
 from workflows.leaves import ingest_jobs, make_leaves
 from workflows.planning import make_plan
 from workflows.session import StageUse
@@ -20,10 +20,6 @@ from workflows.weights.needed import needed_items
 
 class EmptyStore:
     """Stands for a store that does not exist yet: nothing can be reused."""
-
-    def has(self, ref: str) -> bool:
-        """Never."""
-        return False
 
     def present(self, refs: Iterable[str]) -> set[str]:
         """None."""
@@ -64,9 +60,11 @@ def plan_evaluation(
 
 def foresee_ingest(store: ArtifactStore | EmptyStore, jobs: Sequence[IngestJob]) -> tuple[list[dict], int]:
     """What ingesting the jobs would give, and how many of them a run would have to decode."""
-    known = [_recall(store, job) for job in jobs]
-    found = [preview_ingest(job) if entry is None else entry for job, entry in zip(jobs, known, strict=True)]
-    return found, known.count(None)
+    recipes = [job.recipe for job in jobs]
+    known = recall_ingests(store, recipes, _remembered)
+    memories = [known[recipe.ref] for recipe in recipes]
+    found = [preview_ingest(job) if memory is None else memory for job, memory in zip(jobs, memories, strict=True)]
+    return found, memories.count(None)
 
 
 def count_uses(
@@ -88,9 +86,9 @@ def _plan_weights(folder: Weights, name: str, architecture: str) -> str:
         return leaf_recipe("weights", digest_json("absent", name)).ref
 
 
-def _recall(store: ArtifactStore | EmptyStore, job: IngestJob) -> dict | None:
-    """What is remembered of a job; a run would quarantine a damaged memory and ingest anew."""
+def _remembered(store: ArtifactStore, ref: str) -> dict | None:
+    """What is remembered under a reference; a run would quarantine a damaged memory and ingest anew."""
     try:
-        return recall_ingest(store, job.recipe)
+        return store.attributes(ref)
     except (CorruptArtifactError, MissingArtifactError):
         return None

@@ -2,9 +2,8 @@
 
 import os
 import time
-import uuid
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple, TypeVar
 
 from schemas.digests import digest_json
@@ -12,11 +11,13 @@ from schemas.errors import CorruptArtifactError, MissingArtifactError, StoreErro
 from schemas.recipes import Recipe, split_ref
 from schemas.scores import StoreUse
 from store import ArtifactStore, PutOutcome
-from workflows.execution import execute_batches, quarantine_corrupt
-from workflows.ingest import IngestJob, recall_ingest, run_ingest
+from workflows.events import new_run_id
+from workflows.execution import execute_batches, execute_ingest, quarantine_corrupt
+from workflows.ingest import IngestJob, recall_ingests
 from workflows.phases import batch_recipes, join_brief, network_of, split_phases
 from workflows.planning import Plan, make_plan
 from workflows.progress import StageProgress
+from workflows.run_log import RunLog
 from workflows.runners import Call, Runner
 from workflows.stages.registry import find_task
 from workflows.weights.folder import Weights, open_weights
@@ -50,6 +51,8 @@ class Session:
 
     Attributes
     ----------
+    run_id : str
+        Names the session's log, if it computes anything, and its lease on what it works with.
     computed, reused : Counter by stage
         Artifacts written by this session, and stored artifacts that its plans built on.
     """
@@ -71,8 +74,10 @@ class Session:
         self._ingests: set[str] = set()
         self._weights_leaves: dict[str, WeightsLeaf] = {}
         # A name of its own: another process that does the same work must not end this one's lease.
-        self._lease = f"live-{uuid.uuid4().hex}"
+        self.run_id = new_run_id()
+        self._log = RunLog(store, self.run_id, quiet)
         self._has_lease = False
+        self._pins: dict[str, None] = {}
         self._runner = runner
         self._quiet = quiet
         self._started = time.perf_counter()
@@ -91,18 +96,29 @@ class Session:
         """Artifacts computed and reused over all stages."""
         return StoreUse(computed=self.computed.total(), reused=self.reused.total())
 
+    def num_workers(self) -> int:
+        """How many calls run at the same time."""
+        return self._runner.num_workers()
+
     def ingest(self, jobs: Sequence[IngestJob]) -> list[dict]:
         """Leaves of every job, decoded now or remembered from the same file bytes."""
         recipes = [job.recipe for job in jobs]
-        found = {recipe.ref: recall_ingest(self.store, recipe) for recipe in recipes}
+        found = recall_ingests(self.store, recipes)
         batches: dict[str, dict[str, tuple[IngestJob, Recipe]]] = {}
         for job, recipe in zip(jobs, recipes, strict=True):
             if found[recipe.ref] is None:
                 batches.setdefault(job.batch or recipe.ref, {})[recipe.ref] = (job, recipe)
         calls = [
-            Call(next(iter(batch)).replace("/", "-"), run_ingest, (self.store.url, tuple(batch.values())))
+            Call(
+                next(iter(batch)).replace("/", "-"),
+                execute_ingest,
+                (self.store.url, tuple(batch.values()), self.run_id),
+            )
             for batch in batches.values()
         ]
+        if calls:
+            self._log.open(self._runner.num_workers)
+            self._log.plan_ingest([ref for batch in batches.values() for ref in batch])
         with StageProgress({"ingest": sum(len(batch) for batch in batches.values())}, self._quiet) as progress:
 
             def done(name, remembered):
@@ -130,6 +146,12 @@ class Session:
         Both are called again after an artifact was found corrupt and quarantined: the corrupt one may be a leaf, which
         `build` ingests anew, or a sink. The same holds where another run quarantined it between our look and our use.
         """
+        # Of this computation alone, so that a wave's pins hold no earlier wave's.
+        self._ingests.clear()
+        with self._log.watch():
+            return self._compute(build, read)
+
+    def _compute(self, build, read):
         repairs = 0
         missed: set[str] = set()
         while True:
@@ -145,7 +167,7 @@ class Session:
                 if repairs == MAX_REPAIRS:
                     raise
                 repairs += 1
-                quarantine_corrupt(self.store.url, error)
+                self._quarantine(error)
             except MissingArtifactError as error:
                 # Missing again after it was planned anew is no other run's doing.
                 if str(error) in missed:
@@ -155,22 +177,29 @@ class Session:
     def close(self) -> None:
         """End the lease on what this session touched; what its finished runs gave stays pinned."""
         if self._has_lease:
-            self.store.unpin(self._lease)
+            self.store.unpin(self.run_id)
             self._has_lease = False
+        self._log.close(tuple(self._pins))
+
+    def _quarantine(self, error: CorruptArtifactError) -> None:
+        if quarantine_corrupt(self.store.url, error):
+            self._log.open(self._runner.num_workers)
+            self._log.quarantined(error)
 
     def _keep(self, refs: Sequence[str], is_new: bool) -> None:
         """Pin a finished run's results under a name that follows from them.
 
         Where nothing was computed the store may be one that can only be read, and then nobody collects it from here.
         """
-        run_id = digest_json("run", sorted(refs))[:16]
-        if run_id in self.store.pinned():
-            return
-        try:
-            self.store.pin(run_id, refs)
-        except StoreError:
-            if is_new:
-                raise
+        name = digest_json("run", sorted(refs))[:16]
+        if self.store.pin_of(name) is None:
+            try:
+                self.store.pin(name, refs)
+            except StoreError:
+                if is_new:
+                    raise
+                return
+        self._pins[name] = None
 
     def _plan(self, recipes: dict[str, Recipe], sinks: Sequence[str]) -> Plan:
         """A plan whose artifacts are pinned: what `gc` took between the look-up and the pin is planned again.
@@ -183,12 +212,18 @@ class Session:
             if not plan.compute or plan.touched() <= pinned:
                 return plan
             pinned |= plan.touched()
-            self.store.pin(self._lease, pinned, lease_seconds=LEASE_SECONDS)
+            self.store.pin(self.run_id, pinned, lease_seconds=LEASE_SECONDS)
             self._has_lease = True
 
     def _run(self, plan: Plan) -> None:
         totals, _ = plan.count()
+        if plan.compute:
+            self._log.open(self._runner.num_workers)
+            self._log.plan(plan)
         self._fetch_weights(plan)
+        if plan.compute:
+            # Only now: bad input is told in one line.
+            self._log.announce()
         with StageProgress(totals, self._quiet) as progress:
 
             def done(name, reports):
@@ -202,7 +237,7 @@ class Session:
             for recipes in split_phases(plan.compute):
                 self._runner.run(self._calls(recipes), done)
 
-    def _calls(self, recipes: dict[str, Recipe]) -> list[Call]:
+    def _calls(self, recipes: dict[str, Recipe]) -> Iterator[Call]:
         """Calls that compute the recipes of one phase."""
         batch_size = self._batch or 1
         if self._batch is None and any(network_of(recipe) is not None for recipe in recipes.values()):
@@ -215,7 +250,6 @@ class Session:
         def is_brief(recipe: Recipe) -> bool:
             return find_task(recipe.task, recipe.params["method"]).is_brief
 
-        calls: list[Call] = []
         call_of: dict[str, str] = {}
         # Where there is little to do, no worker is to wait for another's long call.
         share = sum(map(is_brief, recipes.values())) // (CALLS_PER_WORKER * self._runner.num_workers())
@@ -227,9 +261,8 @@ class Session:
                 call_of[parent] for recipe in computed for parent in recipe.input_refs() if parent in call_of
             )
             call_of |= {recipe.ref: name for recipe in computed}
-            arguments = (self.store.url, tuple(map(tuple, batches)))
-            calls.append(Call(name, execute_batches, arguments, tuple(parents), network_of(computed[0]) is not None))
-        return calls
+            arguments = (self.store.url, tuple(map(tuple, batches)), self.run_id)
+            yield Call(name, execute_batches, arguments, tuple(parents), network_of(computed[0]) is not None)
 
     def _fetch_weights(self, plan: Plan) -> None:
         """Have the leaves and the files of every network that the plan runs, before any task waits for them."""

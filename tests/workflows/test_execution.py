@@ -4,8 +4,7 @@ import pytest
 
 from schemas.errors import InputError
 from schemas.recipes import Recipe
-from store import open_store
-from workflows.execution import execute_recipes
+from workflows.execution import execute_batches
 from workflows.stages.task import Task
 
 
@@ -16,14 +15,12 @@ class OutOfMemoryError(RuntimeError):
 @pytest.fixture
 def execute(tmp_path, monkeypatch):
     """Executes a recipe whose task raises the given error."""
-    store = open_store(str(tmp_path / "store"))
-
     def call(error):
         def run(params, inputs, rng):
             raise error
 
         monkeypatch.setattr("workflows.execution.find_task", lambda *_: Task("flow", "raft", version=1, run=run))
-        return execute_recipes(store, [Recipe(task="flow", version=1, params={"method": "raft"})])
+        return execute_batches(str(tmp_path / "store"), [[Recipe(task="flow", version=1, params={"method": "raft"})]])
 
     return call
 

@@ -7,8 +7,8 @@ import typer
 from typer.exceptions import TyperException
 from typer.main import get_command
 
-from schemas.errors import InputError, StoreError
-from workflows.cli import contact_sheet, evaluate, inspect, score, segment
+from schemas.errors import ClusterError, InputError, StoreError
+from workflows.cli import contact_sheet, evaluate, inspect, score, segment, status
 from workflows.cli.datasets import datasets_app
 from workflows.cli.store import store_app
 from workflows.cli.weights import weights_app
@@ -26,6 +26,7 @@ app.command("ablate")(evaluate.ablate)
 app.command("plan")(evaluate.plan)
 app.command("score")(score.score)
 app.command("contact-sheet")(contact_sheet.contact_sheet)
+app.command("status")(status.status)
 app.command("backends")(inspect.backends)
 app.add_typer(datasets_app, name="datasets")
 app.add_typer(store_app, name="store")
@@ -55,7 +56,7 @@ def run(arguments: list[str]) -> int:
     except InputError as error:
         print(f"moseg: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
-    except StoreError as error:
+    except (StoreError, ClusterError) as error:
         print(f"moseg: {error}", file=sys.stderr)
         return EXIT_FAULT
     except KeyboardInterrupt:

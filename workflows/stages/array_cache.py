@@ -5,8 +5,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from store import ArtifactStore
-
 CACHE_BYTES = 384 * 2**20
 """A hundred 480p flows: what the flow models of a sequence of common length read one after the other."""
 
@@ -19,21 +17,21 @@ class ArrayCache:
         self._arrays: OrderedDict[tuple[str, str, str], np.ndarray] = OrderedDict()
         self._nbytes = 0
 
-    def find(self, store: ArtifactStore, ref: str, name: str) -> np.ndarray | None:
+    def find(self, url: str, ref: str, name: str) -> np.ndarray | None:
         """An array where it is kept, else None."""
-        entry = (store.url, ref, name)
+        entry = (url, ref, name)
         if entry not in self._arrays:
             return None
         self._arrays.move_to_end(entry)
         return self._arrays[entry]
 
-    def keep(self, store: ArtifactStore, ref: str, arrays: Mapping[str, np.ndarray]) -> None:
+    def keep(self, url: str, ref: str, arrays: Mapping[str, np.ndarray]) -> None:
         """Keep an artifact's arrays just as a reader would get them; those used least give way."""
         for name, array in arrays.items():
             # Of another memory order, sums over it would be rounded otherwise than over what is read back.
             kept = np.asarray(array, order="C").view()
             kept.flags.writeable = False
-            entry = (store.url, ref, name)
+            entry = (url, ref, name)
             if entry in self._arrays or kept.nbytes > self._limit:
                 continue
             self._arrays[entry] = kept

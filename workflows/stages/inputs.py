@@ -1,20 +1,35 @@
 """What a task's adapter reads: its recipe's inputs, fetched from the store when asked for."""
 
 from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 
+from schemas.manifests import Manifest
 from schemas.recipes import Recipe
-from store import ArtifactStore
 from workflows.stages.array_cache import ARRAYS
 
 ROWS_PER_READ = 16
 
 
+class ReadableStore(Protocol):
+    """What tasks need of an artifact store; see `store.ArtifactStore`."""
+
+    url: str
+
+    def manifest(self, ref: str) -> Manifest: ...
+
+    def attributes(self, ref: str) -> dict: ...
+
+    def read(self, ref: str, name: str) -> np.ndarray: ...
+
+    def read_rows(self, ref: str, name: str, start: int, stop: int) -> np.ndarray: ...
+
+
 class ArtifactView:
     """One stored artifact; its arrays are read on demand."""
 
-    def __init__(self, store: ArtifactStore, ref: str):
+    def __init__(self, store: ReadableStore, ref: str):
         self._store = store
         self._ref = ref
 
@@ -25,19 +40,19 @@ class ArtifactView:
 
     def array(self, name: str) -> np.ndarray:
         """The whole array; read-only where this process has kept it."""
-        kept = ARRAYS.find(self._store, self._ref, name)
+        kept = ARRAYS.find(self._store.url, self._ref, name)
         return self._store.read(self._ref, name) if kept is None else kept
 
     def cached(self, name: str) -> np.ndarray:
         """The whole array, read-only, kept in this process for the next task that reads it."""
         array = self.array(name)
         array.flags.writeable = False
-        ARRAYS.keep(self._store, self._ref, {name: array})
+        ARRAYS.keep(self._store.url, self._ref, {name: array})
         return array
 
     def rows(self, name: str, start: int, stop: int) -> np.ndarray:
         """Rows start..stop of the leading axis; only their chunks are read. Read-only where the array is kept."""
-        kept = ARRAYS.find(self._store, self._ref, name)
+        kept = ARRAYS.find(self._store.url, self._ref, name)
         if kept is None or not 0 <= start <= stop <= len(kept):
             return self._store.read_rows(self._ref, name, start, stop)
         return kept[start:stop]
@@ -69,7 +84,7 @@ class ArtifactView:
 class Inputs:
     """The inputs of one recipe by role."""
 
-    def __init__(self, store: ArtifactStore, recipe: Recipe):
+    def __init__(self, store: ReadableStore, recipe: Recipe):
         self._store = store
         self._inputs = recipe.inputs
 

@@ -1,0 +1,342 @@
+"""`moseg status` says how a run goes: while it runs, after it ended, and where it died."""
+
+import json
+import os
+import time
+from contextlib import closing
+from datetime import UTC, datetime, timedelta
+
+import pytest
+
+from schemas.configs import PipelineConfig, Variant
+from schemas.errors import StoreError
+from schemas.events import (
+    DegenerateEvent,
+    EventKind,
+    Outcome,
+    PlanEvent,
+    RunClosed,
+    RunOpened,
+    TroubleEvent,
+    WorkEvent,
+    write_event,
+)
+from store import open_store
+from store.owners import process_space
+from workflows.cli import status as command
+from workflows.datasets import open_dataset
+from workflows.evaluate import evaluate
+from workflows.runners import SynchronousRunner
+from workflows.session import Session
+from workflows.status import RunState, list_runs, old_logs, read_status, summarise
+
+START = datetime(2026, 11, 22, tzinfo=UTC)
+RUN = "20261122T000000-aaaaaa"
+NO_PROCESS = 2**22 + 1
+"""Above the largest number that Linux gives to a process."""
+
+
+def _at(seconds):
+    return START + timedelta(seconds=seconds)
+
+
+def _ref(number, stage="flow"):
+    return f"{stage}/{number:064x}"
+
+
+def _opened(pid=None, space=None, seconds=0.0):
+    return RunOpened(
+        time=_at(seconds),
+        host="node7",
+        pid=pid or os.getpid(),
+        run_id=RUN,
+        space=space or process_space(),
+        command=("moseg", "eval"),
+        folder="/home/me",
+        version="0.1.0",
+        num_workers=2,
+    )
+
+
+def _planned(*refs, seconds=0.0, kind=EventKind.PLANNED):
+    return [PlanEvent(event=kind, time=_at(seconds), ref=ref) for ref in refs]
+
+
+def _work(kind, ref, at, pid=1, seconds=None):
+    return WorkEvent(event=kind, time=_at(at), host="node7", pid=pid, ref=ref, seconds=seconds)
+
+
+def _computed(ref, begin, end, pid=1, seconds=None):
+    steps = [_work(EventKind.STARTED, ref, begin, pid)]
+    steps.append(_work(EventKind.COMPUTED, ref, end, pid, seconds=seconds or end - begin))
+    return [*steps, _work(EventKind.COMMITTED, ref, end, pid)]
+
+
+def _closed(outcome, seconds, message=None):
+    return RunClosed(time=_at(seconds), host="node7", pid=1, outcome=outcome, message=message)
+
+
+def _trouble(kind, ref, message, seconds=1.0):
+    return TroubleEvent(event=kind, time=_at(seconds), host="node7", pid=1, ref=ref, message=message)
+
+
+def _summary(*events, now=10.0):
+    return summarise(RUN, sorted(events, key=lambda event: event.time), _at(now))
+
+
+@pytest.mark.parametrize("outcome", Outcome)
+def test_a_run_that_closed_is_in_the_state_that_it_gave(outcome):
+    status = _summary(_opened(NO_PROCESS), _closed(outcome, 4.0, "why"))
+    assert (status.state.value, status.seconds, status.message) == (outcome.value, 4.0, "why")
+    assert status.rest_seconds is None
+
+
+def test_a_run_that_did_not_close_runs_as_long_as_its_process_does():
+    events = _planned(_ref(1), seconds=3.0)
+    running, dead = _summary(_opened(), *events), _summary(_opened(NO_PROCESS), *events)
+    assert (running.state, running.seconds, running.ended) == (RunState.RUNNING, 10.0, None)
+    assert (dead.state, dead.seconds, dead.ended) == (RunState.DEAD, 3.0, _at(3.0))
+    assert running.is_asked and dead.is_asked
+
+
+def test_a_process_that_cannot_be_asked_counts_as_running_and_that_is_said():
+    status = _summary(_opened(NO_PROCESS, space="0" * 16))
+    assert (status.state, status.is_asked) == (RunState.RUNNING, False)
+
+
+def test_artifacts_are_counted_by_stage_and_kind():
+    status = _summary(
+        _opened(),
+        *_planned(_ref(1), _ref(2), _ref(3), _ref(4), _ref(5, "score")),
+        *_planned(_ref(6), _ref(7, "tracks"), kind=EventKind.HIT),
+        *_computed(_ref(1), 1.0, 3.0),
+        DegenerateEvent(
+            time=_at(3.0), host="node7", pid=1, ref=_ref(1), num_invalid=2, num_fits=6, reasons={"collinear": 2}
+        ),
+        _work(EventKind.STARTED, _ref(2), 3.0),
+        _work(EventKind.LOST_RACE, _ref(2), 4.0),
+        _work(EventKind.STARTED, _ref(3), 4.0),
+        _trouble(EventKind.FAILED, _ref(3), "broken", 5.0),
+    )
+    flow, score, tracks = status.stages
+    assert (flow.stage, flow.planned, flow.done, flow.hits) == ("flow", 4, 2, 1)
+    assert (flow.computed, flow.committed, flow.lost_races, flow.failed, flow.seconds) == (1, 1, 1, 1, 2.0)
+    assert (flow.degenerate, flow.invalid_fits, flow.fits, flow.reasons) == (1, 2, 6, {"collinear": 2})
+    assert (score.stage, score.planned, score.done) == ("score", 1, 0)
+    assert (tracks.stage, tracks.planned, tracks.hits) == ("tracks", 0, 1)
+    assert (status.num_done, status.num_planned, status.num_failed) == (2, 5, 1)
+    assert [(trouble.ref, trouble.message) for trouble in status.failures] == [(_ref(3), "broken")]
+
+
+def test_an_artifact_that_was_mended_is_counted_once_and_no_hit():
+    status = _summary(
+        _opened(),
+        *_planned(_ref(1)),
+        *_computed(_ref(1), 1.0, 2.0),
+        _trouble(EventKind.QUARANTINED, _ref(1), "bad chunk", 3.0),
+        *_planned(_ref(1), seconds=4.0),
+        *_planned(_ref(1), seconds=9.0, kind=EventKind.HIT),
+    )
+    assert (status.num_planned, status.num_done) == (1, 0)
+    assert status.stages[0].hits == 0
+    assert [trouble.message for trouble in status.quarantined] == ["bad chunk"]
+
+
+def test_what_a_process_began_and_did_not_end_is_in_flight():
+    begun = [_work(EventKind.STARTED, _ref(number), 1.0, pid=1) for number in (1, 2, 3)]
+    done = [_work(EventKind.COMPUTED, _ref(1), 4.0, seconds=3.0), _work(EventKind.COMMITTED, _ref(1), 4.0)]
+    status = _summary(_opened(), *begun, *done, _work(EventKind.STARTED, _ref(9), 2.0, pid=5))
+    assert [(work.pid, work.ref, work.since, work.num_behind) for work in status.in_flight] == [
+        (1, _ref(2), _at(4.0), 1),
+        (5, _ref(9), _at(2.0), 0),
+    ]
+
+
+def test_what_another_worker_began_anew_is_in_flight_there():
+    lost, again = _work(EventKind.STARTED, _ref(1), 1.0, pid=1), _work(EventKind.STARTED, _ref(1), 5.0, pid=2)
+    assert [work.pid for work in _summary(_opened(), lost, again).in_flight] == [2]
+
+
+def test_the_rest_follows_from_the_seconds_of_each_stage_and_the_pace():
+    refs = [_ref(number) for number in range(4)]
+    scores = [_ref(number, "score") for number in range(2)]
+    # Two workers, each at work all the time: the seconds of ten pass in five.
+    done = [*_computed(refs[0], 0.0, 4.0, pid=1), *_computed(refs[1], 0.0, 4.0, pid=2)]
+    done += [*_computed(scores[0], 4.0, 5.0, pid=1), *_computed(_ref(9, "tracks"), 4.0, 5.0, pid=2)]
+    status = _summary(_opened(), *_planned(*refs, *scores, _ref(9, "tracks")), *done, now=5.0)
+    assert status.rest_seconds == pytest.approx((2 * 4.0 + 1.0) / 2)
+
+
+def test_nothing_is_said_of_the_rest_before_anything_tells():
+    planned = _planned(_ref(1))
+    assert _summary(_opened(), *planned).rest_seconds is None
+    sources = _planned(_ref(1, "ingest"), _ref(2, "ingest"))
+    assert _summary(_opened(), *sources, *_computed(_ref(1, "ingest"), 0.0, 1.0)).rest_seconds is None
+
+
+@pytest.fixture
+def logged(tmp_path):
+    """A store, and a function that writes events to the log of a run in it."""
+    store = open_store(str(tmp_path / "store"))
+
+    def write(*events, run_id=RUN):
+        store.append_log(run_id, b"".join(write_event(event) for event in events))
+
+    return store, write
+
+
+def test_a_line_that_is_no_event_is_a_fault_that_names_the_run(logged, moseg):
+    store, write = logged
+    write(_opened())
+    store.append_log(RUN, b'{"event":"dreamt"}\n')
+    with pytest.raises(StoreError, match=RUN):
+        read_status(store, RUN)
+    ran = moseg("status", RUN, "--store", store.url)
+    assert (ran.code, len(ran.err.splitlines())) == (1, 1)
+
+
+def test_a_status_shows_what_a_user_looks_for(logged, moseg):
+    store, write = logged
+    write(_opened(NO_PROCESS), *_planned(_ref(1), _ref(2), _ref(3)), *_planned(_ref(4, "tracks"), kind=EventKind.HIT))
+    write(*_computed(_ref(1), 0.0, 2.0), _work(EventKind.STARTED, _ref(2), 2.0))
+    write(_trouble(EventKind.QUARANTINED, _ref(3), "bad chunk"), _trouble(EventKind.FAILED, None, "no [worker] left"))
+    ran = moseg("status", RUN, "--store", store.url)
+    assert (ran.code, ran.err) == (0, "")
+    for text in (RUN, "dead", "1 of 3 artifacts (33 %)", "moseg eval", "/home/me", "1/3"):
+        assert text in ran.out
+    assert f"was in flight: {_ref(2)[:15]} (process 1 of node7)" in ran.out
+    assert "slowest: flow 2.0 s (100 %)" in ran.out
+    assert "bad chunk" in ran.out and "failed: no [worker] left" in ran.out
+
+
+def test_all_failures_stand_in_the_json_and_the_first_on_the_terminal(logged, moseg, tmp_path):
+    store, write = logged
+    write(_opened(), *(_trouble(EventKind.FAILED, _ref(number), f"broken {number}") for number in range(30)))
+    ran = moseg("status", RUN, "--store", store.url, "--json", tmp_path / "status.json")
+    assert "broken 0" in ran.out and "broken 29" not in ran.out and "and 20 more" in ran.out
+    found = json.loads((tmp_path / "status.json").read_text())
+    assert [trouble["message"] for trouble in found["failures"]] == [f"broken {number}" for number in range(30)]
+
+
+def test_runs_are_listed_the_latest_first(logged, moseg, tmp_path):
+    store, write = logged
+    ran = moseg("status", "--store", store.url)
+    assert (ran.code, ran.err) == (0, "") and store.url in ran.out
+    runs = [f"20261122T00000{number}-aaaaaa" for number in range(3)]
+    for run_id in runs:
+        write(_opened(NO_PROCESS), *_planned(_ref(1)), run_id=run_id)
+    write(*_computed(_ref(1), 0.0, 1.0), _closed(Outcome.FINISHED, 2.0), run_id=runs[1])
+    ran = moseg("status", "--store", store.url, "--last", "2", "--json", tmp_path / "runs.json")
+    lines = [line for line in ran.out.splitlines() if line.startswith("2026")]
+    assert [line.split()[:3] for line in lines] == [[runs[2], "dead", "0/1"], [runs[1], "finished", "1/1"]]
+    assert "1 earlier" in ran.out
+    assert [run["run_id"] for run in json.loads((tmp_path / "runs.json").read_text())] == [runs[2], runs[1]]
+
+
+@pytest.mark.parametrize("name", [RUN, RUN[:10], "latest"])
+def test_a_run_is_found_by_its_name_its_start_or_as_the_latest(logged, moseg, name):
+    store, write = logged
+    write(_opened())
+    write(_opened(), run_id="20250101T000000-bbbbbb")
+    assert RUN in moseg("status", name, "--store", store.url).out
+
+
+@pytest.mark.parametrize(("name", "what"), [("2027", "no such run"), ("", "no such run"), ("202", "ambiguous run")])
+def test_a_bad_name_of_a_run_is_one_line(logged, moseg, name, what):
+    store, write = logged
+    write(_opened())
+    write(_opened(), run_id="20250101T000000-bbbbbb")
+    ran = moseg("status", name, "--store", store.url)
+    (line,) = ran.err.splitlines()
+    assert ran.code == 2 and line.startswith(f"moseg: {what}")
+
+
+def test_a_store_without_runs_or_no_store_is_one_line(logged, moseg, tmp_path):
+    store, _ = logged
+    for place in (store.url, tmp_path / "nowhere"):
+        ran = moseg("status", "latest", "--store", place)
+        assert (ran.code, len(ran.err.splitlines())) == (2, 1)
+
+
+def test_following_shows_a_run_until_it_ends(logged, moseg, monkeypatch):
+    store, write = logged
+    write(_opened(), *_planned(_ref(1)))
+    ends = [_computed(_ref(1), 0.0, 1.0), [_closed(Outcome.FINISHED, 2.0)]]
+    monkeypatch.setattr(command.time, "sleep", lambda seconds: write(*ends.pop(0)))
+    ran = moseg("status", "--follow", "--store", store.url)
+    assert (ran.code, ends) == (0, [])
+    assert "finished" in ran.out and "1 of 1 artifacts (100 %)" in ran.out
+
+
+def test_who_stops_following_has_interrupted_nothing(logged, moseg, monkeypatch):
+    def stop(seconds):
+        raise KeyboardInterrupt
+
+    store, write = logged
+    write(_opened())
+    monkeypatch.setattr(command.time, "sleep", stop)
+    ran = moseg("status", "--follow", "--store", store.url)
+    assert (ran.code, ran.err) == (0, "")
+    assert "running" in ran.out
+
+
+class _Looks(SynchronousRunner):
+    """Looks at the run's status after each call."""
+
+    def __init__(self, look):
+        self._look = look
+
+    def run(self, calls, on_done):
+        def done(name, result):
+            on_done(name, result)
+            self._look()
+
+        super().run(calls, done)
+
+
+def test_a_run_can_be_read_while_it_runs(evaluated_copy, moseg):
+    store = open_store(str(evaluated_copy.store))
+    dropped = [ref for task in ("segmentation", "score") for ref in store.refs(task)]
+    for ref in dropped:
+        store.remove(ref)
+    config = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2}})
+    data = open_dataset("folder", str(evaluated_copy.root), max_side=config.max_side)
+    seen = []
+    with closing(
+        Session(store, _Looks(lambda: seen.append(read_status(store, session.run_id))), quiet=True)
+    ) as session:
+        evaluate(session, data.name, [data.sequence("squares")], config, [Variant.FUSED])
+    assert [status.num_done for status in seen] == list(range(1, len(dropped) + 1))
+    assert {(status.state, status.num_planned) for status in seen} == {(RunState.RUNNING, len(dropped))}
+    status = read_status(store, session.run_id)
+    assert (status.state, status.num_done) == (RunState.FINISHED, len(dropped))
+    assert sum(stage.hits for stage in status.stages) == session.reused.total()
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_the_status_of_a_run_agrees_with_its_report(evaluated, moseg, tmp_path, workers):
+    store = tmp_path / "store"
+    ran = moseg(*evaluated.arguments, "--store", store, "--workers", workers, "--json", tmp_path / "report.json")
+    assert ran.code == 0
+    ran = moseg("status", "latest", "--store", store, "--json", tmp_path / "status.json")
+    assert ran.code == 0 and "finished" in ran.out
+    report, status = (json.loads((tmp_path / name).read_text()) for name in ("report.json", "status.json"))
+    assert status["state"] == "finished"
+    assert status["num_done"] == status["num_planned"] == report["store"]["computed"]
+    assert sum(stage["committed"] for stage in status["stages"]) == report["store"]["computed"]
+    assert status["failures"] == status["quarantined"] == status["in_flight"] == []
+
+
+def test_old_logs_are_those_that_no_run_at_work_writes(logged):
+    store, write = logged
+    runs = [f"2026112{number}T000000-aaaaaa" for number in range(3)]
+    for run_id in runs:
+        write(_opened(), run_id=run_id)
+    assert old_logs(store, grace_seconds=60.0) == []
+    before = time.time() - 120.0
+    for run_id in runs[:2]:
+        for path in (store.root / "logs" / run_id).iterdir():
+            os.utime(path, (before, before))
+    store.pin(runs[1], [], lease_seconds=60.0)
+    assert old_logs(store, grace_seconds=60.0) == runs[:1]
+    assert list_runs(store) == runs[::-1]

@@ -1,0 +1,110 @@
+"""Outputs are stored while the next task computes; nobody sees a difference but the clock."""
+
+import threading
+
+import numpy as np
+import pytest
+
+from schemas.errors import StoreError
+from schemas.recipes import Recipe
+from store import LocalStore, PutOutcome
+from workflows.stages.inputs import ArtifactView
+from workflows.stages.task import Output
+from workflows.write_behind import MAX_WAITING, WriteBehind
+
+FLOW = np.arange(24, dtype=np.float32).reshape(3, 4, 2)
+
+
+def _flow(number):
+    return Recipe(task="flow", version=1, params={"number": number})
+
+
+class SlowStore:
+    """A local store whose puts wait for `gate`, and fail where they are told to."""
+
+    def __init__(self, root):
+        self._store = LocalStore(root)
+        self.gate = threading.Event()
+        self.failure = None
+
+    def put(self, *arguments, **options):
+        self.gate.wait(60)
+        if self.failure is not None:
+            raise self.failure
+        return self._store.put(*arguments, **options)
+
+    def __getattr__(self, name):
+        return getattr(self._store, name)
+
+
+@pytest.fixture
+def store(tmp_path):
+    return SlowStore(tmp_path / "store")
+
+
+@pytest.fixture
+def told():
+    return []
+
+
+def test_a_put_does_not_wait_for_the_store_and_all_are_told_in_order(store, told):
+    with WriteBehind(store, told.append) as behind:
+        for number in range(MAX_WAITING):
+            behind.put(_flow(number), Output({"flow": FLOW + number}), seconds=number)
+        assert told == [] and not store.has(_flow(0).ref)
+        assert behind.has(_flow(0).ref)
+        store.gate.set()
+    assert [(put.recipe, put.seconds, put.outcome.result()) for put in told] == [
+        (_flow(number), number, PutOutcome.COMMITTED) for number in range(MAX_WAITING)
+    ]
+    assert np.array_equal(store.read(_flow(1).ref, "flow"), FLOW + 1)
+
+
+def test_no_more_outputs_wait_than_agreed(store, told):
+    with WriteBehind(store, told.append) as behind:
+        threading.Timer(0.05, store.gate.set).start()
+        for number in range(MAX_WAITING + 1):
+            behind.put(_flow(number), Output({"flow": FLOW}), seconds=0.0)
+        assert told[0].recipe == _flow(0) and told[0].outcome.done()
+
+
+def test_reading_what_is_not_stored_yet_waits_for_it(store, told):
+    with WriteBehind(store, told.append) as behind:
+        behind.put(_flow(0), Output({"flow": FLOW}, {"count": 3}), seconds=0.0)
+        threading.Timer(0.05, store.gate.set).start()
+        view = ArtifactView(behind, _flow(0).ref)
+        assert view.shape("flow") == FLOW.shape
+        assert np.array_equal(view.rows("flow", 1, 2), FLOW[1:2])
+        assert view.attributes == {"count": 3}
+
+
+def _put_and_read(store):
+    with WriteBehind(store, lambda put: put.outcome.result()) as behind:
+        behind.put(_flow(0), Output({"flow": FLOW}), seconds=0.0)
+        behind.read(_flow(0).ref, "flow")
+
+
+def _put_and_fail(store, tell):
+    with WriteBehind(store, tell) as behind:
+        behind.put(_flow(0), Output({"flow": FLOW}), seconds=0.0)
+        threading.Timer(0.05, store.gate.set).start()
+        raise ZeroDivisionError
+
+
+def test_a_put_that_failed_is_told_to_whoever_reads(store, told):
+    store.failure = StoreError("no space left")
+    store.gate.set()
+    with pytest.raises(StoreError, match="no space"):
+        _put_and_read(store)
+
+
+def test_what_was_computed_before_a_failure_is_stored_and_told(store, told):
+    with pytest.raises(ZeroDivisionError):
+        _put_and_fail(store, told.append)
+    assert store.has(_flow(0).ref) and len(told) == 1
+
+
+def test_a_failed_put_does_not_hide_the_failure_before_it(store):
+    store.failure = StoreError("no space left")
+    with pytest.raises(ZeroDivisionError):
+        _put_and_fail(store, lambda put: put.outcome.result())

@@ -1,0 +1,136 @@
+"""Writing a run's events: each process appends lines to the run's log in the store."""
+
+import os
+import platform
+import time
+import uuid
+from collections.abc import Iterable, Iterator
+from contextlib import AbstractContextManager, suppress
+from datetime import UTC, datetime
+from functools import cache
+
+from schemas.errors import StoreError
+from schemas.events import Event, EventKind, TroubleEvent, WorkEvent, write_event
+from store import ArtifactStore
+
+LOG_SHARE = 0.01
+"""Part of a call's time that may go into its log, beside what is written when it begins and when it ends."""
+MAX_APPEND_BYTES = 1 << 22
+"""Of a longer plan the lines are written in several appends, so that they never lie in memory together."""
+MAX_MESSAGE = 2000
+"""Characters of an error that are kept."""
+
+_WRITTEN = "while computing "
+
+
+def new_run_id() -> str:
+    """A name for a run that no other has; names sort as their runs began, to a fraction of a millisecond."""
+    now = datetime.now(UTC)
+    fraction = now.microsecond * 0x1000 // 1_000_000
+    return f"{now:%Y%m%dT%H%M%S}-{fraction:03x}{uuid.uuid4().hex[:5]}"
+
+
+class EventLog(AbstractContextManager):
+    """This process's part of a run's log; without a run nothing is written.
+
+    On a disk an append takes some ten microseconds, on an object store some ten milliseconds. Lines that can wait do,
+    until the time since the last append makes that a hundredth; what waits is written when the block ends.
+
+    Raises
+    ------
+    StoreError
+        By every method, where the store cannot be written to.
+    """
+
+    def __init__(self, store: ArtifactStore, run_id: str | None):
+        self._store = store
+        self._run_id = run_id
+        self._waiting: list[bytes] = []
+        self._next_append = 0.0
+
+    def __exit__(self, kind, *exception) -> None:
+        if kind is None:
+            self.flush()
+            return
+        # A full disk that stopped the work stops its log too, and is told once.
+        with suppress(StoreError):
+            self.flush()
+
+    def write(self, events: Iterable[Event]) -> None:
+        """Write events now."""
+        self._wait(events)
+        self.flush()
+
+    def add(self, *events: Event) -> None:
+        """Write events now or a little later."""
+        self._wait(events)
+        if time.perf_counter() >= self._next_append:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write what waits."""
+        waiting, self._waiting = self._waiting, []
+        self.write_lines(waiting)
+
+    def write_lines(self, lines: Iterable[bytes]) -> None:
+        """Write whole lines now, in as few appends as fit into memory."""
+        if self._run_id is None:
+            return
+        for content in _join(lines):
+            started = time.perf_counter()
+            self._store.append_log(self._run_id, content)
+            now = time.perf_counter()
+            self._next_append = now + (now - started) / LOG_SHARE
+
+    def _wait(self, events: Iterable[Event]) -> None:
+        if self._run_id is not None:
+            self._waiting.extend(map(write_event, events))
+
+
+def this_process() -> dict:
+    """Time, host and process, which most lines begin with."""
+    return {"time": datetime.now(UTC), "host": _host(), "pid": os.getpid()}
+
+
+def work_event(kind: EventKind, ref: str, seconds: float | None = None) -> WorkEvent:
+    """A step of an artifact's computation that this process takes now."""
+    return WorkEvent(event=kind, ref=ref, seconds=seconds, **this_process())
+
+
+def failed_event(error: BaseException, ref: str | None = None) -> TroubleEvent:
+    """The failure that an error means, for one artifact or the run."""
+    return TroubleEvent(event=EventKind.FAILED, ref=ref, message=describe_error(error), **this_process())
+
+
+def describe_error(error: BaseException) -> str:
+    """One line about an error; of a fault also its kind, which our own errors say in words."""
+    text = " ".join(str(error).split())
+    if not type(error).__module__.startswith("schemas."):
+        text = f"{type(error).__name__}: {text}".removesuffix(": ")
+    return text if len(text) <= MAX_MESSAGE else f"{text[: MAX_MESSAGE - 1]}…"
+
+
+def note_written(error: BaseException, ref: str) -> None:
+    """Add to an error on its way to the client what was computed; this also says that the log has it."""
+    error.add_note(f"{_WRITTEN}{ref}")
+
+
+def is_written(error: BaseException) -> bool:
+    """Whether the process that met the error has written it to the log."""
+    return any(note.startswith(_WRITTEN) for note in getattr(error, "__notes__", ()))
+
+
+def _join(lines: Iterable[bytes]) -> Iterator[bytes]:
+    joined = bytearray()
+    for line in lines:
+        joined += line
+        if len(joined) >= MAX_APPEND_BYTES:
+            yield bytes(joined)
+            joined.clear()
+    if joined:
+        yield bytes(joined)
+
+
+@cache
+def _host() -> str:
+    return platform.node()

@@ -1,0 +1,99 @@
+"""Storing a task's output while the next task computes."""
+
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from contextlib import AbstractContextManager, nullcontext, suppress
+from typing import NamedTuple
+
+import numpy as np
+
+from schemas.errors import StoreError
+from schemas.manifests import Manifest
+from schemas.recipes import Recipe
+from store import ArtifactStore, PutOutcome
+from workflows.stages.task import Output
+
+MAX_WAITING = 2
+"""Outputs that may wait to be stored: as many as keep the thread busy, and few megabytes."""
+
+
+class Put(NamedTuple):
+    """An output on its way to the store, and the seconds that its task took."""
+
+    recipe: Recipe
+    output: Output
+    seconds: float
+    outcome: "Future[PutOutcome]"
+
+
+class WriteBehind(AbstractContextManager):
+    """A store whose puts happen in a thread, while reads of what is not stored yet wait for it.
+
+    Digesting, encoding and writing take a seventh of the time that the tasks take, and leave the interpreter to others
+    meanwhile: where a core is free they cost nothing.
+
+    Parameters
+    ----------
+    store : ArtifactStore
+    tell : function of a Put
+        Called, in the caller's thread and in order, for each put that has ended; the last ones when the block ends.
+        Where the put failed its `outcome` raises.
+    """
+
+    def __init__(self, store: ArtifactStore, tell: Callable[[Put], None]):
+        self._store = store
+        self._tell = tell
+        self._writer = ThreadPoolExecutor(1, thread_name_prefix="moseg-writer")
+        self._waiting: deque[Put] = deque()
+        self._outcomes: dict[str, Future[PutOutcome]] = {}
+
+    def __exit__(self, kind, *exception) -> None:
+        self._writer.shutdown(wait=True)
+        # What was computed before a later task failed is stored, and told of; a put that failed too is not the news.
+        with suppress(StoreError) if kind is not None else nullcontext():
+            self._settle(0)
+
+    @property
+    def url(self) -> str:
+        """The store's."""
+        return self._store.url
+
+    def put(self, recipe: Recipe, output: Output, seconds: float) -> None:
+        """Have an output stored soon; waits where too many are not stored yet."""
+        outcome = self._writer.submit(self._store.put, recipe, output.arrays, output.attributes, seconds=seconds)
+        self._outcomes[recipe.ref] = outcome
+        self._waiting.append(Put(recipe, output, seconds, outcome))
+        self._settle(MAX_WAITING)
+
+    def has(self, ref: str) -> bool:
+        """Whether an artifact is stored, or was put here."""
+        return ref in self._outcomes or self._store.has(ref)
+
+    def manifest(self, ref: str) -> Manifest:
+        """See `ArtifactStore.manifest`."""
+        return self._stored(ref).manifest(ref)
+
+    def attributes(self, ref: str) -> dict:
+        """See `ArtifactStore.attributes`."""
+        return self._stored(ref).attributes(ref)
+
+    def read(self, ref: str, name: str) -> np.ndarray:
+        """See `ArtifactStore.read`."""
+        return self._stored(ref).read(ref, name)
+
+    def read_rows(self, ref: str, name: str, start: int, stop: int) -> np.ndarray:
+        """See `ArtifactStore.read_rows`."""
+        return self._stored(ref).read_rows(ref, name, start, stop)
+
+    def _stored(self, ref: str) -> ArtifactStore:
+        if ref in self._outcomes:
+            self._outcomes[ref].result()
+        return self._store
+
+    def _settle(self, most: int) -> None:
+        """Tell of puts that have ended; wait until no more than `most` have not."""
+        while self._waiting and (len(self._waiting) > most or self._waiting[0].outcome.done()):
+            put = self._waiting.popleft()
+            wait([put.outcome])
+            self._tell(put)
