@@ -1,0 +1,111 @@
+"""Lineage: what an artifact was made from, and what was made from it.
+
+Every recipe names its inputs, so the way up is a walk from manifest to manifest. No artifact names what was made from
+it: the way down takes one pass over the manifests of the whole store.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from enum import StrEnum
+from typing import NamedTuple
+
+from schemas.errors import CorruptArtifactError, MissingArtifactError
+from schemas.recipes import Recipe
+from store.ahead import map_reads
+from store.protocol import ArtifactStore
+
+
+class State(StrEnum):
+    """Whether a relative lies in the store."""
+
+    STORED = "stored"
+    ABSENT = "absent"
+    """Never copied here, or removed: what it was made from in turn is not known."""
+    DAMAGED = "damaged"
+    """Its manifest is not the one that was committed, and what it was made from is not known either."""
+
+
+class Relative(NamedTuple):
+    """An ancestor or a descendant of an artifact, and what its manifest says.
+
+    Attributes
+    ----------
+    depth : int
+        Steps between the two on the shortest way: 1 for an input, 0 for the artifact itself.
+    recipe : Recipe or None
+        None unless it is stored.
+    nbytes : int
+        Bytes of its files but the manifest; 0 unless it is stored.
+    problem : str or None
+        Why there is no recipe.
+    """
+
+    ref: str
+    depth: int
+    state: State
+    recipe: Recipe | None = None
+    nbytes: int = 0
+    problem: str | None = None
+
+    def input_refs(self) -> tuple[str, ...]:
+        """Each input once; none where the recipe is not known."""
+        return () if self.recipe is None else tuple(dict.fromkeys(self.recipe.input_refs()))
+
+
+def ancestry(store: ArtifactStore, refs: Iterable[str]) -> Iterator[Relative]:
+    """The artifacts themselves and all that they were made from, directly and in turn, the nearest first.
+
+    What is absent or damaged ends the walk on its way.
+    """
+    level, depth = list(dict.fromkeys(refs)), 0
+    seen = set(level)
+    while level:
+        following: dict[str, None] = {}
+        for relative in read_recipes(store, level, depth):
+            yield relative
+            following |= dict.fromkeys(ref for ref in relative.input_refs() if ref not in seen)
+        seen |= following.keys()
+        level, depth = list(following), depth + 1
+
+
+def descendants(
+    store: ArtifactStore, ref: str, refs: Iterable[str] | None = None, on_read: Callable[[], None] | None = None
+) -> Iterator[Relative]:
+    """Stored artifacts that were made from one, directly and in turn, the nearest first.
+
+    Reads the manifest of every artifact, or of `refs`, once and calls `on_read` after each. What was made from it only
+    by way of an artifact that is gone is not found, nor what is damaged.
+    """
+    children: dict[str, list[str]] = {}
+    for relative in read_recipes(store, store.refs() if refs is None else refs):
+        for parent in relative.input_refs():
+            children.setdefault(parent, []).append(relative.ref)
+        if on_read is not None:
+            on_read()
+    for depth, level in enumerate(_levels(ref, children), start=1):
+        yield from read_recipes(store, level, depth)
+
+
+def read_recipes(store: ArtifactStore, refs: Iterable[str], depth: int = 0) -> Iterator[Relative]:
+    """What each artifact was made from, in order; from a store behind a network many are read at a time."""
+
+    def read(ref: str) -> Relative:
+        try:
+            manifest = store.manifest(ref)
+        except MissingArtifactError as error:
+            return Relative(ref, depth, State.ABSENT, problem=str(error))
+        except CorruptArtifactError as error:
+            return Relative(ref, depth, State.DAMAGED, problem=str(error))
+        return Relative(ref, depth, State.STORED, manifest.recipe, manifest.nbytes)
+
+    return map_reads(store, read, refs)
+
+
+def _levels(ref: str, children: Mapping[str, list[str]]) -> Iterator[list[str]]:
+    """What was made from an artifact in one step, in two steps and so on, each artifact where it first appears."""
+    seen, level = {ref}, [ref]
+    while level:
+        found = dict.fromkeys(child for parent in level for child in children.get(parent, ()))
+        level = [child for child in found if child not in seen]
+        seen.update(level)
+        if level:
+            yield level

@@ -1,0 +1,185 @@
+"""Copying finished artifacts from one store to another.
+
+Every byte is compared with its manifest before the artifact is committed at the other end. What the target has is not
+copied again, so a transfer that was interrupted goes on when it is asked for again. Inputs go before what was made from
+them, so that the target's lineage is whole however far a transfer came. Only an input that is damaged at the source
+stays behind alone: what was made from it is complete without it, as it is after the input was removed.
+"""
+
+import os
+import uuid
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
+from graphlib import TopologicalSorter
+from typing import NamedTuple
+
+from schemas.errors import CorruptArtifactError, MissingArtifactError
+from store.lineage import Relative, State, ancestry, read_recipes
+from store.local import LocalStore
+from store.outcomes import PutOutcome
+from store.protocol import ArtifactStore
+
+NUM_THREADS = 16
+"""Artifacts on their way at a time where one end is behind a network, each whole in memory: some MB to some 10 MB.
+
+Between two disks one thread is fastest: the work is checking and decoding, and threads only share the interpreter."""
+LEASE_SECONDS = 7 * 86_400.0
+"""For how long `gc` at the target spares a transfer that died without a word."""
+
+
+class TransferPlan(NamedTuple):
+    """What a transfer has to do.
+
+    Attributes
+    ----------
+    selected : tuple of str
+        All artifacts that the target is to have, also those that it has already.
+    inputs : dict
+        Each artifact to copy, and its inputs.
+    nbytes : dict
+        Bytes of each artifact to copy.
+    problems : dict
+        Artifacts that cannot be copied because their manifest is damaged, each with what is wrong.
+    """
+
+    selected: tuple[str, ...]
+    inputs: dict[str, tuple[str, ...]]
+    nbytes: dict[str, int]
+    problems: dict[str, str]
+
+    @property
+    def num_present(self) -> int:
+        """Artifacts that the target has already."""
+        return len(self.selected) - len(self.inputs) - len(self.problems)
+
+
+class TransferReport(NamedTuple):
+    """What a transfer did; `problems` names the artifacts that stayed behind, each with what is wrong."""
+
+    num_copied: int
+    num_present: int
+    nbytes: int
+    problems: dict[str, str]
+
+
+def select(
+    source: ArtifactStore, roots: Iterable[str] | None = None, with_inputs: bool = True
+) -> dict[str, Relative | None]:
+    """All artifacts of a store, or of the `roots` and of what they were made from those that are stored.
+
+    Each with what its manifest says where that had to be read. Without inputs, of the roots only themselves.
+    """
+    if roots is None:
+        return dict.fromkeys(source.refs())
+    found = ancestry(source, roots) if with_inputs else read_recipes(source, dict.fromkeys(roots))
+    return {relative.ref: relative for relative in found if relative.state != State.ABSENT}
+
+
+def plan_transfer(
+    source: ArtifactStore, target: ArtifactStore | None, selected: Mapping[str, Relative | None]
+) -> TransferPlan:
+    """Find which of the selected artifacts the target lacks; a target of None lacks all."""
+    present = set() if target is None else target.present(selected)
+    plan = TransferPlan(tuple(selected), {}, {}, {})
+    missing = [ref for ref in selected if ref not in present]
+    unread = read_recipes(source, [ref for ref in missing if selected[ref] is None])
+    for ref in missing:
+        found = selected[ref] or next(unread)
+        if found.recipe is None:
+            plan.problems[ref] = found.problem
+        else:
+            plan.inputs[ref] = found.input_refs()
+            plan.nbytes[ref] = found.nbytes
+    return plan
+
+
+def transfer(
+    source: ArtifactStore,
+    target: ArtifactStore,
+    plan: TransferPlan,
+    on_done: Callable[[str], None] = lambda ref: None,
+    num_threads: int | None = None,
+) -> TransferReport:
+    """Copy what a plan names, several artifacts at a time, inputs first; `on_done` is called after each.
+
+    Raises
+    ------
+    StoreError
+        The target refuses to be written, or a store cannot be reached. What was copied until then stays.
+    """
+    if num_threads is None:
+        is_local = isinstance(source, LocalStore) and isinstance(target, LocalStore)
+        num_threads = 1 if is_local else NUM_THREADS
+    problems = dict(plan.problems)
+    copied: list[str] = []
+
+    def copy(ref: str) -> PutOutcome | str:
+        try:
+            artifact = source.export(ref)
+        except (CorruptArtifactError, MissingArtifactError) as error:
+            return str(error)
+        return target.adopt(artifact)
+
+    for ref, outcome in _run_in_order(plan.inputs, copy, num_threads):
+        if isinstance(outcome, PutOutcome):
+            if outcome == PutOutcome.COMMITTED:
+                copied.append(ref)
+        else:
+            problems[ref] = outcome
+        on_done(ref)
+    nbytes = sum(plan.nbytes[ref] for ref in copied)
+    num_present = len(plan.selected) - len(copied) - len(problems)
+    return TransferReport(len(copied), num_present, nbytes, problems)
+
+
+@contextmanager
+def kept_meanwhile(target: ArtifactStore, refs: Iterable[str]) -> Iterator[None]:
+    """Have `gc` at the target spare these while they are copied: no run's pin there reaches them yet."""
+    lease = f"copy-{uuid.uuid4().hex}"
+    target.pin(lease, refs, lease_seconds=LEASE_SECONDS)
+    try:
+        yield
+    finally:
+        target.unpin(lease)
+
+
+def keep(target: ArtifactStore, pins: Mapping[str, Iterable[str]]) -> None:
+    """Pin what was copied, by run; a run that has a pin there keeps what that names too."""
+    there = target.pinned()
+    for run_id, refs in pins.items():
+        before = there[run_id].refs if run_id in there else ()
+        wanted = tuple(dict.fromkeys([*before, *refs]))
+        if run_id not in there or there[run_id].expires is not None or wanted != before:
+            target.pin(run_id, wanted)
+
+
+def is_same_store(one: ArtifactStore, other: ArtifactStore) -> bool:
+    """Whether two stores are one, also where a folder is reached on two ways."""
+    if isinstance(one, LocalStore) and isinstance(other, LocalStore):
+        return os.path.samefile(one.root, other.root)
+    return one.url == other.url
+
+
+def _run_in_order(
+    inputs: Mapping[str, Sequence[str]], copy: Callable[[str], PutOutcome | str], num_threads: int
+) -> Iterator[tuple[str, PutOutcome | str]]:
+    """Each artifact and what its copy gave, begun only when the copies of all its inputs have ended."""
+    order = TopologicalSorter({ref: [each for each in needed if each in inputs] for ref, needed in inputs.items()})
+    order.prepare()
+    ready: deque[str] = deque()
+    running: dict[Future[PutOutcome | str], str] = {}
+    pool = ThreadPoolExecutor(num_threads, thread_name_prefix="moseg-transfer")
+    try:
+        while order.is_active():
+            ready.extend(order.get_ready())
+            while ready and len(running) < 2 * num_threads:
+                ref = ready.popleft()
+                running[pool.submit(copy, ref)] = ref
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                ref = running.pop(future)
+                yield ref, future.result()
+                order.done(ref)
+    finally:
+        pool.shutdown(cancel_futures=True)
