@@ -59,7 +59,7 @@ def share_out(names: Sequence[Hashable], accelerators: Sequence[str]) -> OwnWork
 
 
 class WorkerSetup(WorkerPlugin):
-    """Brings every worker, also one that joins later, to its threads and its device."""
+    """Brings every local worker, also one that is started again, to its threads and its device."""
 
     name = "moseg-worker"
 
@@ -69,7 +69,7 @@ class WorkerSetup(WorkerPlugin):
 
     async def setup(self, worker):
         pin_threads(self._threads)
-        # A worker that cannot import the tasks is found out now; a call sent to it would never come back.
+        # The first call is not to wait for it.
         import_module("workflows.execution")
         placement = self._plan.place(worker.name, worker.state.total_resources)
         set_device(placement.device)
@@ -84,7 +84,7 @@ class WorkerSetup(WorkerPlugin):
 class Gpus(Protocol):
     """The GPUs of a cluster."""
 
-    def claim(self) -> bool:
+    def claim(self, client: Client) -> bool:
         """Whether a call that runs a network must wait for a GPU; raises InputError where one was asked for in vain."""
 
 
@@ -94,20 +94,18 @@ class OwnGpus:
     Before that nobody needs to know how many there are, and to find out takes torch.
     """
 
-    def __init__(self, client: Client, threads: int, device: str):
-        self._client = client
+    def __init__(self, threads: int, device: str):
         self._threads = threads
         self._device = device
         self._has_any: bool | None = None
-        set_up_workers(client, threads, OwnWorkers())
 
-    def claim(self) -> bool:
+    def claim(self, client: Client) -> bool:
         """See `Gpus.claim`."""
         if self._has_any is None:
             accelerators = list_accelerators(self._device)
             if accelerators:
-                names = sorted(worker["name"] for worker in self._client.scheduler_info()["workers"].values())
-                set_up_workers(self._client, self._threads, share_out(names, accelerators))
+                names = sorted(worker["name"] for worker in client.scheduler_info(-1)["workers"].values())
+                set_up_workers(client, self._threads, share_out(names, accelerators))
             self._has_any = bool(accelerators)
         return self._has_any
 
@@ -115,14 +113,12 @@ class OwnGpus:
 class ForeignGpus:
     """GPUs that workers of an existing cluster declare."""
 
-    def __init__(self, client: Client, threads: int, device: str):
-        self._client = client
+    def __init__(self, device: str):
         self._device = device
-        set_up_workers(client, threads, ForeignWorkers(device))
 
-    def claim(self) -> bool:
+    def claim(self, client: Client) -> bool:
         """See `Gpus.claim`."""
-        workers = self._client.scheduler_info()["workers"].values()
+        workers = client.scheduler_info(-1)["workers"].values()
         if self._device == "cpu":
             return False
         if any(worker["resources"].get(GPU) for worker in workers):
@@ -131,16 +127,12 @@ class ForeignGpus:
             return False
         raise InputError(
             "no worker declares a GPU",
-            where=f"--scheduler {self._client.scheduler.address}",
+            where=f"--scheduler {client.scheduler.address}",
             got=f"--device {self._device} and {len(workers)} workers",
             expected="dask worker --resources GPU=1, or --device cpu",
         )
 
 
 def set_up_workers(client: Client, threads: int, plan: Plan) -> None:
-    """Set up all workers, present and future ones; raises InputError where one cannot run moseg or lacks its device."""
-    try:
-        client.register_plugin(WorkerSetup(threads, plan))
-    except ImportError as error:
-        expected = "the same moseg on every worker"
-        raise InputError("workers that cannot run moseg's tasks", got=error, expected=expected) from error
+    """Set up all local workers, present and future ones."""
+    client.register_plugin(WorkerSetup(threads, plan))

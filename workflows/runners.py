@@ -1,62 +1,51 @@
 """Running calls that depend on each other: in this process, on local workers, or on an existing Dask cluster."""
 
-import uuid
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
-from functools import partial
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing, contextmanager
+from itertools import islice
+from typing import Any
 
 import dask
 from dask.callbacks import Callback
-from dask.highlevelgraph import HighLevelGraph, MaterializedLayer
-from distributed import Client, LocalCluster, as_completed
+from dask.task_spec import Task, TaskRef
 
 from schemas.errors import InputError
+from workflows.calls import Call, Runner
+from workflows.cluster_connection import TlsFiles
+from workflows.cluster_failures import as_cluster_errors
+from workflows.clusters import Cluster, ForeignCluster, LocalWorkers
 from workflows.devices import current_device, parse_device, read_device, set_device
-from workflows.interrupts import defer_interrupts
-from workflows.memory import allocation_environ, keep_freed_memory
-from workflows.placement import GPU, ForeignGpus, Gpus, OwnGpus
-from workflows.threads import pin_threads, thread_environ
+from workflows.flight import CALLS_PER_THREAD, MIN_IN_FLIGHT, Flight
+from workflows.memory import keep_freed_memory
+from workflows.placement import GPU
+from workflows.threads import pin_threads
 
+__all__ = ["Call", "DistributedRunner", "Runner", "SynchronousRunner", "TlsFiles", "open_runner"]
 
-class Call(NamedTuple):
-    """A function, its arguments, and the names of the calls that it waits for (their results follow the arguments).
-
-    A call that runs a network has `needs_gpu`: where there are GPUs, no other such call shares its own.
-    """
-
-    name: str
-    function: Callable[..., Any]
-    arguments: tuple
-    after: tuple[str, ...] = ()
-    needs_gpu: bool = False
-
-
-class Runner(Protocol):
-    """Runs calls in an order that their dependencies allow."""
-
-    def run(self, calls: Sequence[Call], on_done: Callable[[str, Any], None]) -> None:
-        """Run all `calls` (each listed after those it waits for); tell `on_done` each name and result; raise the first
-        error."""
-
-    def has_gpu(self) -> bool:
-        """Whether calls that run a network run it on a GPU; raises InputError where one was asked for in vain."""
-
-    def num_workers(self) -> int:
-        """How many calls run at the same time."""
+CALLS_AT_ONCE = 512
+"""Calls that the synchronous scheduler is given at a time."""
 
 
 class SynchronousRunner:
     """One call after the other in this process."""
 
-    def run(self, calls: Sequence[Call], on_done: Callable[[str, Any], None]) -> None:
+    def run(self, calls: Iterable[Call], on_done: Callable[[str, Any], None]) -> None:
         """See `Runner.run`."""
 
         def posttask(key, result, dsk, state, worker_id):
             on_done(key, result)
 
+        remaining = iter(calls)
         with Callback(posttask=posttask):
-            dask.get(_graph(calls), [call.name for call in calls])
+            while some := list(islice(remaining, CALLS_AT_ONCE)):
+                names = {call.name for call in some}
+                graph = {
+                    call.name: Task(
+                        call.name, _run_after, call, *(TaskRef(name) for name in call.after if name in names)
+                    )
+                    for call in some
+                }
+                dask.get(graph, list(graph))
 
     def has_gpu(self) -> bool:
         """See `Runner.has_gpu`."""
@@ -67,116 +56,91 @@ class SynchronousRunner:
         return 1
 
 
+def _run_after(call: Call, *_done: object) -> Any:
+    return call.function(*call.arguments)
+
+
 class DistributedRunner:
     """On the workers of a Dask cluster; only references and reports travel through its scheduler."""
 
-    def __init__(self, client: Client, gpus: Gpus):
-        self._client = client
-        self._gpus = gpus
+    def __init__(self, cluster: Cluster):
+        self._cluster = cluster
 
-    def run(self, calls: Sequence[Call], on_done: Callable[[str, Any], None]) -> None:
+    def run(self, calls: Iterable[Call], on_done: Callable[[str, Any], None]) -> None:
         """See `Runner.run`."""
-        has_gpus = any(call.needs_gpu for call in calls) and self._gpus.claim()
-        # The scheduler would take a call of the same name, of another or an earlier run, for this one.
-        suffix = f"-{uuid.uuid4().hex}"
-        graph = _graph(calls, {GPU: 1} if has_gpus else None, suffix)
-        futures = self._client.get(graph, [call.name + suffix for call in calls], sync=False)
-        try:
-            for future, result in as_completed(futures, with_results=True):
-                on_done(future.key.removesuffix(suffix), result)
-        finally:
-            self._client.cancel(futures)
+        remaining = iter(calls)
+        waiting = list(islice(remaining, MIN_IN_FLIGHT))
+        if not waiting:
+            return
+        with as_cluster_errors(self._cluster), closing(Flight(self._cluster.client(), self._cluster.setup)) as flight:
+            while waiting or flight:
+                if waiting:
+                    needs_gpus = any(call.needs_gpu for call in waiting) and self._cluster.claim_gpus()
+                    waiting = flight.submit(waiting, {GPU: 1} if needs_gpus else None)
+                    window = max(MIN_IN_FLIGHT, CALLS_PER_THREAD * self._cluster.admit_workers())
+                for name, result in flight.collect():
+                    on_done(name, result)
+                # Half a window at a time: each message to the scheduler costs some milliseconds.
+                if not waiting and len(flight) <= window // 2:
+                    waiting = list(islice(remaining, window - len(flight)))
 
     def has_gpu(self) -> bool:
         """See `Runner.has_gpu`."""
-        return self._gpus.claim()
+        return self._cluster.claim_gpus()
 
     def num_workers(self) -> int:
         """See `Runner.num_workers`."""
-        return max(1, sum(self._client.nthreads().values()))
+        return max(1, self._cluster.num_threads())
 
 
 @contextmanager
 def open_runner(
-    workers: int = 0, scheduler: str | None = None, device: str = "auto", threads: int = 1
+    workers: int = 0,
+    scheduler: str | None = None,
+    device: str = "auto",
+    threads: int = 1,
+    tls: TlsFiles | None = None,
 ) -> Iterator[Runner]:
     """A runner for the block: synchronous for 0 workers, else local worker processes or the cluster at `scheduler`.
 
     Parameters
     ----------
     workers : int
+        They start with the first call: a run that finds everything in the store starts none.
     scheduler : str, optional
-        Address of an existing cluster.
+        Address of an existing cluster, or its scheduler file.
     device : str
         Where networks run, see `parse_device`. Each CUDA device goes to one local worker. In an existing cluster calls
         that run a network go to workers that declare the resource ``GPU``; for ``auto`` to any on its CPU where none
         does.
     threads : int
         CPU threads of each process.
+    tls : TlsFiles, optional
+        Certificates for a scheduler at ``tls://``.
 
     Raises
     ------
     InputError
-        There is no such scheduler or device, or the numbers make no sense.
+        There is no such scheduler or device, or the numbers make no sense; or a process of the cluster has other code
+        than this one, or lacks a package.
     """
     if scheduler is not None and workers:
         raise InputError("--workers and --scheduler exclude each other", got=f"{workers} and {scheduler}")
     if workers < 0:
         raise InputError("not a number of workers", where="--workers", got=workers, expected="0 (this process) or more")
+    tls = tls or TlsFiles()
+    if scheduler is None and tls.named():
+        raise InputError("certificates are for --scheduler", where=next(iter(tls.named())), expected="tls://host:8786")
     pin_threads(threads)
     keep_freed_memory()
     if scheduler is not None:
         read_device(device)
-        with _connect(scheduler) as client:
-            yield DistributedRunner(client, ForeignGpus(client, threads, device))
+        with closing(ForeignCluster(scheduler, tls, threads, device)) as cluster:
+            yield DistributedRunner(cluster)
     elif workers == 0:
         set_device(device)
         yield SynchronousRunner()
     else:
         parse_device(device)
-        settings = {
-            "distributed.nanny.pre-spawn-environ": thread_environ(threads) | allocation_environ(),
-            # Samples the stack of every worker a hundred times a second.
-            "distributed.worker.profile.enabled": False,
-        }
-        with ExitStack() as stack:
-            with defer_interrupts(), dask.config.set(settings):
-                cluster = LocalCluster(
-                    n_workers=workers,
-                    threads_per_worker=1,
-                    processes=True,
-                    host="127.0.0.1",
-                    dashboard_address="127.0.0.1:0",
-                    silence_logs="CRITICAL",
-                )
-                client = stack.enter_context(Client(stack.enter_context(cluster)))
-                runner = DistributedRunner(client, OwnGpus(client, threads, device))
-            yield runner
-
-
-def _connect(scheduler: str) -> Client:
-    try:
-        return Client(scheduler, timeout="10s")
-    except (OSError, ValueError) as error:
-        raise InputError(
-            "no Dask scheduler answers", where=f"--scheduler {scheduler}", got=error, expected="tcp://host:8786"
-        ) from error
-
-
-def _graph(calls: Sequence[Call], for_network: Mapping[str, int] | None = None, suffix: str = "") -> HighLevelGraph:
-    """Calls as tasks of a Dask graph; those that run a network take the resources `for_network`, keys end in `suffix`.
-
-    Written out, because each `Delayed` holds a list of all that it waits for: over a video's length these grow by its
-    square.
-    """
-    layers: dict[str, MaterializedLayer] = {}
-    dependencies: dict[str, set[str]] = {}
-    for call in calls:
-        key = call.name + suffix
-        waits = [name + suffix for name in call.after if name + suffix in layers]
-        # Bound, because Dask would search arguments for keys.
-        task = (partial(call.function, *call.arguments), *waits)
-        resources = {"resources": for_network} if call.needs_gpu and for_network else None
-        layers[key] = MaterializedLayer({key: task}, annotations=resources)
-        dependencies[key] = set(waits)
-    return HighLevelGraph(layers, dependencies)
+        with closing(LocalWorkers(workers, threads, device)) as cluster:
+            yield DistributedRunner(cluster)

@@ -6,6 +6,7 @@ from contextlib import closing, contextmanager
 
 from schemas.errors import InputError
 from store import open_store
+from workflows.cluster_connection import TlsFiles
 from workflows.runners import open_runner
 from workflows.session import Session
 from workflows.weights.folder import open_weights
@@ -16,6 +17,7 @@ def open_session(
     store: str,
     workers: int = 0,
     scheduler: str | None = None,
+    tls: TlsFiles | None = None,
     quiet: bool = False,
     device: str = "auto",
     threads: int = 1,
@@ -35,7 +37,7 @@ def open_session(
     opened = open_store(store)
     weights = open_weights(os.environ, offline=offline, allow_non_commercial=non_commercial, quiet=quiet)
     with (
-        open_runner(workers, scheduler, device, threads) as runner,
+        open_runner(workers, scheduler, device, threads, tls) as runner,
         closing(Session(opened, runner, quiet, weights, batch)) as session,
     ):
         yield session

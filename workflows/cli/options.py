@@ -178,7 +178,19 @@ class RunOptions:
 
     store: StoreOption = DEFAULT_STORE
     workers: Annotated[int, typer.Option("--workers", help="Worker processes; 0 runs in this process.")] = 0
-    scheduler: Annotated[str | None, typer.Option("--scheduler", help="Existing Dask cluster, tcp://host:8786.")] = None
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            "--scheduler", help="Existing Dask cluster: tcp://host:8786, tls://host:8786 or a scheduler file."
+        ),
+    ] = None
+    tls_ca: Annotated[
+        str | None, typer.Option("--tls-ca", help="PEM file of the CA of a scheduler at tls:// (default: Dask's own).")
+    ] = None
+    tls_cert: Annotated[str | None, typer.Option("--tls-cert", help="PEM file of this client's certificate.")] = None
+    tls_key: Annotated[
+        str | None, typer.Option("--tls-key", help="PEM file of its key, unless the certificate's file holds it.")
+    ] = None
     device: Annotated[
         str, typer.Option("--device", help="Where networks run: auto, cpu, cuda, cuda:N or mps; auto takes a GPU.")
     ] = "auto"
@@ -195,12 +207,14 @@ class RunOptions:
 
     def open(self):
         """A session, as a context manager."""
+        from workflows.cluster_connection import TlsFiles
         from workflows.runs import open_session
 
         return open_session(
             self.store,
             workers=self.workers,
             scheduler=self.scheduler,
+            tls=TlsFiles(self.tls_ca, self.tls_cert, self.tls_key),
             quiet=self.quiet,
             device=self.device,
             threads=self.threads,

@@ -1,0 +1,122 @@
+"""Clusters of real processes, as a user starts them: `dask scheduler` and `dask worker`."""
+
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from workflows.cluster_connection import TlsFiles
+
+DEADLINE_SEC = 120
+ROOT = Path(__file__).resolve().parents[3]
+
+
+class Cluster:
+    """A scheduler and workers, each a process of its own, on loopback."""
+
+    def __init__(self, folder: Path, tls: TlsFiles | None = None, path: Path | None = None):
+        self._folder = folder
+        self._processes: dict[str, subprocess.Popen] = {}
+        protocol = "tls" if tls else "tcp"
+        with socket.create_server(("127.0.0.1", 0)) as server:
+            self.address = f"{protocol}://127.0.0.1:{server.getsockname()[1]}"
+        files = {"ca-file": tls.ca, "cert": tls.cert, "key": tls.key} if tls else {}
+        self._tls = [word for name, path in files.items() for word in (f"--tls-{name}", path)]
+        file = folder / "scheduler.json"
+        options = ("--host", self.address, "--dashboard-address", "127.0.0.1:0", "--scheduler-file", str(file))
+        self.scheduler = self._start("scheduler", *options, path=path)
+        self.file = file
+        _wait(file.exists, self.log)
+
+    def add_worker(self, name: str, *options: str, path: Path | None = None, has_nanny: bool = False):
+        """Start a worker, with a folder in front of its modules, and wait until it has joined."""
+        nanny = "--nanny" if has_nanny else "--no-nanny"
+        fixed = ("--nthreads", "1", "--host", "127.0.0.1", "--no-dashboard", "--local-directory", str(self._folder))
+        process = self._start("worker", self.address, *fixed, nanny, "--name", name, *options, path=path)
+        _wait(lambda: "Registered to" in self.log(name), lambda: self.log(name))
+        return process
+
+    def worker_address(self, name: str) -> str:
+        """Where a worker says that it listens."""
+        return re.search(r"Start worker at: +(\S+)", self.log(name)).group(1)
+
+    def log(self, name: str = "scheduler") -> str:
+        """What a process has said so far."""
+        return (self._folder / f"{name}.log").read_text()
+
+    def close(self) -> None:
+        """End every process."""
+        for process in reversed(self._processes.values()):
+            process.kill()
+            process.wait(timeout=DEADLINE_SEC)
+
+    def _start(self, kind: str, *words: str, path: Path | None = None) -> subprocess.Popen:
+        name = words[words.index("--name") + 1] if "--name" in words else kind
+        places = [str(path)] if path else []
+        # Workers ignore the folder that they are started in.
+        env = os.environ | {"PYTHONPATH": os.pathsep.join([*places, str(ROOT)])}
+        command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *words, *self._tls]
+        with (self._folder / f"{name}.log").open("w") as log:
+            process = subprocess.Popen(command, env=env, stdout=log, stderr=log, cwd=self._folder)
+        self._processes[name] = process
+        return process
+
+
+def _wait(is_done: Callable[[], bool], explain: Callable[[], str]) -> None:
+    deadline = time.monotonic() + DEADLINE_SEC
+    while not is_done():
+        assert time.monotonic() < deadline, explain()
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def start_cluster(tmp_path) -> Iterator[Callable[..., Cluster]]:
+    """Starts a scheduler without workers."""
+    started = []
+
+    def start(tls: TlsFiles | None = None, path: Path | None = None) -> Cluster:
+        folder = tmp_path / f"cluster-{len(started)}"
+        folder.mkdir()
+        started.append(Cluster(folder, tls, path))
+        return started[-1]
+
+    yield start
+    for cluster in started:
+        cluster.close()
+
+
+@pytest.fixture(scope="session")
+def make_tls(tmp_path_factory) -> Callable[[str], TlsFiles]:
+    """Writes the certificate of a new authority, and one that it gives to loopback, with its key."""
+    trustme = pytest.importorskip("trustme")
+
+    def make(name: str) -> TlsFiles:
+        folder = tmp_path_factory.mktemp(name)
+        authority = trustme.CA()
+        certificate = authority.issue_cert("127.0.0.1")
+        files = TlsFiles(*(str(folder / f"{part}.pem") for part in ("ca", "cert", "key")))
+        authority.cert_pem.write_to_path(files.ca)
+        certificate.private_key_pem.write_to_path(files.key)
+        for blob in certificate.cert_chain_pems:
+            blob.write_to_path(files.cert, append=True)
+        return files
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def tls_files(make_tls) -> TlsFiles:
+    """Certificates that client, scheduler and workers share."""
+    return make_tls("tls")
+
+
+def kill(process: subprocess.Popen) -> None:
+    """Kill a process as the kernel does that is out of memory."""
+    os.kill(process.pid, signal.SIGKILL)

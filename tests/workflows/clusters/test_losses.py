@@ -1,0 +1,111 @@
+"""Workers may die at any time; the run goes on, or ends with one line that says at what they died."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import psutil
+import pytest
+
+from schemas.errors import ClusterError
+from store import open_store
+from workflows.runners import Call, open_runner
+
+MOSEG = [sys.executable, "-c", "from workflows.cli import main; main()"]
+DEADLINE_SEC = 120
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="SIGKILL is POSIX")
+
+
+def _contents(folder):
+    """Every artifact's arrays, by digest of their bytes, and results."""
+    store = open_store(str(folder), create=False)
+    manifests = {ref: store.manifest(ref) for ref in store.refs()}
+    return {
+        ref: ({entry.name: entry.digest for entry in manifest.arrays}, manifest.attributes)
+        for ref, manifest in manifests.items()
+    }
+
+
+def _workers_of(process):
+    """Worker processes below a process: those that compute are started by another of its family."""
+    return [child for child in psutil.Process(process.pid).children(recursive=True) if "spawn_main" in _words(child)]
+
+
+def _words(process):
+    try:
+        return " ".join(process.cmdline())
+    except psutil.NoSuchProcess:
+        return ""
+
+
+@pytest.mark.parametrize("kind", ["own", "foreign"])
+def test_a_run_outlives_a_worker_and_gives_the_same_bytes(kind, start_cluster, evaluated, moseg, tmp_path):
+    # Many samples, for a run of seconds.
+    slow = (*evaluated.arguments, "--set", "fundamental.num_samples=4000")
+    assert moseg(*slow, "--store", tmp_path / "whole").code == 0
+    if kind == "foreign":
+        cluster = start_cluster()
+        nanny = cluster.add_worker("one", has_nanny=True)
+    options = ("--workers", "2") if kind == "own" else ("--scheduler", cluster.address)
+    report = tmp_path / "report.json"
+    arguments = [*slow, *options, "--store", str(tmp_path / "store"), "--json", str(report)]
+    run = subprocess.Popen([*MOSEG, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    flows = tmp_path / "store" / "objects" / "flow"
+    deadline = time.monotonic() + DEADLINE_SEC
+    while not any(flows.glob("*/*")):
+        assert run.poll() is None, run.communicate()
+        assert time.monotonic() < deadline
+        time.sleep(0.005)
+    _workers_of(run if kind == "own" else nanny)[0].kill()
+    _, err = run.communicate(timeout=DEADLINE_SEC)
+    # Python itself may say that the dead process has left a semaphore.
+    assert run.returncode == 0 and "moseg:" not in err and "Traceback" not in err, err
+    assert json.loads(report.read_text())["store"]["computed"] > 0
+    assert _contents(tmp_path / "store") == _contents(tmp_path / "whole")
+
+
+def _fatal_call():
+    # Workers cannot import this file; what is defined in a function travels as code.
+    def die():
+        import os
+        import signal
+
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    return Call("flow-0123", die, ())
+
+
+def test_a_call_that_kills_every_worker_ends_the_run_with_its_name():
+    expected = r"workers died again and again in stage flow, call flow-0123; got 4 workers lost .*memory"
+    with open_runner(workers=1) as runner, pytest.raises(ClusterError, match=expected):
+        runner.run([_fatal_call()], lambda name, result: None)
+
+
+def test_a_scheduler_that_dies_ends_the_run(start_cluster):
+    cluster = start_cluster()
+    cluster.add_worker("one")
+
+    def wait():
+        import time
+
+        time.sleep(0.05)
+
+    calls = (Call(f"slow-{number}", wait, ()) for number in range(2000))
+    with (
+        open_runner(scheduler=cluster.address) as runner,
+        pytest.raises(ClusterError, match=f"the scheduler is gone .* in {cluster.address}"),
+    ):
+        runner.run(calls, lambda name, result: cluster.scheduler.send_signal(signal.SIGKILL))
+
+
+def test_a_lost_cluster_is_one_line_and_a_fault(moseg, monkeypatch):
+    def lose(*arguments):
+        raise ClusterError("the scheduler is gone", where="tcp://127.0.0.1:8786")
+
+    monkeypatch.setattr("workflows.cli.app.get_command", lambda typer: lambda words, standalone_mode: lose())
+    ran = moseg("eval")
+    assert (ran.code, ran.err) == (1, "moseg: the scheduler is gone in tcp://127.0.0.1:8786\n")

@@ -1,0 +1,207 @@
+"""Client, scheduler and workers run the same code and have the same packages, or the run is refused by name."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from schemas.errors import InputError
+from workflows import code_fingerprint as fingerprints
+from workflows.cluster_check import ClusterCheck
+from workflows.runners import Call, open_runner
+
+ROOT = Path(__file__).resolve().parents[3]
+NO_SUCH_PACKAGE = """
+import sys
+
+class Lacking:
+    def find_spec(name, path=None, target=None):
+        if name.partition(".")[0] in LACKING:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+sys.meta_path.insert(0, Lacking)
+"""
+
+
+@pytest.fixture
+def other_version(tmp_path) -> Path:
+    """A folder of the same packages with a word more in one of them."""
+    for room in fingerprints.ROOMS:
+        shutil.copytree(ROOT / room, tmp_path / "other" / room, ignore=shutil.ignore_patterns("__pycache__"))
+    path = tmp_path / "other" / "moseg_tasks" / "flow" / "dis.py"
+    path.write_text(path.read_text() + "\nWORD = 1\n")
+    return tmp_path / "other"
+
+
+@pytest.fixture
+def without(tmp_path):
+    """A folder that takes packages away from a Python that has it on its path."""
+
+    def make(*packages: str) -> Path:
+        folder = tmp_path / "-".join(packages)
+        folder.mkdir()
+        (folder / "sitecustomize.py").write_text(f"LACKING = {packages!r}\n{NO_SUCH_PACKAGE}")
+        return folder
+
+    return make
+
+
+def _slow_calls(count, needs_gpu=False):
+    """Calls of a tenth of a second."""
+
+    # Workers cannot import this file; what is defined in a function travels as code.
+    def wait(number):
+        import time
+
+        time.sleep(0.1)
+        return number
+
+    return [Call(f"slow-{number}", wait, (number,), needs_gpu=needs_gpu) for number in range(count)]
+
+
+def _expect_refusal(moseg, cluster, *parts):
+    ran = moseg("eval", "--scheduler", cluster.address)
+    assert ran.code == 2, ran.err
+    assert len(ran.err.splitlines()) == 1
+    for part in parts:
+        assert part in ran.err
+
+
+def test_a_worker_of_another_version_is_refused_by_name(start_cluster, other_version, moseg, in_empty_folder):
+    cluster = start_cluster()
+    cluster.add_worker("same")
+    cluster.add_worker("other", path=other_version)
+    address = cluster.worker_address("other")
+    own = fingerprints.code_fingerprint()
+    expected = f"expected code {own}, as here: install the same moseg there"
+    _expect_refusal(moseg, cluster, f"another version of moseg in worker {address}; got code ", expected)
+
+
+def test_a_scheduler_of_another_version_is_refused(start_cluster, other_version, moseg, in_empty_folder):
+    cluster = start_cluster(path=other_version)
+    _expect_refusal(moseg, cluster, f"another version of moseg in scheduler {cluster.address}")
+
+
+@pytest.mark.parametrize(
+    ("packages", "what"),
+    [(fingerprints.ROOMS, "no moseg"), (["cv2"], "no package cv2"), (["poselib"], "no package poselib")],
+)
+def test_a_worker_that_lacks_a_package_is_refused_by_name(
+    start_cluster, without, moseg, in_empty_folder, packages, what
+):
+    cluster = start_cluster()
+    cluster.add_worker("lacking", path=without(*packages))
+    _expect_refusal(moseg, cluster, what, f"in worker {cluster.worker_address('lacking')}")
+
+
+def test_a_worker_that_lacks_what_networks_need_computes_all_else(start_cluster, without):
+    pytest.importorskip("torch")
+    cluster = start_cluster()
+    cluster.add_worker("lacking", path=without("torch"))
+    found = {}
+    with open_runner(scheduler=cluster.address, device="cpu") as runner:
+        runner.run(_slow_calls(1), found.__setitem__)
+        with pytest.raises(InputError, match=f"no package torch in worker {cluster.worker_address('lacking')}"):
+            runner.run(_slow_calls(1, needs_gpu=True), found.__setitem__)
+    assert found == {"slow-0": 0}
+
+
+def test_a_worker_of_another_version_that_joins_later_ends_the_run(start_cluster, other_version):
+    cluster = start_cluster()
+    cluster.add_worker("same")
+    late = []
+
+    def join(name, result):
+        if not late:
+            late.append(cluster.add_worker("late", path=other_version))
+
+    with (
+        open_runner(scheduler=cluster.address) as runner,
+        pytest.raises(InputError, match="another version of moseg in worker tcp://"),
+    ):
+        runner.run(_slow_calls(600), join)
+    assert late
+
+
+def test_a_worker_without_moseg_that_joins_later_leaves_its_calls_to_the_others(start_cluster, without):
+    cluster = start_cluster()
+    cluster.add_worker("same")
+    late, found = [], {}
+
+    def join(name, result):
+        found[name] = result
+        if not late:
+            late.append(cluster.add_worker("late", path=without(*fingerprints.ROOMS)))
+
+    with open_runner(scheduler=cluster.address) as runner:
+        runner.run(_slow_calls(40), join)
+    assert len(found) == 40
+    late[0].wait(timeout=60)
+    assert "No module named 'workflows'" in cluster.log("late")
+
+
+def test_nothing_of_a_run_stays_on_the_cluster(start_cluster, without):
+    cluster = start_cluster()
+    cluster.add_worker("same")
+    with open_runner(scheduler=cluster.address) as runner:
+        runner.run(_slow_calls(3), lambda name, result: None)
+    # A plugin that was left behind would keep it from joining.
+    cluster.add_worker("strange", path=without(*fingerprints.ROOMS))
+
+
+class _Workers:
+    """A cluster whose workers say what they are told to."""
+
+    def __init__(self, versions):
+        self._versions = versions
+
+    def run(self, function, workers, on_error):
+        facts = function()
+        return {address: facts | {"versions": facts["versions"] | self._versions[address]} for address in workers}
+
+
+def test_other_libraries_are_told_once_in_one_line_and_not_refused(capsys):
+    other = {"a": {"numpy": "1.0"}, "b": {"numpy": "1.0"}, "c": {}, "d": {"scipy": "2.0", "numpy": "1.0"}}
+    check = ClusterCheck(_Workers(other))
+    assert check.check_workers("abc") == ["a", "b", "c"]
+    err = capsys.readouterr().err
+    assert len(err.splitlines()) == 1
+    assert "numpy 1.0 (here " in err and ") on a and 1 more" in err
+    assert check.check_workers("abcd") == ["d"]
+    err = capsys.readouterr().err
+    assert "scipy 2.0" in err and "numpy" not in err
+    assert check.check_workers("abcd") == []
+    assert capsys.readouterr().err == ""
+
+
+def _installed(folder: Path, **files: str) -> Path:
+    for room in fingerprints.ROOMS:
+        (folder / room).mkdir(parents=True)
+        (folder / room / "__init__.py").write_bytes(b"")
+    for name, text in files.items():
+        (folder / "store" / f"{name}.py").write_bytes(text.encode())
+    return folder
+
+
+def _fingerprint(folder, monkeypatch):
+    monkeypatch.setattr(fingerprints, "_folders", lambda room: [folder / room])
+    return fingerprints.code_fingerprint.__wrapped__()
+
+
+def test_the_code_is_its_files_names_and_texts(tmp_path, monkeypatch):
+    first = _fingerprint(_installed(tmp_path / "0", a="x = 1\n", b="y\n"), monkeypatch)
+    assert _fingerprint(_installed(tmp_path / "1", b="y\n", a="x = 1\r\n"), monkeypatch) == first
+    others = [
+        {"a": "x = 2\n", "b": "y\n"},
+        {"a": "x = 1\n", "c": "y\n"},
+        {"a": "x = 1\n"},
+        {"a": "x = 1\ny\n", "b": ""},
+    ]
+    found = [_fingerprint(_installed(tmp_path / f"o{i}", **files), monkeypatch) for i, files in enumerate(others)]
+    assert len({first, *found}) == 5
+    (tmp_path / "0" / "store" / "a.pyc").write_bytes(b"compiled")
+    assert _fingerprint(tmp_path / "0", monkeypatch) == first
+
+
+def test_the_code_of_this_process_is_read_once():
+    assert fingerprints.code_fingerprint() is fingerprints.code_fingerprint()

@@ -1,0 +1,96 @@
+"""However many calls there are, only a window of them is held, and no call runs before those it waits for."""
+
+from itertools import count
+
+import pytest
+from distributed import Client
+
+from workflows import runners
+from workflows.runners import Call, open_runner
+
+WINDOW = 32
+
+
+@pytest.fixture(params=[0, 2], ids=["synchronous", "workers"])
+def runner(request, monkeypatch):
+    """A runner whose window is small."""
+    monkeypatch.setattr(runners, "CALLS_AT_ONCE", WINDOW)
+    monkeypatch.setattr(runners, "MIN_IN_FLIGHT", WINDOW)
+    monkeypatch.setattr(runners, "CALLS_PER_THREAD", WINDOW // 2)
+    with open_runner(workers=request.param) as opened:
+        yield opened
+
+
+def _calls(number, drawn, folder=None):
+    """Calls that wait for the one before and the tenth before; with a folder they say so in a file."""
+
+    # Workers cannot import this file; what is defined in a function travels as code.
+    def work(number):
+        from pathlib import Path
+
+        if folder is not None:
+            before = [number - step for step in (1, 10) if number >= step]
+            assert all(Path(folder, str(other)).exists() for other in before), number
+            Path(folder, str(number)).touch()
+        return number
+
+    for i in range(number):
+        drawn.append(i)
+        yield Call(f"stage{i % 3}-{i}", work, (i,), tuple(f"stage{j % 3}-{j}" for j in (i - 10, i - 1) if j >= 0))
+
+
+def test_calls_are_drawn_as_there_is_room_and_run_in_order(runner, tmp_path):
+    drawn, found, ahead = [], {}, []
+
+    def done(name, result):
+        found[name] = result
+        ahead.append(len(drawn) - len(found))
+
+    runner.run(_calls(200, drawn, str(tmp_path)), done)
+    assert found == {f"stage{i % 3}-{i}": i for i in range(200)}
+    assert max(ahead) < WINDOW
+
+
+def test_an_endless_run_ends_with_its_first_error(runner):
+    def work(number):
+        if number == 3 * 32:
+            raise KeyError(number)
+
+    calls = (Call(f"stage-{number}", work, (number,)) for number in count())
+    done = []
+    with pytest.raises(KeyError, match="96"):
+        runner.run(calls, lambda name, result: done.append(name))
+    assert len(done) <= 5 * WINDOW
+    # The runner is as good as before.
+    runner.run([Call("stage-1", abs, (-1,))], lambda name, result: done.append(result))
+    assert done[-1] == 1
+
+
+def test_no_calls_start_no_workers(monkeypatch):
+    monkeypatch.setattr("workflows.clusters.LocalCluster", None)
+    with open_runner(workers=2) as runner:
+        runner.run([], lambda name, result: None)
+        runner.run(iter(()), lambda name, result: None)
+        assert runner.num_workers() == 2
+
+
+def test_the_scheduler_forgets_what_is_done(monkeypatch):
+    monkeypatch.setattr(runners, "MIN_IN_FLIGHT", WINDOW)
+    monkeypatch.setattr(runners, "CALLS_PER_THREAD", WINDOW)
+    sizes = []
+    with open_runner(workers=1) as runner:
+
+        def look(name, result):
+            if name.endswith("50"):
+                client = Client.current()
+                scheduler = client.cluster.scheduler
+                sizes.append((len(scheduler.tasks), len(client.futures), len(scheduler.task_prefixes)))
+
+        runner.run(_calls(400, []), look)
+        scheduler = Client.current().cluster.scheduler
+        assert len(sizes) == 4
+        # The window, and what it still waits for or has just been collected.
+        assert max(tasks for tasks, _, _ in sizes) <= 3 * WINDOW
+        assert max(futures for _, futures, _ in sizes) <= 3 * WINDOW
+        assert max(prefixes for _, _, prefixes in sizes) <= 5
+    assert len(scheduler.tasks) == 0

@@ -1,0 +1,167 @@
+"""The workers that calls are sent to: processes of this machine, or a Dask cluster that is not ours."""
+
+import sys
+from contextlib import ExitStack
+from importlib.util import find_spec
+from typing import Protocol
+
+import dask
+from distributed import Client, LocalCluster
+
+from workflows.cluster_check import ClusterCheck
+from workflows.cluster_connection import TlsFiles, connect
+from workflows.code_fingerprint import code_fingerprint
+from workflows.interrupts import defer_interrupts
+from workflows.memory import allocation_environ
+from workflows.placement import ForeignGpus, ForeignWorkers, OwnGpus, OwnWorkers, Plan, set_up_workers
+from workflows.remote_calls import Setup, prepare_worker
+from workflows.threads import thread_environ
+from workflows.weights.packages import PACKAGES
+
+
+class Cluster(Protocol):
+    """Workers, and what is to be known of them.
+
+    Attributes
+    ----------
+    setup : Setup
+        What every call asks of the process that runs it.
+    """
+
+    setup: Setup
+
+    def client(self) -> Client:
+        """The client, its workers started."""
+
+    def num_threads(self) -> int:
+        """How many calls run at the same time."""
+
+    def claim_gpus(self) -> bool:
+        """See `Gpus.claim`."""
+
+    def admit_workers(self) -> int:
+        """Look at workers that have joined since, and return how many calls run at the same time; raises InputError
+        where one cannot be given work."""
+
+    def examine_workers(self) -> None:
+        """Look at all workers again, because a call failed for want of a module."""
+
+    def close(self) -> None:
+        """End what was started."""
+
+
+class LocalWorkers:
+    """So many processes of this machine, which start with the first call and come back where they die."""
+
+    def __init__(self, workers: int, threads: int, device: str):
+        self.setup = _setup(threads)
+        self._workers = workers
+        self._gpus = OwnGpus(threads, device)
+        self._stack = ExitStack()
+        self._client: Client | None = None
+
+    def client(self) -> Client:
+        """See `Cluster.client`."""
+        if self._client is None:
+            settings = {
+                "distributed.nanny.pre-spawn-environ": thread_environ(self.setup.threads) | allocation_environ(),
+                # Samples the stack of every worker a hundred times a second.
+                "distributed.worker.profile.enabled": False,
+            }
+            with defer_interrupts(), dask.config.set(settings):
+                cluster = LocalCluster(
+                    n_workers=self._workers,
+                    threads_per_worker=1,
+                    processes=True,
+                    host="127.0.0.1",
+                    dashboard_address="127.0.0.1:0",
+                    silence_logs="CRITICAL",
+                )
+                self._client = self._stack.enter_context(Client(self._stack.enter_context(cluster)))
+                set_up_workers(self._client, self.setup.threads, OwnWorkers())
+        return self._client
+
+    def num_threads(self) -> int:
+        """See `Cluster.num_threads`."""
+        return self._workers
+
+    def claim_gpus(self) -> bool:
+        """See `Cluster.claim_gpus`."""
+        return self._gpus.claim(self.client())
+
+    def admit_workers(self) -> int:
+        """See `Cluster.admit_workers`."""
+        # They are this program's own, and every call has them compare their code.
+        return self._workers
+
+    def examine_workers(self) -> None:
+        """See `Cluster.examine_workers`."""
+
+    def close(self) -> None:
+        """See `Cluster.close`."""
+        self._stack.close()
+
+
+class ForeignCluster:
+    """Whoever works for a scheduler, now or later; nothing of ours is left there.
+
+    Raises
+    ------
+    InputError
+        See `connect` and `ClusterCheck`; or a worker that declares a GPU lacks the device that was asked for.
+    """
+
+    def __init__(self, scheduler: str, tls: TlsFiles, threads: int, device: str):
+        self.setup = _setup(threads, ForeignWorkers(device))
+        self._gpus = ForeignGpus(device)
+        self._client = connect(scheduler, tls)
+        try:
+            self._check = ClusterCheck(self._client)
+            self._check.check_scheduler()
+            if not self.admit_workers():
+                print(f"moseg: --scheduler {scheduler} has no workers yet, waiting for one", file=sys.stderr)
+        except BaseException:
+            self._client.close()
+            raise
+
+    def client(self) -> Client:
+        """See `Cluster.client`."""
+        return self._client
+
+    def num_threads(self) -> int:
+        """See `Cluster.num_threads`."""
+        return sum(self._client.nthreads().values())
+
+    def claim_gpus(self) -> bool:
+        """See `Cluster.claim_gpus`."""
+        return self._gpus.claim(self._client)
+
+    def admit_workers(self) -> int:
+        """See `Cluster.admit_workers`."""
+        threads = self._client.nthreads()
+        for address, refusal in self._prepare(self._check.check_workers(threads)).items():
+            if not isinstance(refusal, OSError):
+                raise refusal
+            threads.pop(address)
+        return sum(threads.values())
+
+    def examine_workers(self) -> None:
+        """See `Cluster.examine_workers`."""
+        self._check.forget_workers()
+        self.admit_workers()
+
+    def close(self) -> None:
+        """See `Cluster.close`."""
+        self._client.close()
+
+    def _prepare(self, addresses: list[str]) -> dict[str, Exception]:
+        """Prepare new workers; what went wrong, by address."""
+        if not addresses:
+            return {}
+        answers = self._client.run(prepare_worker, self.setup, workers=addresses, on_error="return")
+        return {address: answer for address, answer in answers.items() if answer is not None}
+
+
+def _setup(threads: int, plan: Plan | None = None) -> Setup:
+    packages = tuple(name for name in PACKAGES if find_spec(name) is not None)
+    return Setup(code_fingerprint(), threads, packages, plan)
