@@ -10,7 +10,7 @@ STORE   ?= .moseg/store
 MOSEG   := .venv/bin/moseg
 OPTIONS  = $(if $(ROOT),--root "$(ROOT)") --workers $(WORKERS) --store "$(STORE)" $(ARGS)
 
-.PHONY: setup eval ablation segment test lint bench bench-networks bench-memory bench-objects clean
+.PHONY: setup eval ablation segment test lint bench bench-engine bench-faults bench-networks bench-memory bench-objects clean
 
 setup: .venv/.ready
 
@@ -37,6 +37,21 @@ lint: setup
 
 bench: setup
 	for script in benchmarks/*.py; do echo "== $$script"; .venv/bin/python "$$script" || exit 1; done
+
+bench-engine: setup
+	.venv/bin/python benchmarks/overhead.py --dataset $(DATASET) $(if $(ROOT),--root "$(ROOT)") --repeat 3
+	.venv/bin/python benchmarks/joblib_memory.py --dataset $(DATASET) $(if $(ROOT),--root "$(ROOT)")
+	.venv/bin/python benchmarks/scale.py --pairs 100,1000,10000 --calls 2000,10000
+	.venv/bin/python benchmarks/object_requests.py --dataset $(DATASET) $(if $(ROOT),--root "$(ROOT)")
+
+bench-faults: setup
+	.venv/bin/python benchmarks/faults/crash.py --kills 50
+	.venv/bin/python benchmarks/faults/crash.py --kills 10 --object-store
+	.venv/bin/python benchmarks/faults/corruption.py
+	.venv/bin/python benchmarks/faults/races.py --processes 8
+	.venv/bin/python benchmarks/faults/disk.py
+	.venv/bin/python benchmarks/faults/odd_paths.py
+	.venv/bin/python benchmarks/faults/worker_loss.py
 
 bench-networks: setup
 	.venv/bin/python benchmarks/networks/cost.py $(ARGS)

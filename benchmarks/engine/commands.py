@@ -1,0 +1,42 @@
+"""Commands run as processes of their own, and how long they took."""
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+
+MOSEG = (sys.executable, "-c", "from workflows.cli import main; main()")
+
+LIST_MODULES = """
+import sys
+from workflows.cli.app import run
+code = run(sys.argv[2:])
+with open(sys.argv[1], "w") as file:
+    file.write(" ".join(sys.modules))
+sys.exit(code)
+"""
+"""`moseg` with the arguments after the first, which names the file that gets the names of all modules it loaded."""
+
+IMPORT_MODULES = """
+import contextlib, importlib, sys
+with open(sys.argv[1]) as file:
+    names = file.read().split()
+for name in names:
+    with contextlib.suppress(ImportError):  # names that packages put into sys.modules without a file of that name
+        importlib.import_module(name)
+"""
+"""The interpreter's start and the modules that such a file names, nothing else."""
+
+
+def run_timed(command: Sequence[str], environ: Mapping[str, str] | None = None) -> float:
+    """Wall-clock seconds of a command; raises CalledProcessError, its output printed, where it fails."""
+    start = time.perf_counter()
+    done = subprocess.run(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env={**os.environ, **(environ or {})}, check=False
+    )
+    wall = time.perf_counter() - start
+    if done.returncode:
+        print(done.stdout.decode(errors="replace"), file=sys.stderr)
+        done.check_returncode()
+    return wall

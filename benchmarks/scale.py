@@ -1,0 +1,153 @@
+"""Time and memory of evaluations of ever more frame pairs, and of the plan of ten thousand.
+
+Run ``python benchmarks/scale.py [--pairs 100,1000,10000] [--one-video] [--workers N]``; the default, 100 and 1,000
+pairs, takes some two minutes, 10,000 another seven. Frames are 64 x 48 px: what grows with the number of pairs is then
+the engine's, not the arrays. The pipeline is the default one with all its parameters.
+
+*Plans.* A plan leads from leaves that are known (the digests of decoded frames) to the list of tasks to compute: it
+writes the recipes of every sequence, digests them to keys, and asks the store which of them it has. Printed are seconds
+of a cold plan, on an empty store, and of a warm one, on a store that holds all sinks (the scores and the cues that an
+evaluation asks for); and of the pin that protects a cold plan's artifacts from a collection. Leaves are made up.
+
+*Calls.* Functions that do nothing are run through a scheduler by one worker. Printed are the processor's time of each
+process for a call, and how much larger each became.
+
+*Runs.* Each size has a folder of videos, an empty store, and a scheduler and workers of its own, in processes of their
+own. Printed are the time on the wall and of all processors, the wall time of the same run again (warm), and the largest
+resident memory of the client, the scheduler and a worker; then, for each pair, what is left of them without a nearly
+empty run (one video of two pairs), which has the interpreters, the imports and the first use of everything. Time for
+each pair should stay as it is. Memory for each pair stays where memory grows with the pairs, and falls where it is
+bounded.
+"""
+
+import argparse
+import gc
+import shutil
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from engine.empty_calls import measure_calls
+from engine.measured_run import measure
+
+from schemas.configs import PipelineConfig, Variant
+from schemas.digests import digest_json
+from store import LocalStore
+from workflows.graph import SequenceGraph, SequenceLeaves
+from workflows.planning import Plan, make_plan
+
+SIZE = (48, 64)
+MIB = 2**20
+LEASE_SECONDS = 3600.0
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--pairs", default="100,1000", help="sizes of the runs, separated by commas")
+    parser.add_argument("--plan-pairs", default="1000,10000", help="sizes of the plans")
+    parser.add_argument("--calls", default="2000", help="numbers of empty calls")
+    parser.add_argument("--video-pairs", type=int, default=100, help="frame pairs of a video")
+    parser.add_argument("--one-video", action="store_true", help="all pairs in one video")
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--scratch", type=Path, default=None, help="folder for videos and stores, until the end")
+    options = parser.parse_args()
+    scratch = Path(tempfile.mkdtemp(prefix="moseg-bench-", dir=options.scratch))
+
+    def shape(num_pairs: int) -> tuple[int, int]:
+        per_video = num_pairs if options.one_video else min(num_pairs, options.video_pairs)
+        return num_pairs // per_video, per_video
+
+    try:
+        report_plans([shape(int(text)) for text in options.plan_pairs.split(",") if text], scratch)
+        report_calls([int(text) for text in options.calls.split(",") if text], scratch)
+        if options.pairs:
+            report_runs([shape(int(text)) for text in options.pairs.split(",")], options.workers, scratch)
+    finally:
+        shutil.rmtree(scratch)
+    return 0
+
+
+def report_plans(shapes: Sequence[tuple[int, int]], scratch: Path) -> None:
+    """Print seconds of plans; targets for 10,000 pairs are 5 s cold and 1 s warm."""
+    print("| pairs | videos | nodes | sinks | cold plan | of it look-ups | its pin | warm plan | of it look-ups |")
+    print("|---|---|---|---|---|---|---|---|---|", flush=True)
+    for num_videos, per_video in shapes:
+        store = LocalStore(scratch / f"plan-{num_videos}x{per_video}")
+        leaves = [make_up_leaves(video, per_video) for video in range(num_videos)]
+        plan, sinks, cold, cold_look = plan_timed(store, leaves)
+        start = time.perf_counter()
+        store.pin("benchmark", plan.touched(), lease_seconds=LEASE_SECONDS)
+        pin = time.perf_counter() - start
+        for ref in sinks:
+            store.put(plan.compute[ref], {}, dims={})
+        counts = f"{num_videos * per_video} | {num_videos} | {len(plan.compute)} | {len(sinks)}"
+        # The collector of a process that plans once has no other plan to look through.
+        del plan
+        gc.collect()
+        again, _, warm, warm_look = plan_timed(store, leaves)
+        if again.compute:
+            raise ValueError("a warm plan must be empty")
+        times = " | ".join(f"{seconds:.2f} s" for seconds in (cold, cold_look, pin, warm, warm_look))
+        print(f"| {counts} | {times} |", flush=True)
+
+
+def plan_timed(store: LocalStore, leaves: Sequence[SequenceLeaves]) -> tuple[Plan, list[str], float, float]:
+    """The plan of an evaluation of these sequences, its sinks, seconds in all and of the look-ups."""
+    config = PipelineConfig()
+    start = time.perf_counter()
+    recipes, sinks = {}, []
+    for each in leaves:
+        graph = SequenceGraph(each, config)
+        sinks += [graph.score(Variant.FUSED), *graph.cues()]
+        recipes |= graph.recipes
+    keyed = time.perf_counter()
+    plan = make_plan(store, recipes, sinks)
+    end = time.perf_counter()
+    return plan, sinks, end - start, end - keyed
+
+
+def make_up_leaves(video: int, num_pairs: int) -> SequenceLeaves:
+    """Leaves of a sequence that was never decoded."""
+    frames = tuple(f"frame/{digest_json('made-up', [video, t])}" for t in range(num_pairs + 1))
+    annotation = f"annotation/{digest_json('made-up', video)}"
+    return SequenceLeaves(f"video-{video:05}", SIZE, frames, annotation=annotation, num_motions=2)
+
+
+def report_calls(counts: Sequence[int], scratch: Path) -> None:
+    """Print what empty calls cost each process."""
+    print("\n| empty calls | process | CPU of a call | larger by |\n|---|---|---|---|", flush=True)
+    for count in counts:
+        folder = scratch / f"calls-{count}"
+        folder.mkdir()
+        for role, cost in measure_calls(count, folder).items():
+            print(f"| {count} | {role} | {1e3 * cost.cpu:.2f} ms | {cost.grown / MIB:.1f} MiB |", flush=True)
+
+
+def report_runs(shapes: Sequence[tuple[int, int]], workers: int, scratch: Path) -> None:
+    """Print what runs of these sizes take, and what is left of it without a nearly empty run."""
+    print(f"\nruns with {workers} worker(s), the first nearly empty")
+    print("| pairs | videos | artifacts | MB | wall | CPU | warm | client | scheduler | worker |")
+    print("|---|---|---|---|---|---|---|---|---|---|", flush=True)
+    empty, rows = None, []
+    for num_videos, per_video in [(1, 2), *shapes]:
+        num_pairs = num_videos * per_video
+        cost = measure(num_videos, per_video, SIZE, workers, scratch)
+        counts = f"{num_pairs} | {num_videos} | {cost.num_artifacts} | {cost.nbytes / 1e6:.1f}"
+        peaks = " | ".join(f"{peak / MIB:.0f} MiB" for peak in cost.peaks)
+        print(f"| {counts} | {cost.wall:.1f} s | {cost.cpu:.1f} s | {cost.warm:.1f} s | {peaks} |", flush=True)
+        if empty is None:
+            empty = cost
+            continue
+        kib = [(peak - least) / 1024 / num_pairs for peak, least in zip(cost.peaks, empty.peaks, strict=True)]
+        rows.append([num_pairs, (cost.wall - empty.wall) / num_pairs, (cost.cpu - empty.cpu) / num_pairs, *kib])
+    print("\na pair, without the nearly empty run (in brackets: over the first size's)")
+    print("| pairs | wall, s | CPU, s | client, KiB | scheduler, KiB | worker, KiB |\n|---|---|---|---|---|---|")
+    for num_pairs, *values in rows:
+        columns = [f"{value:.3g} ({value / first:.2f})" for value, first in zip(values, rows[0][1:], strict=True)]
+        print(f"| {num_pairs} | {' | '.join(columns)} |")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
