@@ -7,6 +7,7 @@ import warnings
 from pathlib import Path
 from typing import NamedTuple
 
+import dask
 from distributed import Client
 from distributed.comm import parse_address
 from distributed.comm.addressing import parse_host_port
@@ -20,6 +21,9 @@ from workflows.scheduler_probe import knock
 CONNECT_SEC = 10.0
 """For how long a scheduler may take to answer, and to come back when the connection breaks."""
 EXPECTED = "tcp://host:8786, tls://host:8786 or a scheduler file"
+SHORT_LOGS = {"distributed.admin.low-level-log-length": 50}
+"""Dask keeps the last messages of each connection, of up to a megabyte, for its developers: a thousand by default, and
+with them the calls that were done long ago."""
 DASK_TLS = "distributed.comm.tls of Dask's configuration"
 
 
@@ -65,7 +69,7 @@ def connect(scheduler: str, tls: TlsFiles) -> Client:
     if protocol in ("tcp", "tls"):
         knock(host, port, context, where)
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), dask.config.set(SHORT_LOGS):
             # What differs is told in one line, once it is known of every worker.
             warnings.simplefilter("ignore", VersionMismatchWarning)
             # A scheduler that is lost later ends the run with our own line.

@@ -8,8 +8,9 @@ from typing import Protocol
 import dask
 from distributed import Client, LocalCluster
 
+from schemas.errors import ClusterError
 from workflows.cluster_check import ClusterCheck
-from workflows.cluster_connection import TlsFiles, connect
+from workflows.cluster_connection import SHORT_LOGS, TlsFiles, connect
 from workflows.code_fingerprint import code_fingerprint
 from workflows.interrupts import defer_interrupts
 from workflows.memory import allocation_environ
@@ -67,19 +68,31 @@ class LocalWorkers:
                 "distributed.nanny.pre-spawn-environ": thread_environ(self.setup.threads) | allocation_environ(),
                 # Samples the stack of every worker a hundred times a second.
                 "distributed.worker.profile.enabled": False,
+                **SHORT_LOGS,
             }
             with defer_interrupts(), dask.config.set(settings):
-                cluster = LocalCluster(
-                    n_workers=self._workers,
-                    threads_per_worker=1,
-                    processes=True,
-                    host="127.0.0.1",
-                    dashboard_address="127.0.0.1:0",
-                    silence_logs="CRITICAL",
-                )
+                cluster = self._start()
                 self._client = self._stack.enter_context(Client(self._stack.enter_context(cluster)))
                 set_up_workers(self._client, self.setup.threads, OwnWorkers())
         return self._client
+
+    def _start(self) -> LocalCluster:
+        try:
+            return LocalCluster(
+                n_workers=self._workers,
+                threads_per_worker=1,
+                processes=True,
+                host="127.0.0.1",
+                dashboard_address="127.0.0.1:0",
+                silence_logs="CRITICAL",
+            )
+        except RuntimeError as error:
+            # Dask's own says no more than that its nanny failed.
+            reason = error.__cause__ or error
+            expected = "memory enough for so many, or fewer workers"
+            raise ClusterError(
+                "a worker ended while it started", where=f"--workers {self._workers}", got=reason, expected=expected
+            ) from error
 
     def num_threads(self) -> int:
         """See `Cluster.num_threads`."""

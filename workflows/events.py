@@ -102,9 +102,14 @@ def failed_event(error: BaseException, ref: str | None = None) -> TroubleEvent:
     return TroubleEvent(event=EventKind.FAILED, ref=ref, message=describe_error(error), **this_process())
 
 
+def as_unicode(text: str) -> str:
+    """Text of arguments and paths, which may hold bytes of another encoding; these are written as ``\\udcfc``."""
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
+
+
 def describe_error(error: BaseException) -> str:
     """One line about an error; of a fault also its kind, which our own errors say in words."""
-    text = " ".join(str(error).split())
+    text = as_unicode(" ".join(str(error).split()))
     if not type(error).__module__.startswith("schemas."):
         text = f"{type(error).__name__}: {text}".removesuffix(": ")
     return text if len(text) <= MAX_MESSAGE else f"{text[: MAX_MESSAGE - 1]}…"

@@ -11,7 +11,7 @@ from schemas.errors import CorruptArtifactError, StoreError
 from schemas.events import EventKind, Outcome, PlanEvent, RunClosed, RunOpened, TroubleEvent, write_plan
 from store import ArtifactStore
 from store.owners import process_space
-from workflows.events import EventLog, describe_error, failed_event, is_written, this_process
+from workflows.events import EventLog, as_unicode, describe_error, failed_event, is_written, this_process
 from workflows.planning import Plan
 
 
@@ -39,8 +39,8 @@ class RunLog:
         opened = RunOpened(
             run_id=self._run_id,
             space=process_space(),
-            command=(os.path.basename(sys.argv[0]), *sys.argv[1:]),
-            folder=os.getcwd(),
+            command=tuple(map(as_unicode, (os.path.basename(sys.argv[0]), *sys.argv[1:]))),
+            folder=as_unicode(os.getcwd()),
             version=version("moseg"),
             num_workers=num_workers(),
             **this_process(),

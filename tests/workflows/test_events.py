@@ -1,5 +1,6 @@
 """Events reach the log before they are needed, cost little, and never hide the error that they tell of."""
 
+import os
 import pickle
 from datetime import UTC, datetime, timedelta
 
@@ -9,7 +10,16 @@ from schemas.errors import InputError, StoreError
 from schemas.events import EventKind, PlanEvent, read_event, write_plan
 from store import open_store
 from workflows import events
-from workflows.events import EventLog, describe_error, is_written, new_run_id, note_written, this_process, work_event
+from workflows.events import (
+    EventLog,
+    as_unicode,
+    describe_error,
+    is_written,
+    new_run_id,
+    note_written,
+    this_process,
+    work_event,
+)
 
 REFS = [f"flow/{digit * 64}" for digit in "0123"]
 
@@ -156,3 +166,9 @@ def test_an_error_is_described_in_one_line_of_bounded_length():
     assert describe_error(KeyboardInterrupt()) == "KeyboardInterrupt"
     assert describe_error(InputError("no such frame", where="a.png")) == "no such frame in a.png"
     assert len(describe_error(ValueError("x" * 10_000))) == events.MAX_MESSAGE
+
+
+def test_arguments_of_another_encoding_are_written_legibly():
+    name = os.fsdecode(b"latin-\xfc")
+    assert as_unicode(name) == "latin-\\udcfc"
+    assert describe_error(ValueError(name)) == "ValueError: latin-\\udcfc"

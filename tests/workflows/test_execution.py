@@ -15,6 +15,7 @@ class OutOfMemoryError(RuntimeError):
 @pytest.fixture
 def execute(tmp_path, monkeypatch):
     """Executes a recipe whose task raises the given error."""
+
     def call(error):
         def run(params, inputs, rng):
             raise error

@@ -60,7 +60,7 @@ def test_an_endless_run_ends_with_its_first_error(runner):
     done = []
     with pytest.raises(KeyError, match="96"):
         runner.run(calls, lambda name, result: done.append(name))
-    assert len(done) <= 5 * WINDOW
+    assert "stage-96" not in done
     # The runner is as good as before.
     runner.run([Call("stage-1", abs, (-1,))], lambda name, result: done.append(result))
     assert done[-1] == 1

@@ -2,6 +2,7 @@
 
 from collections import OrderedDict
 from collections.abc import Mapping
+from threading import Lock
 
 import numpy as np
 
@@ -16,14 +17,17 @@ class ArrayCache:
         self._limit = limit
         self._arrays: OrderedDict[tuple[str, str, str], np.ndarray] = OrderedDict()
         self._nbytes = 0
+        # A worker of a cluster that is not ours may run several tasks at a time.
+        self._lock = Lock()
 
     def find(self, url: str, ref: str, name: str) -> np.ndarray | None:
         """An array where it is kept, else None."""
         entry = (url, ref, name)
-        if entry not in self._arrays:
-            return None
-        self._arrays.move_to_end(entry)
-        return self._arrays[entry]
+        with self._lock:
+            if entry not in self._arrays:
+                return None
+            self._arrays.move_to_end(entry)
+            return self._arrays[entry]
 
     def keep(self, url: str, ref: str, arrays: Mapping[str, np.ndarray]) -> None:
         """Keep an artifact's arrays just as a reader would get them; those used least give way."""
@@ -31,11 +35,14 @@ class ArrayCache:
             # Of another memory order, sums over it would be rounded otherwise than over what is read back.
             kept = np.asarray(array, order="C").view()
             kept.flags.writeable = False
-            entry = (url, ref, name)
-            if entry in self._arrays or kept.nbytes > self._limit:
-                continue
-            self._arrays[entry] = kept
-            self._nbytes += kept.nbytes
+            with self._lock:
+                self._insert((url, ref, name), kept)
+
+    def _insert(self, entry: tuple[str, str, str], kept: np.ndarray) -> None:
+        if entry in self._arrays or kept.nbytes > self._limit:
+            return
+        self._arrays[entry] = kept
+        self._nbytes += kept.nbytes
         while self._nbytes > self._limit:
             _, dropped = self._arrays.popitem(last=False)
             self._nbytes -= dropped.nbytes

@@ -2,7 +2,6 @@
 
 import os
 import re
-import signal
 import socket
 import subprocess
 import sys
@@ -115,8 +114,3 @@ def make_tls(tmp_path_factory) -> Callable[[str], TlsFiles]:
 def tls_files(make_tls) -> TlsFiles:
     """Certificates that client, scheduler and workers share."""
     return make_tls("tls")
-
-
-def kill(process: subprocess.Popen) -> None:
-    """Kill a process as the kernel does that is out of memory."""
-    os.kill(process.pid, signal.SIGKILL)

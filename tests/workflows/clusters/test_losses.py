@@ -109,3 +109,14 @@ def test_a_lost_cluster_is_one_line_and_a_fault(moseg, monkeypatch):
     monkeypatch.setattr("workflows.cli.app.get_command", lambda typer: lambda words, standalone_mode: lose())
     ran = moseg("eval")
     assert (ran.code, ran.err) == (1, "moseg: the scheduler is gone in tcp://127.0.0.1:8786\n")
+
+
+def test_workers_that_end_while_they_start_are_one_line_and_a_fault(evaluated, moseg, monkeypatch, tmp_path):
+    def start(**options):
+        raise RuntimeError("Nanny failed to start.") from OSError("cannot allocate memory")
+
+    monkeypatch.setattr("workflows.clusters.LocalCluster", start)
+    ran = moseg(*evaluated.arguments, "--store", tmp_path / "store", "--workers", "2")
+    assert ran.code == 1
+    (line,) = ran.err.splitlines()
+    assert "a worker ended while it started in --workers 2" in line and "cannot allocate memory" in line

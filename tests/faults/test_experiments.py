@@ -1,0 +1,82 @@
+"""Short forms of the experiments in ``benchmarks/faults``: real faults on real runs, every law checked.
+
+Each experiment ends with exit code 1 and names the law where one was broken.
+"""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+FAULTS = Path(__file__).resolve().parents[2] / "benchmarks" / "faults"
+
+pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="process groups and mounts as Linux has")
+
+
+@pytest.fixture
+def experiment(tmp_path):
+    """Runs an experiment in an empty folder and returns its table."""
+
+    def run(script: str, *options: object) -> str:
+        command = [sys.executable, str(FAULTS / script), *map(str, options), "--root", str(tmp_path)]
+        # What an experiment measures must not hang on how many threads a machine has.
+        environ = {**os.environ, "OMP_NUM_THREADS": "1"}
+        done = subprocess.run(command, cwd=tmp_path, env=environ, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+        assert list(tmp_path.iterdir()) == []
+        return done.stdout
+
+    return run
+
+
+def rows(table: str) -> list[list[str]]:
+    """Cells of the lines below a table's head."""
+    lines = [line for line in table.splitlines() if line.startswith("| ")]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[1:]]
+
+
+def test_a_killed_run_shows_whole_artifacts_only_and_the_same_command_computes_the_rest(experiment):
+    cells = ("segment-2-both", "segment-0-client")
+    table = experiment("crash.py", "--only-steps", "--kills", 2, "--frames", 6, "--cells", *cells)
+    assert [f"{command}-{workers}-{victim}" for _, command, workers, victim, *_ in rows(table)] == list(cells)
+
+
+def test_a_run_killed_on_an_object_store_shows_whole_artifacts_only(experiment):
+    pytest.importorskip("moto")
+    options = ("--only-steps", "--kills", 1, "--frames", 4, "--cells", "eval-0-client")
+    assert len(rows(experiment("crash.py", "--object-store", *options))) == 1
+
+
+def test_damage_of_every_task_is_found_and_made_good(experiment):
+    table = experiment("corruption.py", "--frames", 5, "--cases", "chunk:flipped byte")
+    ((_, _, num_tasks, found, met, made, at_the_end),) = rows(table)
+    assert int(num_tasks) >= 15 and int(met) >= 1
+    assert num_tasks == found == made
+    assert at_the_end == "identical"
+
+
+def test_processes_at_once_compute_each_artifact_once(experiment):
+    table = experiment("races.py", "--processes", 3, "--rounds", 1, "--frames", 5)
+    assert [cells[1] for cells in rows(table)] == ["1 of 1", "3 of 3"]
+
+
+def test_a_disk_that_refuses_is_one_line_and_loses_nothing(experiment):
+    table = rows(experiment("disk.py", "--cases", "full", "read-only", "--short", "--frames", 5))
+    if table[0][2] == "not run":
+        # Where nothing may be mounted, a limit on the size of files refuses too.
+        (cells,) = rows(experiment("disk.py", "--cases", "file-size", "--short", "--frames", 5))
+        assert cells[2] == "1"
+        pytest.skip(f"full and read-only disks: {table[0][3]}")
+    assert [cells[2] for cells in table] == ["1", "0", "1", "1"]
+
+
+def test_a_store_under_letters_of_other_scripts_is_like_any_other(experiment):
+    table = experiment("odd_paths.py", "--frames", 4, "--names", "letters")
+    assert [cells[3] for cells in rows(table)] == ["0", "0", "0"]
+
+
+def test_a_worker_of_a_cluster_that_dies_for_good_stops_no_run(experiment):
+    (cells,) = rows(experiment("worker_loss.py", "--rounds", 1, "--frames", 6, "--cases", "lost-worker"))
+    assert cells[2] == "0"
