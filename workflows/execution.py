@@ -2,18 +2,18 @@
 
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import NamedTuple
 
 import numpy as np
 
-from schemas.errors import CorruptArtifactError, InputError, MissingArtifactError
+from schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
 from schemas.events import EventKind
 from schemas.recipes import Recipe
 from store import PutOutcome, open_store
 from workflows.degeneracy import degenerate_event
 from workflows.events import EventLog, failed_event, note_written, work_event
-from workflows.ingest import IngestJob, run_ingest
+from workflows.ingest import IngestJob, open_existing, run_ingest
 from workflows.stages.array_cache import ARRAYS
 from workflows.stages.inputs import Inputs
 from workflows.stages.registry import find_task
@@ -35,13 +35,16 @@ def execute_batches(
 ) -> list[TaskReport]:
     """Compute batches one after the other, each of recipes that differ in their inputs only, and write the events to
     the log of `run_id`; `_dependencies` only order the graph."""
-    store = open_store(store_url)
+    store = open_existing(store_url)
     reports: list[TaskReport] = []
     with EventLog(store, run_id) as log:
 
         def tell(put: Put) -> None:
             with _telling_failures(log, [put.recipe]):
                 outcome = put.outcome.result()
+            if outcome == PutOutcome.LOST_RACE:
+                # What others read is what is stored.
+                ARRAYS.drop(store.url, put.recipe.ref)
             reports.append(TaskReport(put.recipe.ref, put.seconds, outcome))
             _tell_stored(log, put.recipe, put.output, reports[-1])
 
@@ -73,7 +76,7 @@ def execute_ingest(
     store_url: str, batch: Sequence[tuple[IngestJob, Recipe]], run_id: str, *_dependencies: object
 ) -> dict[str, dict]:
     """Decode a batch of sources, see `run_ingest`, and write the events to the log of `run_id`."""
-    store = open_store(store_url)
+    store = open_existing(store_url)
     recipes = [recipe for _, recipe in batch]
     with EventLog(store, run_id) as log:
         log.write(work_event(EventKind.STARTED, recipe.ref) for recipe in recipes)
@@ -103,9 +106,10 @@ def _telling_failures(log: EventLog, recipes: Sequence[Recipe]) -> Iterator[None
     except (CorruptArtifactError, MissingArtifactError):
         raise
     except Exception as error:
-        for recipe in recipes:
-            log.add(failed_event(error, recipe.ref))
-        note_written(error, recipes[0].ref)
+        # A disk that refuses the log too is not the news.
+        with suppress(StoreError):
+            log.write(failed_event(error, recipe.ref) for recipe in recipes)
+            note_written(error, recipes[0].ref)
         raise
 
 

@@ -39,9 +39,17 @@ class IngestJob(NamedTuple):
         return Recipe(task="ingest", version=INGEST_VERSION, params=params)
 
 
+def open_existing(store_url: str) -> ArtifactStore:
+    """The store that the client works on; raises InputError where this process does not see it.
+
+    Never made here: on a machine that does not share the folder it would take results that nobody finds.
+    """
+    return open_store(store_url, create=False)
+
+
 def run_ingest(store_url: str, batch: Sequence[tuple[IngestJob, Recipe]]) -> dict[str, dict]:
     """Decode the sources of a batch, store their leaves and remember them; returns that memory by reference."""
-    store = open_store(store_url)
+    store = open_existing(store_url)
     remembered = {}
     for job, recipe in batch:
         started = time.perf_counter()

@@ -1,9 +1,10 @@
 """A session: one store and one runner, and the work that a command has them do."""
 
+import math
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple, TypeVar
 
 from schemas.digests import digest_json
@@ -76,7 +77,8 @@ class Session:
         # A name of its own: another process that does the same work must not end this one's lease.
         self.run_id = new_run_id()
         self._log = RunLog(store, self.run_id, quiet)
-        self._has_lease = False
+        self._leased: frozenset[str] = frozenset()
+        self._renew_at = math.inf
         self._pins: dict[str, None] = {}
         self._runner = runner
         self._quiet = quiet
@@ -117,6 +119,7 @@ class Session:
             for batch in batches.values()
         ]
         if calls:
+            self._lease(found)
             self._log.open(self._runner.num_workers)
             self._log.plan_ingest([ref for batch in batches.values() for ref in batch])
         with StageProgress({"ingest": sum(len(batch) for batch in batches.values())}, self._quiet) as progress:
@@ -176,10 +179,12 @@ class Session:
 
     def close(self) -> None:
         """End the lease on what this session touched; what its finished runs gave stays pinned."""
-        if self._has_lease:
-            self.store.unpin(self.run_id)
-            self._has_lease = False
-        self._log.close(tuple(self._pins))
+        try:
+            if self._leased:
+                self.store.unpin(self.run_id)
+                self._leased = frozenset()
+        finally:
+            self._log.close(tuple(self._pins))
 
     def _quarantine(self, error: CorruptArtifactError) -> None:
         if quarantine_corrupt(self.store.url, error):
@@ -212,8 +217,14 @@ class Session:
             if not plan.compute or plan.touched() <= pinned:
                 return plan
             pinned |= plan.touched()
-            self.store.pin(self.run_id, pinned, lease_seconds=LEASE_SECONDS)
-            self._has_lease = True
+            self._lease(pinned)
+
+    def _lease(self, refs: Iterable[str]) -> None:
+        """Protect what this session works on, in place of what it worked on before."""
+        leased = frozenset(refs)
+        self.store.pin(self.run_id, leased, lease_seconds=LEASE_SECONDS)
+        self._leased = leased
+        self._renew_at = time.monotonic() + LEASE_SECONDS / 2
 
     def _run(self, plan: Plan) -> None:
         totals, _ = plan.count()
@@ -233,6 +244,8 @@ class Session:
                     count[stage] += 1
                     self._seconds[stage] += report.seconds
                     progress.advance(stage)
+                if time.monotonic() > self._renew_at:
+                    self._lease(self._leased)
 
             for recipes in split_phases(plan.compute):
                 self._runner.run(self._calls(recipes), done)

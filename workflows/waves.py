@@ -16,6 +16,10 @@ FRAMES_PER_WORKER = 1024
 
 def cut_waves(sources: Sequence[SequenceSource], num_workers: int) -> Iterator[list[SequenceSource]]:
     """Sequences in their order, as many at a time as have no more frames together than a wave, or one that has more."""
+    if len(sources) == 1:
+        # Whatever its length; frames of a video are counted by decoding it.
+        yield list(sources)
+        return
     limit = max(FRAMES, FRAMES_PER_WORKER * num_workers)
     wave: list[SequenceSource] = []
     num_frames = 0

@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor, wait
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import AbstractContextManager
 from typing import NamedTuple
 
 import numpy as np
@@ -50,9 +50,15 @@ class WriteBehind(AbstractContextManager):
 
     def __exit__(self, kind, *exception) -> None:
         self._writer.shutdown(wait=True)
-        # What was computed before a later task failed is stored, and told of; a put that failed too is not the news.
-        with suppress(StoreError) if kind is not None else nullcontext():
-            self._settle(0)
+        # What was computed before a failure is stored, and told of, and the first failure is the news.
+        failure: StoreError | None = None
+        while self._waiting:
+            try:
+                self._settle(0)
+            except StoreError as error:
+                failure = failure or error
+        if kind is None and failure is not None:
+            raise failure
 
     @property
     def url(self) -> str:

@@ -68,3 +68,13 @@ def test_rows_outside_a_kept_array_are_refused_as_by_the_store(store):
     view.cached("labels")
     with pytest.raises(ValueError, match="rows outside the array"):
         view.rows("labels", 1, 3)
+
+
+def test_what_was_dropped_is_kept_no_more():
+    cache = ArrayCache(limit=10_000)
+    cache.keep("store", "flow/1", {"x": np.zeros(1000), "y": np.zeros(100)})
+    cache.keep("store", "flow/2", {"x": np.zeros(100)})
+    cache.drop("store", "flow/1")
+    assert cache.find("store", "flow/1", "x") is None and cache.find("store", "flow/2", "x") is not None
+    cache.keep("store", "flow/3", {"x": np.zeros(1100)})
+    assert cache.find("store", "flow/2", "x") is not None

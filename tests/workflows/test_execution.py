@@ -4,6 +4,7 @@ import pytest
 
 from schemas.errors import InputError
 from schemas.recipes import Recipe
+from store import LocalStore
 from workflows.execution import execute_batches
 from workflows.stages.task import Task
 
@@ -21,6 +22,7 @@ def execute(tmp_path, monkeypatch):
             raise error
 
         monkeypatch.setattr("workflows.execution.find_task", lambda *_: Task("flow", "raft", version=1, run=run))
+        LocalStore(tmp_path / "store")
         return execute_batches(str(tmp_path / "store"), [[Recipe(task="flow", version=1, params={"method": "raft"})]])
 
     return call
@@ -42,3 +44,9 @@ def test_other_faults_stay_faults(execute, fault):
     with pytest.raises(type(fault)) as raised:
         execute(fault)
     assert raised.value is fault
+
+
+def test_a_worker_that_does_not_see_the_store_makes_none(tmp_path):
+    with pytest.raises(InputError, match="no artifact store"):
+        execute_batches(str(tmp_path / "not shared"), [[Recipe(task="flow", version=1, params={"method": "raft"})]])
+    assert list(tmp_path.iterdir()) == []

@@ -38,6 +38,12 @@ class ArrayCache:
             with self._lock:
                 self._insert((url, ref, name), kept)
 
+    def drop(self, url: str, ref: str) -> None:
+        """Forget an artifact's arrays."""
+        with self._lock:
+            for entry in [entry for entry in self._arrays if entry[:2] == (url, ref)]:
+                self._nbytes -= self._arrays.pop(entry).nbytes
+
     def _insert(self, entry: tuple[str, str, str], kept: np.ndarray) -> None:
         if entry in self._arrays or kept.nbytes > self._limit:
             return
