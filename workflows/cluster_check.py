@@ -17,10 +17,16 @@ class ClusterCheck:
     Other code is refused, because no key would tell its results apart. Other versions of libraries are only told: every
     artifact names those that made it, a store that lives for years holds results of many, and who cannot change a
     cluster's image must still be able to work on it.
+
+    Attributes
+    ----------
+    speechless : set of str
+        Addresses of late workers that cannot answer: they end when they are given work, which others then do.
     """
 
     def __init__(self, client: Client):
         self._client = client
+        self.speechless: set[str] = set()
         self._own = process_facts()
         self._checked: set[str] = set()
         self._told: set[str] = set()
@@ -38,12 +44,29 @@ class ClusterCheck:
 
     def check_workers(self, addresses: Iterable[str]) -> list[str]:
         """Those of the workers that were not asked before; raises InputError where one of them cannot be given work."""
-        new = sorted(set(addresses) - self._checked)
+        return self._accept(self._ask(addresses))
+
+    def check_late_workers(self, addresses: Iterable[str]) -> list[str]:
+        """The same for workers that join a run: one that cannot even answer is told of and left out, not refused."""
+        found = self._ask(addresses)
+        for address, fact in found.items():
+            if isinstance(fact, Exception):
+                self.speechless.add(address)
+                got = " ".join(str(fact).split())
+                text = f"moseg: no moseg, or another version of it, in worker {address}, others do its work; got {got}"
+                print(text, file=sys.stderr)
+        return self._accept({address: fact for address, fact in found.items() if address not in self.speechless})
+
+    def _ask(self, addresses: Iterable[str]) -> dict[str, Any]:
+        """What each worker that was not asked before says, or the exception that it gives in place of that."""
+        new = sorted(set(addresses) - self._checked - self.speechless)
         if not new:
-            return []
+            return {}
         # A worker that has gone in the meantime gives an OSError; it can do no harm.
         found = self._client.run(process_facts, workers=new, on_error="return")
-        facts = {address: fact for address, fact in found.items() if not isinstance(fact, OSError)}
+        return {address: fact for address, fact in found.items() if not isinstance(fact, OSError)}
+
+    def _accept(self, facts: Mapping[str, Any]) -> list[str]:
         for address, fact in facts.items():
             self._refuse(f"worker {address}", fact)
         self._tell({address: fact["versions"] for address, fact in facts.items()})
@@ -53,6 +76,7 @@ class ClusterCheck:
     def forget_workers(self) -> None:
         """Ask all again when they are next checked."""
         self._checked.clear()
+        self.speechless.clear()
 
     def _refuse(self, where: str, found: Any) -> None:
         if isinstance(found, Exception):

@@ -3,8 +3,9 @@
 from asyncio import CancelledError
 from collections.abc import Iterator
 from concurrent.futures import CancelledError as FutureCancelledError
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
+from distributed.client import ClosedClientError
 from distributed.comm import CommClosedError
 from distributed.scheduler import KilledWorker
 
@@ -24,9 +25,10 @@ def as_cluster_errors(cluster: Cluster) -> Iterator[None]:
         raise _explained(failed, cluster) from failed.reason
     except (CommClosedError, CancelledError, FutureCancelledError) as error:
         raise _gone(cluster, error) from error
-    except OSError as error:
-        # Of a store, or of whoever is told the results, while the scheduler is there.
-        if isinstance(error, MosegError) or cluster.client().status == "running":
+    except (OSError, ClosedClientError, AttributeError) as error:
+        # Of a store, or of whoever is told the results, while the scheduler is there. A client that Dask has closed
+        # has no scheduler whose methods could be called.
+        if isinstance(error, MosegError) or not cluster.is_lost():
             raise
         raise _gone(cluster, error) from error
 
@@ -35,7 +37,9 @@ def _explained(failed: CallError, cluster: Cluster) -> BaseException:
     stage, reason = failed.name.partition("-")[0], failed.reason
     # A worker that lacks a module says so, or ends when it is given the call.
     if isinstance(reason, ImportError | KilledWorker):
-        cluster.examine_workers()
+        # Where the scheduler is gone by now, the reason stands as it is.
+        with suppress(OSError, ClosedClientError, AttributeError):
+            cluster.examine_workers()
     if isinstance(reason, KilledWorker):
         return ClusterError(
             "workers died again and again",
@@ -53,6 +57,6 @@ def _address(reason: KilledWorker) -> str:
 
 
 def _gone(cluster: Cluster, error: BaseException) -> ClusterError:
-    address = cluster.client().scheduler.address
+    got = "a closed connection" if isinstance(error, AttributeError) else error
     expected = f"a scheduler that lives as long as the run; {RESUME}"
-    return ClusterError("the scheduler is gone or dropped the work", where=address, got=error, expected=expected)
+    return ClusterError("the scheduler is gone or dropped the work", where=cluster.where, got=got, expected=expected)

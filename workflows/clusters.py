@@ -1,6 +1,7 @@
 """The workers that calls are sent to: processes of this machine, or a Dask cluster that is not ours."""
 
 import sys
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from importlib.util import find_spec
 from typing import Protocol
@@ -27,12 +28,18 @@ class Cluster(Protocol):
     ----------
     setup : Setup
         What every call asks of the process that runs it.
+    where : str
+        What messages call the cluster; a client that Dask has closed no longer knows its scheduler's address.
     """
 
     setup: Setup
+    where: str
 
     def client(self) -> Client:
         """The client, its workers started."""
+
+    def is_lost(self) -> bool:
+        """Whether the client had a connection to the scheduler and has none now."""
 
     def num_threads(self) -> int:
         """How many calls run at the same time."""
@@ -56,6 +63,7 @@ class LocalWorkers:
 
     def __init__(self, workers: int, threads: int, device: str):
         self.setup = _setup(threads)
+        self.where = f"--workers {workers}"
         self._workers = workers
         self._gpus = OwnGpus(threads, device)
         self._stack = ExitStack()
@@ -91,8 +99,12 @@ class LocalWorkers:
             reason = error.__cause__ or error
             expected = "memory enough for so many, or fewer workers"
             raise ClusterError(
-                "a worker ended while it started", where=f"--workers {self._workers}", got=reason, expected=expected
+                "a worker ended while it started", where=self.where, got=reason, expected=expected
             ) from error
+
+    def is_lost(self) -> bool:
+        """See `Cluster.is_lost`."""
+        return self._client is not None and self._client.status != "running"
 
     def num_threads(self) -> int:
         """See `Cluster.num_threads`."""
@@ -129,9 +141,10 @@ class ForeignCluster:
         self._gpus = ForeignGpus(device)
         self._client = connect(scheduler, tls)
         try:
+            self.where = self._client.scheduler.address
             self._check = ClusterCheck(self._client)
             self._check.check_scheduler()
-            if not self.admit_workers():
+            if not self._admit(self._check.check_workers):
                 print(f"moseg: --scheduler {scheduler} has no workers yet, waiting for one", file=sys.stderr)
         except BaseException:
             self._client.close()
@@ -141,9 +154,13 @@ class ForeignCluster:
         """See `Cluster.client`."""
         return self._client
 
+    def is_lost(self) -> bool:
+        """See `Cluster.is_lost`."""
+        return self._client.status != "running"
+
     def num_threads(self) -> int:
         """See `Cluster.num_threads`."""
-        return sum(self._client.nthreads().values())
+        return self._count(self._client.nthreads())
 
     def claim_gpus(self) -> bool:
         """See `Cluster.claim_gpus`."""
@@ -151,21 +168,27 @@ class ForeignCluster:
 
     def admit_workers(self) -> int:
         """See `Cluster.admit_workers`."""
-        threads = self._client.nthreads()
-        for address, refusal in self._prepare(self._check.check_workers(threads)).items():
-            if not isinstance(refusal, OSError):
-                raise refusal
-            threads.pop(address)
-        return sum(threads.values())
+        return self._admit(self._check.check_late_workers)
 
     def examine_workers(self) -> None:
         """See `Cluster.examine_workers`."""
         self._check.forget_workers()
-        self.admit_workers()
+        self._admit(self._check.check_workers)
 
     def close(self) -> None:
         """See `Cluster.close`."""
         self._client.close()
+
+    def _admit(self, check: Callable[[Iterable[str]], list[str]]) -> int:
+        threads = self._client.nthreads()
+        for address, refusal in self._prepare(check(threads)).items():
+            if not isinstance(refusal, OSError):
+                raise refusal
+            threads.pop(address)
+        return self._count(threads)
+
+    def _count(self, threads: Mapping[str, int]) -> int:
+        return sum(number for address, number in threads.items() if address not in self._check.speechless)
 
     def _prepare(self, addresses: list[str]) -> dict[str, Exception]:
         """Prepare new workers; what went wrong, by address."""

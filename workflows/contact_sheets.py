@@ -19,7 +19,7 @@ from workflows.graph import SequenceGraph, SequenceLeaves
 from workflows.leaves import ingest_sequences
 from workflows.resize import resize_labels
 from workflows.session import Session
-from workflows.waves import cut_waves
+from workflows.waves import in_waves
 
 
 class SoftMap(NamedTuple):
@@ -68,7 +68,7 @@ def write_contact_sheets(
     InputError
         A sequence cannot be read or lacks a cue that `config` takes as given, or the folder cannot be written.
     """
-    waves = cut_waves(sources, session.num_workers())
+    waves = in_waves(session, sources)
     return tuple(path for wave in waves for path in _write_sheets(session, wave, config, variant, folder, num_frames))
 
 

@@ -9,7 +9,7 @@ from workflows.datasets import SequenceSource, find_ground_truth
 from workflows.graph import SequenceGraph
 from workflows.leaves import ingest_sequences
 from workflows.session import Session
-from workflows.waves import cut_waves
+from workflows.waves import in_waves
 
 
 def evaluate(
@@ -32,7 +32,7 @@ def evaluate(
     """
     over = find_ground_truth(sources)
     scores: dict[tuple[Variant, str], SequenceScore] = {}
-    for wave in cut_waves(sources, session.num_workers()):
+    for wave in in_waves(session, sources):
         scores |= _score(session, wave, config, variants)
     rows = []
     for variant in variants:

@@ -2,12 +2,14 @@
 
 import uuid
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
 from dask.highlevelgraph import HighLevelGraph, MaterializedLayer
 from dask.task_spec import Task, TaskRef
 from distributed import Client, Future, as_completed
+from distributed.client import ClosedClientError
 
 from workflows.calls import Call
 from workflows.remote_calls import Setup, run_call
@@ -89,19 +91,33 @@ class Flight:
         """Names and results of calls that are done, at least of one; raises the first error among them after these."""
         batch = self._completed.next_batch()
         failed = [future for future in batch if future.status in ("error", "cancelled")]
-        # One whose worker has died since is computed again.
         done = [future for future in batch if future not in failed]
-        for future, result in zip(done, self._client.gather(done), strict=True):
-            name = future.key.removesuffix(self._suffix)
+        for future, result in zip(done, self._gather(done), strict=True):
+            name = self._name(future)
             del self._futures[name], self._awaited[name], self._depths[name]
             yield name, result
         for future in failed:
-            raise CallError(future.key.removesuffix(self._suffix), future.exception())
+            raise CallError(self._name(future), future.exception())
+
+    def _gather(self, done: Sequence[Future]) -> Sequence[Any]:
+        """Results; one whose worker has died since is computed again, which may fail."""
+        try:
+            return self._client.gather(done)
+        except Exception:
+            for future in done:
+                if future.status == "error":
+                    raise CallError(self._name(future), future.exception()) from None
+            raise
+
+    def _name(self, future: Future) -> str:
+        return future.key.removesuffix(self._suffix)
 
     def close(self) -> None:
         """Have the scheduler forget what is in flight."""
         if self._futures:
-            self._client.cancel(list(self._futures.values()))
+            # Dask closes the client when the scheduler is gone, and with it whatever it would have to forget.
+            with suppress(ClosedClientError):
+                self._client.cancel(list(self._futures.values()))
         self._futures.clear()
         self._awaited.clear()
         self._depths.clear()

@@ -111,17 +111,22 @@ class OwnGpus:
 
 
 class ForeignGpus:
-    """GPUs that workers of an existing cluster declare."""
+    """GPUs that workers of an existing cluster declare.
+
+    Once there was one, networks wait for its like to come back: on a processor they would give other bytes.
+    """
 
     def __init__(self, device: str):
         self._device = device
+        self._had_any = False
 
     def claim(self, client: Client) -> bool:
         """See `Gpus.claim`."""
+        if self._device == "cpu" or self._had_any:
+            return self._had_any
         workers = client.scheduler_info(-1)["workers"].values()
-        if self._device == "cpu":
-            return False
         if any(worker["resources"].get(GPU) for worker in workers):
+            self._had_any = True
             return True
         if self._device == "auto":
             return False

@@ -68,11 +68,15 @@ class DistributedRunner:
 
     def run(self, calls: Iterable[Call], on_done: Callable[[str, Any], None]) -> None:
         """See `Runner.run`."""
-        remaining = iter(calls)
+        # To draw calls may ask the cluster, too.
+        with as_cluster_errors(self._cluster):
+            self._run(iter(calls), on_done)
+
+    def _run(self, remaining: Iterator[Call], on_done: Callable[[str, Any], None]) -> None:
         waiting = list(islice(remaining, MIN_IN_FLIGHT))
         if not waiting:
             return
-        with as_cluster_errors(self._cluster), closing(Flight(self._cluster.client(), self._cluster.setup)) as flight:
+        with closing(Flight(self._cluster.client(), self._cluster.setup)) as flight:
             while waiting or flight:
                 if waiting:
                     needs_gpus = any(call.needs_gpu for call in waiting) and self._cluster.claim_gpus()
@@ -86,11 +90,13 @@ class DistributedRunner:
 
     def has_gpu(self) -> bool:
         """See `Runner.has_gpu`."""
-        return self._cluster.claim_gpus()
+        with as_cluster_errors(self._cluster):
+            return self._cluster.claim_gpus()
 
     def num_workers(self) -> int:
         """See `Runner.num_workers`."""
-        return max(1, self._cluster.num_threads())
+        with as_cluster_errors(self._cluster):
+            return max(1, self._cluster.num_threads())
 
 
 @contextmanager

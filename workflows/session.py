@@ -2,6 +2,7 @@
 
 import math
 import os
+import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -101,6 +102,11 @@ class Session:
     def num_workers(self) -> int:
         """How many calls run at the same time."""
         return self._runner.num_workers()
+
+    def tell(self, line: str) -> None:
+        """A line on standard error, unless the session is to be quiet."""
+        if not self._quiet:
+            print(line, file=sys.stderr, flush=True)
 
     def ingest(self, jobs: Sequence[IngestJob]) -> list[dict]:
         """Leaves of every job, decoded now or remembered from the same file bytes."""

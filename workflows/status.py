@@ -48,6 +48,8 @@ class RunStatus(Frozen):
         In the order in which they were planned.
     in_flight : tuple of InFlight
         What each process was computing last and has not ended.
+    num_unreadable : int
+        Lines of the log that this version does not read or that were cut short; nothing else counts them.
     """
 
     run_id: str
@@ -74,35 +76,30 @@ class RunStatus(Frozen):
     quarantined: tuple[Trouble, ...]
     message: str | None
     pins: tuple[str, ...]
+    num_unreadable: int
 
 
 def read_status(store: ArtifactStore, run_id: str) -> RunStatus:
     """The status of a run now; raises StoreError where its log cannot be read."""
-    return summarise(run_id, read_events(store, run_id), datetime.now(UTC))
+    return summarise(run_id, _read_lines(store, run_id), datetime.now(UTC))
 
 
 def read_events(store: ArtifactStore, run_id: str) -> Iterator[Event]:
-    """The events of all processes of a run, by time; raises StoreError where a line is none.
-
-    Lines are sorted before they are read: of a run of 100,000 artifacts the events would take a gigabyte.
-    """
-    # Stable: what one process wrote at one time stays in its order.
-    for line in sorted(store.read_log(run_id), key=line_time):
-        try:
-            yield read_event(line)
-        except ValidationError as error:
-            got = line[:200].decode("utf-8", errors="replace")
-            expected = "a line that this version of moseg writes"
-            raise StoreError("unreadable event", where=f"run {run_id}", got=got, expected=expected) from error
+    """The events of all processes of a run, by time; lines that are none are passed over."""
+    return (event for event in _read_lines(store, run_id) if event is not None)
 
 
-def summarise(run_id: str, events: Iterable[Event], now: datetime) -> RunStatus:
-    """The status that events, by time, tell at the time `now`."""
+def summarise(run_id: str, events: Iterable[Event | None], now: datetime) -> RunStatus:
+    """The status that events, by time, tell at the time `now`; None stands for a line that cannot be read."""
     counts = RunCounts()
     opened: RunOpened | None = None
     closed: RunClosed | None = None
     last_event = None
+    num_unreadable = 0
     for event in events:
+        if event is None:
+            num_unreadable += 1
+            continue
         last_event = event.time
         if isinstance(event, RunOpened):
             opened = opened or event
@@ -135,6 +132,7 @@ def summarise(run_id: str, events: Iterable[Event], now: datetime) -> RunStatus:
         quarantined=tuple(counts.quarantined),
         message=None if closed is None else closed.message,
         pins=() if closed is None else closed.pins,
+        num_unreadable=num_unreadable,
     )
 
 
@@ -166,11 +164,41 @@ def list_runs(store: ArtifactStore) -> list[str]:
 
 
 def old_logs(store: ArtifactStore, grace_seconds: float) -> list[str]:
-    """Runs whose logs may go: none of their processes wrote within the grace period, and none holds a lease."""
+    """Runs whose logs may go: none of their processes wrote within the grace period, and none is at work."""
     before = time.time() - grace_seconds
-    # A run at work has a pin of its own name.
+    # A run at work has a pin of its own name, but not while it decodes its sources.
     pinned = store.pinned()
-    return sorted(run_id for run_id, changed in store.logs().items() if changed < before and run_id not in pinned)
+    old = sorted(run_id for run_id, changed in store.logs().items() if changed < before and run_id not in pinned)
+    return [run_id for run_id in old if not _is_at_work(store, run_id)]
+
+
+def _is_at_work(store: ArtifactStore, run_id: str) -> bool:
+    """Whether a run has not closed and its process is known to run."""
+    try:
+        lines = store.read_log(run_id)
+    except StoreError:
+        # Of a log that cannot be read now nobody knows whether it may go.
+        return True
+    events = [_read_line(line) for line in lines if b'"opened"' in line or b'"closed"' in line]
+    if any(isinstance(event, RunClosed) for event in events):
+        return False
+    return any(isinstance(event, RunOpened) and is_running(event.space, event.pid) is True for event in events)
+
+
+def _read_lines(store: ArtifactStore, run_id: str) -> Iterator[Event | None]:
+    """The events of a run's lines by time, None of a line that is none.
+
+    Lines are sorted before they are read: of a run of 100,000 artifacts the events would take a gigabyte.
+    """
+    # Stable: what one process wrote at one time stays in its order.
+    return map(_read_line, sorted(store.read_log(run_id), key=line_time))
+
+
+def _read_line(line: bytes) -> Event | None:
+    try:
+        return read_event(line)
+    except ValidationError:
+        return None
 
 
 def _state(opened: RunOpened, closed: RunClosed | None) -> tuple[RunState, bool]:

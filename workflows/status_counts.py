@@ -71,7 +71,8 @@ class RunCounts:
         self._counts: Counter[tuple[str, str]] = Counter()
         self._reasons: dict[str, Counter[str]] = {}
         self._seconds: Counter[str] = Counter()
-        self._planned: dict[str, bool] = {}
+        self._planned: dict[str, None] = {}
+        self._done: set[str] = set()
         self._hits: set[str] = set()
         self._started: dict[str, WorkEvent] = {}
         self._last_end: dict[tuple[str, int], datetime] = {}
@@ -81,7 +82,7 @@ class RunCounts:
         """Count one more event."""
         match event.event:
             case EventKind.PLANNED:
-                self._planned[event.ref] = False
+                self._planned[event.ref] = None
             case EventKind.HIT:
                 self._hits.add(event.ref)
             case EventKind.STARTED:
@@ -109,6 +110,7 @@ class RunCounts:
                     self._end(event, "failed", is_done=False)
             case EventKind.QUARANTINED:
                 self.quarantined.append(Trouble(time=event.time, ref=event.ref, message=event.message))
+                self._done.discard(event.ref)
 
     def num_planned(self) -> int:
         """Artifacts to compute."""
@@ -116,12 +118,13 @@ class RunCounts:
 
     def num_done(self) -> int:
         """Those of them that are stored."""
-        return sum(self._planned.values())
+        # Not in the order of the lines: with clocks that differ an artifact seems to be stored before it was planned.
+        return len(self._done & self._planned.keys())
 
     def stages(self) -> tuple[StageStatus, ...]:
         """Counts by stage: those with something to compute as they were planned, then those that were only read."""
         planned = Counter(map(_stage, self._planned))
-        done = Counter(_stage(ref) for ref, is_done in self._planned.items() if is_done)
+        done = Counter(map(_stage, self._done & self._planned.keys()))
         # What the run itself computed is no hit, though a later plan of the run finds it stored.
         hits = Counter(_stage(ref) for ref in sorted(self._hits - self._planned.keys()))
         names = dict.fromkeys([*planned, *hits, *(stage for stage, _ in self._counts)])
@@ -159,7 +162,7 @@ class RunCounts:
         if self._work_began is None or not done or {_stage(ref) for ref in self._planned} <= {INGEST}:
             return None
         mean = done / sum(number for (_, count), number in self._counts.items() if count == "computed")
-        left = Counter(_stage(ref) for ref, is_done in self._planned.items() if not is_done)
+        left = Counter(_stage(ref) for ref in self._planned if ref not in self._done)
         rest = 0.0
         for stage, number in left.items():
             computed = self._counts[stage, "computed"]
@@ -170,8 +173,10 @@ class RunCounts:
         self._counts[event.stage, count] += 1
         self._started.pop(event.ref, None)
         self._last_end[event.host, event.pid] = event.time
-        if event.ref in self._planned:
-            self._planned[event.ref] = is_done
+        if is_done:
+            self._done.add(event.ref)
+        else:
+            self._done.discard(event.ref)
 
 
 def _stage(ref: str) -> str:

@@ -7,11 +7,21 @@ data set is planned a part at a time; what sequences share is found in the store
 from collections.abc import Iterator, Sequence
 
 from workflows.datasets import SequenceSource
+from workflows.session import Session
 
 FRAMES = 4096
 """Frames of a wave at least: beside the minutes that they take, the seconds in which a wave runs out are few."""
 FRAMES_PER_WORKER = 1024
 """Of a large cluster, so that each worker has minutes of work too."""
+
+
+def in_waves(session: Session, sources: Sequence[SequenceSource]) -> Iterator[list[SequenceSource]]:
+    """The waves of a session, each told of where there are several."""
+    waves = list(cut_waves(sources, session.num_workers()))
+    for number, wave in enumerate(waves, start=1):
+        if len(waves) > 1:
+            session.tell(f"wave {number} of {len(waves)}: {len(wave)} sequences, {wave[0].name} to {wave[-1].name}")
+        yield wave
 
 
 def cut_waves(sources: Sequence[SequenceSource], num_workers: int) -> Iterator[list[SequenceSource]]:

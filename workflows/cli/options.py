@@ -22,7 +22,9 @@ AnyVariant = TypeVar("AnyVariant", Variant, TrajectoryVariant)
 VariantName = StrEnum("VariantName", {variant.name: variant.value for variant in (*Variant, *TrajectoryVariant)})
 """Of every kind of data set; `read_variants` says which of them one has."""
 
-StoreOption = Annotated[str, typer.Option("--store", help="Artifact store: a folder or file:// URL.")]
+StoreOption = Annotated[
+    str, typer.Option("--store", help="Artifact store: a folder, or the URL of one (file://, s3://, gs://, az://).")
+]
 QuietOption = Annotated[bool, typer.Option("--quiet", help="No progress on standard error.")]
 NonCommercialOption = Annotated[
     bool,

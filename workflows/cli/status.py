@@ -45,18 +45,26 @@ def status(
 
 
 def _print_runs(store, run_ids: list[str], num_earlier: int) -> str:
-    """Print a list of runs; their statuses as JSON."""
+    """Print a list of runs, those whose logs cannot be read last; the others' statuses as JSON."""
     from pydantic import TypeAdapter
 
+    from schemas.errors import StoreError
     from workflows.cli.status_tables import runs_view
     from workflows.cli.tables import console
     from workflows.status import RunStatus, read_status
 
-    runs = [read_status(store, run_id) for run_id in run_ids]
-    if not runs:
+    runs, unreadable = [], []
+    for run_id in run_ids:
+        try:
+            runs.append(read_status(store, run_id))
+        except StoreError as error:
+            unreadable.append(f"{run_id}  unreadable: {error}")
+    if not run_ids:
         print(f"no run has computed anything in {store.url}, or their logs were collected")
-    else:
+    if runs:
         console().print(runs_view(runs))
+    for line in unreadable:
+        print(line)
     if num_earlier:
         print(f"and {num_earlier} earlier (--last N lists more)")
     return TypeAdapter(list[RunStatus]).dump_json(runs, indent=2).decode()

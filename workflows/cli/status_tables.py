@@ -40,6 +40,9 @@ def status_view(status: RunStatus) -> RenderableType:
     parts += _troubles("failed", status.failures)
     if status.message is not None and not status.failures:
         parts.append(_line("ended by", status.message))
+    if status.num_unreadable:
+        lines = f"{status.num_unreadable} line{'' if status.num_unreadable == 1 else 's'} of the log"
+        parts.append(_line("unreadable", f"{lines}, cut short or of another version; the counts lack them", "red"))
     if status.pins:
         parts.append(_line("results kept by pin", ", ".join(status.pins)))
     return Group(*parts)
