@@ -12,7 +12,7 @@ from schemas.errors import CorruptArtifactError
 from store.medium import ManifestSource, Medium
 from store.names import check_ref
 from store.outcomes import GcReport, Pin
-from store.pins import pinned
+from store.pins import discard_ended, ended_pins, pinned
 from store.reading import check_seal
 
 
@@ -20,18 +20,21 @@ def collect(medium: Medium, *, is_dry: bool = True, grace_seconds: float = 86_40
     """Delete the artifacts that no pin reaches and that lie here longer than the grace period, or only say which.
 
     Pins reach what they name and, through the inputs in manifests, all that it was made from; an input that is not
-    stored ends the walk there. Interrupted puts and quarantined artifacts older than the grace period go too.
+    stored ends the walk there. Interrupted puts, quarantined artifacts older than the grace period, and pins that hold
+    no longer go too.
     """
     now = time.time()
     reached = reachable(pinned(medium).values(), [medium])
     committed = medium.committed()
     doomed = [ref for ref, moment in committed.items() if ref not in reached and moment <= now - grace_seconds]
     leftovers = medium.leftovers(now, now - grace_seconds)
-    nbytes = sum(medium.nbytes(doomed).values()) + sum(leftovers.values())
+    ended = ended_pins(medium)
+    nbytes = sum(medium.nbytes(doomed).values()) + sum(leftovers.values()) + sum(ended.values())
     if not is_dry:
         doomed = _sweep(medium, doomed)
         medium.discard(leftovers)
-    return GcReport(len(committed) - len(doomed), tuple(doomed), tuple(leftovers), nbytes, is_dry)
+        discard_ended(medium, ended)
+    return GcReport(len(committed) - len(doomed), tuple(doomed), (*leftovers, *ended), nbytes, is_dry)
 
 
 def remove(medium: Medium, ref: str) -> bool:

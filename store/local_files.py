@@ -4,6 +4,7 @@ import os
 import shutil
 import uuid
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 
 from schemas.errors import StoreError
@@ -14,7 +15,7 @@ from store.layout import Layout
 from store.local_trash import LocalTrash
 from store.names import MANIFEST
 from store.outcomes import PutOutcome
-from store.owners import is_abandoned
+from store.owners import ABANDONED_SECONDS, is_abandoned
 from store.quarantine import quarantine
 
 
@@ -85,17 +86,25 @@ class LocalFiles:
         return LocalTrash(self._layout)
 
     def leftovers(self, now: float, before: float) -> dict[str, int]:
-        """Folders of dead processes under ``staging/`` and old ones under ``quarantine/``, relative to the root."""
+        """Folders of dead processes under ``staging/``, old ones under ``quarantine/``, and records half written.
+
+        Their names are relative to the root.
+        """
         staged = _folders(self._layout.staging)
         found = [folder for folder in staged if is_abandoned(folder.name, now - _modified(folder))]
         found += [folder for folder in _folders(self._layout.quarantine) if _modified(folder) <= before]
         root = self._layout.root
-        return {folder.relative_to(root).as_posix(): folder_nbytes(str(folder)) for folder in found}
+        partials = [path for path in sorted(root.glob("*/*.partial")) if now - _modified(path) > ABANDONED_SECONDS]
+        sizes = {path.relative_to(root).as_posix(): _size(path) for path in partials}
+        return sizes | {folder.relative_to(root).as_posix(): folder_nbytes(str(folder)) for folder in found}
 
     def discard(self, leftovers: Iterable[str]) -> None:
-        """Delete such folders."""
+        """Delete such folders and files."""
         for name in leftovers:
-            shutil.rmtree(self._layout.root / name, ignore_errors=True)
+            path = self._layout.root / name
+            shutil.rmtree(path, ignore_errors=True)
+            with suppress(OSError):
+                path.unlink()
 
     def write_record(self, path: str, content: bytes, purpose: str) -> None:
         """Write a small file beside its place and rename it."""
@@ -106,6 +115,9 @@ class LocalFiles:
             partial.write_bytes(content)
             partial.replace(target)
         except OSError as error:
+            # what cannot be deleted now is a leftover
+            with suppress(OSError):
+                partial.unlink(missing_ok=True)
             raise StoreError(f"cannot {purpose}: {error.strerror}", where=target) from error
 
     def read_record(self, path: str) -> bytes | None:
@@ -154,6 +166,14 @@ class LocalFiles:
 
 def _folders(parent: Path) -> list[Path]:
     return sorted(parent.iterdir()) if parent.is_dir() else []
+
+
+def _size(path: Path) -> int:
+    """Bytes of a file; none of one that is gone meanwhile."""
+    try:
+        return path.stat().st_size
+    except FileNotFoundError:
+        return 0
 
 
 def _modified(path: str | Path) -> float:

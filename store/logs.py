@@ -6,12 +6,17 @@ appends are not atomic. Nothing is held back: what was appended is there after a
 
 import os
 import shutil
+from contextlib import suppress
+from io import FileIO
 from pathlib import Path
 
 from schemas.errors import StoreError
 from store.layout import Layout
 from store.names import check_run_id
 from store.owners import process_space
+
+_whole: set[str] = set()
+"""Files of which this process knows that they end with a whole line."""
 
 
 def append_log(layout: Layout, run_id: str, lines: bytes) -> None:
@@ -29,7 +34,10 @@ def append_log(layout: Layout, run_id: str, lines: bytes) -> None:
 
 
 def read_log(layout: Layout, run_id: str) -> list[bytes]:
-    """The lines of a run's log, those of each process in order; a last line that a kill cut short is left out."""
+    """The lines of a run's log, those of each process in order; a last line that a kill cut short is left out.
+
+    A line that a full disk cut short is among them, where its process could write again.
+    """
     lines: list[bytes] = []
     for path in sorted(_folder(layout, run_id).glob("*.jsonl")):
         try:
@@ -46,7 +54,11 @@ def logs(layout: Layout) -> dict[str, float]:
     """Runs that left a log, with the time at which it last grew, seconds since the epoch."""
     found = {}
     for folder in sorted(layout.logs.glob("*/")):
-        times = [path.stat().st_mtime for path in folder.glob("*.jsonl")]
+        times = []
+        for path in folder.glob("*.jsonl"):
+            # a collection may be deleting it
+            with suppress(FileNotFoundError):
+                times.append(path.stat().st_mtime)
         if times:
             found[folder.name] = max(times)
     return found
@@ -62,8 +74,22 @@ def remove_log(layout: Layout, run_id: str) -> bool:
 
 
 def _append(path: str, lines: bytes) -> None:
-    with open(path, "ab", buffering=0) as file:
-        file.write(lines)
+    """Write all lines, or raise; where an append was cut short, the next one begins a new line."""
+    with open(path, "a+b", buffering=0) as file:
+        if path not in _whole and not _ends_whole(file):
+            lines = b"\n" + lines
+        _whole.discard(path)
+        rest = memoryview(lines)
+        # a disk that is nearly full takes a part, and raises only at the next write
+        while rest:
+            rest = rest[file.write(rest) :]
+    _whole.add(path)
+
+
+def _ends_whole(file: FileIO) -> bool:
+    """Whether a file is empty or ends with a whole line."""
+    size = file.seek(0, os.SEEK_END)
+    return size == 0 or os.pread(file.fileno(), 1, size - 1) == b"\n"
 
 
 def _folder(layout: Layout, run_id: str) -> Path:

@@ -80,7 +80,7 @@ class Medium(ManifestSource, Protocol):
         """A place of this process for artifacts that are to be deleted."""
 
     def leftovers(self, now: float, before: float) -> dict[str, int]:
-        """What interrupted processes left, and quarantined artifacts of a time before, with their bytes."""
+        """What interrupted processes left but pins, and quarantined artifacts of a time before, with their bytes."""
 
     def discard(self, leftovers: Iterable[str]) -> None:
         """Delete what `leftovers` named."""

@@ -82,7 +82,8 @@ class GcReport(NamedTuple):
     removed : tuple of str
         References of collected artifacts.
     leftovers : tuple of str
-        Places of interrupted puts and old quarantined artifacts, relative to the store's root.
+        Places of interrupted puts, ended pins, records half written and old quarantined artifacts, relative to the
+        store's root.
     nbytes : int
         Bytes freed by both.
     is_dry : bool

@@ -57,6 +57,20 @@ def pin_of(medium: Medium, run_id: str) -> Pin | None:
     return content if content is not None and _holds(content) else None
 
 
+def ended_pins(medium: Medium) -> dict[str, int]:
+    """Paths of the pins that hold no longer, since their lease or their process ended, with their bytes."""
+    records = medium.read_records(FOLDER)
+    return {path: len(record) for path, record in records.items() if not _holds(_read(medium, path, record))}
+
+
+def discard_ended(medium: Medium, paths: Iterable[str]) -> None:
+    """Delete pins that hold no longer; what was pinned again since is passed over."""
+    for path in paths:
+        record = medium.read_record(path)
+        if record is not None and not _holds(_read(medium, path, record)):
+            medium.delete_record(path, "delete an ended pin")
+
+
 def _read(medium: Medium, path: str, record: bytes) -> Pin:
     try:
         return Pin.model_validate_json(record)

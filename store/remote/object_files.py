@@ -6,6 +6,7 @@ files. On a server that ignores the condition the last one wins. Its manifest th
 first are leftovers, so that also there no reader ever sees bytes of both.
 """
 
+import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 
@@ -31,8 +32,8 @@ from store.remote.object_leftovers import find_leftovers
 from store.remote.object_trash import ObjectTrash
 from store.remote.requests import Requests
 
-_COMMITS = 3
-"""Times that a manifest is put where, each time, somebody else's was there and then gone."""
+_PAUSES = (0.0, 0.1, 0.5)
+"""Seconds before each time that a manifest is put, where before somebody else's was there and then gone."""
 
 
 class ObjectFiles:
@@ -83,7 +84,8 @@ class ObjectFiles:
         folder = payload_folder(ref, attempt)
         self._requests.put_many({f"{folder}/{path}": content for path, content in files.items()})
         manifest, name = seal(attempt), manifest_name(ref)
-        for _ in range(_COMMITS):
+        for pause in _PAUSES:
+            time.sleep(pause)
             if self._requests.create(name, manifest):
                 return PutOutcome.COMMITTED
             found = self._requests.get(name)

@@ -1,15 +1,17 @@
 """Pins and mark-and-sweep."""
 
+import errno
 import json
 import os
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
 from schemas.errors import InputError, StoreError
-from store import LocalStore, collection
+from store import LocalStore, collection, pins
 from store.owners import is_running, process_space
 
 DAY = 86_400.0
@@ -153,6 +155,47 @@ def test_gc_removes_staging_of_dead_processes_and_old_quarantine_only(store, cha
     for folder in (theirs, damaged):
         os.utime(folder, (0, 0))
     assert set(store.gc(is_dry=False).leftovers) == {f"staging/{theirs.name}", f"quarantine/{damaged.name}"}
+
+
+def test_gc_removes_pins_that_hold_no_longer_and_no_others(store, chain):
+    store.pin("ended", chain, lease_seconds=-1.0)
+    store.pin("leased", chain[:1], lease_seconds=DAY)
+    store.pin("kept", chain[:1])
+    path = store.root / "pins" / "ended.json"
+    report = store.gc()
+    assert report.leftovers == ("pins/ended.json",) and report.nbytes == path.stat().st_size
+    assert path.exists()
+    assert store.gc(is_dry=False).leftovers == ("pins/ended.json",)
+    assert not path.exists() and store.pinned().keys() == {"leased", "kept"}
+
+
+def test_a_pin_that_is_renewed_during_a_collection_stays(store, chain):
+    store.pin("run", chain, lease_seconds=-1.0)
+    found = pins.ended_pins(store._medium)
+    store.pin("run", chain)
+    pins.discard_ended(store._medium, found)
+    assert store.pinned().keys() == {"run"}
+
+
+def test_a_record_that_cannot_be_written_leaves_no_part_of_itself(store, chain, monkeypatch):
+    def fail(path, target):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "replace", fail)
+    with pytest.raises(StoreError, match="cannot pin"):
+        store.pin("run", chain)
+    assert list((store.root / "pins").iterdir()) == []
+
+
+def test_gc_removes_records_half_written_long_ago(store):
+    store.pin("run", [])
+    new, old = (store.root / "pins" / f"{name}.json.{'0' * 32}.partial" for name in ("new", "old"))
+    for path in (new, old):
+        path.write_bytes(b"{")
+    os.utime(old, (0, 0))
+    report = store.gc(is_dry=False)
+    assert (report.leftovers, report.nbytes) == ((f"pins/{old.name}",), 1)
+    assert new.exists() and not old.exists()
 
 
 def test_a_process_of_another_space_cannot_be_asked():

@@ -3,13 +3,14 @@
 import os
 import signal
 from itertools import pairwise
+from types import SimpleNamespace
 
 import pytest
 from distributed import Client, LocalCluster
 
 from schemas.errors import InputError
 from workflows import placement
-from workflows.placement import GPU, ForeignWorkers, OwnWorkers, share_out
+from workflows.placement import GPU, ForeignGpus, ForeignWorkers, OwnWorkers, share_out
 from workflows.runners import Call, open_runner
 
 
@@ -112,6 +113,25 @@ def test_a_worker_that_declares_no_gpu_computes_on_its_cpu():
     assert plan.place("a", {GPU: 0.0}) == ("cpu", {})
     assert plan.place("a", {GPU: 1.0}) == ("cuda", {})
     assert OwnWorkers().place("a", {}) == ("cpu", {})
+
+
+@pytest.mark.parametrize("device", ["auto", "cuda"])
+def test_networks_wait_for_a_gpu_that_was_there_once(device):
+    workers = {"a": {"resources": {GPU: 1.0}}, "b": {"resources": {}}}
+    client = SimpleNamespace(scheduler_info=lambda number: {"workers": workers})
+    gpus = ForeignGpus(device)
+    assert gpus.claim(client)
+    del workers["a"]
+    assert gpus.claim(client)
+
+
+def test_a_gpu_that_joins_a_run_on_processors_is_used():
+    workers = {"b": {"resources": {}}}
+    client = SimpleNamespace(scheduler_info=lambda number: {"workers": workers})
+    gpus = ForeignGpus("auto")
+    assert not gpus.claim(client)
+    workers["a"] = {"resources": {GPU: 1.0}}
+    assert gpus.claim(client)
 
 
 def test_nobody_asks_for_gpus_before_a_network_is_to_run(own):

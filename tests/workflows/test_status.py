@@ -128,6 +128,11 @@ def test_artifacts_are_counted_by_stage_and_kind():
     assert [(trouble.ref, trouble.message) for trouble in status.failures] == [(_ref(3), "broken")]
 
 
+def test_what_was_stored_before_it_was_planned_by_another_clock_is_done():
+    status = _summary(_opened(), *_computed(_ref(1), 1.0, 2.0), *_planned(_ref(1), _ref(2), seconds=3.0))
+    assert (status.num_done, status.num_planned, status.stages[0].done) == (1, 2, 1)
+
+
 def test_an_artifact_that_was_mended_is_counted_once_and_no_hit():
     status = _summary(
         _opened(),
@@ -185,13 +190,30 @@ def logged(tmp_path):
     return store, write
 
 
-def test_a_line_that_is_no_event_is_a_fault_that_names_the_run(logged, moseg):
+def test_lines_that_are_no_events_are_counted_and_end_no_status(logged, moseg):
     store, write = logged
-    write(_opened())
-    store.append_log(RUN, b'{"event":"dreamt"}\n')
-    with pytest.raises(StoreError, match=RUN):
-        read_status(store, RUN)
+    write(_opened(NO_PROCESS), *_planned(_ref(1), _ref(2)))
+    assert "unreadable" not in moseg("status", RUN, "--store", store.url).out
+    store.append_log(RUN, b'{"event":"dreamt"}\n\n{"time":"2026-11-22T00:00:01Z","ho\n')
+    write(*_computed(_ref(1), 0.0, 1.0))
+    status = read_status(store, RUN)
+    assert (status.num_done, status.num_planned, status.num_unreadable) == (1, 2, 3)
     ran = moseg("status", RUN, "--store", store.url)
+    assert (ran.code, ran.err) == (0, "") and "unreadable: 3 lines" in ran.out
+
+
+def test_a_log_without_a_beginning_hides_no_other_run(logged, moseg, tmp_path):
+    store, write = logged
+    write(_opened(NO_PROCESS))
+    write(*_planned(_ref(1)), run_id="20261123T000000-bbbbbb")
+    with pytest.raises(StoreError, match="20261123T000000-bbbbbb"):
+        read_status(store, "20261123T000000-bbbbbb")
+    ran = moseg("status", "--store", store.url, "--json", tmp_path / "runs.json")
+    assert (ran.code, ran.err) == (0, "")
+    lines = [line.split()[:2] for line in ran.out.splitlines() if line.startswith("2026")]
+    assert lines == [[RUN, "dead"], ["20261123T000000-bbbbbb", "unreadable:"]]
+    assert [run["run_id"] for run in json.loads((tmp_path / "runs.json").read_text())] == [RUN]
+    ran = moseg("status", "latest", "--store", store.url)
     assert (ran.code, len(ran.err.splitlines())) == (1, 1)
 
 
@@ -331,7 +353,7 @@ def test_old_logs_are_those_that_no_run_at_work_writes(logged):
     store, write = logged
     runs = [f"2026112{number}T000000-aaaaaa" for number in range(3)]
     for run_id in runs:
-        write(_opened(), run_id=run_id)
+        write(_opened(NO_PROCESS), run_id=run_id)
     assert old_logs(store, grace_seconds=60.0) == []
     before = time.time() - 120.0
     for run_id in runs[:2]:
@@ -340,3 +362,18 @@ def test_old_logs_are_those_that_no_run_at_work_writes(logged):
     store.pin(runs[1], [], lease_seconds=60.0)
     assert old_logs(store, grace_seconds=60.0) == runs[:1]
     assert list_runs(store) == runs[::-1]
+
+
+def test_logs_of_runs_without_a_pin_stay_while_their_process_runs(logged):
+    store, write = logged
+    runs = {
+        "running": [_opened()],
+        "ended": [_opened(), _closed(Outcome.FINISHED, 1.0)],
+        "elsewhere": [_opened(NO_PROCESS, space="0" * 16)],
+        "headless": _planned(_ref(1)),
+    }
+    for run_id, events in runs.items():
+        write(*events, run_id=run_id)
+        for path in (store.root / "logs" / run_id).iterdir():
+            os.utime(path, (0, 0))
+    assert old_logs(store, grace_seconds=60.0) == ["elsewhere", "ended", "headless"]

@@ -10,6 +10,7 @@ import obstore
 import pytest
 from obstore.exceptions import AlreadyExistsError
 
+from schemas.errors import StoreError
 from schemas.recipes import Recipe
 from store import collection, open_store
 from store.owners import owned_name
@@ -219,3 +220,21 @@ def test_an_artifact_whose_return_was_answered_late_keeps_its_files(store, put_t
     trash.give_back([ref])
     trash.empty()
     assert [result.is_intact for result in store.verify()] == [True] and names("aside") == []
+
+
+def test_pins_that_hold_no_longer_are_leftovers(store, put_toy, names):
+    ref = put_toy(store)
+    store.pin("ended", [ref], lease_seconds=-1.0)
+    store.pin("kept", [ref])
+    assert store.gc().leftovers == ("pins/ended.json",)
+    store.gc(is_dry=False)
+    assert names("pins") == ["pins/kept.json"] and store.has(ref)
+
+
+def test_a_commit_waits_longer_each_time_that_somebody_elses_came_and_went(store, put_toy, monkeypatch):
+    pauses = []
+    monkeypatch.setattr(object_files.time, "sleep", pauses.append)
+    monkeypatch.setattr(remote_requests.Requests, "create", lambda self, name, content: False)
+    with pytest.raises(StoreError, match="puts and removes"):
+        put_toy(store)
+    assert pauses[0] == 0.0 and pauses == sorted(set(pauses)) and len(pauses) == 3

@@ -6,13 +6,17 @@ import signal
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import psutil
 import pytest
+from distributed.client import ClosedClientError
+from distributed.scheduler import KilledWorker
 
 from schemas.errors import ClusterError
 from store import open_store
-from workflows.runners import Call, open_runner
+from workflows.flight import CallError, Flight
+from workflows.runners import Call, DistributedRunner, open_runner
 
 MOSEG = [sys.executable, "-c", "from workflows.cli import main; main()"]
 DEADLINE_SEC = 120
@@ -100,6 +104,79 @@ def test_a_scheduler_that_dies_ends_the_run(start_cluster):
         pytest.raises(ClusterError, match=f"the scheduler is gone .* in {cluster.address}"),
     ):
         runner.run(calls, lambda name, result: cluster.scheduler.send_signal(signal.SIGKILL))
+
+
+class _LostCluster:
+    """A cluster whose client Dask has closed: it has no scheduler any more."""
+
+    setup = None
+    where = "tcp://host:8786"
+
+    def client(self):
+        return SimpleNamespace(loop=object(), scheduler=None, status="closed")
+
+    def is_lost(self):
+        return True
+
+    def num_threads(self):
+        return self.client().scheduler.ncores()
+
+    def claim_gpus(self):
+        raise ClosedClientError("Client is closed.")
+
+
+def test_whatever_asks_a_lost_cluster_is_told_so():
+    runner = DistributedRunner(_LostCluster())
+
+    def draw():
+        yield Call("light-0", abs, (-1,), needs_gpu=runner.has_gpu())
+
+    def draw_and_ask_without_a_runner():
+        yield Call("light-0", abs, (-_LostCluster().num_threads(),))
+
+    for calls in (draw(), draw_and_ask_without_a_runner(), [Call("light-0", abs, (-1,), needs_gpu=True)]):
+        with pytest.raises(ClusterError, match="the scheduler is gone or dropped the work in tcp://host:8786; got"):
+            runner.run(calls, lambda name, result: None)
+    for ask in (runner.has_gpu, runner.num_workers):
+        with pytest.raises(ClusterError, match="the scheduler is gone"):
+            ask()
+
+
+def test_a_fault_of_ours_is_not_blamed_on_a_cluster_that_is_there():
+    cluster = _LostCluster()
+    cluster.is_lost = lambda: False
+    with pytest.raises(AttributeError):
+        DistributedRunner(cluster).num_workers()
+
+
+def _flight(**methods):
+    """One call under way at a client with these methods."""
+    flight = Flight(SimpleNamespace(loop=object(), **methods), None)
+    killed = KilledWorker("flow-0", "tcp://worker:1", 3)
+    future = SimpleNamespace(key="flow-0" + flight._suffix, status="finished", exception=lambda: killed)
+    flight._futures["flow-0"] = future
+    flight._completed = SimpleNamespace(next_batch=lambda: [future])
+    return flight, future
+
+
+def test_a_client_that_is_closed_has_nothing_to_cancel():
+    def cancel(futures):
+        raise ClosedClientError("Client is closed.")
+
+    flight, _ = _flight(cancel=cancel)
+    flight.close()
+    assert len(flight) == 0
+
+
+def test_a_result_that_was_lost_and_fails_when_computed_again_is_the_call_s_failure():
+    def gather(futures):
+        future.status = "error"
+        raise future.exception()
+
+    flight, future = _flight(gather=gather)
+    with pytest.raises(CallError) as raised:
+        list(flight.collect())
+    assert (raised.value.name, type(raised.value.reason)) == ("flow-0", KilledWorker)
 
 
 def test_a_lost_cluster_is_one_line_and_a_fault(moseg, monkeypatch):

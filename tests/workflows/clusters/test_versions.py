@@ -7,6 +7,7 @@ import pytest
 
 from schemas.errors import InputError
 from workflows import code_fingerprint as fingerprints
+from workflows import runners
 from workflows.cluster_check import ClusterCheck
 from workflows.runners import Call, open_runner
 
@@ -123,7 +124,10 @@ def test_a_worker_of_another_version_that_joins_later_ends_the_run(start_cluster
     assert late
 
 
-def test_a_worker_without_moseg_that_joins_later_leaves_its_calls_to_the_others(start_cluster, without):
+def test_a_worker_without_moseg_that_joins_later_leaves_its_calls_to_the_others(start_cluster, without, monkeypatch):
+    # New workers are asked whenever calls are sent off: many times in a small window.
+    monkeypatch.setattr(runners, "MIN_IN_FLIGHT", 8)
+    monkeypatch.setattr(runners, "CALLS_PER_THREAD", 8)
     cluster = start_cluster()
     cluster.add_worker("same")
     late, found = [], {}
@@ -152,12 +156,16 @@ def test_nothing_of_a_run_stays_on_the_cluster(start_cluster, without):
 class _Workers:
     """A cluster whose workers say what they are told to."""
 
-    def __init__(self, versions):
+    def __init__(self, versions, answers=()):
         self._versions = versions
+        self._answers = dict(answers)
 
     def run(self, function, workers, on_error):
         facts = function()
-        return {address: facts | {"versions": facts["versions"] | self._versions[address]} for address in workers}
+        said = {
+            address: facts | {"versions": facts["versions"] | self._versions.get(address, {})} for address in workers
+        }
+        return said | {address: answer for address, answer in self._answers.items() if address in workers}
 
 
 def test_other_libraries_are_told_once_in_one_line_and_not_refused(capsys):
@@ -172,6 +180,27 @@ def test_other_libraries_are_told_once_in_one_line_and_not_refused(capsys):
     assert "scipy 2.0" in err and "numpy" not in err
     assert check.check_workers("abcd") == []
     assert capsys.readouterr().err == ""
+
+
+def test_a_late_worker_that_cannot_answer_is_left_out_and_told_once(capsys):
+    missing = ModuleNotFoundError("No module named 'workflows'")
+    check = ClusterCheck(_Workers({}, {"b": missing, "c": OSError("gone")}))
+    assert check.check_workers("a") == ["a"]
+    for new in (["d"], []):
+        assert check.check_late_workers("abcd") == new
+        assert check.speechless == {"b"}
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "in worker b" in line and "No module named 'workflows'" in line
+    # Once a call has failed for want of a module it is named as the reason.
+    check.forget_workers()
+    with pytest.raises(InputError, match="no moseg, or another version of it in worker b"):
+        check.check_workers("abd")
+
+
+def test_a_late_worker_of_another_version_is_refused():
+    check = ClusterCheck(_Workers({}, {"b": {"fingerprint": "0", "lacks": None, "versions": {}}}))
+    with pytest.raises(InputError, match="another version of moseg in worker b"):
+        check.check_late_workers("ab")
 
 
 def _installed(folder: Path, **files: str) -> Path:
