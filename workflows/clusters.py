@@ -9,7 +9,7 @@ from typing import Protocol
 import dask
 from distributed import Client, LocalCluster
 
-from schemas.errors import ClusterError
+from schemas.errors import ClusterError, MosegError
 from workflows.cluster_check import ClusterCheck
 from workflows.cluster_connection import SHORT_LOGS, TlsFiles, connect
 from workflows.code_fingerprint import code_fingerprint
@@ -134,6 +134,8 @@ class ForeignCluster:
     ------
     InputError
         See `connect` and `ClusterCheck`; or a worker that declares a GPU lacks the device that was asked for.
+    ClusterError
+        The scheduler ended meanwhile.
     """
 
     def __init__(self, scheduler: str, tls: TlsFiles, threads: int, device: str):
@@ -146,6 +148,11 @@ class ForeignCluster:
             self._check.check_scheduler()
             if not self._admit(self._check.check_workers):
                 print(f"moseg: --scheduler {scheduler} has no workers yet, waiting for one", file=sys.stderr)
+        except OSError as error:
+            self._client.close()
+            if isinstance(error, MosegError):
+                raise
+            raise ClusterError("the scheduler is gone", where=f"--scheduler {scheduler}", got=error) from error
         except BaseException:
             self._client.close()
             raise

@@ -11,10 +11,13 @@ from types import SimpleNamespace
 import psutil
 import pytest
 from distributed.client import ClosedClientError
+from distributed.comm import CommClosedError
 from distributed.scheduler import KilledWorker
 
 from schemas.errors import ClusterError
 from store import open_store
+from workflows.cluster_connection import TlsFiles
+from workflows.clusters import ForeignCluster
 from workflows.flight import CallError, Flight
 from workflows.runners import Call, DistributedRunner, open_runner
 
@@ -197,3 +200,14 @@ def test_workers_that_end_while_they_start_are_one_line_and_a_fault(evaluated, m
     assert ran.code == 1
     (line,) = ran.err.splitlines()
     assert "a worker ended while it started in --workers 2" in line and "cannot allocate memory" in line
+
+
+def test_a_scheduler_that_ends_before_the_first_answer_is_one_line(monkeypatch):
+    def ask():
+        raise CommClosedError("in <TCP>: Stream is closed")
+
+    client = SimpleNamespace(scheduler=SimpleNamespace(address="tcp://host:8786"), close=lambda: None)
+    monkeypatch.setattr("workflows.clusters.connect", lambda scheduler, tls: client)
+    monkeypatch.setattr("workflows.clusters.ClusterCheck", lambda client: SimpleNamespace(check_scheduler=ask))
+    with pytest.raises(ClusterError, match=r"the scheduler is gone in --scheduler tcp://host:8786; .*closed"):
+        ForeignCluster("tcp://host:8786", TlsFiles(), threads=1, device="auto")
