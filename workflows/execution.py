@@ -30,11 +30,9 @@ class TaskReport(NamedTuple):
     outcome: str
 
 
-def execute_batches(
-    store_url: str, batches: Sequence[Sequence[Recipe]], run_id: str | None = None, *_dependencies: object
-) -> list[TaskReport]:
+def execute_batches(store_url: str, batches: Sequence[Sequence[Recipe]], run_id: str | None = None) -> list[TaskReport]:
     """Compute batches one after the other, each of recipes that differ in their inputs only, and write the events to
-    the log of `run_id`; `_dependencies` only order the graph."""
+    the log of `run_id`."""
     store = open_existing(store_url)
     reports: list[TaskReport] = []
     with EventLog(store, run_id) as log:
@@ -72,9 +70,7 @@ def _execute_batch(store: WriteBehind, recipes: Sequence[Recipe], log: EventLog)
     return [TaskReport(recipe.ref, 0.0, PutOutcome.LOST_RACE) for recipe in stored]
 
 
-def execute_ingest(
-    store_url: str, batch: Sequence[tuple[IngestJob, Recipe]], run_id: str, *_dependencies: object
-) -> dict[str, dict]:
+def execute_ingest(store_url: str, batch: Sequence[tuple[IngestJob, Recipe]], run_id: str) -> dict[str, dict]:
     """Decode a batch of sources, see `run_ingest`, and write the events to the log of `run_id`."""
     store = open_existing(store_url)
     recipes = [recipe for _, recipe in batch]

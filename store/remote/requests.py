@@ -83,7 +83,6 @@ class Requests:
 
     def get_many(self, names: Collection[str]) -> dict[str, bytes | None]:
         """Content of objects by name, in the order given; None of those that are not there."""
-
         names = list(dict.fromkeys(names))
         return dict(zip(names, _gather(self.get, names), strict=True))
 
