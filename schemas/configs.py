@@ -1,7 +1,7 @@
 """The configuration of a run: the parameters of every stage, and the variants of the paper's ablation."""
 
 from enum import StrEnum
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
@@ -41,6 +41,7 @@ from schemas.parameters import (
     TrackParams,
     TrajectoryClusteringParams,
 )
+from schemas.units import Unit
 
 
 class Variant(StrEnum):
@@ -65,14 +66,18 @@ class TrajectoryVariant(StrEnum):
 class SectionParams(Frozen):
     """How a video is cut into sections; objects are proposed anew in each."""
 
-    length: int = Field(30, ge=1, description="l of the paper: frames of a section")
-    overlap: int = Field(12, ge=1, description="frames that a section's proposals share with the next, for linking")
+    length: Annotated[int, Unit.FRAMES] = Field(30, ge=1, description="l of the paper: frames of a section")
+    overlap: Annotated[int, Unit.FRAMES] = Field(
+        12, ge=1, description="frames that a section's proposals share with the next, for linking"
+    )
 
 
 class PipelineConfig(Frozen):
     """Every parameter of the pipeline; each stage's recipe takes only its own."""
 
-    max_side: int = Field(1280, ge=16, description="frames with a longer side are reduced to this for analysis, px")
+    max_side: Annotated[int, Unit.PIXELS] = Field(
+        1280, ge=16, description="frames with a longer side are reduced to this for analysis, px"
+    )
     proposal_source: Literal["saliency", "detections", "groundtruth", "folder"] = Field(
         "saliency",
         description="object proposals: motion saliency, detections (objects that networks name, find, outline and"

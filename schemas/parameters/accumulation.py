@@ -1,15 +1,28 @@
 """Parameters of the accumulation of maps along the flow."""
 
+from typing import Annotated
+
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 
 class AccumulationParams(Frozen):
     """What is seen in a frame is averaged with what the flow leads to in the frames before and after it."""
 
-    memory: float = Field(0.85, ge=0, lt=1, description="weight of the other frames where the flow is consistent")
-    consistency_floor: float = Field(0.5, ge=0, le=1, description="least consistency that the memory is scaled with")
-    reliability_floor: float = Field(0.1, gt=0, le=1, description="weight of a frame's saliency where its flow fails")
-    consistency_relative: float = Field(0.02, ge=0, description="forward-backward error allowed, share of |flow|^2")
-    consistency_absolute: float = Field(0.1, gt=0, description="forward-backward error allowed, (px/frame)^2")
+    memory: Annotated[float, Unit.RATIO] = Field(
+        0.85, ge=0, lt=1, description="weight of the other frames where the flow is consistent"
+    )
+    consistency_floor: Annotated[float, Unit.RATIO] = Field(
+        0.5, ge=0, le=1, description="least consistency that the memory is scaled with"
+    )
+    reliability_floor: Annotated[float, Unit.RATIO] = Field(
+        0.1, gt=0, le=1, description="weight of a frame's saliency where its flow fails"
+    )
+    consistency_relative: Annotated[float, Unit.SHARE] = Field(
+        0.02, ge=0, description="forward-backward error allowed, share of |flow|^2"
+    )
+    consistency_absolute: Annotated[float, Unit.SQUARED_PIXELS_PER_FRAME] = Field(
+        0.1, gt=0, description="forward-backward error allowed, (px/frame)^2"
+    )

@@ -1,10 +1,11 @@
 """Parameters of the motion affinity between objects."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 
 class AffinityParams(Frozen):
@@ -15,15 +16,19 @@ class AffinityParams(Frozen):
         description="residual size, the paper's weighted ORK, ORK over many hypotheses (hypotheses), or residual size"
         " and many hypotheses together (combined)",
     )
-    ork_threshold: int = Field(2, ge=1, description="t of the weighted ORK: how many smallest residuals score")
+    ork_threshold: Annotated[int, Unit.COUNT] = Field(
+        2, ge=1, description="t of the weighted ORK: how many smallest residuals score"
+    )
     ork_reading: Literal["models", "objects"] = Field(
         "models", description="rank the models for each object's data, or the objects under each model"
     )
-    scale: float = Field(0.5, gt=0, description="residual size at which affinity falls to exp(-1/2), px")
-    relative: float = Field(
+    scale: Annotated[float, Unit.PIXELS] = Field(
+        0.5, gt=0, description="residual size at which affinity falls to exp(-1/2), px"
+    )
+    relative: Annotated[float, Unit.SHARE] = Field(
         1.0, ge=0, description="share of both objects' residuals under their own models added to the scale, in squares"
     )
-    relative_flow: float = Field(
+    relative_flow: Annotated[float, Unit.SHARE] = Field(
         0.05, ge=0, description="share of the object's flow length added to the scale, in squares; flow models only"
     )
     excess: bool = Field(
@@ -36,7 +41,7 @@ class AffinityParams(Frozen):
             "(background) that under the background's model where one of the two is the background, else the smaller"
         ),
     )
-    quantile: float = Field(
+    quantile: Annotated[float, Unit.SHARE] = Field(
         0.5, ge=0, le=1, description="quantile over frame pairs of the distance between two objects"
     )
 
@@ -47,14 +52,20 @@ class HypothesisAffinityParams(Frozen):
     models: tuple[str, ...] = Field(
         ("homography", "fundamental"), min_length=1, description="point models of two frames that hypotheses are of"
     )
-    gap: int = Field(3, ge=1, description="frames between the two frames of a pair")
-    num_hypotheses: int = Field(300, ge=1, description="minimal samples of each model in each frame pair")
-    num_objects: int = Field(3, ge=1, description="random objects whose tracks a sample is drawn from")
-    min_tracks: int = Field(
+    gap: Annotated[int, Unit.FRAMES] = Field(3, ge=1, description="frames between the two frames of a pair")
+    num_hypotheses: Annotated[int, Unit.COUNT] = Field(
+        300, ge=1, description="minimal samples of each model in each frame pair"
+    )
+    num_objects: Annotated[int, Unit.COUNT] = Field(
+        3, ge=1, description="random objects whose tracks a sample is drawn from"
+    )
+    min_tracks: Annotated[int, Unit.COUNT] = Field(
         4, ge=1, description="tracks seen in a pair below which an object takes no part, unless it has no more"
     )
-    window: float = Field(0.075, gt=0, le=1, description="share of a pair's hypotheses that an object prefers")
-    fade: float = Field(
+    window: Annotated[float, Unit.SHARE] = Field(
+        0.075, gt=0, le=1, description="share of a pair's hypotheses that an object prefers"
+    )
+    fade: Annotated[float, Unit.RATIO] = Field(
         10.0,
         ge=0,
         description="residual at which a preference counts half, in units of what good hypotheses leave of a typical"
@@ -63,4 +74,4 @@ class HypothesisAffinityParams(Frozen):
     fusion: Literal["product", "sum"] = Field(
         "product", description="geometric or arithmetic mean of the models' cosines between preferences"
     )
-    power: float = Field(5.0, gt=0, description="power of that mean")
+    power: Annotated[float, Unit.RATIO] = Field(5.0, gt=0, description="power of that mean")

@@ -6,6 +6,7 @@ from pydantic import Field
 
 from schemas.frozen import Frozen
 from schemas.parameters.affinity import HypothesisAffinityParams
+from schemas.units import Unit
 
 TRACK_METHODS = ("description_length", "geometric")
 """Ways to find the number of motions that compare how well each explains the tracks."""
@@ -27,42 +28,54 @@ COUNT_READS = {
 class MotionCountParams(Frozen):
     """How clusterings into 1, 2, ... motions are compared where the number is not given."""
 
-    most_motions: int = Field(6, ge=1, le=19, description="largest number of motions that is tried")
-    gap: int = Field(3, ge=1, description="frames between the two frames of a pair")
-    num_samples: int = Field(100, ge=1, description="minimal samples drawn for each fit")
-    threshold: float = Field(1.0, gt=0, description="Sampson distance of an inlier of a fundamental matrix, px")
-    num_refits: int = Field(5, ge=0, description="most local refits of a homography to its inliers")
-    homography_ratio: float = Field(
+    most_motions: Annotated[int, Unit.COUNT] = Field(
+        6, ge=1, le=19, description="largest number of motions that is tried"
+    )
+    gap: Annotated[int, Unit.FRAMES] = Field(3, ge=1, description="frames between the two frames of a pair")
+    num_samples: Annotated[int, Unit.COUNT] = Field(100, ge=1, description="minimal samples drawn for each fit")
+    threshold: Annotated[float, Unit.PIXELS] = Field(
+        1.0, gt=0, description="Sampson distance of an inlier of a fundamental matrix, px"
+    )
+    num_refits: Annotated[int, Unit.COUNT] = Field(
+        5, ge=0, description="most local refits of a homography to its inliers"
+    )
+    homography_ratio: Annotated[float, Unit.SHARE] = Field(
         0.95,
         ge=0,
         description="a pair shows no parallax where a homography explains its widest object: where it has this share of"
         " the fundamental matrix's inliers",
     )
-    least_span: float = Field(
+    least_span: Annotated[float, Unit.RATIO] = Field(
         0.5,
         ge=0,
         description="spread of the widest object, in that of all tracks, below which parallax is taken for granted",
     )
-    truncation: float = Field(
+    truncation: Annotated[float, Unit.PIXELS] = Field(
         0.5, gt=0, description="distance from which an observation counts as far (affine fits) or costs 1, px"
     )
-    motion_price: float = Field(0.02, ge=0, description="cost of a motion, in shares of observations (geometric)")
-    outlier_range: float = Field(
+    motion_price: Annotated[float, Unit.SHARE] = Field(
+        0.02, ge=0, description="cost of a motion, in shares of observations (geometric)"
+    )
+    outlier_range: Annotated[float, Unit.PIXELS] = Field(
         5.0, gt=0, description="range over which the distances of outliers are spread, px (description_length)"
     )
-    least_noise: float = Field(0.03, gt=0, description="noise of tracks below which none is believed, px")
-    parameter_price: float = Field(
+    least_noise: Annotated[float, Unit.PIXELS] = Field(
+        0.03, gt=0, description="noise of tracks below which none is believed, px"
+    )
+    parameter_price: Annotated[float, Unit.RATIO] = Field(
         0.5,
         ge=0,
         description="nats of a parameter in logarithms of the number of observations; 0.5 is the Bayesian information"
         " criterion (description_length)",
     )
-    least_silhouette: float = Field(
+    least_silhouette: Annotated[float, Unit.RATIO] = Field(
         0.5, ge=-1, le=1, description="best silhouette below which there is one motion only (confidences)"
     )
     affinity: HypothesisAffinityParams = HypothesisAffinityParams()
-    num_resamples: int = Field(6, ge=2, description="random halves of the frame pairs that are compared (stability)")
-    least_agreement: float = Field(
+    num_resamples: Annotated[int, Unit.COUNT] = Field(
+        6, ge=2, description="random halves of the frame pairs that are compared (stability)"
+    )
+    least_agreement: Annotated[float, Unit.RATIO] = Field(
         0.9, ge=0, le=1, description="mean adjusted Rand index of resamples that agree (stability)"
     )
 
@@ -70,7 +83,7 @@ class MotionCountParams(Frozen):
 class ClusteringParams(Frozen):
     """How affinities of several views become motion groups."""
 
-    motions: Literal["gt", "auto"] | Annotated[int, Field(ge=1)] = Field(
+    motions: Annotated[Literal["gt", "auto"] | Annotated[int, Field(ge=1)], Unit.COUNT] = Field(
         "auto", description="number of motions with the background: gt, auto or N"
     )
     fusion: Literal["product", "sum", "coregularised"] = Field(
@@ -88,7 +101,7 @@ class ClusteringParams(Frozen):
         " pairs of frames (stability); the largest gap of the spectrum (eigengap)",
     )
     count: MotionCountParams = MotionCountParams()
-    threshold: float = Field(
+    threshold: Annotated[float, Unit.RATIO] = Field(
         0.5,
         gt=0,
         lt=1,
@@ -101,6 +114,8 @@ class ClusteringParams(Frozen):
         " none knows (agreement), the background's group (group), or (auto) the first for proposals cut out because"
         " they move (saliency) and the second for all others",
     )
-    co_regularisation: float = Field(0.1, ge=0, description="lambda of Kumar et al. 2011")
-    num_iterations: int = Field(20, ge=1, description="most alternating updates of all views")
-    tolerance: float = Field(1e-9, ge=0, description="relative growth of the objective at which the updates stop")
+    co_regularisation: Annotated[float, Unit.RATIO] = Field(0.1, ge=0, description="lambda of Kumar et al. 2011")
+    num_iterations: Annotated[int, Unit.COUNT] = Field(20, ge=1, description="most alternating updates of all views")
+    tolerance: Annotated[float, Unit.RATIO] = Field(
+        1e-9, ge=0, description="relative growth of the objective at which the updates stop"
+    )

@@ -1,16 +1,25 @@
 """Parameters of objects as components of the foreground."""
 
+from typing import Annotated
+
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 
 class ComponentParams(Frozen):
     """Space-time components of the foreground, and which of them are objects."""
 
-    border_share: float = Field(
+    border_share: Annotated[float, Unit.SHARE] = Field(
         0.4, gt=0, le=1, description="share of outline on the frame's border that voids a score"
     )
-    score_ratio: float = Field(0.1, ge=0, le=1, description="objects below this share of the best score are dropped")
-    min_area: float = Field(0.0005, ge=0, le=1, description="least mean area over its frames, share of the frame")
-    max_objects: int = Field(16, ge=1, le=65535, description="objects kept at most, best score first")
+    score_ratio: Annotated[float, Unit.SHARE] = Field(
+        0.1, ge=0, le=1, description="objects below this share of the best score are dropped"
+    )
+    min_area: Annotated[float, Unit.SHARE] = Field(
+        0.0005, ge=0, le=1, description="least mean area over its frames, share of the frame"
+    )
+    max_objects: Annotated[int, Unit.COUNT] = Field(
+        16, ge=1, le=65535, description="objects kept at most, best score first"
+    )

@@ -1,8 +1,11 @@
 """Parameters of mask tracking by DeAOT."""
 
+from typing import Annotated
+
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 
 class DeaotParams(Frozen):
@@ -14,14 +17,16 @@ class DeaotParams(Frozen):
     """
 
     weights: str = Field("deaot-r50-l", description="weights item; `moseg backends` lists them")
-    max_side: int = Field(
+    max_side: Annotated[int, Unit.PIXELS] = Field(
         1040,
         ge=17,
         description="frames with a longer side are shrunk to this for the network, px; the authors' evaluation takes "
         "1.3 x 800, which leaves 854x480 as it is. Time and memory grow by its fourth power",
     )
-    memory_every: int = Field(5, ge=1, description="frames from one that is remembered for good to the next")
-    memory_frames: int = Field(
+    memory_every: Annotated[int, Unit.FRAMES] = Field(
+        5, ge=1, description="frames from one that is remembered for good to the next"
+    )
+    memory_frames: Annotated[int, Unit.FRAMES] = Field(
         8,
         ge=1,
         description="frames remembered for good: the first and the newest of the others. The authors keep all; time "

@@ -1,18 +1,21 @@
 """Parameters of depth by DINOv2 with a DPT head."""
 
+from typing import Annotated
+
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 
 class DptDinov2Params(Frozen):
     """How large frames are shown to the network, and how its metric depth is inverted."""
 
     weights: str = Field("dpt-dinov2-large-nyu", description="weights item; `moseg backends` lists them")
-    max_side: int = Field(
+    max_side: Annotated[int, Unit.PIXELS] = Field(
         1022, ge=14, description="frames with a longer side are shrunk to this for the network, px; its cost is bounded"
     )
-    nearest: float = Field(
+    nearest: Annotated[float, Unit.METRES] = Field(
         0.1,
         gt=0,
         description="depth under this counts as this much, m; the networks were trained up to 10 m (nyu) or 80 m "

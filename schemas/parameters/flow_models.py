@@ -1,10 +1,11 @@
 """Parameters of the parametric flow models."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 FlowModelName = Literal["oc_depth", "oc_depth_paper", "oc"]
 
@@ -14,13 +15,15 @@ class FlowModelParams(Frozen):
 
     # DIS solves for flow on half the resolution at best (unless its preset is fine) and interpolates: the pixels
     # between tell nothing new.
-    step: int = Field(2, ge=1, description="every so many rows and columns of the flow are read")
-    erosion: int = Field(
+    step: Annotated[int, Unit.PIXELS] = Field(
+        2, ge=1, description="every so many rows and columns of the flow are read"
+    )
+    erosion: Annotated[int, Unit.PIXELS] = Field(
         0, ge=0, description="pixels next to another object are left out up to this distance, in pixels that are read"
     )
-    min_pixels: int = Field(
+    min_pixels: Annotated[int, Unit.COUNT] = Field(
         16, ge=1, description="an object with fewer pixels that are read has no model and no residual in that pair"
     )
-    rank_tolerance: float = Field(
+    rank_tolerance: Annotated[float, Unit.SHARE] = Field(
         1e-6, gt=0, lt=1, description="singular values below this share of the largest count as zero"
     )

@@ -1,26 +1,29 @@
 """Parameters of the trajectory model: a fundamental matrix per object and frame pair."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 
 class FundamentalParams(Frozen):
     """Eight-point algorithm inside RANSAC on each object's tracked points, and the residuals under it."""
 
-    gap: int = Field(3, ge=1, description="frames between the two frames of a pair")
+    gap: Annotated[int, Unit.FRAMES] = Field(3, ge=1, description="frames between the two frames of a pair")
     estimator: Literal["poselib", "eight_point_ransac"] = Field(
         "poselib",
         description="poselib (seven-point LO-RANSAC with non-linear refinement) or eight_point_ransac (the paper)",
     )
-    threshold: float = Field(1.0, gt=0, description="Sampson distance of an inlier, px")
-    num_samples: int = Field(100, ge=1, description="minimal samples drawn for each fit")
-    num_refits: int = Field(
+    threshold: Annotated[float, Unit.PIXELS] = Field(1.0, gt=0, description="Sampson distance of an inlier, px")
+    num_samples: Annotated[int, Unit.COUNT] = Field(100, ge=1, description="minimal samples drawn for each fit")
+    num_refits: Annotated[int, Unit.COUNT] = Field(
         5, ge=0, description="most local refits to the inliers (eight_point_ransac and homographies)"
     )
-    min_points: int = Field(8, ge=8, description="points visible in both frames below which an object takes no part")
+    min_points: Annotated[int, Unit.COUNT] = Field(
+        8, ge=8, description="points visible in both frames below which an object takes no part"
+    )
     statistic: Literal["median", "mean"] = Field(
         "median", description="what an object's points are reduced to: median, or mean (the paper)"
     )
@@ -31,12 +34,12 @@ class FundamentalParams(Frozen):
             "the widest object shows no parallax, where homographies take its place (homography)"
         ),
     )
-    homography_ratio: float = Field(
+    homography_ratio: Annotated[float, Unit.SHARE] = Field(
         0.95, gt=0, description="a homography explains the points when it has this share of the fundamental's inliers"
     )
-    collinear_width: float = Field(
+    collinear_width: Annotated[float, Unit.PIXELS] = Field(
         1.0, ge=0, description="root mean square distance to their best line below which points are collinear, px"
     )
-    min_conditioning: float = Field(
+    min_conditioning: Annotated[float, Unit.RATIO] = Field(
         1e-4, ge=0, description="least ratio of the eighth to the first singular value of the epipolar equations"
     )

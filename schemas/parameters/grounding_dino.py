@@ -1,8 +1,11 @@
 """Parameters of open-vocabulary detection by Grounding DINO."""
 
+from typing import Annotated
+
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 
 class GroundingDinoParams(Frozen):
@@ -13,19 +16,21 @@ class GroundingDinoParams(Frozen):
     """
 
     weights: str = Field("grounding-dino-tiny", description="weights item; `moseg backends` lists them")
-    box_threshold: float = Field(
+    box_threshold: Annotated[float, Unit.PROBABILITY] = Field(
         0.25, ge=0, le=1, description="probability that a box's best matching word must exceed, which is its score"
     )
-    text_threshold: float = Field(
+    text_threshold: Annotated[float, Unit.PROBABILITY] = Field(
         0.2, ge=0, le=1, description="probability that the mean over the words of a box's name must exceed"
     )
-    tags_per_prompt: int = Field(
+    tags_per_prompt: Annotated[int, Unit.COUNT] = Field(
         40, ge=1, description="names looked for at once, at most; fewer where 256 tokens do not hold them"
     )
-    nms_iou: float = Field(0.5, ge=0, le=1, description="overlap (IoU) with a better box above which a box is dropped")
+    nms_iou: Annotated[float, Unit.SHARE] = Field(
+        0.5, ge=0, le=1, description="overlap (IoU) with a better box above which a box is dropped"
+    )
     nms_per_tag: bool = Field(False, description="only boxes of one name compete; else those of all names")
-    max_boxes: int = Field(100, ge=1, description="boxes kept at most, best score first")
-    input_scale: float = Field(
+    max_boxes: Annotated[int, Unit.COUNT] = Field(100, ge=1, description="boxes kept at most, best score first")
+    input_scale: Annotated[float, Unit.SHARE] = Field(
         1.0,
         ge=0.3,
         le=1,

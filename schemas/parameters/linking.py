@@ -1,13 +1,16 @@
 """Parameters of the identities of objects across sections."""
 
+from typing import Annotated
+
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 
 class LinkingParams(Frozen):
     """Identities of objects across sections that share frames."""
 
-    min_iou: float = Field(
+    min_iou: Annotated[float, Unit.SHARE] = Field(
         0.3, gt=0, le=1, description="least overlap (IoU over the shared frames) of one object in two"
     )

@@ -1,28 +1,41 @@
 """Parameters of the affinity between objects from many hypotheses of motion, and of how these are drawn."""
 
+from typing import Annotated
+
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 
 class ObjectHypothesisParams(Frozen):
     """Motion hypotheses of the whole frame, the objects' residuals under them, and the preferences that these show."""
 
-    num_hypotheses: int = Field(
+    num_hypotheses: Annotated[int, Unit.COUNT] = Field(
         200, ge=10, description="drawn in each frame pair: flow models of patches; of tracks as many of each model"
     )
-    block: int = Field(
+    block: Annotated[int, Unit.PIXELS] = Field(
         8, ge=2, description="side of the squares that patches of flow are made of, in pixels that are read"
     )
-    min_patch: int = Field(2, ge=1, description="shorter side of the smallest patches, in blocks")
-    elongation: float = Field(2.7, ge=1, description="greatest ratio of the sides of a patch before it is cut off")
-    background_rows: int = Field(3, ge=1, description="rows of cells that the background is cut into")
-    background_columns: int = Field(4, ge=2, description="columns of cells that the background is cut into")
-    window: float = Field(0.2, gt=0, le=1, description="share of a pair's hypotheses that an object prefers")
-    noise_floor: float = Field(
+    min_patch: Annotated[int, Unit.COUNT] = Field(
+        2, ge=1, description="shorter side of the smallest patches, in blocks"
+    )
+    elongation: Annotated[float, Unit.RATIO] = Field(
+        2.7, ge=1, description="greatest ratio of the sides of a patch before it is cut off"
+    )
+    background_rows: Annotated[int, Unit.COUNT] = Field(
+        3, ge=1, description="rows of cells that the background is cut into"
+    )
+    background_columns: Annotated[int, Unit.COUNT] = Field(
+        4, ge=2, description="columns of cells that the background is cut into"
+    )
+    window: Annotated[float, Unit.SHARE] = Field(
+        0.2, gt=0, le=1, description="share of a pair's hypotheses that an object prefers"
+    )
+    noise_floor: Annotated[float, Unit.PIXELS] = Field(
         0.1, ge=0, description="residual below which hypotheses explain flow equally well, px; flow models only"
     )
-    scale_quantile: float = Field(
+    scale_quantile: Annotated[float, Unit.SHARE] = Field(
         0.5,
         ge=0,
         le=1,

@@ -1,27 +1,46 @@
 """Parameters of the motion of what moves."""
 
+from typing import Annotated
+
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 
 class OwnMotionParams(Frozen):
     """The affine motion of what is salient, and how badly each pixel follows it."""
 
-    sharpness: float = Field(5.0, gt=0, description="power of the probability to be foreground in a pixel's weight")
-    step: int = Field(4, ge=1, description="spacing of the grid that the motion is fitted on, px")
-    iterations: int = Field(8, ge=1, description="rounds of iteratively reweighted least squares")
-    tukey_constant: float = Field(4.7, gt=0, description="residual, in scales, from which Tukey's weight is 0")
-    scale_floor: float = Field(0.15, gt=0, description="smallest scale of the residuals in the fit, px/frame")
-    salient_share: float = Field(
+    sharpness: Annotated[float, Unit.RATIO] = Field(
+        5.0, gt=0, description="power of the probability to be foreground in a pixel's weight"
+    )
+    step: Annotated[int, Unit.PIXELS] = Field(
+        4, ge=1, description="spacing of the grid that the motion is fitted on, px"
+    )
+    iterations: Annotated[int, Unit.COUNT] = Field(
+        8, ge=1, description="rounds of iteratively reweighted least squares"
+    )
+    tukey_constant: Annotated[float, Unit.RATIO] = Field(
+        4.7, gt=0, description="residual, in scales, from which Tukey's weight is 0"
+    )
+    scale_floor: Annotated[float, Unit.PIXELS_PER_FRAME] = Field(
+        0.15, gt=0, description="smallest scale of the residuals in the fit, px/frame"
+    )
+    salient_share: Annotated[float, Unit.SHARE] = Field(
         0.01, ge=0, lt=1, description="weights under this share of the greatest one are left out of the fit"
     )
-    slope_prior: float = Field(
+    slope_prior: Annotated[float, Unit.SQUARED_PIXELS] = Field(
         50.0, gt=0, description="weighted squared extent, px², at which a slope is believed half"
     )
-    spread_step: int = Field(3, ge=1, description="spacing of the pixels that the spread is taken from, px")
-    least_weight: float = Field(
+    spread_step: Annotated[int, Unit.PIXELS] = Field(
+        3, ge=1, description="spacing of the pixels that the spread is taken from, px"
+    )
+    least_weight: Annotated[float, Unit.RATIO] = Field(
         10.0, gt=0, description="summed weight on the grid below which there is no motion to fit"
     )
-    spread: float = Field(0.75, gt=0, le=1, description="share of what is salient whose residual counts as its own")
-    spread_floor: float = Field(0.1, gt=0, description="least residual that counts as its own, px/frame")
+    spread: Annotated[float, Unit.SHARE] = Field(
+        0.75, gt=0, le=1, description="share of what is salient whose residual counts as its own"
+    )
+    spread_floor: Annotated[float, Unit.PIXELS_PER_FRAME] = Field(
+        0.1, gt=0, description="least residual that counts as its own, px/frame"
+    )

@@ -1,24 +1,27 @@
 """Parameters of point tracking by PIPs."""
 
+from typing import Annotated
+
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 
 class PipsParams(Frozen):
     """How the PIPs network is run; what is sampled where is in `TrackParams`."""
 
     weights: str = Field("pips", description="weights item; `moseg backends` lists them")
-    max_side: int = Field(
+    max_side: Annotated[int, Unit.PIXELS] = Field(
         640,
         ge=32,
         multiple_of=8,
         description="longer frames are shrunk to this for the network, px; 640 is the side of its published evaluation",
     )
-    iterations: int = Field(6, ge=1, description="steps of refinement of a window")
-    min_visibility: float = Field(
+    iterations: Annotated[int, Unit.COUNT] = Field(6, ge=1, description="steps of refinement of a window")
+    min_visibility: Annotated[float, Unit.PROBABILITY] = Field(
         0.5, ge=0, le=1, description="a track ends where its point is less likely seen than this (our choice)"
     )
-    points_per_pass: int = Field(
+    points_per_pass: Annotated[int, Unit.COUNT] = Field(
         256, ge=1, description="points followed at once: memory grows with it, about 0.5 MB a point"
     )

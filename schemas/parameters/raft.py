@@ -1,10 +1,11 @@
 """Parameters of RAFT's optical flow."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 
 class RaftParams(Frozen):
@@ -16,13 +17,13 @@ class RaftParams(Frozen):
     """
 
     weights: str = Field("raft-large", description="weights item; `moseg backends` lists them")
-    iterations: int = Field(
+    iterations: Annotated[int, Unit.COUNT] = Field(
         20,
         ge=1,
         le=100,
         description="steps of the flow; the authors take 20 for any video, 24 on KITTI and 32 on Sintel",
     )
-    max_side: int = Field(
+    max_side: Annotated[int, Unit.PIXELS] = Field(
         1024,
         ge=128,
         description="longest side at which flow is sought, px; larger frames are reduced, their flow enlarged again. "

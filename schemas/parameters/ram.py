@@ -1,8 +1,11 @@
 """Parameters of image tagging by RAM and RAM++."""
 
+from typing import Annotated
+
 from pydantic import Field, field_validator
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 
 class RamParams(Frozen):
@@ -15,10 +18,10 @@ class RamParams(Frozen):
     weights: str | None = Field(
         None, description="weights item, that of the tagger's own name if none; `moseg backends` lists them"
     )
-    threshold_scale: float = Field(
+    threshold_scale: Annotated[float, Unit.RATIO] = Field(
         1.0, ge=0, description="factor of the published thresholds of the tags' probabilities; lower finds more tags"
     )
-    max_tags: int = Field(100, ge=1, description="tags kept of a frame, the most probable ones")
+    max_tags: Annotated[int, Unit.COUNT] = Field(100, ge=1, description="tags kept of a frame, the most probable ones")
     excluded_tags: tuple[str, ...] = Field((), description="tags left out, in the spelling of the tagger's list")
 
     @field_validator("excluded_tags", mode="before")

@@ -1,19 +1,24 @@
 """Parameters of SAM 2.1: masks from boxes, and masks tracked through a video."""
 
+from typing import Annotated
+
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 
 class Sam2Params(Frozen):
     """Which SAM 2.1, and what bounds its memory."""
 
     weights: str = Field("sam2.1-hiera-large", description="weights item; `moseg backends` lists them")
-    boxes_per_pass: int = Field(8, ge=1, description="boxes whose masks are decoded together: a bound on memory")
-    objects_per_pass: int = Field(
+    boxes_per_pass: Annotated[int, Unit.COUNT] = Field(
+        8, ge=1, description="boxes whose masks are decoded together: a bound on memory"
+    )
+    objects_per_pass: Annotated[int, Unit.COUNT] = Field(
         8, ge=1, description="objects whose masks are put to memory together: a bound on memory"
     )
-    memory_reach: int = Field(
+    memory_reach: Annotated[int, Unit.FRAMES] = Field(
         15,
         ge=1,
         description="frames back that the memory of an object reaches, beside its first; the network itself looks at "

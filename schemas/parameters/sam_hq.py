@@ -1,8 +1,11 @@
 """Parameters of masks from boxes by SAM-HQ."""
 
+from typing import Annotated
+
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 
 class SamHqParams(Frozen):
@@ -13,4 +16,6 @@ class SamHqParams(Frozen):
         False,
         description="masks by the high-quality token alone, which suits frames of one object; else it corrects SAM's",
     )
-    boxes_per_pass: int = Field(8, ge=1, description="boxes whose masks are decoded together: a bound on memory")
+    boxes_per_pass: Annotated[int, Unit.COUNT] = Field(
+        8, ge=1, description="boxes whose masks are decoded together: a bound on memory"
+    )

@@ -1,10 +1,11 @@
 """Parameters of object-specific point tracks."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from schemas.frozen import Frozen
+from schemas.units import Unit
 
 
 class TrackParams(Frozen):
@@ -13,27 +14,33 @@ class TrackParams(Frozen):
     method: Literal["lucas-kanade", "pips", "groundtruth", "folder"] = Field(
         "lucas-kanade", description="point tracker, exact tracks of the data set, or a folder"
     )
-    points_per_object: int = Field(60, ge=8, description="points kept in each object")
-    background_points: int = Field(160, ge=8, description="points kept in the background, spread over the frame")
-    resample_every: int = Field(
+    points_per_object: Annotated[int, Unit.COUNT] = Field(60, ge=8, description="points kept in each object")
+    background_points: Annotated[int, Unit.COUNT] = Field(
+        160, ge=8, description="points kept in the background, spread over the frame"
+    )
+    resample_every: Annotated[int, Unit.FRAMES] = Field(
         8, ge=1, description="frames between checks of a point against its object's mask; with pips 7 at most"
     )
-    border: int = Field(6, ge=0, description="points nearer than this to the frame's border are removed, px")
-    corner_fraction: float = Field(
+    border: Annotated[int, Unit.PIXELS] = Field(
+        6, ge=0, description="points nearer than this to the frame's border are removed, px"
+    )
+    corner_fraction: Annotated[float, Unit.SHARE] = Field(
         0.7, ge=0, le=1, description="share of the points that are Shi-Tomasi corners; the others are k-medoids"
     )
-    corner_quality: float = Field(
+    corner_quality: Annotated[float, Unit.SHARE] = Field(
         0.01, ge=0, le=1, description="least corner response, as a share of the largest one inside the object"
     )
-    spread: float = Field(
+    spread: Annotated[float, Unit.SHARE] = Field(
         0.25, ge=0, description="least distance of sampled points, as a share of the spacing of an even grid"
     )
-    medoid_candidates: int = Field(300, ge=8, description="random pixels of an object among which medoids are sought")
-    erosion: int = Field(
+    medoid_candidates: Annotated[int, Unit.COUNT] = Field(
+        300, ge=8, description="random pixels of an object among which medoids are sought"
+    )
+    erosion: Annotated[int, Unit.PIXELS] = Field(
         3, ge=0, description="pixels stripped from an object's outline before sampling, where something is left, px"
     )
-    window: int = Field(15, ge=5, description="side of the Lucas-Kanade window, px")
-    pyramid_levels: int = Field(4, ge=0, description="pyramid levels above full resolution")
-    forward_backward: float = Field(
+    window: Annotated[int, Unit.PIXELS] = Field(15, ge=5, description="side of the Lucas-Kanade window, px")
+    pyramid_levels: Annotated[int, Unit.COUNT] = Field(4, ge=0, description="pyramid levels above full resolution")
+    forward_backward: Annotated[float, Unit.PIXELS] = Field(
         1.0, gt=0, description="a point is lost when tracking it back misses its start by more than this, px"
     )

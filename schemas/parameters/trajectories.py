@@ -1,22 +1,27 @@
 """Parameters of motion segmentation from labelled trajectories alone: hypotheses, kernels and their clustering."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field, PositiveInt, field_validator
 
 from schemas.frozen import Frozen
 from schemas.parameters.clustering import MotionCountParams
+from schemas.units import Unit
 
 
 class HypothesisParams(Frozen):
     """How hypotheses of a point model are drawn from the trajectories of a clip."""
 
-    seed: int = Field(0, ge=0, description="chooses the random draws; nothing else depends on it")
-    num_hypotheses: int = Field(200, ge=1, description="minimal samples of a draw in each pair (or triple) of frames")
-    num_draws: int = Field(
+    seed: Annotated[int, Unit.SEED] = Field(0, ge=0, description="chooses the random draws; nothing else depends on it")
+    num_hypotheses: Annotated[int, Unit.COUNT] = Field(
+        200, ge=1, description="minimal samples of a draw in each pair (or triple) of frames"
+    )
+    num_draws: Annotated[int, Unit.COUNT] = Field(
         2, ge=1, description="independent draws, each with kernels of its own: groupings of all of them compete"
     )
-    gaps: tuple[int, ...] = Field((1,), description="frames between neighbouring frames of a pair or triple, each used")
+    gaps: Annotated[tuple[PositiveInt, ...], Unit.FRAMES] = Field(
+        (1,), description="frames between neighbouring frames of a pair or triple, each used"
+    )
 
     @field_validator("gaps", mode="before")
     @classmethod
@@ -34,8 +39,10 @@ class HypothesisParams(Frozen):
 class KernelParams(Frozen):
     """How residuals become an affinity between trajectories: the ordered residual kernel, sparsified."""
 
-    window: float = Field(0.1, gt=0, le=1, description="share of a pair's hypotheses that a trajectory prefers")
-    sparsity: float = Field(
+    window: Annotated[float, Unit.SHARE] = Field(
+        0.1, gt=0, le=1, description="share of a pair's hypotheses that a trajectory prefers"
+    )
+    sparsity: Annotated[float, Unit.RATIO] = Field(
         10.0,
         ge=0,
         description="power of the affinities before a row's neighbours are chosen by their information; 0 keeps all",
@@ -45,12 +52,24 @@ class KernelParams(Frozen):
 class PieceParams(Frozen):
     """How trajectories are cut into more pieces than there are motions, and what makes two pieces alike."""
 
-    counts: tuple[int, ...] = Field((6, 8, 10), description="numbers of pieces, each tried")
-    window: float = Field(0.05, gt=0, le=1, description="share of a pair's hypotheses that a piece prefers")
-    power: float = Field(3.0, gt=0, description="power of the cosine between two pieces' preferences")
-    num_tracks: int = Field(12, ge=1, description="most trajectories of a piece whose median residual stands for it")
-    num_tried: int = Field(6, ge=1, description="pairs of groups that are tried at each step of merging by energy")
-    min_tracks: int = Field(3, ge=1, description="trajectories of a piece seen in a pair below which it takes no part")
+    counts: Annotated[tuple[PositiveInt, ...], Unit.COUNT] = Field(
+        (6, 8, 10), description="numbers of pieces, each tried"
+    )
+    window: Annotated[float, Unit.SHARE] = Field(
+        0.05, gt=0, le=1, description="share of a pair's hypotheses that a piece prefers"
+    )
+    power: Annotated[float, Unit.RATIO] = Field(
+        3.0, gt=0, description="power of the cosine between two pieces' preferences"
+    )
+    num_tracks: Annotated[int, Unit.COUNT] = Field(
+        12, ge=1, description="most trajectories of a piece whose median residual stands for it"
+    )
+    num_tried: Annotated[int, Unit.COUNT] = Field(
+        6, ge=1, description="pairs of groups that are tried at each step of merging by energy"
+    )
+    min_tracks: Annotated[int, Unit.COUNT] = Field(
+        3, ge=1, description="trajectories of a piece seen in a pair below which it takes no part"
+    )
 
     @field_validator("counts", mode="before")
     @classmethod
@@ -68,25 +87,37 @@ class PieceParams(Frozen):
 class EnergyParams(Frozen):
     """What groupings of trajectories compete by: a fundamental matrix a group and pair of frames, and the cut."""
 
-    gap: int = Field(3, ge=1, description="frames between the two frames of a pair")
-    step: int = Field(2, ge=1, description="every so many pairs are looked at")
-    threshold: float = Field(0.5, gt=0, description="tau: Sampson distance from which an observation costs 1, px")
-    relative: float = Field(
+    gap: Annotated[int, Unit.FRAMES] = Field(3, ge=1, description="frames between the two frames of a pair")
+    step: Annotated[int, Unit.COUNT] = Field(2, ge=1, description="every so many pairs are looked at")
+    threshold: Annotated[float, Unit.PIXELS] = Field(
+        0.5, gt=0, description="tau: Sampson distance from which an observation costs 1, px"
+    )
+    relative: Annotated[float, Unit.SHARE] = Field(
         0.01, ge=0, description="share of a trajectory's displacement that is added to tau, in squares"
     )
-    num_fits: int = Field(6, ge=1, description="rounds of reweighted least squares for each fundamental matrix")
-    least_unit: float = Field(
+    num_fits: Annotated[int, Unit.COUNT] = Field(
+        6, ge=1, description="rounds of reweighted least squares for each fundamental matrix"
+    )
+    least_unit: Annotated[float, Unit.RATIO] = Field(
         0.15, gt=0, le=1, description="costs are divided by that of a single motion, or by this where it is less"
     )
-    cut_weight: float = Field(0.85, ge=0, description="weight of the normalised cut beside the cost so divided")
-    motion_weight: float = Field(0.01, ge=0, description="energy of each motion, where their number is found")
+    cut_weight: Annotated[float, Unit.RATIO] = Field(
+        0.85, ge=0, description="weight of the normalised cut beside the cost so divided"
+    )
+    motion_weight: Annotated[float, Unit.RATIO] = Field(
+        0.01, ge=0, description="energy of each motion, where their number is found"
+    )
 
 
 class SeparationParams(Frozen):
     """Which parts of a group lie apart in the image."""
 
-    num_neighbours: int = Field(6, ge=1, description="nearest trajectories that a trajectory touches")
-    min_tracks: int = Field(8, ge=1, description="trajectories below which a part is no motion of its own")
+    num_neighbours: Annotated[int, Unit.COUNT] = Field(
+        6, ge=1, description="nearest trajectories that a trajectory touches"
+    )
+    min_tracks: Annotated[int, Unit.COUNT] = Field(
+        8, ge=1, description="trajectories below which a part is no motion of its own"
+    )
 
 
 class TrajectoryClusteringParams(Frozen):
@@ -104,11 +135,15 @@ class TrajectoryClusteringParams(Frozen):
         " clustering.auto on the best groupings, or the largest gap of the mean kernel's spectrum",
     )
     count: MotionCountParams = MotionCountParams()
-    co_regularisation: float = Field(0.01, ge=0, description="lambda of Kumar et al. 2011")
-    num_iterations: int = Field(10, ge=1, description="most alternating updates of all views")
-    tolerance: float = Field(1e-6, ge=0, description="relative growth of the objective at which the updates stop")
-    most_motions: int = Field(6, ge=1, le=19, description="largest number of motions that auto may find")
-    num_starts: int = Field(3, ge=1, description="k-means runs, of which the tightest counts")
+    co_regularisation: Annotated[float, Unit.RATIO] = Field(0.01, ge=0, description="lambda of Kumar et al. 2011")
+    num_iterations: Annotated[int, Unit.COUNT] = Field(10, ge=1, description="most alternating updates of all views")
+    tolerance: Annotated[float, Unit.RATIO] = Field(
+        1e-6, ge=0, description="relative growth of the objective at which the updates stop"
+    )
+    most_motions: Annotated[int, Unit.COUNT] = Field(
+        6, ge=1, le=19, description="largest number of motions that auto may find"
+    )
+    num_starts: Annotated[int, Unit.COUNT] = Field(3, ge=1, description="k-means runs, of which the tightest counts")
     separate: bool = Field(
         True, description="objects that do not touch are motions of their own, where the number is found"
     )

@@ -1,0 +1,127 @@
+"""The parameters of the pipeline as a list: what each means, in which unit and range, and what it is by default."""
+
+from collections.abc import Iterator, Mapping
+from functools import cache
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from schemas.configs import PipelineConfig
+from schemas.units import Unit
+
+_SIGNS = {"ge": ">=", "gt": ">", "le": "<=", "lt": "<"}
+
+
+class Parameter(NamedTuple):
+    """A single parameter.
+
+    Attributes
+    ----------
+    path : tuple of str
+        Stages from the outermost, and the name.
+    default : object
+        As `PipelineConfig` has it.
+    values : str
+        Range or choices: ``>= 1``, ``0 to 1``, ``dis, raft``, ``true or false``.
+    choices : tuple of str
+        Names that it may be; empty where it is no name out of a closed set.
+    unit : Unit or None
+        None where it is no number.
+    description : str
+        Without the unit.
+    """
+
+    path: tuple[str, ...]
+    default: Any
+    values: str
+    choices: tuple[str, ...]
+    unit: Unit | None
+    description: str
+
+    @property
+    def name(self) -> str:
+        """``stage.name``, as `--set` takes it."""
+        return ".".join(self.path)
+
+
+@cache
+def list_parameters() -> Mapping[str, Parameter]:
+    """Every parameter of the pipeline by ``stage.name``, in the order of the stages."""
+    return {parameter.name: parameter for parameter in _walk(PipelineConfig, ())}
+
+
+@cache
+def list_stages() -> Mapping[str, str]:
+    """What the parameters of every stage are about; a stage within a stage as ``clustering.count``."""
+    return dict(_walk_stages(PipelineConfig, ()))
+
+
+def value_of(config: PipelineConfig, parameter: Parameter) -> Any:
+    """A parameter's value."""
+    value: Any = config
+    for name in parameter.path:
+        value = getattr(value, name)
+    return value
+
+
+def stage_model(field: FieldInfo) -> type[BaseModel] | None:
+    """The model of a field that holds parameters of its own; None where the field is a parameter."""
+    kind = field.annotation
+    return kind if isinstance(kind, type) and issubclass(kind, BaseModel) else None
+
+
+def _walk(model: type[BaseModel], path: tuple[str, ...]) -> Iterator[Parameter]:
+    for name, field in model.model_fields.items():
+        inner = stage_model(field)
+        if inner is not None:
+            yield from _walk(inner, (*path, name))
+            continue
+        unit = next((each for each in field.metadata if isinstance(each, Unit)), None)
+        kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
+        choices = tuple(_choices(field.annotation))
+        description = (field.description or "").removesuffix(f", {unit}")
+        yield Parameter((*path, name), field.default, _values(kind), choices, unit, description)
+
+
+def _walk_stages(model: type[BaseModel], path: tuple[str, ...]) -> Iterator[tuple[str, str]]:
+    for name, field in model.model_fields.items():
+        inner = stage_model(field)
+        if inner is not None:
+            yield ".".join((*path, name)), " ".join((inner.__doc__ or "").partition("\n\n")[0].split())
+            yield from _walk_stages(inner, (*path, name))
+
+
+def _choices(kind: Any) -> Iterator[str]:
+    if get_origin(kind) is Literal:
+        yield from get_args(kind)
+    elif get_origin(kind) in (Union, UnionType):
+        for each in get_args(kind):
+            yield from _choices(each)
+
+
+def _values(kind: Any, bounds: tuple = ()) -> str:
+    origin, arguments = get_origin(kind), get_args(kind)
+    if origin is Annotated:
+        inner, *metadata = arguments
+        # A field within an annotation carries its bounds along.
+        metadata = [each for item in metadata for each in (item.metadata if isinstance(item, FieldInfo) else [item])]
+        return _values(inner, (*bounds, *metadata))
+    if origin is Literal:
+        return ", ".join(map(str, arguments))
+    if origin in (Union, UnionType):
+        return " or ".join(_values(each) for each in arguments)
+    if origin is tuple:
+        return f"list of {_values(arguments[0])}"
+    if kind in (int, float):
+        return _range(bounds)
+    return {bool: "true or false", str: "text", NoneType: "null"}[kind]
+
+
+def _range(bounds: tuple) -> str:
+    # Of pydantic's bounds each is an object with one attribute.
+    found = {sign: getattr(each, sign) for each in bounds for sign in _SIGNS if hasattr(each, sign)}
+    if found.keys() == {"ge", "le"}:
+        return f"{found['ge']} to {found['le']}"
+    return " and ".join(f"{_SIGNS[sign]} {found[sign]}" for sign in _SIGNS if sign in found) or "any number"
