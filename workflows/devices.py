@@ -9,6 +9,7 @@ from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING
 
 from schemas.errors import InputError
+from workflows.spelling import closest
 
 if TYPE_CHECKING:
     import torch
@@ -21,7 +22,9 @@ _chosen = "auto"
 def read_device(text: str) -> str:
     """The device that `text` names, on whichever machine; raises InputError where it names none."""
     if not re.fullmatch(r"auto|cpu|mps|cuda(:[0-9]+)?", text):
-        raise InputError("unknown device", where="--device", got=repr(text), expected=DEVICES)
+        close = closest(text, ("auto", "cpu", "cuda", "mps"))
+        expected = DEVICES if close is None else f"{DEVICES}; did you mean {close!r}?"
+        raise InputError("unknown device", where="--device", got=repr(text), expected=expected)
     return text
 
 
@@ -42,6 +45,11 @@ def set_device(text: str) -> None:
     """Have this process run its networks on the device that `text` names; raises as `parse_device`."""
     global _chosen
     _chosen = parse_device(text)
+
+
+def chosen_device() -> str:
+    """What `set_device` was given last."""
+    return _chosen
 
 
 def current_device() -> "torch.device":

@@ -1,58 +1,161 @@
 """Progress of long work on standard error: bars on a terminal, plain lines elsewhere, nothing when quiet."""
 
 import sys
+import threading
 import time
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager
+from typing import TypeVar
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
+PLAIN_FIRST_SEC = 2.0
 PLAIN_INTERVAL_SEC = 15.0
+PATIENCE_SEC = 1.0
+"""What is done within this time needs no bar, where little is usual."""
+
+Item = TypeVar("Item")
+
+
+def bars_console() -> Console | None:
+    """The terminal to draw bars on; None where standard error is none, or one that cannot redraw a line."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        return None
+    console = Console(stderr=True)
+    return None if console.is_dumb_terminal else console
 
 
 class StageProgress(AbstractContextManager):
-    """Counts what is done of each stage."""
+    """Counts what is done of each stage.
 
-    def __init__(self, totals: Mapping[str, int], quiet: bool = False):
+    Parameters
+    ----------
+    totals : mapping of str to int
+        What there is to do, by stage; stages without any are left out.
+    quiet : bool
+    what : str
+        What is counted.
+    patience_sec : float
+        Nothing is shown before.
+    """
+
+    def __init__(
+        self, totals: Mapping[str, int], quiet: bool = False, what: str = "artifacts", patience_sec: float = 0.0
+    ):
         self._totals = {stage: total for stage, total in totals.items() if total}
         self._done: Counter[str] = Counter()
         self._quiet = quiet or not self._totals
+        self._what = what
+        self._patience_sec = patience_sec
         self._bars: Progress | None = None
-        self._started = self._last = time.monotonic()
+        self._started = time.monotonic()
+        # So that the first line comes soon.
+        self._last = self._started + PLAIN_FIRST_SEC - PLAIN_INTERVAL_SEC
+        self._is_shown = False
 
     def __enter__(self) -> "StageProgress":
-        if not self._quiet and sys.stderr.isatty():
-            self._bars = Progress(
-                TextColumn("{task.description:>22}"),
-                BarColumn(),
-                MofNCompleteColumn(),
-                TimeRemainingColumn(),
-                console=Console(stderr=True),
-            )
-            self._rows = {stage: self._bars.add_task(stage, total=total) for stage, total in self._totals.items()}
-            self._bars.start()
+        if not self._patience_sec:
+            self._show()
         return self
 
     def advance(self, stage: str, count: int = 1) -> None:
-        """So many more artifacts of `stage` are done."""
+        """So many more of `stage` are done."""
         self._done[stage] += count
+        if self._quiet or (not self._is_shown and time.monotonic() - self._started < self._patience_sec):
+            return
+        self._show()
         if self._bars is not None:
-            self._bars.advance(self._rows[stage], count)
-        elif not self._quiet and time.monotonic() - self._last > PLAIN_INTERVAL_SEC:
+            for name in (stage, ""):
+                if name in self._rows:
+                    self._bars.update(self._rows[name], completed=self._done[name] if name else self._done.total())
+        elif time.monotonic() - self._last >= PLAIN_INTERVAL_SEC:
             self._last = time.monotonic()
             self._print()
+
+    def each(self, stage: str, items: Iterable[Item]) -> Iterator[Item]:
+        """The items, each counted as done when the next is asked for."""
+        for item in items:
+            yield item
+            self.advance(stage)
 
     def __exit__(self, kind, *exception) -> None:
         if self._bars is not None:
             self._bars.stop()
-        elif not self._quiet and kind is None:
+        elif self._is_shown and kind is None:
             self._print()
+
+    def _show(self) -> None:
+        if self._quiet or self._is_shown:
+            return
+        self._is_shown = True
+        console = bars_console()
+        if console is None:
+            return
+        self._bars = Progress(
+            TextColumn("{task.description:>20.20}", markup=False),
+            BarColumn(bar_width=None),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            TimeRemainingColumn(),
+            console=console,
+            expand=True,
+        )
+        totals = dict(self._totals)
+        if len(totals) > 1:
+            totals[""] = sum(totals.values())
+        done = {**self._done, "": self._done.total()}
+        self._rows = {
+            stage: self._bars.add_task(stage or self._what, total=total, completed=done.get(stage, 0))
+            for stage, total in totals.items()
+        }
+        self._bars.start()
 
     def _print(self) -> None:
         done, total = self._done.total(), sum(self._totals.values())
         stages = ", ".join(f"{stage} {self._done[stage]}/{count}" for stage, count in self._totals.items())
         elapsed = time.monotonic() - self._started
         remaining = f", about {elapsed / done * (total - done):.0f} s left" if 0 < done < total else ""
-        print(f"{done}/{total} artifacts in {elapsed:.0f} s{remaining} ({stages})", file=sys.stderr, flush=True)
+        line = f"{done}/{total} {self._what} in {elapsed:.0f} s{remaining} ({stages})"
+        print(line, file=sys.stderr, flush=True)
+
+
+class Waiting(AbstractContextManager):
+    """Says what is going on where nobody knows how long it takes, once it takes some time."""
+
+    def __init__(self, what: str, quiet: bool = False):
+        self._what = what
+        self._bar: Progress | None = None
+        self._timer = None if quiet else threading.Timer(PATIENCE_SEC, self._show)
+
+    def __enter__(self) -> "Waiting":
+        if self._timer is not None:
+            self._timer.daemon = True
+            self._timer.start()
+        return self
+
+    def __exit__(self, *exception) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer.join()
+        if self._bar is not None:
+            self._bar.stop()
+
+    def _show(self) -> None:
+        console = bars_console()
+        if console is None:
+            print(f"{self._what} …", file=sys.stderr, flush=True)
+            return
+        columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
+        self._bar = Progress(*columns, console=console, transient=True)
+        self._bar.add_task(self._what, total=None)
+        self._bar.start()

@@ -6,8 +6,10 @@ from typing import Annotated
 import typer
 
 from schemas.configs import Variant
-from workflows.cli.notes import motions_note
-from workflows.cli.options import DataOptions, PipelineOptions, RunOptions, with_option_groups
+from workflows.cli.option_groups import with_option_groups
+from workflows.cli.options import DataOptions, RunOptions
+from workflows.cli.pipeline_options import PipelineOptions
+from workflows.notes import motions_note
 
 
 @with_option_groups
@@ -15,8 +17,15 @@ def contact_sheet(
     data: DataOptions,
     pipeline: PipelineOptions,
     run: RunOptions,
-    out: Annotated[str, typer.Option("--out", help="Folder for one PNG a sequence.")] = "contact-sheets",
-    variant: Annotated[Variant, typer.Option("--variant", help="Row of the paper's ablation to run.")] = Variant.FUSED,
+    out: Annotated[
+        str, typer.Option("--out", help="Folder for one PNG a sequence.", metavar="FOLDER")
+    ] = "contact-sheets",
+    variant: Annotated[
+        Variant,
+        typer.Option(
+            "--variant", help="Row of the paper's ablation: fused, oc-depth, oc, trajs or base.", metavar="NAME"
+        ),
+    ] = Variant.FUSED,
     frames: Annotated[
         int,
         typer.Option("--frames", "--columns", min=1, help="Frames of a sheet, spread over the annotated ones."),
@@ -24,7 +33,10 @@ def contact_sheet(
 ) -> None:
     """A picture of every sequence: frames, motion saliency, masks and errors against ground truth.
 
-    Example: moseg contact-sheet --dataset davis16 --root DAVIS --sequences dog,blackswan --out sheets
+    Examples
+    --------
+    moseg contact-sheet --dataset synthetic --out sheets
+    moseg contact-sheet --dataset davis16 --root DAVIS --sequences dog --frames 5
     """
     from workflows.contact_sheets import write_contact_sheets
     from workflows.exports import check_folder

@@ -5,12 +5,20 @@ from typing import Annotated
 
 import typer
 
+from workflows.cli.completion import complete_dataset
+
 datasets_app = typer.Typer()
 
 
 @datasets_app.callback(invoke_without_command=True)
 def datasets(context: typer.Context) -> None:
-    """Data sets: which are there, which are missing, and how to get them."""
+    """Data sets: which are there, which are missing, and how to get them.
+
+    Examples
+    --------
+    moseg datasets
+    moseg datasets show davis16
+    """
     from workflows.datasets import describe_datasets
 
     if context.invoked_subcommand is not None:
@@ -24,10 +32,16 @@ def datasets(context: typer.Context) -> None:
 
 @datasets_app.command("show")
 def show(
-    name: Annotated[str, typer.Argument(help="Name of the data set.")],
+    name: Annotated[str, typer.Argument(help="Name of the data set.", metavar="NAME", autocompletion=complete_dataset)],
     root: Annotated[str | None, typer.Option("--root", help="Its folder (default: $MOSEG_DATA/<name>).")] = None,
 ) -> None:
-    """One data set: ground truth, layouts on disk, and its sequences. Example: moseg datasets show kt3dinsmoseg"""
+    """One data set: ground truth, layouts on disk, and its sequences.
+
+    Examples
+    --------
+    moseg datasets show kt3dinsmoseg
+    moseg datasets show davis16 --root DAVIS
+    """
     from workflows.datasets import describe_dataset
 
     row = describe_dataset(name, root, os.environ)

@@ -6,20 +6,21 @@ from typing import Literal
 from schemas.configs import PipelineConfig, TrajectoryVariant, Variant
 from schemas.errors import MissingStoreError
 from schemas.trajectory_scores import TrajectoryReport
-from workflows.cli.notes import motions_note
+from workflows.cli.option_groups import with_option_groups
 from workflows.cli.options import (
     DEFAULT_STORE,
     DataOptions,
     JsonOption,
-    PipelineOptions,
+    ReportOption,
     RunOptions,
     StoreOption,
     VariantName,
     VariantsOption,
     read_variants,
-    with_option_groups,
 )
+from workflows.cli.pipeline_options import PipelineOptions
 from workflows.cli.trajectory_options import TrajectoryOptions
+from workflows.notes import motions_note
 
 
 @with_option_groups
@@ -30,18 +31,26 @@ def evaluate(
     run: RunOptions,
     variant: VariantsOption = None,
     json: JsonOption = None,
+    page: ReportOption = None,
 ) -> None:
     """Score variants of the pipeline on a data set.
 
-    Example: moseg eval --dataset davis16 --root DAVIS --variant fused --json fused.json
+    Examples
+    --------
+    moseg eval --dataset synthetic
+    moseg eval --dataset davis16 --root DAVIS --variant fused --json fused.json
+    moseg eval --dataset kt3dmoseg --motions gt --seeds 5
+    moseg eval --config my-config.yaml --sequences dog,blackswan --dataset davis16
     """
-    report, _, notes = _evaluate(data, pipeline, trajectories, run, variant, json)
+    report, _, notes, lines = _evaluate(data, pipeline, trajectories, run, variant, json, page)
     if isinstance(report, TrajectoryReport):
         from workflows.cli.trajectory_tables import print_trajectory_report as print_report
     else:
         from workflows.cli.tables import print_report
 
     print_report(report, notes)
+    for line in lines:
+        print(line)
 
 
 @with_option_groups
@@ -51,16 +60,20 @@ def ablate(
     trajectories: TrajectoryOptions,
     run: RunOptions,
     json: JsonOption = None,
+    page: ReportOption = None,
 ) -> None:
     """The paper's ablation: all five variants in one table, with the artifacts computed and reused.
 
     On labelled trajectories: all views fused, and each of the three models alone.
 
-    Example: moseg ablate --dataset synthetic --proposals groundtruth --depth groundtruth
+    Examples
+    --------
+    moseg ablate --dataset synthetic --proposals groundtruth --depth groundtruth
+    moseg ablate --dataset kt3dmoseg --motions gt
     """
     from workflows.cli.tables import print_stages
 
-    report, stages, notes = _evaluate(data, pipeline, trajectories, run, "all", json)
+    report, stages, notes, lines = _evaluate(data, pipeline, trajectories, run, "all", json, page)
     if isinstance(report, TrajectoryReport):
         from workflows.cli.trajectory_tables import print_trajectory_ablation as print_ablation
     else:
@@ -69,6 +82,8 @@ def ablate(
     print_ablation(report, notes)
     print_stages(stages)
     print(f"{report.store.computed} artifacts computed, {report.store.reused} reused, {report.seconds:.1f} s")
+    for line in lines:
+        print(line)
 
 
 @with_option_groups
@@ -81,7 +96,10 @@ def plan(
 ) -> None:
     """What `moseg eval` with the same options would compute and reuse; nothing is computed or stored.
 
-    Example: moseg plan --dataset davis16 --root DAVIS --variant fused --variant oc
+    Examples
+    --------
+    moseg plan --dataset davis16 --root DAVIS --variant fused --variant oc
+    moseg plan --preset paper
     """
     from store import open_store
     from workflows.cli.tables import print_stages
@@ -123,29 +141,40 @@ def _evaluate(
     run: RunOptions,
     variant: list[VariantName] | Literal["all"] | None,
     json: str | None,
+    page: str | None,
 ):
-    """The report, written to `json` where asked, the use of the store by stage, and what a reader must know."""
+    """The result, written to `json` and shown on `page` where asked, the use of the store by stage, what a reader must
+    know, and the lines that name the files beside `json`."""
     from workflows.cli.trajectory_runs import evaluate_clips
     from workflows.evaluate import evaluate as run_evaluation
     from workflows.exports import check_writable, write_text
+    from workflows.purpose import Purpose
+    from workflows.reports.build import tables_of
+    from workflows.reports.run_report import RunReport
 
     config, folders = pipeline.read()
     if json is not None:
         check_writable(json)
     dataset = data.open(config.max_side)
     kind = Variant if dataset.has_frames else TrajectoryVariant
+    command = "ablate" if variant == "all" else "eval"
     variants = tuple(kind) if variant == "all" else read_variants(variant, kind, dataset.name)
     if not dataset.has_frames:
         config = trajectories.apply(pipeline, config, dataset.name)
-        return evaluate_clips(dataset, config, run, variants, trajectories.all_seeds, json)
+        return evaluate_clips(dataset, config, run, variants, trajectories.all_seeds, Purpose(command), json, page)
     trajectories.refuse(dataset.name)
     sources = _open(dataset, config, folders)
+    notes = (*_notes(config, variants), *(f"{absent} is not on disk" for absent in dataset.absent))
+    shown = None if page is None else RunReport(page, dataset.name, config, variants, dataset.names)
     with run.open() as session:
-        report = run_evaluation(session, dataset.name, sources, config, variants)
+        panels = None if shown is None else shown.panels
+        report = run_evaluation(session, dataset.name, sources, config, variants, Purpose(command, notes), panels)
+        if shown is not None:
+            shown.note_facts(session)
     if json is not None:
         write_text(json, report.model_dump_json(indent=2, exclude_none=True) + "\n")
-    notes = (*_notes(config, variants), *(f"{absent} is not on disk" for absent in dataset.absent))
-    return report, session.stages(), notes
+    lines = () if shown is None else (shown.write(tables_of(report), notes),)
+    return report, session.stages(), notes, lines
 
 
 def _open(dataset, config: PipelineConfig, folders: dict[str, str]):
@@ -166,7 +195,7 @@ def _notes(config: PipelineConfig, variants: tuple[Variant, ...]) -> tuple[str, 
     if config.depth.method == "none":
         without = [variant.value for variant in (Variant.FUSED, Variant.OC_DEPTH, Variant.OC) if variant in variants]
         if without:
-            notes.append(f"no depth given: {', '.join(without)} ran without it (oc_depth with constant inverse depth)")
+            notes.append(f"no depth given: {', '.join(without)} ran without it (oc-depth with constant inverse depth)")
     else:
         notes.append(f"depth {config.depth.method}")
     return (*notes, *motions_note(config))

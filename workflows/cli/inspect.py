@@ -4,7 +4,12 @@ import os
 
 
 def backends() -> None:
-    """Methods of every stage, the option that chooses each, and the weights: licence, size, whether they are here."""
+    """Methods of every stage, the option that chooses each, and the weights: licence, size, whether they are here.
+
+    Examples
+    --------
+    moseg backends
+    """
     from rich.table import Table
 
     from workflows.backends import BACKENDS, weights_rows

@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from workflows.cli.options import DataOptions, JsonOption, QuietOption, with_option_groups
+from workflows.cli.option_groups import with_option_groups
+from workflows.cli.options import DataOptions, JsonOption, QuietOption
 
 
 @with_option_groups
@@ -21,7 +22,10 @@ def score(
 ) -> None:
     """Score anybody's saved masks (PNG folders, .npy/.npz volumes, what MoSeg, Raptor, RigidMask and EM write).
 
-    Example: moseg score --dataset davis16 --root DAVIS --predictions results/480p
+    Examples
+    --------
+    moseg score --dataset davis16 --root DAVIS --predictions results/480p
+    moseg score --dataset davis16 --predictions masks --name mine --json mine.json
     """
     import time
 

@@ -1,6 +1,5 @@
 """`moseg segment`."""
 
-import math
 from pathlib import Path
 from typing import Annotated
 
@@ -8,8 +7,13 @@ import typer
 
 from schemas.configs import Variant
 from schemas.errors import InputError
-from workflows.cli.notes import motions_note
-from workflows.cli.options import PipelineOptions, RunOptions, with_option_groups
+from workflows.cli.export_options import ExportsOption
+from workflows.cli.option_groups import with_option_groups
+from workflows.cli.options import ReportOption, RunOptions
+from workflows.cli.overlay_options import OverlayOptions
+from workflows.cli.pipeline_options import PipelineOptions
+from workflows.frame_rate import FASTEST_FPS, SLOWEST_FPS, check_fps
+from workflows.notes import motions_note
 
 
 @with_option_groups
@@ -17,20 +21,46 @@ def segment(
     video: Annotated[str, typer.Argument(help="A video file, or a folder of frames.")],
     pipeline: PipelineOptions,
     run: RunOptions,
-    out: Annotated[str, typer.Option("--out", help="Folder for masks/, overlay.mp4 and motion.json.")] = "out",
-    variant: Annotated[Variant, typer.Option("--variant", help="Row of the paper's ablation to run.")] = Variant.FUSED,
+    drawing: OverlayOptions,
+    out: Annotated[
+        str, typer.Option("--out", help="Folder for masks/, overlay.mp4 and motion.json.", metavar="FOLDER")
+    ] = "out",
+    variant: Annotated[
+        Variant,
+        typer.Option(
+            "--variant", help="Row of the paper's ablation: fused, oc-depth, oc, trajs or base.", metavar="NAME"
+        ),
+    ] = Variant.FUSED,
     fps: Annotated[
-        float, typer.Option("--fps", min=0.1, help="Frame rate of the overlay of a folder of frames.")
+        float,
+        typer.Option(
+            "--fps", min=SLOWEST_FPS, max=FASTEST_FPS, help="Frame rate of the overlay of a folder of frames."
+        ),
     ] = 24.0,
+    exports: ExportsOption = None,
+    page: ReportOption = None,
 ) -> None:
     """Masks of what moves on its own in your video: OUT/masks/*.png, OUT/overlay.mp4, OUT/motion.json.
 
-    Example: moseg segment holiday.mp4 --out holiday
+    Examples
+    --------
+    moseg segment holiday.mp4 --out holiday
+    moseg segment frames/ --out holiday --quality best --workers 2
+    moseg segment holiday.mp4 --preset paper --device cuda
+    moseg segment holiday.mp4 --overlay cutout --side-by-side --export coco
     """
     from workflows.datasets import SequenceSource
-    from workflows.exports import check_folder
+    from workflows.events import as_unicode
+    from workflows.exports.check_outputs import check_outputs
+    from workflows.exports.formats import check_exports, choose_formats
+    from workflows.exports.formats import export as export_saved
+    from workflows.exports.motion_json import frame_names
+    from workflows.exports.output_names import MASKS, MOTION, OVERLAY, mask_name
+    from workflows.exports.saved_segmentation import open_segmentation
     from workflows.exports.write_segmentation import write_segmentation
     from workflows.given_folders import with_given_folders
+    from workflows.purpose import Purpose
+    from workflows.reports.run_report import RunReport
     from workflows.segment import segment as run_segmentation
     from workflows.sources import open_frames
 
@@ -38,24 +68,42 @@ def segment(
         raise InputError("no video named", got=repr(video), expected="a video file, or a folder of frames")
     if pipeline.motions == "gt":
         raise InputError("no ground truth of your own video", where="--motions", got="gt", expected="auto or a number")
-    if not math.isfinite(fps):
-        raise InputError("not a frame rate", where="--fps", got=fps, expected="frames per second")
-    check_folder(Path(out))
+    check_fps(fps, "--fps")
+    style = drawing.read()
+    check_outputs(out, video, style is not None)
     config, folders = pipeline.read()
     frames = open_frames(video, config.max_side)
+    given_names = frame_names(frames)
+    formats = choose_formats(exports or (), frames=given_names)
     source = with_given_folders(SequenceSource(Path(video).resolve().stem, frames), folders, config.max_side)
+    if formats:
+        names = given_names or tuple(mask_name(index) for index in range(frames.num_frames()))
+        check_exports(formats, Path(out), as_unicode(source.name), names)
+    shown = None if page is None else RunReport(page, source.name, config, [variant], [source.name])
+    rate = frames.describe().fps or fps
+    panels = None if shown is None else shown.panels
     with run.open() as session:
 
         def export(result):
-            return result, write_segmentation(Path(out), session.store, result, frames.describe().fps or fps)
+            full = drawing.full_frames(frames)
+            summary = write_segmentation(Path(out), session.store, result, rate, style, full, given_names, run.quiet)
+            return result, summary
 
-        result, summary = run_segmentation(session, source, config, variant, export)
+        purpose = Purpose("segment", motions_note(config), rate)
+        result, summary = run_segmentation(session, source, config, variant, export, purpose, panels)
+        if shown is not None:
+            shown.note_facts(session)
+    exported = export_saved(open_segmentation(Path(out)), formats, Path(out)) if formats else ()
     count = len(summary.objects)
     objects = f"{count} moving object{'' if count == 1 else 's'}"
     use = session.use()
+    outputs = (MASKS, MOTION) if style is None else (MASKS, OVERLAY, MOTION)
+    written = ", ".join((*(f"{out}/{name}" for name in outputs), *map(str, exported)))
     print(
-        f"{objects} in {result.num_frames} frames: {out}/masks, {out}/overlay.mp4, {out}/motion.json"
+        f"{objects} in {result.num_frames} frames: {written}"
         f" ({use.computed} artifacts computed, {use.reused} reused, {session.seconds:.1f} s)"
     )
     for note in motions_note(config):
         print(f"note: {note}")
+    if shown is not None:
+        print(shown.write((), motions_note(config)))

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from workflows.cli.completion import complete_run
 from workflows.cli.options import DEFAULT_STORE, JsonOption, StoreOption
 
 REFRESH_SECONDS = 1.0
@@ -15,7 +16,12 @@ READING_SHARE = 0.1
 
 def status(
     run: Annotated[
-        str | None, typer.Argument(help="A run's name, its start, or `latest`. Without it: a list of the last runs.")
+        str | None,
+        typer.Argument(
+            help="A run's name, its start, or `latest`. Without it: a list of the last runs.",
+            metavar="[RUN]",
+            autocompletion=complete_run,
+        ),
     ] = None,
     follow: Annotated[
         bool, typer.Option("--follow", help="Refresh until the run (by default the latest) ends.")
@@ -26,7 +32,11 @@ def status(
 ) -> None:
     """How a run goes: progress by stage, what is in flight, what failed. Works while it runs and after.
 
-    Example: moseg status latest --follow
+    Examples
+    --------
+    moseg status
+    moseg status latest --follow
+    moseg status latest --json run.json
     """
     from store import open_store
     from workflows.exports import check_writable, write_text

@@ -4,7 +4,17 @@ import typer
 
 from workflows.cli.store_commands import explaining, listing, showing, transferring, upkeep
 
-store_app = typer.Typer(help="The artifact store: list, trace, explain, check, collect, copy.", no_args_is_help=False)
+store_app = typer.Typer(
+    help="""The artifact store: list, trace, explain, check, collect, copy.
+
+    Examples
+    --------
+    moseg store ls --runs
+    moseg store du
+    moseg store gc --delete
+    """,
+    no_args_is_help=False,
+)
 
 store_app.command("ls")(listing.list_artifacts)
 store_app.command("show")(showing.show)

@@ -4,18 +4,9 @@ from rich.console import Console
 from rich.table import Table
 
 from schemas.scores import EvaluationReport, GroundTruth, SequenceScore
-from workflows.cli.paper import PAPER_ROWS
+from workflows.published_scores import PAPER_COLUMNS, PAPER_ROWS
+from workflows.score_columns import score_columns
 from workflows.session import StageUse
-
-SCORE_COLUMNS = {
-    "Pu": "P",
-    "Ru": "R",
-    "Fu": "F",
-    "J": "J",
-    "F-boundary": "boundary_F",
-    "J/object": "J_objects",
-    "F-b/object": "boundary_F_objects",
-}
 
 
 def console() -> Console:
@@ -64,7 +55,7 @@ def print_paper(out: Console, dataset: str, over: GroundTruth = "pixels") -> Non
     kind = ", over pixels" if over == "points" else ""
     table = Table(title=f"{dataset}{kind}, as the paper reports it (not measured here)")
     table.add_column("method")
-    for name in ("Pu", "Ru", "Fu"):
+    for name in PAPER_COLUMNS:
         table.add_column(name, justify="right")
     for method, scores in rows.items():
         table.add_row(method, *(f"{value:.2f}" for value in scores))
@@ -87,15 +78,10 @@ def print_stages(stages: dict[str, StageUse]) -> None:
 def _score_table(title: str, first: str, over: GroundTruth) -> Table:
     table = Table(title=f"{title}, over points" if over == "points" else title)
     table.add_column(first)
-    for name in _columns(over):
+    for name in score_columns(over):
         table.add_column(name, justify="right")
     return table
 
 
-def _columns(over: GroundTruth) -> dict[str, str]:
-    """Scores by their head; of boundaries points say nothing."""
-    return {head: name for head, name in SCORE_COLUMNS.items() if over == "pixels" or "boundary" not in name}
-
-
 def _cells(score: SequenceScore, over: GroundTruth) -> list[str]:
-    return [f"{getattr(score, name):.1f}" for name in _columns(over).values()]
+    return [f"{getattr(score, name):.1f}" for name in score_columns(over).values()]

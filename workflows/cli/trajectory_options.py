@@ -1,32 +1,39 @@
 """Options of evaluations on labelled trajectories, and which of the others mean nothing there."""
 
 from dataclasses import dataclass, fields
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import typer
 
 from schemas.configs import PipelineConfig
 from schemas.errors import InputError
-from workflows.cli.options import PipelineOptions
+from workflows.cli.pipeline_options import PipelineOptions
+from workflows.parameters import list_parameters, value_of
 
 READ_PARAMETERS = ("fused_point_models", "clustering.motions", "hypotheses.", "kernel.", "trajectory_clustering.")
 """Parameters, and stages of parameters, that trajectories without images read."""
-READ_OPTIONS = ("motions", "settings")
+READ_OPTIONS = ("motions", "settings", "config_file")
 
 
 @dataclass(frozen=True)
 class TrajectoryOptions:
     """Views and seeds, of labelled trajectories only."""
 
+    PANEL: ClassVar[str] = "Labelled trajectories (kt3dmoseg)"
+
     views: Annotated[
         str | None,
-        typer.Option("--views", help="kt3dmoseg: point models that `fused` combines (affine,homography,fundamental)."),
+        typer.Option(
+            "--views",
+            help="Point models that `fused` combines (default: affine,homography,fundamental).",
+            metavar="NAMES",
+        ),
     ] = None
     seed: Annotated[
-        int | None, typer.Option("--seed", min=0, help="kt3dmoseg: seed of the random draws (default: 0).")
+        int | None, typer.Option("--seed", min=0, help="Seed of the random draws (default: 0).", metavar="N")
     ] = None
     seeds: Annotated[
-        int | None, typer.Option("--seeds", min=1, help="kt3dmoseg: mean and spread over the seeds 0 to N - 1.")
+        int | None, typer.Option("--seeds", min=1, help="Mean and spread over the seeds 0 to N - 1.", metavar="N")
     ] = None
 
     @property
@@ -75,3 +82,9 @@ def _refuse_images(pipeline: PipelineOptions, dataset: str) -> None:
         if not name.startswith(READ_PARAMETERS):
             expected = " or ".join(name.removesuffix(".") for name in READ_PARAMETERS)
             raise InputError("a parameter for images", where=f"--set {name}", got=got, expected=expected)
+    # A full file has them all; what it leaves as it is by default changes nothing.
+    in_file = PipelineConfig.model_validate(pipeline.read_file())
+    for name, parameter in list_parameters().items():
+        if not name.startswith(READ_PARAMETERS) and value_of(in_file, parameter) != parameter.default:
+            where = f"{pipeline.config_file}: {name}"
+            raise InputError("a parameter for images", where=where, got=got, expected="its default, or none")

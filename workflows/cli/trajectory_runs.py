@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from schemas.configs import PipelineConfig, TrajectoryVariant
 from workflows.cli.options import RunOptions
 from workflows.datasets import Dataset
+from workflows.purpose import Purpose
 
 
 def evaluate_clips(
@@ -13,18 +14,31 @@ def evaluate_clips(
     run: RunOptions,
     variants: Sequence[TrajectoryVariant],
     seeds: Sequence[int] | None,
+    purpose: Purpose,
     json: str | None,
+    page: str | None,
 ):
-    """The report, written to `json` where asked, the use of the store by stage, and what a reader must know."""
+    """The result, written to `json` and shown on `page` where asked, the use of the store by stage, what a reader must
+    know, and the lines that name the files beside `json`."""
     from workflows.evaluate_trajectories import evaluate_trajectories
     from workflows.exports import write_text
+    from workflows.reports.clip_tables import clip_tables
+    from workflows.reports.run_report import RunReport
 
     sources = [dataset.trajectories(name) for name in dataset.names]
+    notes = _notes(dataset, config, variants, seeds)
+    shown = None if page is None else RunReport(page, dataset.name, config, variants, dataset.names, seeds)
     with run.open() as session:
-        report = evaluate_trajectories(session, dataset.name, sources, config, variants, seeds)
+        panels = None if shown is None else shown.panels
+        report = evaluate_trajectories(
+            session, dataset.name, sources, config, variants, seeds, purpose._replace(notes=notes), panels
+        )
+        if shown is not None:
+            shown.note_facts(session)
     if json is not None:
         write_text(json, report.model_dump_json(indent=2, exclude_none=True) + "\n")
-    return report, session.stages(), _notes(dataset, config, variants, seeds)
+    lines = () if shown is None else (shown.write(clip_tables(report.dataset, report.rows), notes),)
+    return report, session.stages(), notes, lines
 
 
 def _notes(

@@ -7,17 +7,42 @@ from typing import Annotated
 import typer
 
 from schemas.errors import InputError
-from workflows.cli.options import NonCommercialOption, QuietOption, choose_preset
+from workflows.cli import completion
+from workflows.cli.options import NonCommercialOption, QuietOption
+from workflows.preset_choice import choose_preset
+from workflows.progress import PATIENCE_SEC, StageProgress
 
 weights_app = typer.Typer(
-    help="The networks' weights: fetch, verify, make tiny ones. `moseg backends` lists them.", no_args_is_help=False
+    help="""The networks' weights: fetch, verify, make tiny ones. `moseg backends` lists them.
+
+    Examples
+    --------
+    moseg weights fetch --preset paper
+    moseg weights verify
+    """,
+    no_args_is_help=False,
 )
 
 
 @weights_app.command("fetch")
 def fetch(
-    items: Annotated[list[str] | None, typer.Argument(help="Weights items; `moseg backends` lists them.")] = None,
-    preset: Annotated[str | None, typer.Option("--preset", help="Every item that this preset uses.")] = None,
+    items: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="Weights items; `moseg backends` lists them.",
+            metavar="[NAME]...",
+            autocompletion=completion.complete_weights,
+        ),
+    ] = None,
+    preset: Annotated[
+        str | None,
+        typer.Option(
+            "--preset",
+            help="Every item that this preset uses.",
+            metavar="NAME",
+            autocompletion=completion.complete_preset,
+        ),
+    ] = None,
     non_commercial: NonCommercialOption = False,
     again: Annotated[
         bool,
@@ -25,7 +50,13 @@ def fetch(
     ] = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Download what is missing, and replace what is damaged. Example: moseg weights fetch --preset paper"""
+    """Download what is missing, and replace what is damaged.
+
+    Examples
+    --------
+    moseg weights fetch --preset paper
+    moseg weights fetch raft-large pips
+    """
     from workflows.weights.folder import open_weights
 
     # Asked for by name: what keeps runs from the network is not meant.
@@ -46,16 +77,31 @@ def fetch(
 
 @weights_app.command("verify")
 def verify(
-    items: Annotated[list[str] | None, typer.Argument(help="Weights items (default: all that are here).")] = None,
+    items: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="Weights items (default: all that are here).",
+            metavar="[NAME]...",
+            autocompletion=completion.complete_weights,
+        ),
+    ] = None,
+    quiet: QuietOption = False,
 ) -> None:
-    """Hash weights that are here and compare them with what they must be; exit code 1 where one is wrong or missing."""
+    """Hash weights that are here and compare them with what they must be; exit code 1 where one is wrong or missing.
+
+    Examples
+    --------
+    moseg weights verify
+    moseg weights verify raft-large
+    """
     from workflows.weights.folder import open_weights
 
     weights = open_weights(os.environ)
     chosen = [weights.item(name) for name in items] if items else list(weights.items.values())
     num_bad = count = 0
-    for item in chosen:
-        verdicts = weights.verify(item)
+    with StageProgress({"hashed": len(chosen)}, quiet, "items", PATIENCE_SEC) as progress:
+        found = [(item, weights.verify(item)) for item in progress.each("hashed", chosen)]
+    for item, verdicts in found:
         if not items and all(verdict.got is None for verdict in verdicts):
             continue
         for verdict in verdicts:
@@ -73,10 +119,21 @@ def tiny(
     seed: Annotated[int, typer.Option("--seed", min=0, help="Another one gives other random numbers.")] = 0,
     only: Annotated[
         str | None,
-        typer.Option("--only", help="Only these items, separated by commas (default: all that presets use)."),
+        typer.Option(
+            "--only",
+            help="Only these items, separated by commas (default: all that presets use).",
+            metavar="NAMES",
+            autocompletion=completion.complete_weights_list,
+        ),
     ] = None,
 ) -> None:
-    """Make tiny random checkpoints, to try presets without the real weights. Example: moseg weights tiny tiny"""
+    """Make tiny random checkpoints, to try presets without the real weights.
+
+    Examples
+    --------
+    moseg weights tiny tiny-weights
+    moseg weights tiny tiny-weights --only raft-large,pips
+    """
     from schemas.presets import PRESETS
     from workflows.weights.catalogue import CATALOGUE
     from workflows.weights.folder import Weights

@@ -17,7 +17,7 @@ from workflows.sources import (
     TrajectoryFile,
     TrajectoryLabels,
 )
-from workflows.sources.spelling import unknown_name
+from workflows.spelling import unknown_name
 
 
 class SequenceSource(NamedTuple):

@@ -9,7 +9,7 @@ from workflows.datasets.dataset import DatasetLayout
 from workflows.datasets.registry import DATASETS
 from workflows.datasets.roots import default_root
 from workflows.datasets.selection import select_sequences
-from workflows.sources.spelling import unknown_name
+from workflows.spelling import unknown_name
 
 
 class DatasetRow(NamedTuple):

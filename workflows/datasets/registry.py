@@ -12,7 +12,7 @@ from workflows.datasets.roots import find_root
 from workflows.datasets.selection import select_sequences
 from workflows.datasets.synthetic import SYNTHETIC
 from workflows.datasets.ytvos_moving import YTVOS_MOVING
-from workflows.sources.spelling import unknown_name
+from workflows.spelling import unknown_name
 
 DATASETS: dict[str, DatasetLayout] = {
     layout.name: layout for layout in (SYNTHETIC, DAVIS_MOVING, DAVIS16, YTVOS_MOVING, KT3DINSMOSEG, KT3DMOSEG, FOLDER)

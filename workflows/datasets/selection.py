@@ -6,7 +6,7 @@ from typing import NamedTuple
 from schemas.errors import InputError, MissingInputError
 from workflows.datasets.dataset import DatasetLayout
 from workflows.sources.files import read_bytes
-from workflows.sources.spelling import unknown_name
+from workflows.spelling import unknown_name
 
 
 class Selection(NamedTuple):

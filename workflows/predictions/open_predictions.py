@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from schemas.errors import InputError, MissingInputError
+from schemas.errors import MissingInputError
 from workflows.predictions.formats import FORMATS, PredictionFormat, SequencePredictions, detect_format
+from workflows.spelling import unknown_name
 
 
 @dataclass(frozen=True)
@@ -59,5 +60,5 @@ def open_predictions(folder: Path, format: str | None = None) -> Predictions:
     if format is None:
         return Predictions(folder, detect_format(folder))
     if format not in FORMATS:
-        raise InputError("unknown format of predictions", got=format, expected=", ".join(FORMATS))
+        raise unknown_name("format of predictions", format, FORMATS, where="--format")
     return Predictions(folder, FORMATS[format])

@@ -11,7 +11,8 @@ from workflows.predictions.as_labels import as_labels
 from workflows.sources.files import unreadable
 from workflows.sources.numpy_file import ARCHIVE_ERRORS, HEADER_BYTES, read_header, undecodable
 
-_MOSEG_KEY = "segmentation"
+_KEYS = ("segmentation", "labels")
+"""Names of the array in an archive of MoSeg's authors, and in one of `moseg export`."""
 _WHAT = "volume of labels"
 
 
@@ -30,7 +31,7 @@ class Volume:
 def open_volume(folder: Path, name: str, num_frames: int, shape: tuple[int, int]) -> Volume:
     """The volume ``<sequence>.npz`` or ``<sequence>.npy``, with one entry per frame of the sequence.
 
-    Of an archive the array ``segmentation`` is taken (MoSeg), or its only one.
+    Of an archive the array ``segmentation`` is taken (MoSeg), ``labels`` (`moseg export`), or its only one.
     """
     paths = [folder / f"{name}.npz", folder / f"{name}.npy"]
     path = next((path for path in paths if path.is_file()), None)
@@ -110,9 +111,10 @@ def _map_frames(path: Path) -> np.ndarray:
 
 def _volume_member(names: list[str], path: Path) -> str:
     """Name of the archive's member that holds the volume; InputError where it cannot be told."""
-    if f"{_MOSEG_KEY}.npy" in names:
-        return f"{_MOSEG_KEY}.npy"
+    for key in _KEYS:
+        if f"{key}.npy" in names:
+            return f"{key}.npy"
     if len(names) != 1:
-        got = f"arrays {', '.join(sorted(names))} and none named {_MOSEG_KEY}"
+        got = f"arrays {', '.join(sorted(names))} and none named {' or '.join(_KEYS)}"
         raise undecodable(path, _WHAT, got, "an array (frame, y, x) of integers")
     return names[0]

@@ -1,13 +1,13 @@
 """The folder of weights: every item that there is, what of it is here, and how the rest gets there."""
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from schemas.errors import InputError
 from schemas.weights import WeightsItem
+from workflows.spelling import unknown_name
 from workflows.weights.catalogue import CATALOGUE
 from workflows.weights.fetch_command import fetch_command
 from workflows.weights.fetching import fetch_again, fetch_item
@@ -81,9 +81,8 @@ class Weights:
     def item(self, name: str) -> WeightsItem:
         """The item of a name; raises InputError where there is none."""
         if name not in self.items:
-            close = get_close_matches(name, self.items, n=1)
-            expected = close[0] if close else f"one that `moseg backends` lists, or that {OWN_ITEMS} describes"
-            raise InputError("unknown weights item", where=self.folder, got=name, expected=expected)
+            expected = f"one that `moseg backends` lists, or that {OWN_ITEMS} describes"
+            raise unknown_name("weights item", name, self.items, where=self.folder, expected=expected)
         return self.items[name]
 
     def is_present(self, item: WeightsItem) -> bool:

@@ -4,8 +4,9 @@ import sys
 import time
 from contextlib import AbstractContextManager
 
-from rich.console import Console
 from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TimeRemainingColumn, TransferSpeedColumn
+
+from workflows.progress import bars_console
 
 PLAIN_INTERVAL_SEC = 15.0
 
@@ -21,14 +22,15 @@ class DownloadProgress(AbstractContextManager):
         self._started = self._last = time.monotonic()
 
     def __enter__(self) -> "DownloadProgress":
-        if not self._quiet and sys.stderr.isatty():
+        console = None if self._quiet else bars_console()
+        if console is not None:
             self._bar = Progress(
                 TextColumn("{task.description}"),
                 BarColumn(),
                 DownloadColumn(),
                 TransferSpeedColumn(),
                 TimeRemainingColumn(),
-                console=Console(stderr=True),
+                console=console,
             )
             self._row = self._bar.add_task(self._label, total=None)
             self._bar.start()

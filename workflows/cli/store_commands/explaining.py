@@ -9,6 +9,10 @@ def why(key: KeyArgument, store: StoreOption = DEFAULT_STORE) -> None:
     """Say which fields of an artifact's recipe differ from the nearest other artifact of its task.
 
     That is why it was computed rather than reused.
+
+    Examples
+    --------
+    moseg store why clustering/1a2b
     """
     from store import differences, nearest
 

@@ -5,9 +5,12 @@ from typing import Annotated
 
 import typer
 
-from workflows.cli.options import DEFAULT_STORE, StoreOption
+from schemas.arrays import LAYOUTS
+from workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from workflows.cli.store_commands.finding import open_existing
 from workflows.cli.store_commands.writing import size
+from workflows.progress import Waiting
+from workflows.spelling import closest, unknown_name
 
 
 def list_artifacts(
@@ -15,7 +18,14 @@ def list_artifacts(
     runs: Annotated[bool, typer.Option("--runs", help="List the runs whose artifacts gc keeps instead.")] = False,
     store: StoreOption = DEFAULT_STORE,
 ) -> None:
-    """List artifacts, or the runs that keep them. Example: moseg store ls --task flow"""
+    """List artifacts, or the runs that keep them.
+
+    Examples
+    --------
+    moseg store ls
+    moseg store ls --task flow
+    moseg store ls --runs
+    """
     opened = open_existing(store)
     if runs:
         for run_id, pin in sorted(opened.pinned().items(), key=lambda item: item[1].created):
@@ -23,13 +33,26 @@ def list_artifacts(
             state = "finished" if pin.expires is None else "running"
             print(f"{run_id}  {created}  {state}  {len(pin.refs)} references")
         return
+    ref = None
     for ref in opened.refs(task):
         print(ref)
+    # A task that is known has no artifacts yet; of others nobody knows, unless one is meant that is.
+    if ref is None and task is not None and task not in LAYOUTS and closest(task, LAYOUTS) is not None:
+        raise unknown_name("task", task, LAYOUTS, where="--task")
 
 
-def disk_use(store: StoreOption = DEFAULT_STORE) -> None:
-    """Artifacts and bytes by task."""
-    print_use(open_existing(store).usage())
+def disk_use(quiet: QuietOption = False, store: StoreOption = DEFAULT_STORE) -> None:
+    """Artifacts and bytes by task.
+
+    Examples
+    --------
+    moseg store du
+    moseg store du --store s3://bucket/moseg
+    """
+    opened = open_existing(store)
+    with Waiting("adding up the store", quiet):
+        usage = opened.usage()
+    print_use(usage)
 
 
 def print_use(usage) -> None:

@@ -35,7 +35,10 @@ def show(
     Upstream is all that it was made from, downstream all stored artifacts that were made from it, each directly or in
     turn, with the number of steps between. Downstream reads the manifest of every artifact in the store once.
 
-    Example: moseg store show score/1a2b --summary
+    Examples
+    --------
+    moseg store show score/1a2b --summary
+    moseg store show 1a2b --no-downstream
     """
     from store.lineage import State, ancestry, descendants
 

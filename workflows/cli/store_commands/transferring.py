@@ -21,7 +21,8 @@ KeysArgument = Annotated[
 ]
 TaskOption = Annotated[str | None, typer.Option("--task", help="Only this task's artifacts and their inputs.")]
 RunOption = Annotated[
-    list[str] | None, typer.Option("--run", help="Only what this run needs; see ls --runs. May be repeated.")
+    list[str] | None,
+    typer.Option("--run", help="Only what this run needs; see ls --runs. May be repeated.", metavar="RUN"),
 ]
 AloneOption = Annotated[
     bool, typer.Option("--no-inputs", help="Only what is named itself (final masks, say), not what it was made from.")
@@ -45,7 +46,10 @@ def push(
     is checked on the way, and what is there already is not copied again: the same command goes on after an
     interruption. Exit code 1 where an artifact was damaged; the others are copied.
 
-    Example: moseg store push s3://bucket/moseg --run 1a2b…
+    Examples
+    --------
+    moseg store push s3://bucket/moseg --dry
+    moseg store push s3://bucket/moseg --run 1a2b…
     """
     _copy(store, url, Named(keys or (), task, run or (), not no_inputs), dry, quiet)
 
@@ -62,7 +66,10 @@ def pull(
 ) -> None:
     """Copy finished artifacts from URL to --store, which becomes a store if it is new; otherwise as push.
 
-    Example: moseg store pull s3://bucket/moseg --task segmentation
+    Examples
+    --------
+    moseg store pull s3://bucket/moseg --task segmentation
+    moseg store pull s3://bucket/moseg score/1a2b --no-inputs
     """
     _copy(url, store, Named(keys or (), task, run or (), not no_inputs), dry, quiet)
 

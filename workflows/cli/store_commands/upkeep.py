@@ -9,7 +9,7 @@ from schemas.errors import MissingArtifactError
 from workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from workflows.cli.store_commands.finding import find_pins, open_existing
 from workflows.cli.store_commands.writing import size
-from workflows.progress import StageProgress
+from workflows.progress import StageProgress, Waiting
 
 
 def verify(
@@ -17,7 +17,13 @@ def verify(
     quiet: QuietOption = False,
     store: StoreOption = DEFAULT_STORE,
 ) -> None:
-    """Compare every artifact's bytes with its manifest; exit code 1 where one is bad."""
+    """Compare every artifact's bytes with its manifest; exit code 1 where one is bad.
+
+    Examples
+    --------
+    moseg store verify
+    moseg store verify --quarantine
+    """
     opened = open_existing(store)
     count, bad = 0, []
     refs = list(opened.refs())
@@ -42,10 +48,20 @@ def verify(
 def collect(
     delete: Annotated[bool, typer.Option("--delete", help="Delete; without it only say what would go.")] = False,
     grace_hours: Annotated[float, typer.Option("--grace-hours", min=0, help="Spare what is younger.")] = 24.0,
-    forget: Annotated[list[str] | None, typer.Option("--forget", help="Runs no longer to keep; see ls --runs.")] = None,
+    forget: Annotated[
+        list[str] | None, typer.Option("--forget", help="Runs no longer to keep; see ls --runs.", metavar="RUN")
+    ] = None,
+    quiet: QuietOption = False,
     store: StoreOption = DEFAULT_STORE,
 ) -> None:
-    """Collect artifacts that no kept run reaches. Example: moseg store gc --forget 1a2b… --delete"""
+    """Collect artifacts that no kept run reaches, and the logs of ended runs that are not kept.
+
+    Examples
+    --------
+    moseg store gc
+    moseg store gc --delete --grace-hours 1
+    moseg store gc --forget 1a2b… --delete
+    """
     from workflows.status import old_logs
 
     opened = open_existing(store)
@@ -54,11 +70,12 @@ def collect(
         for name in forgotten:
             opened.unpin(name)
     grace_seconds = grace_hours * 3600
-    report = opened.gc(is_dry=not delete, grace_seconds=grace_seconds)
-    logs = old_logs(opened, grace_seconds)
-    if delete:
-        for run_id in logs:
-            opened.remove_log(run_id)
+    with Waiting("looking for what no kept run reaches", quiet):
+        report = opened.gc(is_dry=not delete, grace_seconds=grace_seconds)
+        logs = old_logs(opened, grace_seconds)
+        if delete:
+            for run_id in logs:
+                opened.remove_log(run_id)
     for ref in report.removed:
         print(ref)
     verb = "removed" if delete else "would be removed (--delete does it)"

@@ -1,0 +1,99 @@
+"""Help of every command: examples that work, and lines that fit the terminal."""
+
+import importlib.util
+import re
+from pathlib import Path
+
+import pytest
+from typer.core import TyperGroup
+from typer.main import get_command
+
+from workflows.cli.app import app
+from workflows.cli.help_texts import examples_of, with_readable_help
+
+COMMAND = with_readable_help(get_command(app))
+_SPEC = importlib.util.spec_from_file_location("documents", Path(__file__).resolve().parents[2] / "test_docs.py")
+documents = importlib.util.module_from_spec(_SPEC)
+_SPEC.loader.exec_module(documents)
+
+
+def _paths(command, path=()):
+    yield path
+    for name, inner in getattr(command, "commands", {}).items():
+        yield from _paths(inner, (*path, name))
+
+
+def _find(path):
+    command = COMMAND
+    for name in path:
+        command = command.commands[name]
+    return command
+
+
+PATHS = list(_paths(COMMAND))
+EXAMPLES = [(path, example) for path in PATHS for example in examples_of(_find(path))]
+
+
+@pytest.fixture(params=[80, 120])
+def columns(request, monkeypatch):
+    monkeypatch.setenv("COLUMNS", str(request.param))
+    return request.param
+
+
+@pytest.mark.parametrize("path", PATHS, ids=" ".join)
+def test_help_fits_the_terminal_and_ends_with_examples(moseg, columns, path):
+    ran = moseg(*path, "--help")
+    assert (ran.code, ran.err) == (0, "")
+    lines = [line.strip() for line in ran.out.splitlines()]
+    assert max(map(len, ran.out.splitlines())) <= columns
+    assert "<bool>" not in ran.out
+    shown = lines[lines.index("Examples:") + 1 :]
+    # Each on a line of its own, not broken.
+    assert [line for line in shown if line] == examples_of(_find(path))
+
+
+@pytest.mark.parametrize(("path", "example"), EXAMPLES, ids=[example for _, example in EXAMPLES])
+def test_an_example_is_understood_and_of_its_command(path, example):
+    assert example.startswith(" ".join(["moseg", *path]))
+    documents.check(example)
+
+
+def test_every_command_has_examples_and_every_option_an_explanation():
+    for path in PATHS:
+        command = _find(path)
+        assert examples_of(command), " ".join(path)
+        assert command.help, " ".join(path)
+        for parameter in command.params:
+            assert parameter.help, f"{' '.join(path)}: {parameter.name}"
+
+
+def test_long_lists_of_options_stand_under_headings(moseg, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    text = moseg("eval", "--help").out
+    headings = re.findall(r"^╭─ (.*?) ─+╮$", text, re.MULTILINE)
+    assert headings == ["Options", "Data", "Pipeline", "Labelled trajectories (kt3dmoseg)", "Run and cluster"]
+    # Only a few stand apart.
+    options = text[text.index("─ Options") : text.index("─ Data")]
+    assert options.count("--") < 12
+
+
+def test_a_paragraph_is_broken_where_the_terminal_ends(moseg, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "100")
+    lines = [line.rstrip() for line in moseg("store", "push", "--help").out.splitlines()]
+    start = next(i for i, line in enumerate(lines) if line.startswith(" All of them and the pins"))
+    paragraph = lines[start : lines.index("", start)]
+    assert all(len(line) > 80 for line in paragraph[:-1])
+
+
+def test_help_of_groups_lists_every_command(moseg):
+    for path in PATHS:
+        command = _find(path)
+        if isinstance(command, TyperGroup):
+            text = moseg(*path, "--help").out
+            assert all(re.search(rf"^│ {name} ", text, re.MULTILINE) for name in command.commands)
+
+
+def test_the_version_is_one_line(moseg):
+    ran = moseg("--version")
+    assert (ran.code, ran.err) == (0, "")
+    assert re.fullmatch(r"moseg \d+\.\d+\S*\n", ran.out)

@@ -1,0 +1,93 @@
+"""Every parameter says what it means, in which unit and within which bounds."""
+
+import re
+from pathlib import Path
+
+import pytest
+from pydantic import BaseModel
+
+from schemas.configs import PipelineConfig
+from schemas.units import Unit
+from workflows.parameters import list_parameters, list_stages, value_of
+
+NUMBER = re.compile(r"\b(int|float)\b|Positive(Int|Float)")
+
+
+def _leaves(model, path=()):
+    for name, field in model.model_fields.items():
+        kind = field.annotation
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            yield from _leaves(kind, (*path, name))
+        else:
+            yield ".".join((*path, name)), field
+
+
+LEAVES = dict(_leaves(PipelineConfig))
+
+
+def test_the_list_has_every_parameter_with_its_default():
+    parameters = list_parameters()
+    assert list(parameters) == list(LEAVES)
+    assert len(parameters) > 200
+    config = PipelineConfig()
+    for name, parameter in parameters.items():
+        assert value_of(config, parameter) == parameter.default == LEAVES[name].default
+
+
+@pytest.mark.parametrize("name", LEAVES)
+def test_a_parameter_is_described_and_a_number_has_its_unit_and_bounds(name):
+    field, parameter = LEAVES[name], list_parameters()[name]
+    assert len(parameter.description) >= 6
+    assert parameter.values
+    kind = str(field.annotation)
+    is_number = "Literal" not in kind.partition("Union")[0] and NUMBER.search(kind) is not None
+    if not is_number:
+        assert parameter.unit is None or name == "clustering.motions"
+        return
+    assert isinstance(parameter.unit, Unit)
+    bounded = [each for each in field.metadata for sign in ("ge", "gt", "le", "lt") if hasattr(each, sign)]
+    assert bounded or re.search(r"[<>]=? ?\d", parameter.values), f"{name} takes any number"
+
+
+def test_every_stage_says_what_it_is_about():
+    assert all(text.endswith(".") for text in list_stages().values())
+    assert {name.partition(".")[0] for name in list_parameters() if "." in name} <= set(list_stages())
+
+
+def test_ranges_are_written_for_people():
+    values = {name: parameter.values for name, parameter in list_parameters().items()}
+    assert values["fundamental.gap"] == ">= 1"
+    assert values["clustering.threshold"] == "> 0 and < 1"
+    assert values["kernel.window"] == "> 0 and <= 1"
+    assert values["affinity.quantile"] == "0 to 1"
+    assert values["affinity.excess"] == "true or false"
+    assert values["flow.method"] == "dis, raft, groundtruth, folder"
+    assert values["clustering.motions"] == "gt, auto or >= 1"
+    assert values["saliency.focals"] == "list of > 0"
+    assert values["detections.tags"] == "list of text or null"
+
+
+def test_the_document_is_what_the_command_writes(moseg):
+    written = (Path(__file__).resolve().parents[3] / "docs" / "parameters.md").read_text(encoding="utf-8")
+    assert moseg("config", "show", "--markdown").out == written, "moseg config show --markdown > docs/parameters.md"
+
+
+def test_show_names_all_of_a_stage(moseg):
+    ran = moseg("config", "show", "clustering.count")
+    assert (ran.code, ran.err) == (0, "")
+    for word in ("most_motions", "1 to 19", "px", "Sampson distance of an inlier", "clustering.count.affinity", "fade"):
+        assert word in ran.out
+    assert "co_regularisation" not in ran.out
+    assert "1280" in moseg("config", "show", "max_side").out
+    assert moseg("config", "show").out.count("\n") > len(LEAVES)
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"), [("flwo", "flow"), ("fundamental.gab", "fundamental.gap"), ("ork_threshold", "affinity.ork")]
+)
+def test_show_knows_what_was_meant(moseg, name, meant):
+    ran = moseg("config", "show", name)
+    assert ran.code == 2
+    (line,) = ran.err.splitlines()
+    assert "did you mean" in line
+    assert meant in line

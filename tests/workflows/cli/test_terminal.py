@@ -1,0 +1,116 @@
+"""Progress as a person sees it, and ends as a shell sees them: Ctrl-C, a reader that goes, a closed output."""
+
+import re
+import subprocess
+import sys
+from collections import Counter
+
+import pytest
+
+from store import open_store
+
+pytestmark = pytest.mark.usefixtures("in_empty_folder")
+
+HIDE, SHOW = "\x1b[?25l", "\x1b[?25h"
+COLOUR = re.compile(r"\x1b\[3[0-9]m|\x1b\[9[0-9]m")
+
+
+def _bars(text):
+    """Lines of bars; what is drawn over itself counts as one line each."""
+    lines = [line for part in text.split("\n") for line in re.split(r"\r|\x1b\[\d*[A-K]", part)]
+    return [line for line in lines if "━" in line and "/" in line]
+
+
+def test_bars_fit_the_terminal_and_leave_it_as_it_was(in_terminal, evaluated):
+    ran = in_terminal("store", "verify", "--store", evaluated.store, columns=80)
+    assert ran.code == 0
+    assert ran.raw.count(HIDE) == ran.raw.count(SHOW) == 1
+    assert COLOUR.search(ran.raw)
+    bars = _bars(ran.text)
+    assert {len(line) for line in bars} <= {79, 80}
+    assert re.match(r" +verified ━+ (\d+)/\1 +0:00:\d\d 0:00:00$", bars[-1])
+
+
+def test_colours_and_bars_can_be_refused(in_terminal, evaluated):
+    verify = ("store", "verify", "--store", evaluated.store)
+    plain = in_terminal(*verify, env={"NO_COLOR": "1"})
+    assert _bars(plain.text)
+    assert not COLOUR.search(plain.raw)
+    dumb = in_terminal(*verify, env={"TERM": "dumb"})
+    assert "\x1b" not in dumb.raw
+    assert re.search(r"(\d+)/\1 artifacts in \d+ s \(", dumb.text)
+    quiet = in_terminal(*verify, "--quiet")
+    assert re.fullmatch(r"\d+ artifacts, 0 bad\s+", quiet.raw)
+    assert plain.code == dumb.code == quiet.code == 0
+
+
+def test_ctrl_c_gives_the_terminal_back_and_the_next_run_goes_on(in_terminal, in_process, squares):
+    data = ("--dataset", "folder", "--root", squares, "--set", "sections.length=4", "--set", "sections.overlap=2")
+    ran = in_terminal("eval", *data, interrupt=lambda text: re.search(r"artifacts .*?\b[1-9]\d?/\d+", text))
+    assert ran.code == 130
+    assert ran.raw.count(HIDE) == ran.raw.count(SHOW)
+    assert ran.text.rstrip().splitlines()[-1].startswith("moseg: interrupted; what was finished is kept")
+    assert "Traceback" not in ran.text
+    bars = _bars(ran.text)
+    assert Counter(map(len, bars)).most_common(1)[0][0] in (79, 80)
+    # Each stage, and all of them.
+    assert {"flow", "tracks", "score", "artifacts"} <= {line.split()[0] for line in bars}
+    assert set(open_store(".moseg/store", create=False).refs())
+    again = in_process("eval", *data, "--quiet")
+    assert again.returncode == 0
+    computed, reused = map(int, re.search(r"(\d+) artifacts computed, (\d+) reused", again.stdout).groups())
+    assert reused > 0
+    assert computed > 0
+
+
+def test_ctrl_c_while_the_program_starts_is_one_line(in_terminal, tmp_path):
+    # As the import of a library, which takes a third of a second, answers it.
+    (tmp_path / "typer.py").write_text("raise KeyboardInterrupt\n")
+    ran = in_terminal("backends", env={"PYTHONPATH": str(tmp_path)})
+    assert ran.code == 130
+    (line,) = ran.text.strip().splitlines()
+    assert line.startswith("moseg: interrupted")
+
+
+def test_a_second_ctrl_c_while_it_ends_shows_no_traces(tmp_path):
+    # A thread that will not end, as one that waits for a network: the interpreter's end waits for it.
+    program = (
+        "import os, signal, sys, threading, time\n"
+        "from workflows.cli import main\n"
+        "import workflows.cli.app as app\n"
+        "def stop(arguments):\n"
+        "    threading.Thread(target=time.sleep, args=(30,)).start()\n"
+        "    threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
+        "    raise KeyboardInterrupt\n"
+        "app.run = stop\n"
+        "main(['backends'])\n"
+    )
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=20)
+    assert ran.returncode == -2
+    (line,) = ran.stderr.splitlines()
+    assert line.startswith("moseg: interrupted")
+
+
+@pytest.mark.parametrize("command", ["store ls", "store du", "config dump", "--help"])
+def test_a_reader_that_goes_is_no_fault(evaluated, command):
+    words = [*command.split(), *(["--store", str(evaluated.store)] if command.startswith("store") else [])]
+    program = f"from workflows.cli import main; main({words!r})"
+    process = subprocess.Popen(
+        [sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    process.stdout.close()
+    err = process.stderr.read()
+    process.stderr.close()
+    assert process.wait() == 1
+    assert err == ""
+
+
+def test_a_closed_or_full_output_is_told_in_one_line_or_none(evaluated):
+    listing = f"from workflows.cli import main; main(['store', 'ls', '--store', {str(evaluated.store)!r}])"
+    closed = subprocess.run(["sh", "-c", '"$0" -c "$1" >&-', sys.executable, listing], capture_output=True, check=False)
+    assert (closed.returncode, closed.stderr) == (0, b"")
+    with open("/dev/full", "w") as full:
+        ran = subprocess.run([sys.executable, "-c", listing], stdout=full, stderr=subprocess.PIPE, check=False)
+    assert ran.returncode == 1
+    (line,) = ran.stderr.decode().splitlines()
+    assert "No space left" in line

@@ -1,0 +1,109 @@
+"""What the shell offers when a value is being typed: names of data sets, presets, methods, runs, weights, parameters.
+
+Completion answers while somebody waits and has nowhere to complain to: where names cannot be had, none are offered.
+"""
+
+import os
+from collections.abc import Callable, Iterable
+
+import typer
+
+from schemas.errors import MosegError
+from schemas.presets import GEOMETRIES, PRESETS, QUALITIES
+
+Completer = Callable[[typer.Context, str], list[str]]
+MOST_RUNS = 30
+
+
+def offer(find: Callable[[typer.Context], Iterable[str]], *, is_list: bool = False) -> Completer:
+    """A completer of the names that `find` gives; of the last one, where the value is a list with commas."""
+
+    def complete(context: typer.Context, incomplete: str) -> list[str]:
+        before, comma, start = incomplete.rpartition(",") if is_list else ("", "", incomplete)
+        try:
+            names = list(find(context))
+        except (MosegError, OSError):
+            return []
+        return [f"{before}{comma}{name}" for name in names if name.startswith(start)]
+
+    return complete
+
+
+def _choices(parameter: str) -> Completer:
+    def find(context: typer.Context) -> Iterable[str]:
+        from workflows.parameters import list_parameters
+
+        # What follows folder: is a path, which the shell itself would complete.
+        return [f"{name}:" if name == "folder" else name for name in list_parameters()[parameter].choices]
+
+    return offer(find)
+
+
+def _datasets(context: typer.Context) -> Iterable[str]:
+    from workflows.datasets.registry import DATASETS
+
+    return DATASETS
+
+
+def _sequences(context: typer.Context) -> Iterable[str]:
+    from schemas.configs import PipelineConfig
+    from workflows.datasets import open_dataset
+
+    given = context.params
+    name = given.get("dataset") or "synthetic"
+    root, listed = given.get("root"), given.get("list_file")
+    return open_dataset(name, root, None, listed, max_side=PipelineConfig().max_side).names
+
+
+def _runs(context: typer.Context) -> Iterable[str]:
+    from store import open_store
+    from workflows.cli.options import DEFAULT_STORE
+    from workflows.status import LATEST, list_runs
+
+    url = context.params.get("store") or DEFAULT_STORE
+    # Behind a network a listing takes longer than anybody waits for a word.
+    if "://" in url and not url.startswith("file://"):
+        return [LATEST]
+    return [LATEST, *list_runs(open_store(url, create=False))[:MOST_RUNS]]
+
+
+def _weights(context: typer.Context) -> Iterable[str]:
+    from workflows.weights.folder import open_weights
+
+    return open_weights(os.environ).items
+
+
+def _settings(context: typer.Context) -> Iterable[str]:
+    from workflows.parameters import list_parameters
+
+    for name, parameter in list_parameters().items():
+        yield f"{name}="
+        yield from (f"{name}={choice}" for choice in parameter.choices)
+
+
+def _stages(context: typer.Context) -> Iterable[str]:
+    from workflows.parameters import list_parameters, list_stages
+
+    return [*list_stages(), *list_parameters()]
+
+
+complete_dataset = offer(_datasets)
+complete_sequences = offer(_sequences, is_list=True)
+complete_preset = offer(lambda context: PRESETS)
+complete_geometry = offer(lambda context: GEOMETRIES)
+complete_quality = offer(lambda context: QUALITIES)
+complete_device = offer(lambda context: ("auto", "cpu", "cuda", "mps"))
+complete_motions = offer(lambda context: ("auto", "gt"))
+complete_proposals = _choices("proposal_source")
+complete_flow = _choices("flow.method")
+complete_depth = _choices("depth.method")
+complete_tracks = _choices("tracks.method")
+complete_affinity = _choices("affinity.method")
+complete_tagger = _choices("detections.tagger")
+complete_masks = _choices("detections.masks")
+complete_tracker = _choices("detections.tracker")
+complete_setting = offer(_settings)
+complete_stage = offer(_stages)
+complete_run = offer(_runs)
+complete_weights = offer(_weights)
+complete_weights_list = offer(_weights, is_list=True)

@@ -1,0 +1,50 @@
+"""`moseg export`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from schemas.errors import InputError
+from workflows.cli.export_options import EXPORT_FORMATS
+
+
+def export(
+    folder: Annotated[str, typer.Argument(help="What `moseg segment --out` left: masks/ and motion.json.")],
+    to: Annotated[list[str] | None, typer.Option("--to", help=f"Format: {EXPORT_FORMATS}; may be repeated.")] = None,
+    out: Annotated[str | None, typer.Option("--out", help="Folder to write in (default: the same).")] = None,
+    images: Annotated[
+        str | None,
+        typer.Option(
+            "--images", help="Folder of the frames, whose file names count (default: those that were segmented)."
+        ),
+    ] = None,
+    name: Annotated[str | None, typer.Option("--name", help="Name of the sequence (default: the video's).")] = None,
+    dilate: Annotated[
+        int | None,
+        typer.Option(
+            "--dilate",
+            min=0,
+            help="Widen what is to be ignored, px (default: 5; 0 for dynaslam, which widens it too).",
+        ),
+    ] = None,
+) -> None:
+    """Write finished masks for other programs; needs no store.
+
+    Examples
+    --------
+    moseg export holiday --to colmap --images holiday-frames
+    """
+    from workflows.exports import check_folder
+    from workflows.exports.formats import choose_formats
+    from workflows.exports.formats import export as export_saved
+    from workflows.exports.saved_segmentation import open_segmentation
+
+    if not to:
+        raise InputError("no format named", where="--to", expected=EXPORT_FORMATS)
+    formats = choose_formats(to, dilate)
+    saved = open_segmentation(Path(folder), None if images is None else Path(images), name)
+    target = Path(folder if out is None else out)
+    check_folder(target)
+    written = export_saved(saved, formats, target, dilate)
+    print(f"{saved.summary.num_frames} frames: {', '.join(map(str, written))}")

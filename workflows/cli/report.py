@@ -1,0 +1,43 @@
+"""`moseg report`: one page about a run, with its pictures, matrices, tables and times."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from workflows.cli.completion import complete_run
+from workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption, sequence_names
+
+
+def report(
+    run: Annotated[
+        str, typer.Argument(help="A run's name, its start, or `latest`.", metavar="[RUN]", autocompletion=complete_run)
+    ] = "latest",
+    out: Annotated[Path, typer.Option("--out", "-o", help="The page, a file of HTML.", metavar="FILE")] = Path(
+        "report.html"
+    ),
+    sequences: Annotated[
+        str | None,
+        typer.Option("--sequences", help="Show these, separated by commas (default: the first 24).", metavar="NAMES"),
+    ] = None,
+    frames: Annotated[
+        int, typer.Option("--frames", min=1, help="Frames of a sequence, spread over the annotated ones.", metavar="N")
+    ] = 16,
+    quiet: QuietOption = False,
+    store: StoreOption = DEFAULT_STORE,
+) -> None:
+    """One self-contained page about a run: overlays, motion cues, matrices, scores and times. Nothing is computed.
+
+    Examples
+    --------
+    moseg report latest -o report.html
+    """
+    from store import open_store
+    from workflows.exports import check_writable
+    from workflows.reports.from_log import report_run
+    from workflows.reports.write import write_report
+
+    check_writable(out)
+    names = sequence_names(sequences)
+    page = report_run(open_store(store, create=False), run, names, frames, quiet)
+    print(write_report(out, page))

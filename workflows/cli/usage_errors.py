@@ -1,0 +1,50 @@
+"""What is wrong with a command line, in one line that says how to go on."""
+
+import re
+from typing import Any
+
+from typer.core import TyperGroup
+
+from workflows.cli.help_texts import examples_of
+from workflows.spelling import closest
+
+_NOT_ONE_OF = re.compile(r"'([^']*)' is not one of (.*)$")
+
+
+def describe_usage_error(error: Any) -> str:
+    """The line for a `typer` error about the words of a command line."""
+    # The formatted message names the option; the plain one only says what is wrong with its value.
+    message = " ".join(error.format_message().split()).rstrip(".").replace("Value error, ", "")
+    message = message.replace("Input should be ", "expected ").partition(", unable to parse")[0]
+    context = getattr(error, "ctx", None)
+    kind = type(error).__name__
+    if kind == "NoSuchOption":
+        message = f"no such option {error.option_name!r}{_did_you_mean(error.option_name, _options(context))}"
+    elif kind.startswith("Missing"):
+        example = next(iter(examples_of(context.command)), None) if context else None
+        message += f"; for example: {example}" if example else ""
+    elif isinstance(getattr(context, "command", None), TyperGroup):
+        message = _about_commands(message, context.command)
+    choice = _NOT_ONE_OF.search(message)
+    if choice is not None:
+        message += _did_you_mean(choice[1], re.findall(r"'([^']*)'", choice[2]))
+    path = context.command_path if context else "moseg"
+    return f"{message[0].lower()}{message[1:]} ({path} --help tells more)"
+
+
+def _about_commands(message: str, group: TyperGroup) -> str:
+    named = re.match(r"No such command '([^']*)'", message)
+    if named is None:
+        return f"{message}: {', '.join(group.commands)}" if message == "Missing command" else message
+    close = closest(named[1], group.commands)
+    hint = f": did you mean {close!r}?" if close else f"; one of {', '.join(group.commands)}"
+    return f"no such command {named[1]!r}{hint}"
+
+
+def _options(context: Any) -> list[str]:
+    return [name for parameter in context.command.params for name in parameter.opts] if context else []
+
+
+def _did_you_mean(name: str, known: list[str]) -> str:
+    close = closest(name, known)
+    return "" if close is None else f": did you mean {close!r}?"
