@@ -18,7 +18,7 @@ from workflows.devices import current_device, parse_device, read_device, set_dev
 from workflows.flight import CALLS_PER_THREAD, MIN_IN_FLIGHT, Flight
 from workflows.memory import keep_freed_memory
 from workflows.placement import GPU
-from workflows.threads import pin_threads
+from workflows.threads import check_bearable, pin_threads
 
 __all__ = ["Call", "DistributedRunner", "Runner", "SynchronousRunner", "TlsFiles", "open_runner"]
 
@@ -134,6 +134,7 @@ def open_runner(
         raise InputError("--workers and --scheduler exclude each other", got=f"{workers} and {scheduler}")
     if workers < 0:
         raise InputError("not a number of workers", where="--workers", got=workers, expected="0 (this process) or more")
+    check_bearable(workers, "workers")
     tls = tls or TlsFiles()
     if scheduler is None and tls.named():
         raise InputError("certificates are for --scheduler", where=next(iter(tls.named())), expected="tls://host:8786")

@@ -1,19 +1,27 @@
 """Frames from image files."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import cv2
 import numpy as np
 
 from schemas.digests import digest_json
 from schemas.errors import InputError
+from workflows.sources.decoder_noise import listen_to
 from workflows.sources.files import digest_file, read_bytes
 from workflows.sources.frames import FrameDescription, shrink_to, working_size
+from workflows.sources.image_header import check_image_header
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
-DECODING_VERSION = 1
-"""Raised when `ImageFiles.read` starts to yield other pixels for the same bytes."""
+DECODING_VERSION = 2
+"""Raised when `ImageFiles.read` starts to yield other pixels for the same bytes, or to refuse them."""
+_DAMAGE = ("Corrupt JPEG data", "Premature end of JPEG file")
+_PADDING = re.compile(r"Corrupt JPEG data: ([1-9]) extraneous bytes before marker 0x(?!d[0-7])([0-9a-f]{2})")
+"""Some cameras fill up the last bytes. More of them, or any before a restart, are data that found no place."""
+_END = "d9"
 
 
 @dataclass(frozen=True)
@@ -85,12 +93,13 @@ def decode_image(content: bytes, path: str) -> np.ndarray:
     Raises
     ------
     InputError
-        The bytes are no image, are cut short, or hold samples other than 8- or 16-bit integers.
+        The bytes are no image, are damaged or cut short, hold several frames, more than `MOST_PIXELS`, or samples
+        other than 8- or 16-bit integers.
     """
-    try:
-        image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH)
-    except cv2.error:
-        image = None
+    check_image_header(content, path)
+    image, damage = _decode_and_listen(content)
+    if damage is not None:
+        raise InputError("image is damaged", where=path, got=damage, expected="an intact image (re-encode it)")
     if image is None:
         raise InputError("image cannot be decoded", where=path, got=f"{len(content)} bytes")
     if image.dtype == np.uint16:
@@ -98,6 +107,35 @@ def decode_image(content: bytes, path: str) -> np.ndarray:
     if image.dtype != np.uint8:
         raise InputError("image of unusable samples", where=path, got=image.dtype, expected="8- or 16-bit integers")
     return cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+
+
+def _decode_and_listen(content: bytes) -> tuple[np.ndarray | None, str | None]:
+    """Samples as `_decode` gives them, and what is damaged: such a JPEG decodes, grey from some row on."""
+    while True:
+        image, complaints = listen_to(partial(_decode, content))
+        damage = next((line for line in complaints if line.startswith(_DAMAGE)), None)
+        padding = None if damage is None else _PADDING.fullmatch(damage)
+        if padding is None:
+            return image, damage
+        if padding[2] == _END:
+            return image, None
+        # libjpeg tells of one fault only: without zeros before a segment it tells of what comes after.
+        marker = bytes.fromhex(f"ff{padding[2]}")
+        shorter = content.replace(bytes(int(padding[1])) + marker, marker, 1)
+        if shorter == content:
+            return image, damage
+        content = shorter
+
+
+def _decode(content: bytes) -> np.ndarray | None:
+    """BGR or grey samples as they stand; None where OpenCV cannot, without a word about it on standard error."""
+    level = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    try:
+        return cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH)
+    except cv2.error:
+        return None
+    finally:
+        cv2.utils.logging.setLogLevel(level)
 
 
 def _pixels(shape: tuple[int, ...]) -> str:

@@ -1,6 +1,7 @@
 """Masks from PNG files."""
 
 import io
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import reduce
@@ -90,7 +91,8 @@ def decode_mask(content: bytes, path: str, kind: MaskKind) -> np.ndarray:
     """
     check_png_size(content, path, "mask")
     try:
-        with Image.open(io.BytesIO(content)) as image:
+        with warnings.catch_warnings(), Image.open(io.BytesIO(content)) as image:
+            warnings.simplefilter("ignore")
             values = np.atleast_3d(np.asarray(image))
             channels = [values[..., i] for i, band in enumerate(image.getbands()) if band != "A"]
     except PILLOW_ERRORS as error:

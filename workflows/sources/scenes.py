@@ -10,7 +10,7 @@ import numpy as np
 from moseg_tasks.synthetic import SCENES, RenderedScene, Scene, render_scene
 from schemas.digests import digest_json
 from workflows.sources.frames import FrameDescription
-from workflows.sources.spelling import unknown_name
+from workflows.spelling import unknown_name
 
 RENDERER_VERSION = 1
 """Raised when `render_scene` gives other arrays for the same declaration."""

@@ -19,8 +19,9 @@ from workflows.sources.truncation import missing_bytes
 
 DECODING_VERSION = 1
 """Raised when `VideoFile.read` starts to yield other pixels for the same bytes."""
-NOT_VIDEOS = ("tty",)
-"""FFmpeg's demuxers that make 'video' of a text file."""
+NOT_VIDEOS = frozenset(("tty", "hls", "dash", "concat", "sdp", "rtp", "rtsp", "imf"))
+"""FFmpeg's demuxers that make 'video' of a text file, or read other files and addresses that a text names."""
+VIDEOS = "a video file, or a folder of images"
 REPAIR = "an intact video (ffmpeg -i IN OUT.mp4 re-encodes what can be read)"
 
 
@@ -109,17 +110,21 @@ def _to_array(frame: av.VideoFrame) -> np.ndarray:
 
 
 def _open(path: str) -> InputContainer:
-    if not os.path.isfile(path):
+    if not os.path.exists(path):
         raise MissingInputError("file does not exist", where=path)
+    if not os.path.isfile(path):
+        raise InputError("not a file", where=path, expected=VIDEOS)
+    if os.path.getsize(path) == 0:
+        raise InputError("not a video", where=path, got="an empty file", expected=VIDEOS)
+    # Refused before they are opened: a playlist may make FFmpeg wait for a stream that never comes.
+    formats = ",".join(sorted(av.formats_available - NOT_VIDEOS))
     try:
         # The prefix keeps FFmpeg from taking "a:b.mp4" for a URL of protocol "a".
-        container = av.open(f"file:{path}")
+        return av.open(f"file:{path}", options={"format_whitelist": formats, "protocol_whitelist": "file"})
+    except av.ArgumentError as error:
+        raise InputError("not a video", where=path, got="text or a playlist", expected=VIDEOS) from error
     except av.FFmpegError as error:
-        raise InputError("not a video", where=path, got=error.strerror) from error
-    if container.format.name in NOT_VIDEOS:
-        container.close()
-        raise InputError("not a video", where=path, got="text")
-    return container
+        raise InputError("not a video", where=path, got=error.strerror, expected=VIDEOS) from error
 
 
 def _video_stream(container: InputContainer, path: str) -> VideoStream:

@@ -107,6 +107,42 @@ def test_a_truncated_image_is_named(tmp_path, picture, write_image, suffix, kept
         read_one(path)
 
 
+def _padded(content: bytes, marker: bytes, padding: bytes) -> bytes:
+    place = content.rindex(marker)
+    return content[:place] + padding + content[place:]
+
+
+END, START_OF_SCAN = b"\xff\xd9", b"\xff\xda"
+
+
+@pytest.mark.parametrize(("marker", "padding"), [(END, b"\x01\x02"), (END, bytes(9)), (START_OF_SCAN, bytes(4))])
+def test_a_padded_jpeg_is_the_same_picture(tmp_path, picture, write_image, capfd, marker, padding):
+    path = tmp_path / "a.jpg"
+    write_image(path, picture)
+    expected = read_one(path)
+    path.write_bytes(_padded(path.read_bytes(), marker, padding))
+    np.testing.assert_array_equal(read_one(path), expected)
+    assert capfd.readouterr().err == ""
+
+
+def test_a_padded_jpeg_that_is_damaged_behind_is_named(tmp_path, picture, write_image):
+    path = tmp_path / "a.jpg"
+    write_image(path, picture)
+    content = _padded(path.read_bytes(), START_OF_SCAN, bytes(4))
+    path.write_bytes(content[:-40] + END)
+    with pytest.raises(InputError, match=r"image is damaged in .*a\.jpg; got Corrupt JPEG data: premature end"):
+        read_one(path)
+
+
+@pytest.mark.parametrize(("marker", "padding"), [(END, bytes(40)), (START_OF_SCAN, b"\x01\x02")])
+def test_data_that_find_no_place_are_damage(tmp_path, picture, write_image, marker, padding):
+    path = tmp_path / "a.jpg"
+    write_image(path, picture)
+    path.write_bytes(_padded(path.read_bytes(), marker, padding))
+    with pytest.raises(InputError, match="extraneous bytes"):
+        read_one(path)
+
+
 def test_float_images_are_refused(tmp_path, write_image):
     path = write_image(tmp_path / "a.tif", np.zeros((4, 4, 3), np.float32))
     with pytest.raises(InputError, match="float32; expected 8- or 16-bit"):

@@ -1,0 +1,52 @@
+"""What the header of an image file says, before memory is taken for its pixels."""
+
+import io
+import warnings
+
+from PIL import Image
+
+from schemas.errors import InputError
+from workflows.sources.png_file import PILLOW_ERRORS
+
+MOST_PIXELS = 2**27
+"""Of one frame: 16384 x 8192. What claims more is a damaged or malicious file."""
+_SEQUENCES = ("PNG", "WEBP", "TIFF")
+"""Formats that may hold several frames; of a JPEG's second image (a depth map, a preview) nobody speaks as a frame."""
+
+
+def check_image_header(content: bytes, path: str) -> None:
+    """Raises InputError on more pixels than can be a frame, several frames in one file, or a damaged PNG.
+
+    Bytes in which Pillow finds no image are left to the decoder.
+    """
+    try:
+        with warnings.catch_warnings():
+            # Sizes are judged here, and damage by the decoder.
+            warnings.simplefilter("ignore")
+            with Image.open(io.BytesIO(content)) as image:
+                kind, (width, height) = image.format, image.size
+                num_frames = getattr(image, "n_frames", 1) if kind in _SEQUENCES else 1
+    except Image.DecompressionBombError as error:
+        expected = f"at most {MOST_PIXELS} px"
+        raise InputError("image of too many pixels", where=path, got=error, expected=expected) from error
+    except PILLOW_ERRORS:
+        return
+    if width * height > MOST_PIXELS:
+        got, expected = f"{width}x{height} px", f"at most {MOST_PIXELS} px"
+        raise InputError("image of too many pixels", where=path, got=got, expected=expected)
+    if num_frames > 1:
+        expected = "one a file (a GIF or a video file may hold many)"
+        raise InputError("several frames in one image", where=path, got=num_frames, expected=expected)
+    if kind == "PNG":
+        _check_png(content, path)
+
+
+def _check_png(content: bytes, path: str) -> None:
+    """Checksums of all chunks, which the decoder would complain of on standard error."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(io.BytesIO(content)) as image:
+                image.verify()
+    except PILLOW_ERRORS as error:
+        raise InputError("image cannot be decoded", where=path, got=f"{len(content)} bytes, {error}") from error
