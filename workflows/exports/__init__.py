@@ -1,18 +1,23 @@
 """Files that commands leave behind: masks, an overlay video, a summary of the motions, tables."""
 
+from workflows.exports.draw_labels import draw_labels
 from workflows.exports.motion_json import ObjectSummary, SequenceSummary, summarise_sequence, write_motion
+from workflows.exports.overlay_style import OverlayMode, OverlayStyle
 from workflows.exports.palette import davis_palette, identity_colours
 from workflows.exports.write_masks import write_masks
-from workflows.exports.write_overlay import draw_labels, write_overlay
+from workflows.exports.write_overlay import encode_overlay, write_overlay
 from workflows.exports.write_text import check_folder, check_writable, write_text
 
 __all__ = [
     "ObjectSummary",
+    "OverlayMode",
+    "OverlayStyle",
     "SequenceSummary",
     "check_folder",
     "check_writable",
     "davis_palette",
     "draw_labels",
+    "encode_overlay",
     "identity_colours",
     "summarise_sequence",
     "write_masks",

@@ -6,8 +6,9 @@ from functools import cache
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from workflows.exports.colour_maps import SOFT_COLOURS, draw_colour_bar
 from workflows.exports.draw_errors import ERROR_COLOURS
-from workflows.exports.sheet_column import SheetFrame, colour_soft_map, draw_column
+from workflows.exports.sheet_column import SheetFrame, draw_column
 
 PAPER, INK = (255, 255, 255), (32, 32, 32)
 MARGIN, GAP = 16, 6
@@ -72,7 +73,7 @@ def _draw_title(
     y += _LINE
     if title == soft_title:
         length = TITLES_WIDTH - 2 * MARGIN
-        scale = colour_soft_map(np.tile(np.linspace(0, 1, length, dtype=np.float32), (TEXT_SIZE, 1)))
+        scale = draw_colour_bar((TEXT_SIZE, length), SOFT_COLOURS)
         sheet.paste(Image.fromarray(scale), (x, y))
         y += _LINE
         pen.text((x, y), "0", INK, font, anchor="lt")

@@ -44,14 +44,19 @@ def draw_errors(image: np.ndarray, labels: np.ndarray, truth: np.ndarray, void: 
     """
     dim = (DIMMING * cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)).astype(np.float32)
     drawn = np.repeat(dim[..., None], 3, axis=-1)
-    predicted, moves = labels > 0, truth > 0
-    masks = {
-        "true positive": predicted & moves,
-        "false positive": predicted & ~moves,
-        "false negative": ~predicted & moves,
-    }
+    masks = sort_errors(labels, truth)
     counts = np.ones(truth.shape, dtype=bool) if void is None else truth != void
     for kind, colour in ERROR_COLOURS.items():
         mask = masks[kind] & counts
         drawn[mask] = (1 - OPACITY) * drawn[mask] + OPACITY * np.array(colour, np.float32)
     return np.rint(drawn).astype(np.uint8)
+
+
+def sort_errors(labels: np.ndarray, truth: np.ndarray) -> dict[str, np.ndarray]:
+    """Where each kind of `ERROR_COLOURS` is, bool of the shape of both; `labels` and `truth` are 0 = static."""
+    predicted, moves = labels > 0, truth > 0
+    return {
+        "true positive": predicted & moves,
+        "false positive": predicted & ~moves,
+        "false negative": ~predicted & moves,
+    }

@@ -3,14 +3,17 @@
 import cv2
 import numpy as np
 
+from workflows.exports.overlay_style import DEFAULT_STYLE, LINED, TINTED, OverlayMode, OverlayStyle
 from workflows.exports.palette import identity_colours
 
-TINT = 0.45
-"""Share of an object's colour in its pixels: seen on foliage, with the texture still visible."""
+CUTOUT_DIMMING = 0.35
+"""Share of the brightness that is left around what is cut out: the scene is still known by it."""
+# Wider lines need round brushes: a square one is 1.4 times as wide along diagonals.
+_WIDEST_SQUARE_BRUSH = 3
 
 
-def draw_labels(image: np.ndarray, labels: np.ndarray) -> np.ndarray:
-    """Tint each moving object and draw a line two pixels wide, one to either side, along its border.
+def draw_labels(image: np.ndarray, labels: np.ndarray, style: OverlayStyle = DEFAULT_STYLE) -> np.ndarray:
+    """Show each moving object, by default tinted and with a line two pixels wide, one to either side, on its border.
 
     The tint is the object's colour, the line that colour at full brightness.
 
@@ -19,21 +22,40 @@ def draw_labels(image: np.ndarray, labels: np.ndarray) -> np.ndarray:
     image : uint8 (y, x, rgb)
     labels : uint16 (y, x)
         0 = static, left as it is.
+    style : OverlayStyle
+        Its numbers and its side by side are not drawn here: `draw_overlay` does.
 
     Returns
     -------
     uint8 (y, x, rgb)
     """
-    neighbours = np.ones((3, 3), dtype=np.uint8)
-    largest, smallest = cv2.dilate(labels, neighbours), cv2.erode(labels, neighbours)
-    tinted = cv2.addWeighted(image, 1 - TINT, identity_colours(labels), TINT, 0)
-    drawn = np.where((labels > 0)[..., None], tinted, image)
-    outline = largest != smallest
-    drawn[outline] = _brightest(identity_colours(largest[outline]))
+    if style.mode is OverlayMode.MASK:
+        return identity_colours(labels)
+    drawn = image.copy()
+    moves = labels > 0
+    if style.mode is OverlayMode.CUTOUT:
+        grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
+        drawn[~moves] = np.rint(CUTOUT_DIMMING * grey[~moves]).astype(np.uint8)[:, None]
+    if style.mode in TINTED:
+        tinted = cv2.addWeighted(image, 1 - style.opacity, identity_colours(labels), style.opacity, 0)
+        drawn = np.where(moves[..., None], tinted, drawn)
+    if style.mode in LINED:
+        _draw_outline(drawn, labels, style.outline_width)
     return drawn
 
 
-def _brightest(colours: np.ndarray) -> np.ndarray:
-    """Colours at full brightness, seen on dark scenes too: the palette's first ones reach half of it."""
+def brightest(colours: np.ndarray) -> np.ndarray:
+    """Colours at full brightness, uint8 (..., rgb), seen on dark scenes too: the palette's first ones reach half."""
     strongest = colours.max(axis=-1, keepdims=True).astype(np.uint16)
-    return (colours * np.uint16(255) // strongest).astype(np.uint8)
+    return (colours * np.uint16(255) // np.maximum(strongest, 1)).astype(np.uint8)
+
+
+def _draw_outline(drawn: np.ndarray, labels: np.ndarray, width: int) -> None:
+    """Colour, in place, the pixels whose neighbourhood holds more than one label."""
+    if not width:
+        return
+    shape = cv2.MORPH_RECT if width < _WIDEST_SQUARE_BRUSH else cv2.MORPH_ELLIPSE
+    brush = cv2.getStructuringElement(shape, (width + 1, width + 1))
+    largest, smallest = cv2.dilate(labels, brush), cv2.erode(labels, brush)
+    outline = largest != smallest
+    drawn[outline] = brightest(identity_colours(largest[outline]))

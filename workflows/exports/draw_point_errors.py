@@ -5,7 +5,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from workflows.exports.draw_errors import ERROR_COLOURS, draw_errors
+from workflows.exports.draw_errors import ERROR_COLOURS, draw_errors, sort_errors
 
 POINT_RADIUS = 2
 """Of a point's dot, px of the picture: larger ones would hide each other where hundreds lie on one car."""
@@ -50,12 +50,7 @@ def draw_point_errors(image: np.ndarray, labelled: PointLabels) -> np.ndarray:
     height, width = labelled.size
     scale = image.shape[1] / width, image.shape[0] / height
     centres = np.rint((labelled.points + 0.5) * scale - 0.5).astype(int)
-    predicted, moves = labelled.predicted > 0, labelled.truth > 0
-    kinds = {
-        "true positive": predicted & moves,
-        "false positive": predicted & ~moves,
-        "false negative": ~predicted & moves,
-    }
+    kinds = sort_errors(labelled.predicted, labelled.truth)
     for kind, colour in ERROR_COLOURS.items():
         for x, y in centres[kinds[kind]].tolist():
             cv2.circle(drawn, (x, y), POINT_RADIUS, colour, cv2.FILLED)

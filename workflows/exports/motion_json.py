@@ -4,11 +4,14 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, ValidationError
 
 from schemas.errors import InputError
 from schemas.frozen import Frozen
+from workflows.events import as_unicode
 from workflows.exports.write_text import write_text
+from workflows.sources import FrameSource, ImageFiles
+from workflows.sources.files import read_bytes
 
 
 class ObjectSummary(Frozen):
@@ -40,7 +43,21 @@ class ObjectSummary(Frozen):
 
 
 class SequenceSummary(Frozen):
-    """One sequence: its frames, and its moving objects by identity. ``num_motions`` counts the background's too."""
+    """One sequence: its frames, and its moving objects by identity.
+
+    Attributes
+    ----------
+    name : str
+    num_frames, width, height : int
+        Width and height in px.
+    fps : float
+        Frames per second.
+    num_motions : int
+        Motion groups, the background's included.
+    objects : tuple of ObjectSummary
+    frames : tuple of str or None
+        File names of the frames, one each, where they came from a folder; None for a video.
+    """
 
     name: str
     num_frames: int
@@ -49,6 +66,7 @@ class SequenceSummary(Frozen):
     fps: float
     num_motions: int
     objects: tuple[ObjectSummary, ...]
+    frames: tuple[str, ...] | None = None
 
 
 def summarise_sequence(
@@ -58,11 +76,14 @@ def summarise_sequence(
     num_motions: int,
     motions: Mapping[int, int],
     tags: Mapping[int, str] | None = None,
+    frames: tuple[str, ...] | None = None,
 ) -> SequenceSummary:
     """Follow each identity through a sequence's masks, one frame in memory at a time.
 
     Parameters
     ----------
+    name : str
+        Bytes that are no UTF-8, as a folder's name may have, are written out: JSON does not hold them.
     labels : iterable of uint16 (y, x)
         0 = static.
     fps : float
@@ -73,6 +94,8 @@ def summarise_sequence(
         Motion group of each identity that occurs.
     tags : mapping of int to str, optional
         What the identities are called, where they have names.
+    frames : tuple of str, optional
+        File names of the frames, where they have any.
 
     Raises
     ------
@@ -104,8 +127,56 @@ def summarise_sequence(
         for identity in sorted(visible)
     )
     return SequenceSummary(
-        name=name, num_frames=num_frames, width=width, height=height, fps=fps, num_motions=num_motions, objects=objects
+        name=as_unicode(name),
+        num_frames=num_frames,
+        width=width,
+        height=height,
+        fps=fps,
+        num_motions=num_motions,
+        objects=objects,
+        frames=frames,
     )
+
+
+def frame_names(frames: FrameSource) -> tuple[str, ...] | None:
+    """File names of frames that come from a folder, one each; None for a video.
+
+    Raises
+    ------
+    InputError
+        A name that is no UTF-8, which JSON cannot hold.
+    """
+    if not isinstance(frames, ImageFiles):
+        return None
+    names = tuple(Path(path).name for path in frames.paths)
+    for name in names:
+        check_file_name(name, "frame", Path(frames.paths[0]).parent)
+    return names
+
+
+def check_file_name(name: str, what: str, where: object) -> None:
+    """Raise InputError where a name cannot be that of one file, or is no text that JSON holds."""
+    if not name or name == ".." or "\0" in name or Path(name).name != name:
+        raise InputError(f"not a name of a {what}", where=where, got=repr(name), expected="a name without a folder")
+    if any("\ud800" <= character <= "\udfff" for character in name):
+        raise InputError(f"not a name of a {what}", where=where, got=repr(name), expected="a name in UTF-8")
+
+
+def read_motion(path: Path) -> SequenceSummary:
+    """Read what `write_motion` wrote.
+
+    Raises
+    ------
+    InputError
+        There is no such file, or it does not hold a summary.
+    """
+    content = read_bytes(str(path))
+    try:
+        return SequenceSummary.model_validate_json(content)
+    except ValidationError as error:
+        first = error.errors()[0]
+        at = ".".join(map(str, first["loc"]))
+        raise InputError("not a summary of motions", where=path, got=f"{at}: {first['msg']}".lstrip(": ")) from error
 
 
 def write_motion(path: Path, summary: SequenceSummary) -> None:

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
+from workflows.exports.colour_maps import colour_soft_map
 from workflows.exports.draw_errors import draw_errors
 from workflows.exports.draw_labels import draw_labels
 from workflows.exports.draw_point_errors import PointLabels, draw_point_errors
@@ -12,8 +13,6 @@ from workflows.resize import resize_labels
 
 TILE_SIDE = 320
 """Longer side of a frame in a sheet, px: eight of them are as wide as a large screen."""
-SOFT_COLOURS = cv2.COLORMAP_INFERNO
-"""Black over red to yellow: its lightness rises evenly, so that the map reads the same without colour."""
 
 
 class SheetFrame(NamedTuple):
@@ -80,12 +79,6 @@ def draw_column(frame: SheetFrame, soft_title: str, void: int | None = None) -> 
 def tile_shape(shape: tuple[int, int]) -> tuple[int, int]:
     """Height and width, px, at which frames of a shape stand in a sheet."""
     return tuple(max(1, round(side * TILE_SIDE / max(shape))) for side in shape)
-
-
-def colour_soft_map(soft_map: np.ndarray) -> np.ndarray:
-    """Colours of values 0..1, the same in every frame and sequence, uint8 (y, x, rgb)."""
-    levels = np.rint(255 * np.clip(soft_map, 0, 1)).astype(np.uint8)
-    return cv2.cvtColor(cv2.applyColorMap(levels, SOFT_COLOURS), cv2.COLOR_BGR2RGB)
 
 
 def _resize(image: np.ndarray, shape: tuple[int, int]) -> np.ndarray:

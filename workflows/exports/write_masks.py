@@ -1,26 +1,27 @@
 """Masks as images: ``00000.png`` and so on, the value of a pixel its object's identity."""
 
-import re
 from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
-from workflows.exports.atomic_write import atomic_path, blame_output
+from workflows.exports.atomic_write import atomic_path, blame_output, sweep_leftovers
+from workflows.exports.output_names import OWN_MASK, mask_name
+from workflows.exports.ownership import MARK, is_own_mask
 from workflows.exports.palette import davis_palette
 
-# 255 is "void" to the tools of DAVIS and YouTube-VOS.
-_LAST_PALETTE_IDENTITY = 254
-_OWN_NAME = re.compile(r"\d{5,}\.png")
+LAST_PALETTE_IDENTITY = 254
+"""A palette ends at 255, which is "void" to the tools of DAVIS and YouTube-VOS."""
 
 
 def write_masks(folder: Path, labels: Iterable[np.ndarray]) -> int:
     """Write one PNG per frame, with the palette of DAVIS, one frame in memory at a time.
 
     A palette ends at 255: a frame with an identity beyond 254 is written as a 16-bit grey image. Either way a pixel's
-    value is its identity. Numbered images that an earlier, longer run left in the folder are removed; nothing else in
-    it is touched.
+    value is its identity. Masks that an earlier, longer run left in the folder are removed, and what a killed one left
+    half written; nothing else in it is touched.
 
     Parameters
     ----------
@@ -43,21 +44,29 @@ def write_masks(folder: Path, labels: Iterable[np.ndarray]) -> int:
     written = set()
     with blame_output(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    for index, frame in enumerate(labels):
-        path = folder / f"{index:05d}.png"
-        image = _label_image(frame)
-        with atomic_path(path) as temporary, blame_output(path):
-            image.save(temporary, format="PNG")
-        written.add(path.name)
+    with sweep_leftovers(folder):
+        for index, frame in enumerate(labels):
+            path = folder / mask_name(index)
+            write_mask(path, frame)
+            written.add(path.name)
     with blame_output(folder):
         for path in folder.iterdir():
-            if _OWN_NAME.fullmatch(path.name) and path.name not in written:
+            if OWN_MASK.fullmatch(path.name) and path.name not in written and is_own_mask(path):
                 path.unlink()
     return len(written)
 
 
+def write_mask(path: Path, labels: np.ndarray) -> None:
+    """Write one frame's labels uint16 (y, x); raises InputError where the file cannot be written."""
+    image = _label_image(labels)
+    mark = PngInfo()
+    mark.add_text("Software", MARK)
+    with atomic_path(path) as temporary, blame_output(path):
+        image.save(temporary, format="PNG", pnginfo=mark)
+
+
 def _label_image(labels: np.ndarray) -> Image.Image:
-    if labels.max(initial=0) > _LAST_PALETTE_IDENTITY:
+    if labels.max(initial=0) > LAST_PALETTE_IDENTITY:
         return Image.fromarray(labels.astype(np.uint16))
     image = Image.fromarray(labels.astype(np.uint8))
     image.putpalette(davis_palette().tobytes())

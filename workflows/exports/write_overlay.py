@@ -1,6 +1,7 @@
 """The video with its moving objects drawn in: H.264 in MP4, as browsers play it."""
 
 import math
+import tempfile
 from collections.abc import Iterable
 from fractions import Fraction
 from itertools import zip_longest
@@ -12,18 +13,32 @@ from av.video.reformatter import ColorRange, Colorspace
 
 from schemas.errors import InputError
 from workflows.exports.atomic_write import atomic_path, blame_output
-from workflows.exports.draw_labels import draw_labels
+from workflows.exports.draw_overlay import draw_overlay
+from workflows.exports.overlay_style import DEFAULT_STYLE, OverlayStyle
+from workflows.exports.ownership import MARK
+from workflows.frame_rate import FASTEST_FPS
+from workflows.resize import resize_labels
+from workflows.sources.frames import shrink_to, working_size
 
 _ENCODER = "libx264"
-# x264's scale of quality runs from 0, lossless, to 51; its authors call 18 visually lossless.
-_CONSTANT_RATE_FACTOR = "18"
+VISUALLY_LOSSLESS = 18
+"""Constant rate factor of x264, whose scale runs from 0, lossless, to 51; its authors call 18 visually lossless."""
 # ITU-T H.273: 1 is BT.709 for the primaries, the transfer function and the matrix.
 _BT709 = 1
 # Denominator of the NTSC rates, 30000/1001 frames per second and its kin.
 _LARGEST_DENOMINATOR = 1001
+_SLOWEST = Fraction(1, _LARGEST_DENOMINATOR)
 
 
-def write_overlay(path: Path, frames: Iterable[np.ndarray], labels: Iterable[np.ndarray], fps: float | Fraction) -> int:
+def write_overlay(
+    path: Path,
+    frames: Iterable[np.ndarray],
+    labels: Iterable[np.ndarray],
+    fps: float | Fraction,
+    style: OverlayStyle = DEFAULT_STYLE,
+    crf: int = VISUALLY_LOSSLESS,
+    max_side: int | None = None,
+) -> int:
     """Write frames with their moving objects drawn in, one frame in memory at a time.
 
     H.264 in 4:2:0 wants even sizes: an odd last row or column is repeated.
@@ -36,7 +51,13 @@ def write_overlay(path: Path, frames: Iterable[np.ndarray], labels: Iterable[np.
     labels : iterable of uint16 (y, x)
         As many as frames and of their size.
     fps : float or Fraction
-        Frames per second.
+        Frames per second; a rate that some container states beyond 1/1001 or 1000 is played at these.
+    style : OverlayStyle
+        How objects are drawn.
+    crf : int
+        Constant rate factor, 0 to 51: the smaller the better, and the larger the file.
+    max_side : int, optional
+        Frames whose longer side exceeds it are reduced to it before drawing, px.
 
     Returns
     -------
@@ -56,12 +77,17 @@ def write_overlay(path: Path, frames: Iterable[np.ndarray], labels: Iterable[np.
     with atomic_path(path) as temporary:
         with blame_output(path, av.FFmpegError):
             container = av.open(str(temporary), "w", format="mp4", options={"movflags": "+faststart"})
+            container.metadata["comment"] = MARK
         with container:
             for image, mask in zip_longest(frames, labels):
                 _check_pair(image, mask, path, num_frames)
+                if max_side is not None:
+                    size = working_size(mask.shape, max_side)
+                    image, mask = shrink_to(image, size), resize_labels(mask, size)
+                drawn = _pad_to_even(draw_overlay(image, mask, style))
                 if not num_frames:
-                    stream = _add_stream(container, image.shape, fps)
-                frame = av.VideoFrame.from_ndarray(_pad_to_even(draw_labels(image, mask)), format="rgb24")
+                    stream = _add_stream(container, drawn.shape, fps, crf)
+                frame = av.VideoFrame.from_ndarray(drawn, format="rgb24")
                 frame = frame.reformat(
                     format="yuv420p", dst_colorspace=Colorspace.ITU709, dst_color_range=ColorRange.MPEG
                 )
@@ -76,10 +102,23 @@ def write_overlay(path: Path, frames: Iterable[np.ndarray], labels: Iterable[np.
     return num_frames
 
 
-def _add_stream(container: av.container.OutputContainer, shape: tuple[int, ...], fps: float | Fraction):
-    rate = Fraction(fps).limit_denominator(_LARGEST_DENOMINATOR)
-    stream = container.add_stream(_ENCODER, rate=rate, options={"crf": _CONSTANT_RATE_FACTOR})
-    stream.height, stream.width = shape[0] + shape[0] % 2, shape[1] + shape[1] % 2
+def encode_overlay(
+    frames: Iterable[np.ndarray], labels: Iterable[np.ndarray], fps: float | Fraction, **options
+) -> bytes:
+    """The bytes of the file that `write_overlay` writes; `options` are its further ones.
+
+    The index can only be moved to the front of a file that lies somewhere: it is a temporary one.
+    """
+    with tempfile.TemporaryDirectory(prefix="moseg-overlay-") as folder:
+        path = Path(folder) / "overlay.mp4"
+        write_overlay(path, frames, labels, fps, **options)
+        return path.read_bytes()
+
+
+def _add_stream(container: av.container.OutputContainer, shape: tuple[int, ...], fps: float | Fraction, crf: int):
+    rate = max(_SLOWEST, min(Fraction(fps), Fraction(FASTEST_FPS))).limit_denominator(_LARGEST_DENOMINATOR)
+    stream = container.add_stream(_ENCODER, rate=rate, options={"crf": str(crf)})
+    stream.height, stream.width = shape[:2]
     stream.pix_fmt = "yuv420p"
     codec = stream.codec_context
     codec.color_primaries = codec.color_trc = codec.colorspace = _BT709

@@ -7,6 +7,8 @@ import pytest
 
 from schemas.errors import InputError
 from workflows.exports import summarise_sequence, write_motion
+from workflows.exports.motion_json import frame_names, read_motion
+from workflows.sources import ImageFiles, VideoFile
 
 
 @pytest.fixture
@@ -37,6 +39,23 @@ def test_file_holds_the_summary(tmp_path, labels):
     assert [entry.name for entry in (tmp_path / "new").iterdir()] == ["motion.json"]
 
 
+def test_frames_of_a_folder_are_named_and_those_of_a_video_are_not(tmp_path):
+    images = ImageFiles((str(tmp_path / "größe 1.png"), str(tmp_path / "犬.jpg")), 100)
+    assert frame_names(images) == ("größe 1.png", "犬.jpg")
+    assert frame_names(VideoFile(str(tmp_path / "a.mp4"), 100)) is None
+
+
+def test_a_name_that_json_cannot_hold_is_one_line():
+    with pytest.raises(InputError, match=r"frame in here; got 'a\\udcff\.png'; expected a name in UTF-8"):
+        frame_names(ImageFiles(("here/a\udcff.png",), 100))
+
+
+def test_a_summary_is_read_as_it_was_written(tmp_path, labels):
+    summary = summarise_sequence("dog", labels, 29.97, 2, {2: 1, 5: 1}, {2: "dog"}, tuple("abcd"))
+    write_motion(tmp_path / "motion.json", summary)
+    assert read_motion(tmp_path / "motion.json") == summary
+
+
 def test_a_still_video_has_no_objects(labels):
     assert summarise_sequence("still", labels * 0, 25, 1, {}).objects == ()
 
@@ -51,3 +70,9 @@ def test_a_path_that_cannot_be_written_is_named(tmp_path, labels):
     with pytest.raises(InputError, match=r"cannot write in .*motion.json"):
         write_motion(tmp_path / "motion.json", summarise_sequence("dog", labels, 25, 2, {2: 1, 5: 1}))
     assert [entry.name for entry in tmp_path.iterdir()] == ["motion.json"]
+
+
+def test_a_name_that_is_no_utf_8_is_written_out(tmp_path):
+    summary = summarise_sequence("f\udcffr", np.zeros((1, 2, 2), np.uint16), 24.0, 1, {})
+    write_motion(tmp_path / "motion.json", summary)
+    assert json.loads((tmp_path / "motion.json").read_text())["name"] == "f\\udcffr"

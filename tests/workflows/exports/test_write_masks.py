@@ -1,6 +1,7 @@
 """Masks come back from their files as they were."""
 
 import os
+import uuid
 
 import numpy as np
 import pytest
@@ -60,6 +61,21 @@ def test_a_shorter_run_removes_the_frames_of_a_longer_one_and_nothing_else(tmp_p
     (tmp_path / "cover.png").write_bytes(b"kept")
     write_masks(tmp_path, labels[:1])
     assert sorted(path.name for path in tmp_path.iterdir()) == ["00000.png", "cover.png", "notes.txt"]
+
+
+def test_what_a_killed_run_left_half_written_is_removed_and_what_another_writes_is_not(tmp_path, labels):
+    left = tmp_path / f".{uuid.uuid4().hex}.part"
+    others = [f".{uuid.uuid4().hex}.part", f"{uuid.uuid4().hex}.part", ".00019.png.part", ".00020.png.part.png"]
+    for name in (left.name, *others):
+        (tmp_path / name).write_bytes(b"half")
+
+    def frames():
+        yield labels[0]
+        (tmp_path / others[0]).write_bytes(b"half and more")
+        yield labels[1]
+
+    write_masks(tmp_path, frames())
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([*others, "00000.png", "00001.png"])
 
 
 def test_an_identity_keeps_its_colour_and_none_is_black():

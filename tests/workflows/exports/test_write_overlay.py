@@ -103,3 +103,10 @@ def test_bad_rates_and_paths_are_named(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match=r"cannot write in .*overlay.mp4; got File exists"):
         write_overlay(tmp_path / "file" / "overlay.mp4", images, labels, fps=10)
+
+
+@pytest.mark.parametrize(("fps", "played"), [(1e-5, Fraction(1, 1001)), (1 / 500, Fraction(1, 500)), (3e9, 1000)])
+def test_a_rate_that_no_player_knows_is_brought_to_the_nearest_that_one_does(tmp_path, fps, played):
+    write_overlay(tmp_path / "overlay.mp4", *scene(2), fps=fps)
+    _, stream = decode(tmp_path / "overlay.mp4")
+    assert float(stream.average_rate) == pytest.approx(float(played))

@@ -1,0 +1,60 @@
+"""COCO's own reader finds every object of every frame, and the masks as they were."""
+
+import json
+
+import numpy as np
+import pytest
+from pycocotools.coco import COCO
+
+from workflows.exports.formats import FORMATS
+
+# pycocotools decodes into a class whose __array__ takes no copy argument, which NumPy 2 asks for.
+pytestmark = pytest.mark.filterwarnings("ignore:__array__ implementation:DeprecationWarning")
+
+
+@pytest.fixture
+def coco(saved):
+    return COCO(str(FORMATS["coco"].write(saved, saved.folder, None)))
+
+
+def test_masks_are_the_labels_once_more(coco, volume):
+    for image, labels in zip(coco.loadImgs(coco.getImgIds()), volume, strict=True):
+        found = np.zeros_like(labels)
+        for annotation in coco.loadAnns(coco.getAnnIds(image["id"])):
+            found[coco.annToMask(annotation) > 0] = annotation["track_id"]
+        np.testing.assert_array_equal(found, labels)
+
+
+def test_images_bear_the_frames_names_and_size(coco):
+    images = coco.loadImgs(coco.getImgIds())
+    assert [image["file_name"] for image in images] == ["a 1.jpg", "b.png", "größe.JPG", "犬.webp"]
+    assert {(image["width"], image["height"]) for image in images} == {(17, 12)}
+    assert len(coco.getImgIds()) == len({image["id"] for image in images}) == 4
+
+
+def test_boxes_and_areas_are_those_of_the_masks(coco):
+    for annotation in coco.loadAnns(coco.getAnnIds()):
+        mask = coco.annToMask(annotation)
+        rows, columns = np.nonzero(mask)
+        x, y, width, height = annotation["bbox"]
+        assert (x, y, x + width, y + height) == (columns.min(), rows.min(), columns.max() + 1, rows.max() + 1)
+        assert (annotation["area"], annotation["iscrowd"]) == (mask.sum(), 0)
+
+
+def test_categories_are_the_tags_and_what_has_none_is_a_moving_object(coco):
+    names = {category["id"]: category["name"] for category in coco.loadCats(coco.getCatIds())}
+    of_track = {entry["track_id"]: names[entry["category_id"]] for entry in coco.loadAnns(coco.getAnnIds())}
+    assert of_track == {2: "dog", 7: "moving object"}
+
+
+def test_a_still_video_has_images_and_a_category_and_no_annotation(write_saved, volume):
+    saved = write_saved(labels=volume * 0)
+    coco = COCO(str(FORMATS["coco"].write(saved, saved.folder, None)))
+    assert (len(coco.getImgIds()), coco.getAnnIds()) == (4, [])
+    assert [entry["name"] for entry in coco.loadCats(coco.getCatIds())] == ["moving object"]
+
+
+def test_the_file_is_strict_json_that_reads_as_text(saved):
+    text = FORMATS["coco"].write(saved, saved.folder, None).read_text(encoding="utf-8")
+    assert "größe.JPG" in text
+    assert all(isinstance(entry["segmentation"]["counts"], str) for entry in json.loads(text)["annotations"])

@@ -1,0 +1,133 @@
+"""Each style of overlay shows what it says, and the video plays in a browser."""
+
+import base64
+import io
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+
+from workflows.exports import OverlayMode, OverlayStyle, draw_labels, encode_overlay, identity_colours, write_overlay
+from workflows.exports.draw_labels import CUTOUT_DIMMING
+from workflows.exports.draw_overlay import draw_overlay
+
+SHAPE = (40, 60)
+COLOUR = (200, 100, 40)
+BOX = np.s_[10:30, 20:50]
+INSIDE, OUTSIDE = (20, 35), (3, 3)
+
+
+@pytest.fixture
+def image():
+    return np.full((*SHAPE, 3), COLOUR, np.uint8)
+
+
+@pytest.fixture
+def labels():
+    labels = np.zeros(SHAPE, np.uint16)
+    labels[BOX] = 5
+    return labels
+
+
+def test_fill_tints_by_the_opacity_and_draws_no_line(image, labels):
+    colour = identity_colours(np.uint16(5)).astype(float)
+    for opacity in (0.0, 0.3, 1.0):
+        drawn = draw_labels(image, labels, OverlayStyle(mode=OverlayMode.FILL, opacity=opacity))
+        expected = (1 - opacity) * np.array(COLOUR) + opacity * colour
+        np.testing.assert_allclose(drawn[BOX].reshape(-1, 3), np.tile(expected, (20 * 30, 1)), atol=1)
+        np.testing.assert_array_equal(drawn[labels == 0], image[labels == 0])
+
+
+@pytest.mark.parametrize("width", [1, 2, 3, 6])
+def test_contour_draws_a_line_of_its_width_and_leaves_the_rest(image, labels, width):
+    drawn = draw_labels(image, labels, OverlayStyle(mode=OverlayMode.CONTOUR, outline_width=width))
+    changed = (drawn != image).any(axis=-1)
+    assert changed[20].sum() == changed[:, 35].sum() == 2 * width
+    assert {tuple(colour) for colour in drawn[changed].tolist()} == {(255, 0, 255)}
+
+
+def test_no_outline_is_a_fill(image, labels):
+    drawn = draw_labels(image, labels, OverlayStyle(outline_width=0))
+    np.testing.assert_array_equal(drawn, draw_labels(image, labels, OverlayStyle(mode=OverlayMode.FILL)))
+
+
+def test_mask_shows_the_identities_colours_on_black(image, labels):
+    drawn = draw_labels(image, labels, OverlayStyle(mode=OverlayMode.MASK))
+    np.testing.assert_array_equal(drawn, identity_colours(labels))
+
+
+def test_cutout_keeps_the_objects_and_greys_the_rest(image, labels):
+    drawn = draw_labels(image, labels, OverlayStyle(mode=OverlayMode.CUTOUT))
+    np.testing.assert_array_equal(drawn[BOX], image[BOX])
+    red, green, blue = drawn[OUTSIDE].tolist()
+    assert red == green == blue == pytest.approx(CUTOUT_DIMMING * (0.299 * 200 + 0.587 * 100 + 0.114 * 40), abs=1)
+
+
+@pytest.mark.parametrize("mode", OverlayMode)
+def test_side_by_side_has_the_untouched_frame_at_the_left(image, labels, mode):
+    style = OverlayStyle(mode=mode)
+    both = draw_overlay(image, labels, style.model_copy(update={"is_side_by_side": True}))
+    np.testing.assert_array_equal(both[:, :60], image)
+    np.testing.assert_array_equal(both[:, 60:], draw_overlay(image, labels, style))
+
+
+def test_numbers_lie_on_their_objects_and_inside_the_frame(image, labels):
+    labels[:, :] = 0
+    labels[0:6, 0:6], labels[25:40, 30:50] = 3, 12
+    drawn = draw_overlay(image, labels, OverlayStyle(mode=OverlayMode.CONTOUR, outline_width=0, has_identities=True))
+    rows, columns = np.nonzero((drawn > 200).all(axis=-1))
+    assert (columns < 25).any() and (columns > 30).any()
+    right = columns > 25
+    assert rows[right].mean() == pytest.approx(32, abs=3)
+    assert columns[right].mean() == pytest.approx(39.5, abs=3)
+    assert min(rows.min(), columns.min()) > 0
+
+
+def test_an_encoded_overlay_is_reduced_and_smaller_at_a_lower_quality(image, labels):
+    rng = np.random.default_rng(0)
+    frames = rng.integers(0, 256, (4, *SHAPE, 3)).astype(np.uint8)
+    masks = np.stack([labels] * 4)
+    fine, coarse = (encode_overlay(frames, masks, 10, crf=crf) for crf in (18, 40))
+    assert len(coarse) < len(fine)
+    small = encode_overlay(frames, masks, 10, max_side=30)
+    assert _size(small) == (20, 30)
+    assert _size(encode_overlay(frames, masks, 10, style=OverlayStyle(is_side_by_side=True))) == (40, 120)
+
+
+def _size(content):
+    with av.open(io.BytesIO(content)) as container:
+        stream = container.streams.video[0]
+        return stream.height, stream.width
+
+
+@pytest.mark.parametrize("mode", OverlayMode)
+def test_a_style_is_the_same_in_every_frame_and_run(image, labels, mode):
+    style = OverlayStyle(mode=mode, has_identities=True)
+    np.testing.assert_array_equal(draw_overlay(image, labels, style), draw_overlay(image, labels, style))
+
+
+def test_the_video_plays_in_chromium(tmp_path, image, labels):
+    api = pytest.importorskip("playwright.sync_api")
+    chromium = Path("/usr/bin/chromium")
+    if not chromium.exists():
+        pytest.skip("no Chromium of the system")
+    style = OverlayStyle(is_side_by_side=True)
+    write_overlay(tmp_path / "overlay.mp4", [image] * 12, [labels] * 12, 24, style)
+    source = base64.b64encode((tmp_path / "overlay.mp4").read_bytes()).decode()
+    with api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
+        page = browser.new_page()
+        page.set_content(f'<video muted src="data:video/mp4;base64,{source}"></video>')
+        played = page.evaluate(
+            """async () => {
+                const video = document.querySelector('video');
+                await video.play();
+                await new Promise(ended => video.addEventListener('ended', ended));
+                return [video.duration, video.readyState, video.videoWidth, video.videoHeight, video.error];
+            }"""
+        )
+        browser.close()
+    assert played[0] == pytest.approx(0.5, abs=0.05)
+    assert played[1] >= 2
+    assert played[2:] == [120, 40, None]

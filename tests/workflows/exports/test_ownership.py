@@ -1,0 +1,97 @@
+"""Files of ours are known by what they say; the same files out of another program's hands are not."""
+
+import json
+
+import av
+import numpy as np
+import pytest
+from PIL import Image
+
+from schemas.errors import InputError
+from workflows.exports import summarise_sequence, write_masks, write_motion, write_overlay
+from workflows.exports.check_outputs import check_outputs
+from workflows.exports.ownership import OwnedFile, is_own_mask, is_own_overlay, is_own_summary
+
+LABELS = np.zeros((3, 32, 48), np.uint16)
+LABELS[:, 8:20, 8:30] = 1
+IMAGES = np.full((3, 32, 48, 3), 90, np.uint8)
+
+
+@pytest.fixture
+def out(tmp_path):
+    """A folder as `moseg segment` leaves it."""
+    folder = tmp_path / "out"
+    write_masks(folder / "masks", LABELS)
+    write_overlay(folder / "overlay.mp4", IMAGES, LABELS, 10)
+    write_motion(folder / "motion.json", summarise_sequence("dog", LABELS, 10.0, 2, {1: 1}))
+    return folder
+
+
+def _without_mark(path):
+    with av.open(str(path)) as source, av.open(str(path) + ".new", "w", format="mp4") as target:
+        stream = target.add_stream_from_template(source.streams.video[0])
+        for packet in source.demux(video=0):
+            if packet.dts is not None:
+                packet.stream = stream
+                target.mux(packet)
+    (path.parent / f"{path.name}.new").replace(path)
+
+
+def test_what_moseg_wrote_is_replaced(out):
+    check_outputs(str(out), None)
+    assert is_own_mask(out / "masks" / "00000.png")
+    assert is_own_overlay(out / "overlay.mp4")
+    assert is_own_summary(out / "motion.json")
+
+
+@pytest.mark.parametrize("has_summary", [True, False])
+def test_a_mask_corrected_by_hand_is_kept(out, has_summary):
+    path = out / "masks" / "00001.png"
+    with Image.open(path) as image:
+        image.load()
+    image.putpixel((0, 0), 1)
+    image.save(path)
+    if not has_summary:
+        (out / "motion.json").unlink()
+    with pytest.raises(InputError, match=r"a file not known as moseg's own in .*00001\.png; expected another output"):
+        check_outputs(str(out), None)
+
+
+def test_a_foreign_summary_does_not_make_foreign_masks_ours(out):
+    Image.new("P", (48, 32)).save(out / "masks" / "00002.png")
+    (out / "motion.json").write_text("{}")
+    with pytest.raises(InputError, match=r"not known as moseg's own in .*00002\.png"):
+        check_outputs(str(out), None)
+
+
+def test_a_foreign_summary_is_kept(out):
+    (out / "motion.json").write_text(json.dumps({"frames": []}))
+    with pytest.raises(InputError, match=r"not known as moseg's own in .*motion\.json"):
+        check_outputs(str(out), None)
+
+
+def test_a_foreign_video_is_kept_and_no_obstacle_where_there_is_to_be_no_overlay(out):
+    _without_mark(out / "overlay.mp4")
+    with pytest.raises(InputError, match=r"not known as moseg's own in .*overlay\.mp4"):
+        check_outputs(str(out), None)
+    check_outputs(str(out), None, has_overlay=False)
+    (out / "overlay.mp4").write_bytes(b"")
+    with pytest.raises(InputError, match=r"not known as moseg's own in .*overlay\.mp4"):
+        check_outputs(str(out), None)
+
+
+def test_a_run_killed_in_the_middle_goes_on(out):
+    (out / "motion.json").unlink()
+    (out / "masks" / "00002.png").unlink()
+    check_outputs(str(out), None)
+
+
+def test_a_shorter_run_does_not_remove_an_image_that_is_not_ours(out):
+    Image.new("P", (48, 32)).save(out / "masks" / "00002.png")
+    write_masks(out / "masks", LABELS[:1])
+    assert sorted(path.name for path in (out / "masks").iterdir()) == ["00000.png", "00002.png"]
+
+
+def test_a_name_that_can_be_none_is_named_before_the_work(tmp_path):
+    with pytest.raises(InputError, match=r"cannot write .*File name too long"):
+        OwnedFile(tmp_path / ("n" * 252 + ".npz"), is_own_mask).check()

@@ -1,0 +1,179 @@
+"""`moseg export`, and what `segment` writes for other programs: files, polite refusals, and the same scores."""
+
+import json
+import shutil
+from pathlib import Path
+from typing import get_args, get_type_hints
+
+import av
+import numpy as np
+import pytest
+from PIL import Image
+from pycocotools.coco import COCO
+
+from workflows.cli.overlay_options import OverlayOptions
+from workflows.exports import OverlayMode
+
+pytestmark = pytest.mark.usefixtures("in_empty_folder")
+
+OPTIONS = ("--variant", "base", "--quiet")
+
+
+@pytest.fixture(scope="module")
+def squares_out(squares, tmp_path_factory):
+    """The squares segmented, each given mask an object, with everything that `--export` offers, and the store."""
+    from workflows.cli.app import run
+
+    folder = tmp_path_factory.mktemp("segmented")
+    # A name that the data set's sequence has too, with a space and letters beyond ASCII.
+    frames = folder / "Größe 1" / "squares"
+    shutil.copytree(squares / "squares" / "frames", frames)
+    arguments = ["segment", frames, "--proposals", f"folder:{squares / 'squares' / 'masks'}", *OPTIONS]
+    for name in ("coco", "npz", "davis", "colmap", "dynaslam"):
+        arguments += ["--export", name]
+    arguments += ["--overlay", "mask", "--side-by-side", "--store", folder / "store", "--out", folder / "squares"]
+    assert run([str(argument) for argument in arguments]) == 0
+    return folder / "squares"
+
+
+@pytest.fixture
+def out(squares_out, tmp_path):
+    """A copy of the masks and the summary alone."""
+    shutil.copytree(squares_out / "masks", tmp_path / "out" / "masks")
+    shutil.copy(squares_out / "motion.json", tmp_path / "out")
+    return tmp_path / "out"
+
+
+def _masks(folder):
+    return np.stack([np.asarray(Image.open(path)) for path in sorted(folder.glob("*.png"))])
+
+
+def test_segment_leaves_the_exports_asked_for(squares_out):
+    names = {path.name for path in squares_out.iterdir()}
+    files = {"coco.json", "squares.npz"}
+    assert names == {"masks", "overlay.mp4", "motion.json", "davis", "colmap", "dynaslam", *files}
+    labels = _masks(squares_out / "masks")
+    assert set(np.unique(labels)) == {0, 1, 2}
+    with np.load(squares_out / "squares.npz", allow_pickle=False) as archive:
+        np.testing.assert_array_equal(archive["labels"], labels)
+    assert len(COCO(str(squares_out / "coco.json")).getAnnIds()) == 20
+    np.testing.assert_array_equal(_masks(squares_out / "davis" / "squares"), labels)
+    np.testing.assert_array_equal(_masks(squares_out / "dynaslam"), labels > 0)
+    assert (squares_out / "colmap" / "00009.png.png").exists()
+
+
+def test_the_summary_names_the_frames_of_a_folder_and_keeps_its_keys(squares_out):
+    summary = json.loads((squares_out / "motion.json").read_text())
+    assert summary["frames"] == [f"{number:05d}.png" for number in range(10)]
+    assert summary.keys() == {"name", "num_frames", "width", "height", "fps", "num_motions", "objects", "frames"}
+
+
+def test_the_overlay_has_the_style_asked_for(squares_out):
+    with av.open(str(squares_out / "overlay.mp4")) as container:
+        first = next(container.decode(video=0)).to_ndarray(format="rgb24")
+    assert first.shape == (96, 256, 3)
+    assert first[:, :128].mean() > 100
+    still = _masks(squares_out / "masks")[0] == 0
+    assert first[:, 128:][still].mean() < 5
+
+
+def test_the_store_is_not_needed_and_nothing_else_is_touched(out, moseg, squares_out, tmp_path):
+    before = {path.name for path in out.iterdir()}
+    ran = moseg("export", out, "--to", "coco", "--to", "npz", "--out", tmp_path / "there")
+    assert (ran.code, ran.err) == (0, "")
+    assert ran.out == f"10 frames: {tmp_path / 'there' / 'coco.json'}, {tmp_path / 'there' / 'squares.npz'}\n"
+    assert {path.name for path in out.iterdir()} == before
+    for name in ("coco.json", "squares.npz"):
+        assert (tmp_path / "there" / name).read_bytes() == (squares_out / name).read_bytes()
+
+
+@pytest.mark.parametrize("name", ["npz", "davis"])
+def test_exported_masks_are_scored_as_those_that_segment_left(squares_out, squares, moseg, tmp_path, name):
+    shutil.copytree(squares_out / "masks", tmp_path / "saved" / "squares" / "masks")
+    assert moseg("export", squares_out, "--to", name, "--out", tmp_path / "exported").code == 0
+    folders = {"saved": tmp_path / "saved", name: tmp_path / "exported" / (name if name == "davis" else "")}
+    scores = []
+    for folder in folders.values():
+        arguments = ("--dataset", "folder", "--root", squares, "--predictions", folder, "--quiet")
+        ran = moseg("score", *arguments, "--json", tmp_path / "score.json")
+        assert (ran.code, ran.err) == (0, "")
+        scores.append(json.loads((tmp_path / "score.json").read_text())["rows"][0]["sequences"])
+    assert scores[0] == scores[1]
+    assert scores[0]["squares"]["J"] == pytest.approx(100)
+
+
+def test_names_of_frames_and_sequence_can_be_given(out, moseg, tmp_path):
+    (tmp_path / "images").mkdir()
+    for number in range(10):
+        Image.new("RGB", (128, 96)).save(tmp_path / "images" / f"frame {number}.jpg")
+    given = ("--images", tmp_path / "images", "--name", "two", "--dilate", "0")
+    assert moseg("export", out, "--to", "colmap", "--to", "npz", *given).code == 0
+    assert (out / "colmap" / "frame 9.jpg.png").exists()
+    assert (out / "two.npz").exists()
+    np.testing.assert_array_equal(_masks(out / "colmap") == 0, _masks(out / "masks") > 0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ("export nowhere --to coco", ("no segmentation in nowhere", "motion.json and masks/")),
+        ("export OUT", ("no format named in --to", "colmap")),
+        ("export OUT --to coca", ("unknown export format 'coca'", "did you mean 'coco'")),
+        ("export OUT --to coco --dilate 3", ("nothing to dilate in --dilate", "colmap")),
+        ("export OUT --to colmap --dilate -1", ("--dilate",)),
+        ("export OUT --to coco --images nowhere", ("does not exist in nowhere",)),
+        ("export OUT --to npz --name a/b", ("not a name of a sequence in --name",)),
+        ("segment . --export coca", ("no images",)),
+        ("segment OUT/masks --export coca", ("unknown export format 'coca'",)),
+        ("segment OUT/masks --overlay nothing", ("--overlay",)),
+        ("segment OUT/masks --overlay cutout --opacity 0.5", ("without a meaning in --opacity", "outline or fill")),
+        ("segment OUT/masks --overlay fill --outline-width 3", ("without a meaning in --outline-width", "contour")),
+        ("segment OUT/masks --overlay none --identities", ("without a meaning in --identities",)),
+        ("segment OUT/masks --opacity 2", ("--opacity",)),
+    ],
+)
+def test_bad_use_is_one_line_and_leaves_nothing(out, moseg, arguments, words):
+    before = sorted(out.rglob("*"))
+    ran = moseg(*(word.replace("OUT", str(out)) for word in arguments.split()))
+    assert (ran.code, ran.out) == (2, "")
+    (line,) = ran.err.splitlines()
+    for word in words:
+        assert word in line
+    assert sorted(out.rglob("*")) == before
+
+
+def test_a_missing_mask_and_one_of_another_size_are_named(out, moseg):
+    Image.new("P", (10, 10)).save(out / "masks" / "00003.png")
+    ran = moseg("export", out, "--to", "coco")
+    assert ran.code == 2
+    assert "mask of the wrong size" in ran.err
+    (out / "masks" / "00003.png").unlink()
+    ran = moseg("export", out, "--to", "coco")
+    assert ran.code == 2
+    assert "missing mask" in ran.err and "00003.png" in ran.err
+    assert not (out / "coco.json").exists()
+
+
+def test_the_overlay_at_full_size_and_none_and_what_a_killed_run_left(squares, squares_out, moseg, tmp_path):
+    store = tmp_path / "store"
+    video = (squares / "squares" / "frames", "--proposals", f"folder:{squares / 'squares' / 'masks'}", *OPTIONS)
+    arguments = ("segment", *video, "--set", "max_side=64", "--store", store, "--out", "there")
+    left = [Path("there") / f".{'0' * 32}.part", Path("there") / "masks" / f".{'f' * 32}.part"]
+    for path in left:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(b"of a killed run")
+    sizes = []
+    for options in ((), ("--overlay-size", "video", "--overlay", "contour")):
+        assert moseg(*arguments, *options).code == 0
+        with av.open("there/overlay.mp4") as container:
+            sizes.append((container.streams.video[0].width, container.streams.video[0].height))
+    assert sizes == [(64, 48), (128, 96)]
+    assert not any(path.exists() for path in left)
+    ran = moseg(*arguments, "--overlay", "none")
+    assert (ran.code, "overlay.mp4" in ran.out) == (0, False)
+    assert sorted(path.name for path in Path("there").iterdir()) == ["masks", "motion.json"]
+
+
+def test_the_command_line_offers_every_style_of_overlay():
+    offered = get_args(get_args(get_type_hints(OverlayOptions, include_extras=True)["overlay"])[0])
+    assert offered == (*(mode.value for mode in OverlayMode), "none")

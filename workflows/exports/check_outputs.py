@@ -1,0 +1,52 @@
+"""Whether a segmentation may be written where it is asked for, said before the work."""
+
+import os
+from pathlib import Path
+
+from schemas.errors import InputError
+from workflows.exports.atomic_write import blame_output
+from workflows.exports.output_names import MASKS, MOTION, OVERLAY, OWN_MASK
+from workflows.exports.ownership import OwnedFile, is_own_mask, is_own_overlay, is_own_summary
+from workflows.exports.write_text import check_folder, check_writable
+
+
+def check_outputs(folder: str, video: str | None, has_overlay: bool = True, argument: str = "--out") -> None:
+    """Check the folder of a segmentation, which is created where it is absent.
+
+    Parameters
+    ----------
+    folder : str
+        In which ``masks/``, ``overlay.mp4`` and ``motion.json`` will be written.
+    video : str or None
+        Path of the video or of the folder of frames, where they came from one.
+    has_overlay : bool
+        Whether there will be an overlay; where not, a file of its name that is not ours stays.
+    argument : str
+        What the folder was given by.
+
+    Raises
+    ------
+    InputError
+        Nothing can be written there; the video itself would be overwritten; or a file would be replaced that moseg did
+        not write, such as the ground truth of the frames or a mask that was corrected by hand.
+    """
+    if not folder.strip():
+        raise InputError("no output folder named", where=argument, got=repr(folder), expected="a folder")
+    outputs = Path(folder)
+    masks = outputs / MASKS
+    with blame_output(outputs):
+        for target in (masks, outputs / OVERLAY):
+            if video is not None and target.exists() and os.path.exists(video) and target.samefile(video):
+                raise InputError("the results would replace their input", where=target, expected=f"another {argument}")
+    check_folder(outputs)
+    for name in (OVERLAY, MOTION):
+        check_writable(outputs / name)
+    if masks.exists() and not masks.is_dir():
+        raise InputError("cannot write", where=masks, got="a file", expected="a folder")
+    with blame_output(masks):
+        names = sorted(filter(OWN_MASK.fullmatch, os.listdir(masks))) if masks.is_dir() else []
+    for name in names:
+        OwnedFile(masks / name, is_own_mask).check()
+    if has_overlay:
+        OwnedFile(outputs / OVERLAY, is_own_overlay).check()
+    OwnedFile(outputs / MOTION, is_own_summary).check()

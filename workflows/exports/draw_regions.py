@@ -1,0 +1,133 @@
+"""Regions as a transparent picture, to lie over any other."""
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from workflows.resize import resize_labels
+
+LINE = 2
+"""Usual width of a region's border, px, half of it to either side."""
+RIM = 1
+"""Width of the dark rim around it, px: the border is seen on what has its colour, too."""
+RIM_OPACITY = 0.6
+HATCH = (128, 128, 128)
+"""RGB of the stripes over what does not count."""
+_HATCH_STEP, _HATCH_OPACITY = 6, 0.75
+_TEXT = 15
+# Drawn so many times as large and reduced: borders are smooth.
+_OVERSAMPLING = 2
+
+
+class RegionStyle(NamedTuple):
+    """How regions are drawn.
+
+    Attributes
+    ----------
+    opacity : float
+        Share of a region's colour in its pixels, 0..1.
+    line : int
+        Width of its border, px, half of it to either side; 0 is none, for regions as thin as a border.
+    is_numbered : bool
+        Whether each region bears its number.
+    """
+
+    opacity: float
+    line: int = LINE
+    is_numbered: bool = False
+
+
+def draw_regions(
+    regions: np.ndarray,
+    colours: np.ndarray,
+    shape: tuple[int, int],
+    style: RegionStyle,
+    hatched: np.ndarray | None = None,
+    tints: np.ndarray | None = None,
+) -> np.ndarray:
+    """Tint each region and draw a line along its border, with a thin dark rim around all.
+
+    Parameters
+    ----------
+    regions : uint16 (y, x)
+        0 = nothing is said.
+    colours : uint8 (num_colours, rgb)
+        Of borders, by region.
+    shape : (int, int)
+        Height and width of the picture, px.
+    style : RegionStyle
+    hatched : bool (y, x), optional
+        Striped in grey; the regions lie above.
+    tints : uint8 (num_colours, rgb), optional
+        Of what borders enclose, where it is not their colour.
+
+    Returns
+    -------
+    uint8 (y, x, rgba)
+        Transparent where there is neither a region nor a stripe.
+    """
+    large = tuple(side * _OVERSAMPLING for side in shape)
+    labels = resize_labels(regions.astype(np.uint16), large)
+    brush = _round_brush(style.line)
+    largest, smallest = cv2.dilate(labels, brush), cv2.erode(labels, brush)
+    line = largest != smallest
+    rim = cv2.dilate(largest, _round_brush(2 * RIM)) > 0
+    # Weakest first: each next one replaces what lies below.
+    opacity = np.zeros(large, np.float32)
+    if hatched is not None:
+        y, x = np.indices(large)
+        stripes = (x + y) // _OVERSAMPLING % _HATCH_STEP < _HATCH_STEP / 3
+        opacity[stripes & (resize_labels(hatched.astype(np.uint8), large) > 0)] = _HATCH_OPACITY
+    colour = np.where(opacity[..., None] > 0, np.array(HATCH, np.float32), np.float32(0))
+    opacity[rim], colour[rim] = RIM_OPACITY, 0
+    inside = labels > 0
+    opacity[inside], colour[inside] = style.opacity, (colours if tints is None else tints)[labels[inside]]
+    opacity[line], colour[line] = 1, colours[largest[line]]
+    drawn = reduce_transparent(colour, opacity, shape)
+    return _draw_numbers(drawn, resize_labels(regions.astype(np.uint16), shape)) if style.is_numbered else drawn
+
+
+def reduce_transparent(colour: np.ndarray, opacity: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """A large transparent picture at `shape`; pixels weigh by their opacity, so that no edge takes on a foreign colour.
+
+    Parameters
+    ----------
+    colour : float32 (y, x, rgb)
+        0..255.
+    opacity : float32 (y, x)
+        0..1.
+    shape : (int, int)
+        Height and width, px, at most the picture's.
+
+    Returns
+    -------
+    uint8 (y, x, rgba)
+    """
+    size = shape[1], shape[0]
+    weighted = cv2.resize(colour * opacity[..., None], size, interpolation=cv2.INTER_AREA)
+    weight = cv2.resize(opacity, size, interpolation=cv2.INTER_AREA)
+    mean = weighted / np.maximum(weight, 1e-6)[..., None]
+    return np.rint(np.dstack([np.clip(mean, 0, 255), 255 * weight])).astype(np.uint8)
+
+
+def _round_brush(width: int) -> np.ndarray:
+    side = width * _OVERSAMPLING + 1
+    return cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))
+
+
+def _draw_numbers(drawn: np.ndarray, regions: np.ndarray) -> np.ndarray:
+    """Each region's number at its pixel that lies farthest inside, where it fits."""
+    canvas = Image.fromarray(drawn)
+    pen = ImageDraw.Draw(canvas)
+    font = ImageFont.load_default(_TEXT)
+    for region in np.flatnonzero(np.bincount(regions.ravel())[1:]) + 1:
+        # A frame of zeros: what is cut by the border is as near to it as to any other.
+        inside = cv2.copyMakeBorder((regions == region).astype(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+        depth = cv2.distanceTransform(inside, cv2.DIST_L2, 3)[1:-1, 1:-1]
+        if depth.max() < _TEXT / 2:
+            continue
+        y, x = np.unravel_index(depth.argmax(), depth.shape)
+        pen.text((x, y), str(region), (255, 255, 255, 255), font, anchor="mm", stroke_width=2, stroke_fill="black")
+    return np.asarray(canvas)

@@ -1,0 +1,60 @@
+"""COCO instances: one annotation for each object in each frame."""
+
+import json
+from pathlib import Path
+
+from workflows.exports.formats.export_format import ExportFormat
+from workflows.exports.ownership import ANNOTATIONS_INFO, OwnedFile, is_own_annotations
+from workflows.exports.run_lengths import encode_mask, list_categories, list_identities
+from workflows.exports.saved_segmentation import SavedSegmentation
+from workflows.exports.write_text import write_text
+
+
+def write_coco(saved: SavedSegmentation, folder: Path, dilation: int | None = None) -> Path:
+    """Write ``coco.json``; an annotation's ``track_id`` is the object's identity.
+
+    References
+    ----------
+    Lin et al., "Microsoft COCO: Common Objects in Context", ECCV 2014.
+    """
+    summary = saved.summary
+    categories, category_of = list_categories(summary)
+    images, annotations = [], []
+    for index, (name, labels) in enumerate(zip(saved.names, saved.labels(), strict=True)):
+        size = {"width": summary.width, "height": summary.height}
+        images.append({"id": index + 1, "file_name": name, **size, "frame_index": index})
+        for identity in list_identities(labels):
+            segmentation, area, box = encode_mask(labels == identity)
+            annotations.append(
+                {
+                    "id": len(annotations) + 1,
+                    "image_id": index + 1,
+                    "category_id": category_of[identity],
+                    "segmentation": segmentation,
+                    "area": area,
+                    "bbox": box,
+                    "iscrowd": 0,
+                    "track_id": identity,
+                }
+            )
+    content = {
+        "info": {**ANNOTATIONS_INFO, "description": f"moving objects of {summary.name}"},
+        "licenses": [],
+        "images": images,
+        "annotations": annotations,
+        "categories": categories,
+    }
+    target = coco_file(folder, summary.name, saved.names)
+    target.check()
+    write_text(target.path, json.dumps(content, ensure_ascii=False) + "\n")
+    return target.path
+
+
+def coco_file(folder: Path, sequence: str, names: tuple[str, ...]) -> OwnedFile:
+    """The file that `write_coco` writes."""
+    return OwnedFile(folder / "coco.json", is_own_annotations)
+
+
+COCO = ExportFormat(
+    "coco", "coco.json, instances with run lengths: pycocotools, detectron2, FiftyOne", write_coco, coco_file
+)

@@ -1,0 +1,44 @@
+"""What an export format is."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+from workflows.exports.saved_segmentation import SavedSegmentation
+
+
+class ExportTarget(Protocol):
+    """The file or folder that a format writes."""
+
+    def check(self) -> object:
+        """Raise InputError where it cannot be written, or where it would replace what is not ours."""
+
+
+class ExportFormat(NamedTuple):
+    """A way to write a segmentation for another program.
+
+    Attributes
+    ----------
+    name : str
+    description : str
+        What it writes and who reads it.
+    write : callable
+        Of the segmentation, the folder to write in, and the dilation of what moves in px (None: the format's own), to
+        the path that it wrote.
+    target : callable
+        Of the folder to write in, the name of the sequence and the file names of its frames, to what will be written.
+    is_dilated : bool
+        Whether the dilation has a meaning.
+    check_names : callable, optional
+        Of the frames' file names; raises InputError where the format cannot hold them.
+    last_identity : int, optional
+        The largest identity that it can hold.
+    """
+
+    name: str
+    description: str
+    write: Callable[[SavedSegmentation, Path, int | None], Path]
+    target: Callable[[Path, str, tuple[str, ...]], ExportTarget]
+    is_dilated: bool = False
+    check_names: Callable[[tuple[str, ...]], None] | None = None
+    last_identity: int | None = None

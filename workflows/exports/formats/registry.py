@@ -1,0 +1,100 @@
+"""The formats that a segmentation is exported in, by name."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from schemas.errors import InputError
+from workflows.exports.formats.coco import COCO
+from workflows.exports.formats.colmap import COLMAP
+from workflows.exports.formats.davis import DAVIS
+from workflows.exports.formats.dynaslam import DYNASLAM
+from workflows.exports.formats.export_format import ExportFormat
+from workflows.exports.formats.instant_ngp import INSTANT_NGP
+from workflows.exports.formats.nerfstudio import NERFSTUDIO
+from workflows.exports.formats.npz import NPZ
+from workflows.exports.formats.ytvis import YTVIS
+from workflows.exports.motion_json import check_file_name
+from workflows.exports.saved_segmentation import SavedSegmentation
+from workflows.spelling import unknown_name
+
+FORMATS = {entry.name: entry for entry in (DAVIS, COCO, YTVIS, COLMAP, NERFSTUDIO, INSTANT_NGP, DYNASLAM, NPZ)}
+
+
+def choose_formats(
+    names: Iterable[str], dilation: int | None = None, frames: tuple[str, ...] | None = None
+) -> tuple[ExportFormat, ...]:
+    """The formats named, each once.
+
+    Parameters
+    ----------
+    names : iterable of str
+    dilation : int, optional
+        Px, to be used with at least one of them.
+    frames : tuple of str, optional
+        File names of the frames, where they are known before the work: each format must be able to hold them.
+
+    Raises
+    ------
+    InputError
+        There is none of the name, none that is dilated where a dilation is given, or one that cannot hold the frames.
+    """
+    names = tuple(dict.fromkeys(names))
+    for name in names:
+        if name not in FORMATS:
+            raise unknown_name("export format", name, FORMATS)
+    chosen = tuple(FORMATS[name] for name in names)
+    if dilation is not None and not any(entry.is_dilated for entry in chosen):
+        expected = " or ".join(entry.name for entry in FORMATS.values() if entry.is_dilated)
+        got = ", ".join(names) or "no format"
+        raise InputError("nothing to dilate", where="--dilate", got=got, expected=f"one of {expected}")
+    for entry in chosen:
+        if frames is not None and entry.check_names is not None:
+            entry.check_names(frames)
+    return chosen
+
+
+def export(
+    saved: SavedSegmentation, formats: Iterable[ExportFormat], folder: Path, dilation: int | None = None
+) -> tuple[Path, ...]:
+    """Write a segmentation in some formats into a folder, none before all are known to go.
+
+    Returns
+    -------
+    tuple of Path
+        The files and folders that they wrote.
+
+    Raises
+    ------
+    InputError
+        What `check_exports` refuses, an object that a format cannot hold, or a file that cannot be read or written.
+    """
+    formats, folder = tuple(formats), Path(folder)
+    check_exports(formats, folder, saved.summary.name, saved.names)
+    last = max((entry.identity for entry in saved.summary.objects), default=0)
+    for entry in formats:
+        if entry.last_identity is not None and last > entry.last_identity:
+            expected = f"at most {entry.last_identity}"
+            raise InputError("too many objects for a palette", where=entry.name, got=last, expected=expected)
+    return tuple(entry.write(saved, folder, dilation) for entry in formats)
+
+
+def check_exports(formats: Iterable[ExportFormat], folder: Path, sequence: str, names: tuple[str, ...]) -> None:
+    """Check, before the work, that formats can be written into a folder; nothing is made or changed.
+
+    Parameters
+    ----------
+    formats : iterable of ExportFormat
+    folder : Path
+    sequence : str
+        Its name.
+    names : tuple of str
+        File names of the frames, as a `SavedSegmentation` has them.
+
+    Raises
+    ------
+    InputError
+        A name that can be none of a file, two frames of one name, or a file that would be replaced and is not ours.
+    """
+    for entry in formats:
+        check_file_name(sequence, "sequence", folder)
+        entry.target(Path(folder), sequence, names).check()

@@ -1,0 +1,76 @@
+"""A folder of files that an export writes: it never overwrites or removes what it did not write."""
+
+import json
+from collections.abc import Iterable
+from pathlib import Path
+
+from schemas.errors import InputError
+from workflows.exports.atomic_write import blame_output, sweep_leftovers
+from workflows.exports.ownership import OwnedFile
+from workflows.exports.write_text import write_text
+
+LISTING = ".moseg-export.json"
+"""Names of the files that an export wrote, beside them."""
+
+
+class OwnedFolder:
+    """The folder of one export, in which it may write files of these names.
+
+    Used as a context: what an earlier export left and this one does not write again is removed at the end.
+
+    Parameters
+    ----------
+    folder : Path
+    names : iterable of str
+        Files that will be written.
+
+    Raises
+    ------
+    InputError
+        A file of such a name lies there that no export wrote, two frames share a name, or the folder cannot be written.
+    """
+
+    def __init__(self, folder: Path, names: Iterable[str]):
+        self.folder, self.names = Path(folder), tuple(names)
+
+    def check(self) -> frozenset[str]:
+        """Raise what entering it would, touching nothing; returns the names that an earlier export wrote."""
+        if len(set(self.names)) != len(self.names):
+            repeated = next(name for name in self.names if self.names.count(name) > 1)
+            raise InputError("two frames of one name", where=self.folder, got=repeated)
+        earlier = self._listed()
+        for name in self.names:
+            OwnedFile(self.folder / name, lambda path: path.name in earlier).check()
+        return earlier
+
+    def __enter__(self) -> "OwnedFolder":
+        earlier = self.check()
+        self._swept = sweep_leftovers(self.folder)
+        self._swept.__enter__()
+        # Listed before they are there: after a kill the next run still knows them as its own.
+        self._list({*earlier, *self.names})
+        return self
+
+    def __exit__(self, kind, error, trace) -> None:
+        if kind is None:
+            with blame_output(self.folder):
+                for name in self._listed() - set(self.names):
+                    (self.folder / name).unlink(missing_ok=True)
+            self._list(set(self.names))
+        self._swept.__exit__(kind, error, trace)
+
+    def _list(self, names: set[str]) -> None:
+        write_text(self.folder / LISTING, json.dumps(sorted(names), ensure_ascii=False, indent=0) + "\n")
+
+    def _listed(self) -> frozenset[str]:
+        path = self.folder / LISTING
+        try:
+            names = json.loads(path.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            return frozenset()
+        except (OSError, ValueError) as error:
+            raise InputError("listing of an export cannot be read", where=path, got=error) from error
+        # A name with a folder in it would let a listing reach beyond its own.
+        if not isinstance(names, list) or any(not isinstance(name, str) or Path(name).name != name for name in names):
+            raise InputError("listing of an export cannot be read", where=path, expected="a list of file names")
+        return frozenset(names)

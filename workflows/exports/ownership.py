@@ -1,0 +1,97 @@
+"""Which files are ours to replace: those that say so themselves. All others are somebody else's."""
+
+import json
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import av
+from PIL import Image
+
+from schemas.errors import InputError
+from workflows.exports.atomic_write import blame_output
+from workflows.exports.motion_json import read_motion
+from workflows.sources.png_file import PILLOW_ERRORS
+
+MARK = "moseg"
+"""The ``Software`` text of a mask, the ``comment`` of an overlay, the comment of an archive."""
+ANNOTATIONS_INFO = {"contributor": MARK}
+"""How the ``info`` of our annotations begins."""
+
+_ANNOTATIONS_START = json.dumps({"info": ANNOTATIONS_INFO}).removesuffix("}}").encode()
+_ANOTHER_FOLDER = "another output folder, or this one without such files"
+
+
+class OwnedFile(NamedTuple):
+    """One file that will be written.
+
+    Attributes
+    ----------
+    path : Path
+    is_own : callable
+        Of the path of a file that exists, whether we wrote it.
+    """
+
+    path: Path
+    is_own: Callable[[Path], bool]
+
+    def check(self) -> None:
+        """Raise InputError where a file stands there that is not ours, or that none can be written under the name."""
+        if exists(self.path) and not self.is_own(self.path):
+            raise InputError("a file not known as moseg's own", where=self.path, expected=_ANOTHER_FOLDER)
+
+
+def exists(path: Path) -> bool:
+    """Whether there is something at `path`; raises InputError where the name can be none, as one that is too long."""
+    with blame_output(path):
+        try:
+            path.stat()
+        except FileNotFoundError:
+            return False
+    return True
+
+
+def is_own_mask(path: Path) -> bool:
+    """Whether a PNG bears our mark, which ground truth has not and most programs that edit a mask do not keep."""
+    try:
+        with Image.open(path) as image:
+            return image.info.get("Software") == MARK
+    except PILLOW_ERRORS:
+        return False
+
+
+def is_own_overlay(path: Path) -> bool:
+    """Whether a video bears our mark."""
+    try:
+        with av.open(str(path), format="mp4") as container:
+            return container.metadata.get("comment") == MARK
+    except (av.FFmpegError, OSError, ValueError):
+        return False
+
+
+def is_own_summary(path: Path) -> bool:
+    """Whether a JSON file is a summary of motions: no other program has just these fields."""
+    try:
+        read_motion(path)
+    except InputError:
+        return False
+    return True
+
+
+def is_own_archive(path: Path) -> bool:
+    """Whether an archive of arrays bears our mark."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return archive.comment == MARK.encode()
+    except (OSError, zipfile.BadZipFile):
+        return False
+
+
+def is_own_annotations(path: Path) -> bool:
+    """Whether a JSON file of annotations begins as ours do."""
+    try:
+        with path.open("rb") as file:
+            return file.read(len(_ANNOTATIONS_START)) == _ANNOTATIONS_START
+    except OSError:
+        return False

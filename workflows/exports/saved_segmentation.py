@@ -1,0 +1,125 @@
+"""What `moseg segment` left in a folder: the masks of every frame and the summary of its motions."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from schemas.errors import InputError, MissingInputError
+from workflows.exports.motion_json import SequenceSummary, check_file_name, read_motion
+from workflows.exports.output_names import MASKS, MOTION, mask_name
+from workflows.exports.run_lengths import list_identities
+from workflows.sources.files import list_files, read_bytes
+from workflows.sources.image_files import IMAGE_SUFFIXES
+from workflows.sources.mask_files import decode_mask
+from workflows.sources.png_file import PILLOW_ERRORS
+
+_EXIF_ORIENTATION = 0x0112
+_QUARTER_TURNS = range(5, 9)
+"""Values of the EXIF orientation (EXIF 2.32, 4.6.4) that exchange width and height."""
+
+
+@dataclass(frozen=True)
+class SavedSegmentation:
+    """The masks and motions of one sequence, on disk.
+
+    Attributes
+    ----------
+    folder : Path
+        Holds ``masks`` and ``motion.json``.
+    summary : SequenceSummary
+    names : tuple of str
+        File names of the frames, one each; those of a video are ``00000.png`` and so on.
+    """
+
+    folder: Path
+    summary: SequenceSummary
+    names: tuple[str, ...]
+
+    @property
+    def stems(self) -> tuple[str, ...]:
+        """Names of the frames without their suffixes."""
+        return tuple(Path(name).stem for name in self.names)
+
+    def labels(self) -> Iterator[np.ndarray]:
+        """Labels of each frame, uint16 (y, x), 0 = static, else an identity; one in memory at a time.
+
+        Raises
+        ------
+        InputError
+            A mask that cannot be read, or that holds an object which the summary does not name.
+        """
+        known = {entry.identity for entry in self.summary.objects}
+        for path in self._mask_paths():
+            labels = decode_mask(read_bytes(str(path)), str(path), "instance")
+            unknown = {*list_identities(labels)} - known
+            if unknown:
+                got, expected = f"identity {min(unknown)}", f"those of {MOTION}"
+                raise InputError("mask of an unknown object", where=path, got=got, expected=expected)
+            yield labels
+
+    def _mask_paths(self) -> list[Path]:
+        return [self.folder / MASKS / mask_name(index) for index in range(self.summary.num_frames)]
+
+
+def open_segmentation(folder: Path, images: Path | None = None, name: str | None = None) -> SavedSegmentation:
+    """Open what `moseg segment` left, checking that all masks are there at their size.
+
+    Parameters
+    ----------
+    folder : Path
+    images : Path, optional
+        Folder of the frames, whose names count in place of those in ``motion.json``.
+    name : str, optional
+        Name of the sequence in place of the one in ``motion.json``.
+
+    Raises
+    ------
+    InputError
+        Something is missing, or masks, summary and images do not fit each other.
+    """
+    folder = Path(folder)
+    if not (folder / MOTION).is_file():
+        expected = f"{MOTION} and {MASKS}/, as moseg segment --out leaves them"
+        raise MissingInputError("no segmentation", where=folder, expected=expected)
+    summary = read_motion(folder / MOTION)
+    if name is not None:
+        summary = summary.model_copy(update={"name": name})
+    check_file_name(summary.name, "sequence", folder / MOTION if name is None else "--name")
+    frames = summary.frames
+    if images is not None:
+        paths = list_files(str(images), IMAGE_SUFFIXES)
+        frames = tuple(Path(path).name for path in paths)
+        if len(frames) == summary.num_frames:
+            for path in paths:
+                _check_size(Path(path), summary, "image")
+    for frame in frames or ():
+        check_file_name(frame, "frame", images or folder / MOTION)
+    names = frames or tuple(mask_name(index) for index in range(summary.num_frames))
+    if len(names) != summary.num_frames:
+        where, got = images or folder / MOTION, f"{len(names)} names of frames"
+        raise InputError("masks and frames differ in number", where=where, got=got, expected=summary.num_frames)
+    saved = SavedSegmentation(folder, summary, names)
+    for path in saved._mask_paths():
+        if not path.is_file():
+            raise MissingInputError("missing mask", where=path, expected=f"{summary.num_frames} masks, as in {MOTION}")
+        _check_size(path, summary, "mask")
+    return saved
+
+
+def _check_size(path: Path, summary: SequenceSummary, what: str) -> None:
+    """Raise InputError where an image, of which the header alone is read, has not the sequence's size."""
+    try:
+        with Image.open(path) as image:
+            width, height = image.size
+            is_turned = image.getexif().get(_EXIF_ORIENTATION) in _QUARTER_TURNS
+    except PILLOW_ERRORS as error:
+        raise InputError(f"{what} cannot be decoded", where=path) from error
+    if (width, height) != (summary.width, summary.height):
+        expected = f"{summary.width}x{summary.height} px, as in {MOTION}"
+        got = f"{width}x{height} px"
+        if is_turned and (height, width) == (summary.width, summary.height):
+            got, expected = f"{got} and an EXIF orientation that turns them", f"{expected}, turned without EXIF"
+        raise InputError(f"{what} of the wrong size", where=path, got=got, expected=expected)

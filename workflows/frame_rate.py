@@ -1,0 +1,13 @@
+"""Frame rates that may be asked for."""
+
+from schemas.errors import InputError
+
+SLOWEST_FPS, FASTEST_FPS = 0.1, 1000.0
+"""Frames per second: a time lapse of ten seconds a frame, and a high-speed camera."""
+
+
+def check_fps(fps: float, where: str) -> None:
+    """Raise InputError, naming the argument `where`, on a rate beyond what an overlay is made for; also on NaN."""
+    if not SLOWEST_FPS <= fps <= FASTEST_FPS:
+        expected = f"{SLOWEST_FPS:g}..{FASTEST_FPS:g} frames per second"
+        raise InputError("not a frame rate", where=where, got=fps, expected=expected)
