@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from enum import StrEnum
 from typing import Annotated, Literal
 
-from pydantic import AwareDatetime, Field, TypeAdapter
+from pydantic import AwareDatetime, Field, JsonValue, TypeAdapter
 
 from schemas.frozen import Frozen
 from schemas.recipes import Ref, split_ref
@@ -21,6 +21,8 @@ class EventKind(StrEnum):
 
     OPENED = "opened"
     """The run has something to compute."""
+    SUBJECT = "subject"
+    """What the run is about: a command's configuration, and sequences down to their leaves."""
     PLANNED = "planned"
     """The artifact is not stored and will be computed."""
     HIT = "hit"
@@ -91,6 +93,41 @@ class RunClosed(_ProcessLine):
     pins: tuple[str, ...] = ()
 
 
+class SequenceSubject(Frozen):
+    """A sequence or clip: its leaves by the names that the graph gives them, and frames per second where it has any."""
+
+    leaves: dict[str, JsonValue]
+    fps: float | None = None
+
+
+class SubjectEvent(_ProcessLine):
+    """What a run is about, of one wave of sequences: enough to write the graph again without its sources.
+
+    Attributes
+    ----------
+    command : 'eval', 'ablate' or 'segment'
+    dataset : str or None
+        None for a user's own video.
+    variants : tuple of str
+    config : dict
+        Every parameter, as another version of the schema may know it.
+    seeds : tuple of int or None
+        Seeds that figures are means over, where several runs on trajectories were asked for.
+    notes : tuple of str
+        What a reader must know to read the figures rightly.
+    sequences : tuple of SequenceSubject
+    """
+
+    event: Literal[EventKind.SUBJECT] = EventKind.SUBJECT
+    command: Literal["eval", "ablate", "segment"]
+    dataset: str | None = None
+    variants: tuple[str, ...]
+    config: dict[str, JsonValue]
+    seeds: tuple[int, ...] | None = None
+    notes: tuple[str, ...] = ()
+    sequences: tuple[SequenceSubject, ...]
+
+
 class PlanEvent(_Line):
     """An artifact that the client will have computed, or that it found."""
 
@@ -145,7 +182,8 @@ class TroubleEvent(_ProcessLine):
 
 
 Event = Annotated[
-    RunOpened | RunClosed | PlanEvent | WorkEvent | DegenerateEvent | TroubleEvent, Field(discriminator="event")
+    RunOpened | RunClosed | SubjectEvent | PlanEvent | WorkEvent | DegenerateEvent | TroubleEvent,
+    Field(discriminator="event"),
 ]
 
 _BEGIN = b'{"time":"'

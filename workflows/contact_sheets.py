@@ -7,18 +7,18 @@ from typing import NamedTuple
 import numpy as np
 from PIL import Image
 
-from moseg_tasks.metrics import Overlaps, count_overlaps, count_point_overlaps, region_similarity, sample_points
+from moseg_tasks.metrics import Overlaps, count_overlaps, count_point_overlaps, region_similarity
 from schemas.configs import PipelineConfig, Variant
 from store import ArtifactStore
 from workflows.datasets import SequenceSource
 from workflows.exports.atomic_write import atomic_path, blame_output
 from workflows.exports.draw_contact_sheet import draw_contact_sheet
-from workflows.exports.draw_point_errors import PointLabels
 from workflows.exports.sheet_column import SheetFrame
-from workflows.graph import SequenceGraph, SequenceLeaves
+from workflows.graph import SequenceGraph
 from workflows.leaves import ingest_sequences
 from workflows.resize import resize_labels
 from workflows.session import Session
+from workflows.shown_frames import annotated_frames, label_points, read_labelled_points, scored_frames, spread
 from workflows.waves import in_waves
 
 
@@ -109,16 +109,10 @@ def choose_soft_map(graph: SequenceGraph, config: PipelineConfig, frame: int) ->
     return SoftMap(graph.frame_cues.saliency(frame), "saliency", "saliency")
 
 
-def spread(num_items: int, num_chosen: int) -> tuple[int, ...]:
-    """Positions of at most `num_chosen` of some items: the middles of equally long runs."""
-    count = min(num_items, num_chosen)
-    return tuple((2 * index + 1) * num_items // (2 * count) for index in range(count))
-
-
 def _plan_sheet(
     store: ArtifactStore, graph: SequenceGraph, config: PipelineConfig, variant: Variant, num_frames: int
 ) -> _Sheet:
-    shown = _scored_frames(store, graph.leaves)
+    shown = scored_frames(store, graph.leaves)
     frames = tuple(shown[position] for position in spread(len(shown), num_frames))
     soft_maps = tuple(choose_soft_map(graph, config, frame) for frame in frames)
     return _Sheet(
@@ -147,6 +141,7 @@ def _write_sheet(store: ArtifactStore, sheet: _Sheet, config: PipelineConfig, va
 
 def _read_frames(store: ArtifactStore, sheet: _Sheet, section_length: int) -> Iterator[SheetFrame]:
     leaves = sheet.graph.leaves
+    points = None if leaves.labelled_points is None else read_labelled_points(store, leaves.labelled_points)
     for position, frame in enumerate(sheet.frames):
         section, row = divmod(frame, section_length)
         labels = store.read_rows(sheet.segmentations[section], "labels", row, row + 1)[0]
@@ -155,37 +150,15 @@ def _read_frames(store: ArtifactStore, sheet: _Sheet, section_length: int) -> It
             soft_map = sheet.soft_maps[position]
             drawn = drawn._replace(soft_map=store.read(soft_map.ref, soft_map.array).astype(np.float32))
         if leaves.annotation is not None:
-            row = _annotated(store, leaves.annotation).index(frame)
+            row = annotated_frames(store, leaves.annotation).index(frame)
             truth = store.read_rows(leaves.annotation, "masks", row, row + 1)[0]
             overlaps = count_overlaps(resize_labels(labels, truth.shape), truth, leaves.void)
             drawn = drawn._replace(truth=truth, J=_frame_similarity(overlaps))
-        elif leaves.labelled_points is not None:
-            labelled = _label_points(store, leaves.labelled_points, frame, labels)
+        elif points is not None:
+            labelled = label_points(points, frame, labels)
             overlaps = count_point_overlaps(labelled.predicted, labelled.truth)
             drawn = drawn._replace(labelled=labelled, J=_frame_similarity(overlaps))
         yield drawn
-
-
-def _scored_frames(store: ArtifactStore, leaves: SequenceLeaves) -> Sequence[int]:
-    """Frames that the score is about; all where there is no ground truth."""
-    if leaves.annotation is not None:
-        return _annotated(store, leaves.annotation)
-    if leaves.labelled_points is not None:
-        return np.flatnonzero(store.read(leaves.labelled_points, "visible").any(axis=0)).tolist()
-    return range(len(leaves.frames))
-
-
-def _annotated(store: ArtifactStore, annotation: str) -> list[int]:
-    """Frames that have ground truth."""
-    return store.attributes(annotation)["indices"]
-
-
-def _label_points(store: ArtifactStore, labelled_points: str, frame: int, labels: np.ndarray) -> PointLabels:
-    """The points seen in a frame, with what is predicted and what is true."""
-    size = tuple(store.attributes(labelled_points)["size"])
-    points, visible = (store.read(labelled_points, name)[:, frame] for name in ("points", "visible"))
-    truth = store.read(labelled_points, "labels")
-    return PointLabels(points[visible], *sample_points(resize_labels(labels, size), points, visible, truth), size)
 
 
 def _frame_similarity(overlaps: Overlaps) -> float:

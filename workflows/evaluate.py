@@ -8,6 +8,8 @@ from store import map_reads
 from workflows.datasets import SequenceSource, find_ground_truth
 from workflows.graph import SequenceGraph
 from workflows.leaves import ingest_sequences
+from workflows.purpose import EVALUATION, Purpose, make_subject
+from workflows.reports.panels import Panels
 from workflows.session import Session
 from workflows.waves import in_waves
 
@@ -18,11 +20,20 @@ def evaluate(
     sources: Sequence[SequenceSource],
     config: PipelineConfig,
     variants: Sequence[Variant],
+    purpose: Purpose = EVALUATION,
+    panels: Panels | None = None,
 ) -> EvaluationReport:
     """Score each variant on every sequence; equal nodes of the variants are computed once.
 
     The cues that all motion models start from are computed whatever the variants, so that an evaluation of other
     variants finds them.
+
+    Parameters
+    ----------
+    purpose : Purpose
+        What the run's log says of it.
+    panels : Panels, optional
+        Gather what a report shows, wave by wave; what they read is computed where it is missing.
 
     Raises
     ------
@@ -33,7 +44,7 @@ def evaluate(
     over = find_ground_truth(sources)
     scores: dict[tuple[Variant, str], SequenceScore] = {}
     for wave in in_waves(session, sources):
-        scores |= _score(session, wave, config, variants)
+        scores |= _score(session, dataset, wave, config, variants, purpose, panels)
     rows = []
     for variant in variants:
         found = {source.name: scores[variant, source.name] for source in sources}
@@ -42,23 +53,40 @@ def evaluate(
 
 
 def _score(
-    session: Session, sources: Sequence[SequenceSource], config: PipelineConfig, variants: Sequence[Variant]
+    session: Session,
+    dataset: str,
+    sources: Sequence[SequenceSource],
+    config: PipelineConfig,
+    variants: Sequence[Variant],
+    purpose: Purpose,
+    panels: Panels | None,
 ) -> dict[tuple[Variant, str], SequenceScore]:
     """Scores of the sequences of a wave, by variant and name."""
     refs: dict[tuple[Variant, str], str] = {}
+    shown: dict[SequenceGraph, float | None] = {}
 
     def build():
-        recipes, cues = {}, []
-        for leaves in ingest_sequences(session, sources, config, annotated=True):
+        recipes, cues, sequences = {}, [], []
+        shown.clear()
+        for source, leaves in zip(sources, ingest_sequences(session, sources, config, annotated=True), strict=True):
             graph = SequenceGraph(leaves, config)
+            fps = source.frames.describe().fps
+            sequences.append((leaves, fps))
             for variant in variants:
                 refs[variant, leaves.name] = graph.score(variant)
             cues.extend(graph.cues())
+            if panels is not None and panels.shows(leaves.name):
+                shown[graph] = fps
+                cues.extend(panels.sinks(graph))
             recipes |= graph.recipes
+        session.describe(make_subject(purpose, dataset, config, variants, sequences))
         return recipes, (*refs.values(), *cues)
 
     def read():
         found = map_reads(session.store, session.store.attributes, refs.values())
-        return {named: SequenceScore(**attributes) for named, attributes in zip(refs, found, strict=True)}
+        scores = {named: SequenceScore(**attributes) for named, attributes in zip(refs, found, strict=True)}
+        for graph, fps in shown.items():
+            panels.gather(session.store, graph, fps)
+        return scores
 
     return session.compute(build, read)

@@ -6,6 +6,8 @@ from schemas.configs import PipelineConfig, TrajectoryVariant
 from schemas.trajectory_scores import TrajectoryReport, TrajectoryRow, TrajectoryScore, average_clips, average_seeds
 from workflows.datasets import TrajectorySource
 from workflows.graph import TrajectoryGraph
+from workflows.purpose import EVALUATION, Purpose, make_subject
+from workflows.reports.panels import Panels
 from workflows.session import Session
 from workflows.trajectory_leaves import ingest_trajectories
 
@@ -17,6 +19,8 @@ def evaluate_trajectories(
     config: PipelineConfig,
     variants: Sequence[TrajectoryVariant],
     seeds: Sequence[int] | None = None,
+    purpose: Purpose = EVALUATION,
+    panels: Panels | None = None,
 ) -> TrajectoryReport:
     """Score each variant on every clip; equal nodes of variants and seeds are computed once.
 
@@ -24,27 +28,42 @@ def evaluate_trajectories(
     ----------
     seeds : sequence of int, optional
         The report's figures are means over these. None: one run with the seed of `config`.
+    purpose : Purpose
+        What the run's log says of it.
+    panels : Panels, optional
+        Gather what a report shows, under the first seed.
 
     Raises
     ------
     InputError
         A clip cannot be read.
     """
-    configs = {seed: with_seed(config, seed) for seed in seeds} if seeds else {None: config}
+    configs = seeded_configs(config, seeds)
+    first = next(iter(configs))
+    shown: list[TrajectoryGraph] = []
     refs: dict[tuple[int | None, TrajectoryVariant, str], str] = {}
 
     def build():
-        recipes = {}
-        for leaves in ingest_trajectories(session, sources):
+        recipes, more = {}, []
+        shown.clear()
+        clips = ingest_trajectories(session, sources)
+        for leaves in clips:
             for seed, seeded in configs.items():
                 graph = TrajectoryGraph(leaves, seeded)
                 for variant in variants:
                     refs[seed, variant, leaves.name] = graph.score(variant)
+                if panels is not None and seed == first and panels.shows(leaves.name):
+                    shown.append(graph)
+                    more.extend(panels.sinks(graph))
                 recipes |= graph.recipes
-        return recipes, tuple(refs.values())
+        session.describe(make_subject(purpose, dataset, config, variants, [(leaves, None) for leaves in clips], seeds))
+        return recipes, (*refs.values(), *more)
 
     def read():
-        return {ref: TrajectoryScore(**session.store.attributes(ref)) for ref in refs.values()}
+        scores = {ref: TrajectoryScore(**session.store.attributes(ref)) for ref in refs.values()}
+        for graph in shown:
+            panels.gather(session.store, graph)
+        return scores
 
     by_ref = session.compute(build, read)
     rows = []
@@ -52,7 +71,7 @@ def evaluate_trajectories(
         by_seed = {
             seed: {source.name: by_ref[refs[seed, variant, source.name]] for source in sources} for seed in configs
         }
-        rows.append(_row(variant, by_seed))
+        rows.append(average_row(variant, by_seed))
     return TrajectoryReport(dataset=dataset, rows=tuple(rows), store=session.use(), seconds=session.seconds)
 
 
@@ -61,7 +80,13 @@ def with_seed(config: PipelineConfig, seed: int) -> PipelineConfig:
     return config.model_copy(update={"hypotheses": config.hypotheses.model_copy(update={"seed": seed})})
 
 
-def _row(variant: TrajectoryVariant, by_seed: dict[int | None, dict[str, TrajectoryScore]]) -> TrajectoryRow:
+def seeded_configs(config: PipelineConfig, seeds: Sequence[int] | None) -> dict[int | None, PipelineConfig]:
+    """The configuration under each seed, or, by None, under its own where there are none to average over."""
+    return {seed: with_seed(config, seed) for seed in seeds} if seeds else {None: config}
+
+
+def average_row(variant: TrajectoryVariant, by_seed: dict[int | None, dict[str, TrajectoryScore]]) -> TrajectoryRow:
+    """A variant's row from the scores of the clips by seed, or, by None, from those of the only run."""
     if None not in by_seed:
         return average_seeds(variant.value, by_seed)
     scores = by_seed[None]

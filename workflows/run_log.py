@@ -8,7 +8,17 @@ from contextlib import contextmanager, suppress
 from importlib.metadata import version
 
 from schemas.errors import CorruptArtifactError, StoreError
-from schemas.events import EventKind, Outcome, PlanEvent, RunClosed, RunOpened, TroubleEvent, write_plan
+from schemas.events import (
+    EventKind,
+    Outcome,
+    PlanEvent,
+    RunClosed,
+    RunOpened,
+    SubjectEvent,
+    TroubleEvent,
+    write_event,
+    write_plan,
+)
 from store import ArtifactStore
 from store.owners import process_space
 from workflows.events import EventLog, as_unicode, describe_error, failed_event, is_written, this_process
@@ -31,6 +41,12 @@ class RunLog:
         self._is_announced = False
         self._outcome, self._error = Outcome.FINISHED, None
         self._written: dict[str, EventKind] = {}
+        self._subjects: dict[tuple, SubjectEvent | None] = {}
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the log was begun and not ended."""
+        return self._is_open
 
     def open(self, num_workers: Callable[[], int]) -> None:
         """Begin the log; later calls do nothing, nor ask for the number of workers, which a scheduler must tell."""
@@ -47,6 +63,13 @@ class RunLog:
         )
         self._events.write([opened])
         self._is_open = True
+        self._tell_subjects()
+
+    def describe(self, subject: SubjectEvent) -> None:
+        """What the run is about: each wave of sequences once, when the log begins or now where it has begun."""
+        self._subjects.setdefault(tuple(sequence.leaves["name"] for sequence in subject.sequences), subject)
+        if self._is_open:
+            self._tell_subjects()
 
     def announce(self) -> None:
         """Say on standard error, once, how to follow the run."""
@@ -99,6 +122,13 @@ class RunLog:
             return
         with suppress(StoreError):
             self._events.write([closed])
+
+    def _tell_subjects(self) -> None:
+        new = {names: subject for names, subject in self._subjects.items() if subject is not None}
+        # Of a line that is written only the names are kept: a wave's leaves take a megabyte.
+        self._subjects.update(dict.fromkeys(new))
+        now = this_process()["time"]
+        self._events.write_lines(write_event(subject.model_copy(update={"time": now})) for subject in new.values())
 
     def _plan(self, kind: EventKind, refs: Collection[str]) -> None:
         new = [ref for ref in refs if self._written.get(ref) != kind]

@@ -10,6 +10,7 @@ from typing import NamedTuple, TypeVar
 
 from schemas.digests import digest_json
 from schemas.errors import CorruptArtifactError, MissingArtifactError, StoreError
+from schemas.events import SubjectEvent
 from schemas.recipes import Recipe, split_ref
 from schemas.scores import StoreUse
 from store import ArtifactStore, PutOutcome
@@ -18,7 +19,7 @@ from workflows.execution import execute_batches, execute_ingest, quarantine_corr
 from workflows.ingest import IngestJob, recall_ingests
 from workflows.phases import batch_recipes, join_brief, network_of, split_phases
 from workflows.planning import Plan, make_plan
-from workflows.progress import StageProgress
+from workflows.progress import PATIENCE_SEC, StageProgress
 from workflows.run_log import RunLog
 from workflows.runners import Call, Runner
 from workflows.stages.registry import find_task
@@ -108,9 +109,19 @@ class Session:
         if not self._quiet:
             print(line, file=sys.stderr, flush=True)
 
+    def describe(self, subject: SubjectEvent) -> None:
+        """Have the run's log, if there is to be one, say what the run is about."""
+        self._log.describe(subject)
+
+    def has_log(self) -> bool:
+        """Whether the run has computed something, so that `run_id` names a log."""
+        return self._log.is_open
+
     def ingest(self, jobs: Sequence[IngestJob]) -> list[dict]:
         """Leaves of every job, decoded now or remembered from the same file bytes."""
-        recipes = [job.recipe for job in jobs]
+        # Their files are hashed.
+        with StageProgress({"sources": len(jobs)}, self._quiet, "files hashed", PATIENCE_SEC) as progress:
+            recipes = [job.recipe for job in progress.each("sources", jobs)]
         found = recall_ingests(self.store, recipes)
         batches: dict[str, dict[str, tuple[IngestJob, Recipe]]] = {}
         for job, recipe in zip(jobs, recipes, strict=True):

@@ -1,17 +1,18 @@
 """How a run goes, or went, as its log tells it."""
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from datetime import UTC, datetime
 from enum import StrEnum
 
 from pydantic import ValidationError
 
 from schemas.errors import InputError, StoreError
-from schemas.events import Event, Outcome, RunClosed, RunOpened, line_time, read_event
+from schemas.events import Event, Outcome, RunClosed, RunOpened, SubjectEvent, line_time, read_event
 from schemas.frozen import Frozen
 from store import ArtifactStore
 from store.owners import is_running
+from workflows.spelling import closest
 from workflows.status_counts import InFlight, RunCounts, StageStatus, Trouble
 
 LATEST = "latest"
@@ -105,7 +106,7 @@ def summarise(run_id: str, events: Iterable[Event | None], now: datetime) -> Run
             opened = opened or event
         elif isinstance(event, RunClosed):
             closed = event
-        else:
+        elif not isinstance(event, SubjectEvent):
             counts.add(event)
     if opened is None:
         raise StoreError("a log without a beginning", where=f"run {run_id}", expected="a line that says 'opened'")
@@ -152,6 +153,8 @@ def find_run(store: ArtifactStore, name: str) -> str:
         return name
     if not found:
         expected = "one of `moseg status`" if known else "a run that computed something in this store"
+        close = closest(name, (LATEST, *known)) if known else None
+        expected += "" if close is None else f"; did you mean {close!r}?"
         raise InputError("no such run", where=store.url, got=repr(name), expected=expected)
     if len(found) > 1:
         raise InputError("ambiguous run", got=name, expected=f"more letters: {len(found)} runs begin so")
@@ -164,24 +167,26 @@ def list_runs(store: ArtifactStore) -> list[str]:
 
 
 def old_logs(store: ArtifactStore, grace_seconds: float) -> list[str]:
-    """Runs whose logs may go: none of their processes wrote within the grace period, and none is at work."""
+    """Runs whose logs may go: none of their processes wrote within the grace period, none is at work, and no pin keeps
+    their results, of which a report needs the log."""
     before = time.time() - grace_seconds
     # A run at work has a pin of its own name, but not while it decodes its sources.
     pinned = store.pinned()
     old = sorted(run_id for run_id, changed in store.logs().items() if changed < before and run_id not in pinned)
-    return [run_id for run_id in old if not _is_at_work(store, run_id)]
+    return [run_id for run_id in old if not _is_needed(store, run_id, pinned)]
 
 
-def _is_at_work(store: ArtifactStore, run_id: str) -> bool:
-    """Whether a run has not closed and its process is known to run."""
+def _is_needed(store: ArtifactStore, run_id: str, pinned: Collection[str]) -> bool:
+    """Whether a run's results are kept, or it has not closed and its process is known to run."""
     try:
         lines = store.read_log(run_id)
     except StoreError:
         # Of a log that cannot be read now nobody knows whether it may go.
         return True
     events = [_read_line(line) for line in lines if b'"opened"' in line or b'"closed"' in line]
-    if any(isinstance(event, RunClosed) for event in events):
-        return False
+    closed = [event for event in events if isinstance(event, RunClosed)]
+    if closed:
+        return any(pin in pinned for event in closed for pin in event.pins)
     return any(isinstance(event, RunOpened) and is_running(event.space, event.pid) is True for event in events)
 
 

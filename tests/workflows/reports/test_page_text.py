@@ -1,0 +1,68 @@
+"""The report page as text: what lies in it and how often, without a browser."""
+
+import re
+from importlib.resources import files
+
+import pytest
+
+from schemas.scores import SequenceScore
+from workflows.reports.clip_tables import clip_tables
+from workflows.reports.page import render_page
+from workflows.reports.score_tables import score_tables
+from workflows.reports.table_content import StageRow
+
+SCORE = SequenceScore(P=1, R=2, F=3, J=4, boundary_F=5, J_objects=6, boundary_F_objects=7)
+POINTS = SequenceScore(P=1, R=2, F=3, J=4, J_objects=6)
+
+
+def test_each_picture_lies_in_the_page_once(make_page):
+    text = render_page(make_page("dog"))
+    pictures = re.findall(r'id="pictures-0">(.*?)</script>', text)
+    assert len(pictures) == 1 and pictures[0].count("data:image/png") == 19
+    assert text.count("data:video") == 0 and text.count('id="video-0"') == 1
+
+
+def test_a_report_of_nothing_is_a_page(make_page):
+    page = make_page("dog")
+    bare = page.sequences[0]._replace(
+        frames=(), layers=(), objects=(), variants=(), video=None, missing=("No <frame>.",)
+    )
+    text = render_page(page._replace(scores=(), sequences=(bare,), stages=(), parameters=(), notes=()))
+    assert "Every parameter has its default." in text
+    assert "No &lt;frame&gt;." in text
+    assert "<h1>davis16: fused, trajs</h1>" in text
+
+
+def test_stages_that_tell_no_time_have_a_dash(make_page):
+    text = " ".join(render_page(make_page("dog")).split())
+    assert '<th scope="row">ingest</th><td>26</td><td>–</td><td>–</td>' in text
+    assert "56 computed in 1 min 01 s of work." in text
+    untimed = make_page("dog")._replace(stages=(StageRow("ingest", 26, 0, 0.0),))
+    assert "26 computed.</p>" in render_page(untimed)
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        score_tables("davis-moving", "pixels", {"fused": {"dog": SCORE}}),
+        score_tables("kt3dinsmoseg", "points", {"fused": {"clip": POINTS}}),
+        clip_tables("kt3dmoseg", ()),
+    ],
+    ids=["below ours", "over something else", "clips"],
+)
+def test_published_figures_say_once_of_what_they_are_and_that_nobody_measured_them(make_page, tables):
+    text = " ".join(re.sub("<[^>]+>", " ", render_page(make_page("dog")._replace(scores=tables))).split())
+    assert text.count("not measured here") == 1
+    assert re.search(
+        r"(for the whole data set|for all 22 clips, number of motions given)( percent, over pixels)? published, not",
+        text,
+    )
+
+
+def test_names_that_are_no_text_are_written_too(make_page):
+    assert "<h3>dog\\udcff</h3>" in render_page(make_page("dog\udcff")).encode().decode()
+
+
+def test_what_the_page_is_made_of_comes_with_the_package():
+    names = {entry.name for entry in files("workflows.reports.page").iterdir()}
+    assert {"page.html", "page.css", "viewer.js"} <= names

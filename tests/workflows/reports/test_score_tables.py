@@ -1,0 +1,94 @@
+"""Tables of a report: our figures, and the paper's beside them and never among them."""
+
+from schemas.configs import PipelineConfig
+from schemas.scores import SequenceScore
+from schemas.trajectory_scores import TrajectoryMean, TrajectoryRow, TrajectoryScore
+from workflows.published_scores import PAPER_ROWS, PUBLISHED_ERRORS
+from workflows.reports.clip_tables import clip_tables
+from workflows.reports.parameter_rows import parameter_rows
+from workflows.reports.score_tables import score_tables
+from workflows.reports.table_content import Better
+
+SCORE = SequenceScore(P=1, R=2, F=3, J=4, boundary_F=5, J_objects=6, boundary_F_objects=7)
+POINTS = SequenceScore(P=1, R=2, F=3, J=4, J_objects=6)
+
+
+def test_the_papers_rows_stand_under_our_columns_and_are_marked():
+    (ours, paper) = score_tables("davis-moving", "pixels", {"fused": {"dog": SCORE}})
+    assert ours.columns == ("sequence", "Pu", "Ru", "Fu", "J", "F-boundary", "J/object", "F-b/object")
+    assert ours.rows == (("dog", (1, 2, 3, 4, 5, 6, 7)), ("mean", (1, 2, 3, 4, 5, 6, 7)))
+    assert paper.is_published and not ours.is_published and paper.columns[1:] == ours.columns[1:]
+    assert dict(paper.rows)["paper, fused"] == (*PAPER_ROWS["davis-moving"]["paper, fused"], None, None, None, None)
+
+
+def test_other_data_sets_have_no_rows_of_the_paper():
+    assert not any(table.is_published for table in score_tables("davis16", "pixels", {"fused": {"dog": SCORE}}))
+
+
+def test_points_have_no_boundaries_and_the_paper_scores_pixels():
+    ours, paper = score_tables("kt3dinsmoseg", "points", {"fused": {"clip": POINTS}})
+    assert ours.columns[1:] == ("Pu", "Ru", "Fu", "J", "J/object") and "over points" in ours.title
+    assert (ours.over, paper.over) == ("points", "pixels")
+
+
+def test_several_variants_are_compared_first():
+    other = SCORE.model_copy(update={"P": 3.0})
+    means, fused, base = score_tables(
+        "folder", "pixels", {"fused": {"a": SCORE, "b": other}, "base": {"a": SCORE, "b": SCORE}}
+    )
+    assert means.title == "folder, mean of 2 sequences" and [name for name, _ in means.rows] == ["fused", "base"]
+    assert means.rows[0][1] == fused.rows[-1][1] == (2, 2, 3, 4, 5, 6, 7)
+    assert base.title == "folder, base"
+
+
+def test_a_mean_of_some_is_no_result():
+    means, fused, base = score_tables(
+        "folder", "pixels", {"fused": {"a": SCORE, "b": None}, "base": {"a": SCORE, "b": SCORE}}
+    )
+    assert fused.rows[0][1] == (1, 2, 3, 4, 5, 6, 7)
+    assert fused.rows[1][1] == fused.rows[2][1] == means.rows[0][1] == (None,) * 7
+    assert None not in base.rows[-1][1]
+
+
+def _row(variant, spread=None):
+    scores = {"clip": TrajectoryScore(error=12.5, num_motions=3, num_motions_true=2, spread=spread)}
+    return TrajectoryRow(
+        variant=variant,
+        sequences=scores,
+        mean=TrajectoryMean(error=12.5, median_error=12.5, num_motions_correct=0.0),
+        spread=spread,
+    )
+
+
+def test_errors_are_better_where_they_are_less():
+    means, fused, trajs, published = clip_tables("kt3dmoseg", (_row("fused"), _row("trajs")))
+    assert means.columns == ("variant", "mean error %", "median", "right number %")
+    assert means.better == (Better.LESS, Better.LESS, Better.MORE)
+    assert fused.rows[0] == ("clip", (12.5, 3, 2)) and trajs.better == (Better.LESS, None, None)
+    assert published.is_published and dict(published.rows)["homography"] == PUBLISHED_ERRORS["homography"]
+
+
+def test_tables_over_seeds_have_the_spread():
+    fused, _ = clip_tables("kt3dmoseg", (_row("fused", spread=0.5),))
+    assert fused.columns[-1] == "spread of error" and fused.rows[0] == ("clip", (12.5, 3, 2, 0.5))
+    assert {len(values) for _, values in fused.rows} == {len(fused.better)} == {len(fused.decimals)} == {4}
+
+
+def test_parameters_are_told_where_they_differ_as_a_user_writes_them():
+    assert parameter_rows(PipelineConfig()) == ()
+    settings = {
+        "detections": {"tags": "car,person"},
+        "affinity": {"excess": False},
+        "clustering": {"motions": "gt", "count": {"gap": 5}},
+        "hypotheses": {"gaps": "1,2"},
+    }
+    config = PipelineConfig.model_validate(settings)
+    rows = {row.name: (row.value, row.default) for row in parameter_rows(config)}
+    assert rows == {
+        "detections.tags": ("car,person", "none"),
+        "affinity.excess": ("false", "true"),
+        "clustering.motions": ("gt", "auto"),
+        "clustering.count.gap": ("5", "3"),
+        "hypotheses.gaps": ("1,2", "1"),
+    }
+    assert all(row.description for row in parameter_rows(config))

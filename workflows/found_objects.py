@@ -1,0 +1,50 @@
+"""What a variant found in a sequence: its objects, their motion groups and their names."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from schemas.configs import Variant
+from store import ArtifactStore
+from workflows.graph import SequenceGraph
+
+
+class FoundObjects(NamedTuple):
+    """Objects of a sequence by identity, those that stand still among them.
+
+    Attributes
+    ----------
+    identities : tuple of int
+        Of the objects of the sequence from 1 on, as pixels of the labels have them.
+    motions : dict of int to int
+        Motion group of each; 0 = static, with the background.
+    num_motions : int
+        Motion groups, the background's included.
+    tags : dict of int to str
+        What networks called them; empty where none did.
+    """
+
+    identities: tuple[int, ...]
+    motions: dict[int, int]
+    num_motions: int
+    tags: dict[int, str]
+
+
+def found_refs(graph: SequenceGraph, variant: Variant) -> tuple[str, ...]:
+    """References that `read_found_objects` reads."""
+    clustering = graph.clustering(variant)
+    return (graph.objects.linking(), *(() if clustering is None else (clustering,)))
+
+
+def read_found_objects(store: ArtifactStore, graph: SequenceGraph, variant: Variant) -> FoundObjects:
+    """The objects as they lie in the store."""
+    clustering = graph.clustering(variant)
+    linking = store.attributes(graph.objects.linking())
+    identities = tuple(map(int, linking.get("given", range(1, linking["num_objects"]))))
+    if clustering is None:
+        motion = np.arange(linking["num_objects"], dtype=np.uint16)
+    else:
+        motion = store.read(clustering, "motion")
+    motions = {identity: int(group) for identity, group in zip(identities, motion[1:], strict=True)}
+    tags = dict(zip(identities, linking["tags"], strict=True)) if "tags" in linking else {}
+    return FoundObjects(identities, motions, len(np.unique(motion)), tags)

@@ -1,0 +1,199 @@
+"""The pictures of a clip of labelled trajectories: points on a blank picture, for there are no images."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from schemas.configs import PipelineConfig, TrajectoryVariant
+from store import ArtifactStore
+from workflows.exports.draw_errors import ERROR_COLOURS
+from workflows.exports.draw_tracks import TAIL_FRAMES, DrawnPoints, draw_tracks
+from workflows.graph import TrajectoryGraph
+from workflows.reports.encode_picture import encode_opaque, encode_transparent
+from workflows.reports.missing import WhyAbsent, name_absent, say_missing
+from workflows.reports.picture_content import Layer, LayerKind, LegendEntry, Picture
+from workflows.reports.planned_layer import PlannedLayer, SequencePictures, make_layers
+from workflows.reports.sequence_view import as_hex
+from workflows.shown_frames import spread
+from workflows.sources.frames import working_size
+
+CLIP_SIDE = 960
+"""Longer side of a clip's pictures, px: hundreds of points lie on one car, and blank pictures are small files."""
+CANVAS = (24, 26, 30)
+"""RGB of the blank picture."""
+POINT_RADIUS = 2.5
+MOTION_COLOURS = np.array(
+    [
+        *((86, 180, 233), (230, 159, 0), (0, 158, 115), (240, 228, 66)),
+        *((213, 94, 0), (204, 121, 167), (0, 114, 178), (200, 200, 200)),
+    ],
+    np.uint8,
+)
+"""Of Okabe and Ito, whom colour-blind readers can follow, black on the dark picture replaced by grey; beyond eight they
+come round again."""
+RIGHT_COLOUR, WRONG_COLOUR = (150, 150, 150), ERROR_COLOURS["false positive"]
+
+
+def gather_clip_pictures(
+    store: ArtifactStore,
+    graph: TrajectoryGraph,
+    config: PipelineConfig,
+    variants: Sequence[TrajectoryVariant],
+    num_frames: int,
+    why_absent: WhyAbsent = WhyAbsent.GONE,
+) -> SequencePictures:
+    """Pictures of at most `num_frames` frames of a clip, spread evenly; it has neither objects nor a video.
+
+    Parameters
+    ----------
+    why_absent : WhyAbsent
+        What to say of artifacts that are not stored; without its points a clip has no frames and no size.
+
+    Raises
+    ------
+    CorruptArtifactError
+        An artifact's bytes are not those committed.
+    """
+    leaves = graph.leaves
+    if not store.has(leaves.trajectories):
+        absent = name_absent("the clip", [leaves.trajectories])
+        return SequencePictures(0, (0, 0), (), (), missing=say_missing([absent], why_absent))
+    clip = _Clip(store, graph, num_frames)
+    layers = [
+        PlannedLayer("points", (), clip.make_canvas),
+        *(
+            PlannedLayer(
+                f"motions ({variant})",
+                (leaves.labels, graph.clustering(variant)),
+                lambda variant=variant: clip.make_motions(variant, is_shown=variant == variants[0]),
+            )
+            for variant in variants
+        ),
+        PlannedLayer("ground truth", (leaves.labels,), clip.make_truth),
+        *(
+            PlannedLayer(
+                f"errors ({variant})",
+                (leaves.labels, graph.clustering(variant)),
+                lambda variant=variant: clip.make_errors(variant),
+            )
+            for variant in variants
+        ),
+    ]
+    made, missing = make_layers(store, layers)
+    return SequencePictures(clip.num_frames, clip.size, clip.frames, made, missing=say_missing(missing, why_absent))
+
+
+def clip_extent(points: np.ndarray, visible: np.ndarray) -> tuple[int, int]:
+    """Height and width, px, of a picture from pixel 0 on that holds all visible points (N, F, xy)."""
+    farthest = points[visible].max(axis=0, initial=0)
+    width, height = (int(np.floor(side + 0.5)) + 1 for side in farthest)
+    return height, width
+
+
+def match_groups(predicted: np.ndarray, truth: np.ndarray) -> dict[int, int]:
+    """The label of each group that has one, by the matching that `clustering_error` scores; integers (N,) both."""
+    # That tells only how many are wrong. To share the matching would change the code that scores are named by; a test
+    # holds the two together.
+    groups, group_index = np.unique(predicted, return_inverse=True)
+    labels, label_index = np.unique(truth, return_inverse=True)
+    shared = np.zeros((len(groups), len(labels)), np.int64)
+    np.add.at(shared, (group_index, label_index), 1)
+    rows, columns = linear_sum_assignment(shared, maximize=True)
+    return {int(groups[row]): int(labels[column]) for row, column in zip(rows, columns, strict=True)}
+
+
+class _Clip:
+    """A clip's points, and the layers of them."""
+
+    def __init__(self, store: ArtifactStore, graph: TrajectoryGraph, num_frames: int):
+        self._store, self._graph = store, graph
+        self._points, self._visible = (store.read(graph.leaves.trajectories, name) for name in ("points", "visible"))
+        self.size = clip_extent(self._points, self._visible)
+        self._shape = working_size(self.size, CLIP_SIDE)
+        self.num_frames = self._visible.shape[1]
+        self.frames = spread(self.num_frames, num_frames)
+
+    def make_canvas(self) -> Layer:
+        blank = encode_opaque(np.broadcast_to(np.array(CANVAS, np.uint8), (*self._shape, 3)).copy())
+        height, width = self.size
+        description = f"The clip has no images: {width}x{height} px that hold all its points."
+        return Layer("points", LayerKind.BASE, (blank,) * len(self.frames), description=description, is_shown=True)
+
+    def make_motions(self, variant: TrajectoryVariant, is_shown: bool) -> Layer:
+        labels, groups = self._labels(), self._groups(variant)
+        places = {label: place for place, label in enumerate(np.unique(labels).tolist())}
+        matched = match_groups(groups, labels)
+        entries, colours = [], np.zeros((len(groups), 3), np.uint8)
+        num_extra = 0
+        for group in np.unique(groups).tolist():
+            if group in matched:
+                place = places[matched[group]]
+                meaning = f"motion {group}, matched with label {matched[group]}"
+            else:
+                place, num_extra = len(places) + num_extra, num_extra + 1
+                meaning = f"motion {group}, matched with no label"
+            colours[groups == group] = MOTION_COLOURS[place % len(MOTION_COLOURS)]
+            entries.append(_describe(place, meaning, groups == group))
+        description = (
+            "Trajectories by the motion group that was found; a group has the colour of the label it is matched with."
+            f" {_tails()}"
+        )
+        return self._draw(f"motions ({variant})", colours, tuple(entries), description, is_shown=is_shown)
+
+    def make_truth(self) -> Layer:
+        labels = self._labels()
+        names, places = np.unique(labels, return_inverse=True)
+        legend = tuple(_describe(place, f"label {name}", labels == name) for place, name in enumerate(names.tolist()))
+        colours = MOTION_COLOURS[places % len(MOTION_COLOURS)]
+        return self._draw("ground truth", colours, legend, f"Trajectories by their true motion. {_tails()}")
+
+    def make_errors(self, variant: TrajectoryVariant) -> Layer:
+        labels, groups = self._labels(), self._groups(variant)
+        matched = match_groups(groups, labels)
+        wrong = np.array([matched.get(group) for group in groups.tolist()], dtype=object) != labels
+        wrong = wrong.astype(bool)
+        colours = np.where(wrong[:, None], np.array(WRONG_COLOUR, np.uint8), np.array(RIGHT_COLOUR, np.uint8))
+        legend = (
+            LegendEntry(as_hex(RIGHT_COLOUR), f"right: {_count(~wrong)}"),
+            LegendEntry(as_hex(WRONG_COLOUR), f"wrong: {_count(wrong)}"),
+        )
+        description = "Trajectories outside the group of their label, under the best matching of groups and labels."
+        order = np.argsort(wrong, kind="stable")
+        return self._draw(f"errors ({variant})", colours, legend, description, order=order)._replace(is_beside=True)
+
+    def _draw(
+        self,
+        name: str,
+        colours: np.ndarray,
+        legend: tuple[LegendEntry, ...],
+        description: str,
+        is_shown: bool = False,
+        order: np.ndarray | slice = slice(None),
+    ) -> Layer:
+        def draw(frame: int) -> Picture:
+            recent = slice(max(frame - TAIL_FRAMES, 0), frame + 1)
+            drawn = DrawnPoints(self._points[order, recent], self._visible[order, recent], colours[order], self.size)
+            return encode_transparent(draw_tracks(drawn, self._shape, POINT_RADIUS))
+
+        pictures = tuple(map(draw, self.frames))
+        return Layer(name, LayerKind.OVER, pictures, legend, description=description, is_shown=is_shown)
+
+    def _labels(self) -> np.ndarray:
+        return self._store.read(self._graph.leaves.labels, "labels")
+
+    def _groups(self, variant: TrajectoryVariant) -> np.ndarray:
+        return self._store.read(self._graph.clustering(variant), "motion")
+
+
+def _describe(place: int, meaning: str, members: np.ndarray) -> LegendEntry:
+    return LegendEntry(as_hex(MOTION_COLOURS[place % len(MOTION_COLOURS)]), f"{meaning}: {_count(members)}")
+
+
+def _count(members: np.ndarray) -> str:
+    count = int(np.count_nonzero(members))
+    return f"{count} " + ("trajectory" if count == 1 else "trajectories")
+
+
+def _tails() -> str:
+    return f"Tails reach back {TAIL_FRAMES} frames."

@@ -1,0 +1,179 @@
+"""Layers of the cues: the frame, motion saliency, flow as a colour wheel, inverse depth."""
+
+from collections.abc import Callable, Sequence
+
+import cv2
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from schemas.configs import Variant
+from workflows.exports.colour_maps import (
+    DEPTH_COLOURS,
+    SOFT_COLOURS,
+    colour_inverse_depth,
+    colour_soft_map,
+    draw_colour_bar,
+)
+from workflows.exports.draw_flow import colour_flow, draw_flow_wheel
+from workflows.graph import GIVEN_SOURCES
+from workflows.reports.encode_picture import encode_opaque, encode_transparent
+from workflows.reports.picture_content import Layer, LayerKind, Picture
+from workflows.reports.planned_layer import PlannedLayer
+from workflows.reports.sequence_view import SequenceView
+from workflows.sources.frames import shrink_to
+
+WHEEL_SIDE = 96
+BAR_SHAPE = (24, 220)
+"""Height and width of a colour bar, px."""
+LARGEST_PERCENTILE = 99
+"""Of a frame: what few pixels exceed sets no scale."""
+SCALE_PERCENTILE = 75
+"""Of the frames of a sequence: a single one in which flow fails would make all others pale."""
+
+
+def plan_cue_layers(view: SequenceView, variants: Sequence[Variant]) -> list[PlannedLayer]:
+    """The layers of the cues that a run of the variants reads."""
+    frames, leaves = view.frames, view.graph.leaves
+    layers = [PlannedLayer("frame", tuple(leaves.frames[frame] for frame in frames), lambda: _make_frames(view))]
+    models = {model for variant in variants for model in view.config.views(variant)}
+    has_saliency = view.config.proposal_source == "saliency"
+    if has_saliency:
+        refs = tuple(view.graph.frame_cues.saliency(frame) for frame in frames)
+        layers.append(PlannedLayer("motion saliency", refs, lambda: _make_saliency(view)))
+    if has_saliency or models - {"trajs"}:
+        refs = tuple(view.graph.frame_cues.flow(frame, frame + 1) for frame in _with_next(view))
+        layers.append(PlannedLayer("optical flow", refs, lambda: _make_flow(view)))
+    if has_saliency:
+        refs = tuple(view.graph.frame_cues.saliency(frame) for frame in _with_next(view))
+        if _has_gaps(view):
+            refs += tuple(view.graph.frame_cues.flow(frame, frame + 1) for frame in _with_next(view))
+        name = "flow relative to the background"
+        layers.append(PlannedLayer(name, refs, lambda: _make_residual_flow(view, name)))
+    method = view.config.depth.method
+    if method in GIVEN_SOURCES or (method != "none" and models - {"trajs", "oc"}):
+        refs = tuple(view.graph.frame_cues.depth(frame) for frame in frames)
+        layers.append(PlannedLayer("inverse depth", refs, lambda: _make_depth(view)))
+    return layers
+
+
+def _with_next(view: SequenceView) -> tuple[int, ...]:
+    """Shown frames that have a next one to flow to."""
+    return tuple(frame for frame in view.frames if frame + 1 < len(view.graph.leaves.frames))
+
+
+def _has_gaps(view: SequenceView) -> bool:
+    """Whether the flow may be unknown in places: where files give it."""
+    return view.config.flow.method in GIVEN_SOURCES
+
+
+def _make_frames(view: SequenceView) -> Layer:
+    def draw(frame: int) -> Picture:
+        return encode_opaque(shrink_to(view.store.read(view.graph.leaves.frames[frame], "image"), view.shape))
+
+    return Layer(
+        "frame", LayerKind.BASE, tuple(map(draw, view.frames)), description="The frame as analysed.", is_shown=True
+    )
+
+
+def _make_saliency(view: SequenceView) -> Layer:
+    def draw(frame: int) -> Picture:
+        saliency = view.store.read(view.graph.frame_cues.saliency(frame), "saliency").astype(np.float32)
+        return encode_opaque(colour_soft_map(_resize(saliency, view.shape)))
+
+    return Layer(
+        "motion saliency",
+        LayerKind.BASE,
+        tuple(map(draw, view.frames)),
+        key=_draw_bar(SOFT_COLOURS, "0", "1"),
+        description="How sure it is that a pixel moves otherwise than the background, 0 to 1.",
+    )
+
+
+def _make_flow(view: SequenceView) -> Layer:
+    return _draw_flows(
+        view, "optical flow", "Motion of every pixel to the next frame", lambda frame: _read_flow(view, frame)
+    )
+
+
+def _make_residual_flow(view: SequenceView, name: str) -> Layer:
+    width = view.graph.leaves.shape[1]
+
+    def read(frame: int) -> np.ndarray:
+        # The second direction is the one to the next frame.
+        flow = view.store.read(view.graph.frame_cues.saliency(frame), "residual_flows")[1].astype(np.float32)
+        flow *= np.float32(width / flow.shape[1])
+        if _has_gaps(view):
+            # Saliency fills gaps in with what is known beside them, or with zeros.
+            unknown = ~np.isfinite(_read_flow(view, frame)).all(axis=-1)
+            flow[_resize(unknown.astype(np.float32), flow.shape[:2]) > 0.5] = np.nan
+        return flow
+
+    return _draw_flows(view, name, "What is left of the flow to the next frame once the background's is taken", read)
+
+
+def _read_flow(view: SequenceView, frame: int) -> np.ndarray:
+    return view.store.read(view.graph.frame_cues.flow(frame, frame + 1), "flow")
+
+
+def _draw_flows(view: SequenceView, name: str, what: str, read: Callable[[int], np.ndarray]) -> Layer:
+    # Read twice, for the scale and for the colours: no more than one flow lies in memory.
+    lengths = [_long_vector(read(frame)) for frame in _with_next(view)]
+    longest = float(np.percentile(lengths, SCALE_PERCENTILE)) if lengths else 0.0
+
+    def draw(frame: int) -> Picture | None:
+        if frame + 1 == len(view.graph.leaves.frames):
+            return None
+        return encode_opaque(colour_flow(_resize(read(frame), view.shape), longest))
+
+    scale = f"full colour at {longest:.3g} px/frame, darker beyond"
+    return Layer(
+        name,
+        LayerKind.BASE,
+        tuple(map(draw, view.frames)),
+        key=encode_transparent(draw_flow_wheel(WHEEL_SIDE)),
+        description=f"{what}, as a vector from the wheel's centre: white where it is 0, {scale}, black where unknown.",
+    )
+
+
+def _make_depth(view: SequenceView) -> Layer:
+    def read(frame: int) -> np.ndarray:
+        return view.store.read(view.graph.frame_cues.depth(frame), "inverse_depth")
+
+    percentiles = [np.percentile(read(frame), (100 - LARGEST_PERCENTILE, LARGEST_PERCENTILE)) for frame in view.frames]
+    farthest, nearest = min(low for low, _ in percentiles), max(high for _, high in percentiles)
+
+    def draw(frame: int) -> Picture:
+        return encode_opaque(colour_inverse_depth(_resize(read(frame), view.shape), farthest, nearest))
+
+    return Layer(
+        "inverse depth",
+        LayerKind.BASE,
+        tuple(map(draw, view.frames)),
+        key=_draw_bar(DEPTH_COLOURS, "far", "near"),
+        description="Inverse depth, relative, on one scale for all frames of the sequence: the lighter, the nearer.",
+    )
+
+
+def _long_vector(flow: np.ndarray) -> float:
+    """Length that few of a flow's known vectors exceed, in its unit."""
+    length = np.hypot(flow[..., 0], flow[..., 1])
+    length = length[np.isfinite(length)]
+    return float(np.percentile(length, LARGEST_PERCENTILE)) if length.size else 0.0
+
+
+def _resize(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Values (y, x, ...) at another size; what is not finite stays with its pixels."""
+    size = shape[1], shape[0]
+    if not np.isfinite(values).all():
+        return cv2.resize(values, size, interpolation=cv2.INTER_NEAREST_EXACT)
+    return cv2.resize(values, size, interpolation=cv2.INTER_AREA if size[1] < len(values) else cv2.INTER_LINEAR)
+
+
+def _draw_bar(colours: int, least: str, most: str) -> Picture:
+    """A colour bar with what its ends mean written on them: no page is so light or dark that they are lost."""
+    bar = Image.fromarray(draw_colour_bar(BAR_SHAPE, colours))
+    pen, font = ImageDraw.Draw(bar), ImageFont.load_default(14)
+    height, width = BAR_SHAPE
+    pen.text((6, height // 2), least, (255, 255, 255), font, anchor="lm")
+    pen.text((width - 6, height // 2), most, (0, 0, 0), font, anchor="rm")
+    return encode_transparent(np.dstack([np.asarray(bar), np.full(BAR_SHAPE, 255, np.uint8)]))

@@ -1,0 +1,144 @@
+"""What the motion models say of a sequence's objects: residuals, affinities, and the kernel that was clustered."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from moseg_tasks.clustering import agreed_static
+from moseg_tasks.clustering.agreement import set_apart
+from moseg_tasks.clustering.fusion import fill_unknown, fuse_kernels, unit_diagonal
+from schemas.configs import PipelineConfig, Variant
+from schemas.parameters import ClusteringParams
+from store import ArtifactStore
+from workflows.graph import SequenceGraph
+from workflows.reports.figure_content import Matrix
+from workflows.reports.missing import Missing, telling_missing
+
+
+def object_matrices(
+    store: ArtifactStore, graph: SequenceGraph, config: PipelineConfig, variant: Variant, labels: tuple[str, ...]
+) -> tuple[tuple[Matrix, ...], tuple[Missing, ...]]:
+    """Matrices over the objects of a sequence, and what could not be shown.
+
+    Parameters
+    ----------
+    labels : tuple of str
+        Of the objects, the background's first.
+
+    Raises
+    ------
+    CorruptArtifactError
+        A stored artifact is damaged.
+    """
+    found: list[Matrix] = []
+    missing: list[Missing] = []
+    views = config.views(variant)
+    for view in views:
+        if config.affinity.method == "hypotheses":
+            continue
+        title = f"residuals, {_spelling(view)}"
+        with telling_missing(missing, title):
+            values = mean_residuals(store.read(ref, "residual") for ref in graph.motions.residuals(view))
+            found.append(Matrix(title, values, labels, "px²", _describe_residuals(config, view), True))
+    for view in views:
+        title = f"affinity, {_spelling(view)}"
+        with telling_missing(missing, title):
+            values = store.read(graph.motions.affinity(view), "affinity")
+            found.append(Matrix(title, values, labels, "", _describe_affinity(config, view)))
+    with telling_missing(missing, "kernel"):
+        found.append(_clustered(store, graph, config, variant, labels))
+    return tuple(found), tuple(missing)
+
+
+def matrix_refs(graph: SequenceGraph, config: PipelineConfig, variant: Variant) -> tuple[str, ...]:
+    """References that the matrices, the eigenvalues and the groups of a variant are read from."""
+    refs = [graph.objects.linking()]
+    for view in config.views(variant):
+        refs.append(graph.motions.affinity(view))
+        if config.affinity.method != "hypotheses":
+            refs.extend(graph.motions.residuals(view))
+    clustering = graph.clustering(variant)
+    return tuple(refs if clustering is None else [*refs, clustering])
+
+
+def mean_residuals(sections) -> np.ndarray:
+    """Mean over frame pairs, as far as they know two objects, float64 (K, K); NaN where none does.
+
+    Parameters
+    ----------
+    sections : iterable of float64 (M, K, K)
+        [pair, model object, data object] of each section, px²; NaN where unknown.
+    """
+    total = count = 0
+    for residuals in sections:
+        known = np.isfinite(residuals)
+        total = total + np.where(known, residuals, 0.0).sum(axis=0)
+        count = count + known.sum(axis=0)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def fused_kernel(
+    affinities: Sequence[np.ndarray], supports: Sequence[np.ndarray], params: ClusteringParams
+) -> np.ndarray:
+    """The kernel that `cluster_motions` makes of the views, float64 (K, K) without NaN.
+
+    Parameters
+    ----------
+    affinities : sequence of float64 (K, K)
+        Of each view; NaN where unknown.
+    supports : sequence of float64 (K,)
+        Of each view for every object as static; read where `params.static` is ``agreement``.
+    params : ClusteringParams
+        As the clustering's recipe has them.
+    """
+    views = fill_unknown([unit_diagonal(affinity) for affinity in affinities])
+    if params.static == "agreement":
+        views = set_apart(views, agreed_static(supports, params.threshold))
+    return fuse_kernels(views, params.fusion)
+
+
+def clustering_params(graph: SequenceGraph, variant: Variant) -> ClusteringParams:
+    """The parameters in the recipe of a variant's clustering."""
+    return ClusteringParams(**graph.recipes[graph.clustering(variant)].params["clustering"])
+
+
+def _spelling(view: str) -> str:
+    """A motion model as the variant of its name is spelled, by the user and on the page's tabs."""
+    return view.replace("_", "-")
+
+
+def _clustered(store, graph, config, variant, labels) -> Matrix:
+    views = config.views(variant)
+    refs = [graph.motions.affinity(view) for view in views]
+    params = clustering_params(graph, variant)
+    by_agreement = params.static == "agreement"
+    supports = [store.read(ref, "static_support") for ref in refs] if by_agreement else []
+    values = fused_kernel([store.read(ref, "affinity") for ref in refs], supports, params)
+    mean = "geometric mean" if params.fusion == "product" else "arithmetic mean"
+    named = " and ".join(map(_spelling, views))
+    description = f"The {mean} of the affinities of {named}" if len(views) > 1 else "The affinity"
+    description += ", on a unit diagonal, what no view knows filled in along chains of objects"
+    if by_agreement:
+        description += ", and what every view takes for static set apart as one group"
+    description += "; 1: the same motion."
+    if len(views) > 1 and params.fusion == "coregularised":
+        description += " Spectral coordinates come from the views one by one; groups are linked by this kernel."
+    return Matrix("fused kernel" if len(views) > 1 else "clustered kernel", values, labels, "", description)
+
+
+def _describe_residuals(config: PipelineConfig, view: str) -> str:
+    if view == "trajs":
+        kind, distance = "fundamental matrix", f"{config.fundamental.statistic} squared Sampson distance of its tracks"
+    else:
+        kind, distance = f"{_spelling(view)} flow model", "mean squared distance of its flow"
+    return (
+        f"Row: the object whose {kind} is applied; column: the object it is applied to. The {distance}, mean over frame"
+        " pairs; large: moves in another way."
+    )
+
+
+def _describe_affinity(config: PipelineConfig, view: str) -> str:
+    return (
+        f"How alike two objects move under {_spelling(view)}, by the method {config.affinity.method}: large is alike,"
+        " blank where they were never seen together."
+    )

@@ -1,0 +1,129 @@
+"""Layers of what was found: moving objects, all proposals, and their point tracks."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
+from operator import itemgetter
+
+import numpy as np
+
+from schemas.configs import Variant
+from schemas.parameters.clustering import READ_TRACKS
+from workflows.exports.draw_regions import RegionStyle, draw_regions
+from workflows.exports.draw_tracks import TAIL_FRAMES, DrawnPoints, draw_tracks
+from workflows.exports.overlay_style import DEFAULT_OPACITY
+from workflows.found_objects import found_refs, read_found_objects
+from workflows.reports.encode_picture import encode_transparent
+from workflows.reports.picture_content import Layer, LayerKind, LegendEntry, Picture
+from workflows.reports.planned_layer import PlannedLayer
+from workflows.reports.sequence_view import SequenceView, all_colours, all_tints, as_hex, list_identities
+
+STATIC_POINT = (190, 190, 190)
+"""RGB of points on what stands still."""
+POINT_RADIUS = 1.5
+"""px of the picture; more would hide small objects."""
+_MOVING = RegionStyle(DEFAULT_OPACITY, is_numbered=True)
+_PROPOSED = RegionStyle(0.15, is_numbered=True)
+
+
+def plan_moving_objects(view: SequenceView, variant: Variant, is_shown: bool) -> PlannedLayer:
+    """The objects that a variant says move."""
+    name = f"moving objects ({variant})"
+    refs = (*view.label_refs(variant, view.frames), *found_refs(view.graph, variant))
+
+    def make() -> Layer:
+        found = read_found_objects(view.store, view.graph, variant)
+
+        def draw(frame: int) -> Picture:
+            return _draw_objects(view.labels(variant, frame), view.shape, _MOVING)
+
+        return Layer(
+            name,
+            LayerKind.OVER,
+            tuple(map(draw, view.frames)),
+            legend=list_identities(found, is_moving_only=True),
+            description="What moves on its own, with one colour and number per identity in all frames.",
+            is_shown=is_shown,
+        )
+
+    return PlannedLayer(name, refs, make)
+
+
+def plan_proposals(view: SequenceView, variant: Variant) -> PlannedLayer:
+    """All objects, as they were before it was decided which of them move."""
+    sections = sorted({view.place(frame)[0] for frame in view.frames})
+    refs = (*(view.graph.objects.proposals(section) for section in sections), *found_refs(view.graph, variant))
+
+    def make() -> Layer:
+        found = read_found_objects(view.store, view.graph, variant)
+        linked = view.store.read(view.graph.objects.linking(), "identity")
+        names = np.array((0, *found.identities), np.uint16)
+
+        def draw(frame: int) -> Picture:
+            section, row = view.place(frame)
+            masks = view.store.read_rows(view.graph.objects.proposals(section), "masks", row, row + 1)[0]
+            return _draw_objects(names[linked[section]][masks], view.shape, _PROPOSED)
+
+        return Layer(
+            "proposals",
+            LayerKind.OVER,
+            tuple(map(draw, view.frames)),
+            legend=list_identities(found, is_moving_only=False),
+            description=f"All objects before their motion decides, linked over time; motions are those of {variant}.",
+        )
+
+    return PlannedLayer("proposals", refs, make)
+
+
+def _draw_objects(labels: np.ndarray, shape: tuple[int, int], style: RegionStyle) -> Picture:
+    """Objects by identity as in the overlay: the tint is the palette's colour, the border that at full brightness."""
+    return encode_transparent(draw_regions(labels, all_colours(), shape, style, tints=all_tints()))
+
+
+def reads_tracks(view: SequenceView, variants: Sequence[Variant]) -> bool:
+    """Whether any of the variants starts from point tracks."""
+    params = view.config.clustering
+    counts = params.motions == "auto" and params.auto in READ_TRACKS
+    views = [view.config.views(variant) for variant in variants]
+    return any("trajs" in models or (models and counts) for models in views)
+
+
+def plan_tracks(view: SequenceView, variant: Variant) -> PlannedLayer:
+    """The point tracks of each frame with a short tail, in the colour of what they lie on."""
+    sections = sorted({view.place(frame)[0] for frame in view.frames})
+    refs = (*(view.graph.motions.tracks(section) for section in sections), *found_refs(view.graph, variant))
+
+    def make() -> Layer:
+        found = read_found_objects(view.store, view.graph, variant)
+        linked = view.store.read(view.graph.objects.linking(), "identity")
+        names = np.array((0, *found.identities), np.uint16)
+        moves = np.array([0, *found.motions.values()]) > 0
+        colours = np.where(moves[:, None], all_colours()[names], np.array(STATIC_POINT, np.uint8))
+
+        def draw_section(section: int, rows: Iterable[int]) -> Iterator[Picture]:
+            ref = view.graph.motions.tracks(section)
+            points, visible, owner = (view.store.read(ref, name) for name in ("points", "visible", "object"))
+            identity = linked[section][owner]
+            # What moves lies above.
+            order = np.argsort(moves[identity], kind="stable")
+            for row in rows:
+                recent = slice(max(row - TAIL_FRAMES, 0), row + 1)
+                drawn = DrawnPoints(
+                    points[order, recent], visible[order, recent], colours[identity[order]], view.graph.leaves.shape
+                )
+                yield encode_transparent(draw_tracks(drawn, view.shape, POINT_RADIUS))
+
+        by_section = groupby(map(view.place, view.frames), key=itemgetter(0))
+        pictures = tuple(
+            picture for section, places in by_section for picture in draw_section(section, (row for _, row in places))
+        )
+        static = LegendEntry(as_hex(STATIC_POINT), "on what stands still")
+        return Layer(
+            "tracks",
+            LayerKind.OVER,
+            pictures,
+            legend=(*list_identities(found, is_moving_only=True), static),
+            description=f"Point tracks with their way over the last {TAIL_FRAMES} frames of their section, in the"
+            f" colour of the object that they lie on; what moves is taken from {variant}.",
+        )
+
+    return PlannedLayer("tracks", refs, make)

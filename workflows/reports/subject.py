@@ -1,0 +1,114 @@
+"""What a run was about, read from its log: the graph can be written again from it, without any source."""
+
+import json
+from typing import Literal, NamedTuple
+
+from pydantic import TypeAdapter, ValidationError
+
+from schemas.configs import PipelineConfig, TrajectoryVariant, Variant
+from schemas.errors import InputError
+from schemas.events import EventKind, SubjectEvent, line_time, read_event
+from store import ArtifactStore
+from workflows.graph import SequenceLeaves, TrajectoryLeaves
+
+_LEAVES = {True: TypeAdapter(SequenceLeaves), False: TypeAdapter(TrajectoryLeaves)}
+_MARK = f'"{EventKind.SUBJECT}"'.encode("ascii")
+
+
+class RunSequence(NamedTuple):
+    """A sequence or clip of a run, and its frames per second where it has any."""
+
+    leaves: SequenceLeaves | TrajectoryLeaves
+    fps: float | None
+
+
+class RunSubject(NamedTuple):
+    """What a run was about.
+
+    Attributes
+    ----------
+    command : 'eval', 'ablate' or 'segment'
+    dataset : str or None
+        None for a user's own video.
+    config : PipelineConfig
+    variants : tuple of Variant, or of TrajectoryVariant
+    sequences : tuple of RunSequence
+        Of all waves that the run came to.
+    seeds : tuple of int or None
+        Seeds that figures are means over.
+    notes : tuple of str
+    """
+
+    command: Literal["eval", "ablate", "segment"]
+    dataset: str | None
+    config: PipelineConfig
+    variants: tuple[Variant, ...] | tuple[TrajectoryVariant, ...]
+    sequences: tuple[RunSequence, ...]
+    seeds: tuple[int, ...] | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def has_frames(self) -> bool:
+        """Whether it is about frames, not about trajectories without images."""
+        return isinstance(self.sequences[0].leaves, SequenceLeaves)
+
+
+def read_subject(store: ArtifactStore, run_id: str) -> RunSubject:
+    """What the log of a run says that it is about; a note tells of lines that are cut short.
+
+    Raises
+    ------
+    InputError
+        The log does not say so, or not as this version of the configuration and the graph has it.
+    StoreError
+        The log cannot be read.
+    """
+    # Of a large run the other lines are a hundred thousand.
+    lines = sorted((line for line in store.read_log(run_id) if _MARK in line), key=line_time)
+    where = f"run {run_id}"
+    whole = [line for line in lines if _is_json(line)]
+    num_broken = len(lines) - len(whole)
+    try:
+        events = [event for event in map(read_event, whole) if isinstance(event, SubjectEvent)]
+        if not events:
+            expected = "a run of moseg eval, ablate or segment that got as far as its first plan"
+            got = f"{num_broken} of {len(lines)} lines about it cut short" if num_broken else None
+            raise InputError("nothing to report", where=where, got=got, expected=expected)
+        subject = _read(events)
+        if not num_broken:
+            return subject
+        note = f"{num_broken} of {len(lines)} lines of its log about its sequences are cut short: those are missing"
+        return subject._replace(notes=(*subject.notes, note))
+    except ValidationError as error:
+        first = error.errors()[0]
+        got = f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
+        expected = "a run of this version; the run's own command, given again, makes one"
+        raise InputError("a run of another version of moseg", where=where, got=got, expected=expected) from error
+
+
+def _is_json(line: bytes) -> bool:
+    """Whether a line is whole: a full disk or a kill can cut one short."""
+    try:
+        json.loads(line)
+    except ValueError:
+        return False
+    return True
+
+
+def _read(events: list[SubjectEvent]) -> RunSubject:
+    first = events[0]
+    sequences = tuple(
+        RunSequence(_LEAVES["frames" in sequence.leaves].validate_python(sequence.leaves), sequence.fps)
+        for event in events
+        for sequence in event.sequences
+    )
+    kind = Variant if isinstance(sequences[0].leaves, SequenceLeaves) else TrajectoryVariant
+    return RunSubject(
+        command=first.command,
+        dataset=first.dataset,
+        config=PipelineConfig.model_validate(first.config),
+        variants=TypeAdapter(tuple[kind, ...]).validate_python(first.variants),
+        sequences=sequences,
+        seeds=first.seeds,
+        notes=first.notes,
+    )
