@@ -1,0 +1,88 @@
+"""What a result leaves in a folder, and what it leaves alone."""
+
+import json
+from dataclasses import replace
+
+import av
+import moseg
+import pytest
+
+from schemas.errors import InputError
+
+
+def _contents(folder):
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_ground_truth_is_never_overwritten(segmented, squares):
+    before = _contents(squares)
+    with pytest.raises(InputError, match=r"a file not known as moseg's own in .*00000\.png") as caught:
+        segmented.result.save(squares / "squares")
+    assert "--out" not in str(caught.value)
+    assert _contents(squares) == before
+
+
+@pytest.mark.parametrize("folder", ["", " "])
+def test_no_folder_is_not_the_folder_one_stands_in(segmented, tmp_path, monkeypatch, folder):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match="no output folder named in folder"):
+        segmented.result.save(folder)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_video_is_not_replaced_by_its_own_overlay(segmented, config, tmp_path, monkeypatch):
+    segmented.result.save(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    result = moseg.segment_video("overlay.mp4", config, variant="base", store=tmp_path / "store", progress=False)
+    before = _contents(tmp_path)
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    for style in (None, moseg.OverlayStyle()):
+        with pytest.raises(InputError, match=r"would replace their input .*overlay\.mp4; expected another folder"):
+            result.save(tmp_path, style=style)
+    assert _contents(tmp_path) == before
+
+
+def test_an_overlay_of_somebody_else_stays(segmented, tmp_path):
+    (tmp_path / "overlay.mp4").write_bytes(b"precious")
+    segmented.result.save(tmp_path, style=None)
+    with pytest.raises(InputError, match=r"not known as moseg's own in .*overlay\.mp4"):
+        segmented.result.save(tmp_path)
+    assert (tmp_path / "overlay.mp4").read_bytes() == b"precious"
+
+
+def test_exports_of_somebody_else_stop_it_before_the_masks(segmented, tmp_path):
+    (tmp_path / "coco.json").write_text("{}")
+    with pytest.raises(InputError, match=r"not known as moseg's own in .*coco\.json"):
+        segmented.result.save(tmp_path, exports=["npz", "coco"])
+    assert [path.name for path in tmp_path.iterdir()] == ["coco.json"]
+
+
+def test_masks_of_one_result_never_stand_beside_the_summary_of_another(segmented, tmp_path, monkeypatch):
+    result = segmented.result
+    result.save(tmp_path)
+
+    def fail(*arguments, **options):
+        raise InputError("no room left")
+
+    monkeypatch.setattr("workflows.exports.write_segmentation.write_overlay", fail)
+    with pytest.raises(InputError, match="no room left"):
+        result.save(tmp_path)
+    assert not (tmp_path / "motion.json").exists()
+    monkeypatch.undo()
+    result.save(tmp_path)
+    assert json.loads((tmp_path / "motion.json").read_text())["num_frames"] == result.num_frames
+
+
+def test_a_rate_that_a_container_states_is_kept_and_played_as_near_as_players_can(segmented, tmp_path):
+    replace(segmented.result, fps=3e9).save(tmp_path)
+    assert json.loads((tmp_path / "motion.json").read_text())["fps"] == 3e9
+    with av.open(str(tmp_path / "overlay.mp4")) as container:
+        assert container.streams.video[0].average_rate == 1000
+
+
+@pytest.mark.parametrize("fps", [1e-5, 0.09, 1001, 3e9, float("nan")])
+def test_rates_beyond_those_of_the_command_line_are_refused_before_the_work(segmented, tmp_path, fps):
+    with pytest.raises(InputError, match="not a frame rate in fps"):
+        moseg.segment_video(segmented.frames, fps=fps, store=tmp_path / "store", progress=False)
+    assert not (tmp_path / "store").exists()

@@ -1,0 +1,241 @@
+"""What was found in one video, read from the store as it is asked for."""
+
+import os
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from schemas.scores import StoreUse
+from store import ArtifactStore
+from workflows.api.arguments import (
+    Kind,
+    check_kinds,
+    check_least,
+    check_style,
+    named_as_arguments,
+    read_names,
+)
+from workflows.api.moving_object import MovingObject
+from workflows.api.notebook import draw_html
+from workflows.api.strip import draw_strip, spread_frames
+from workflows.events import as_unicode
+from workflows.exports import OverlayStyle
+from workflows.exports.check_outputs import check_outputs
+from workflows.exports.draw_overlay import draw_overlay
+from workflows.exports.formats import check_exports, choose_formats, export
+from workflows.exports.output_names import MASKS, MOTION, OVERLAY, mask_name
+from workflows.exports.overlay_style import DEFAULT_STYLE
+from workflows.exports.saved_segmentation import open_segmentation
+from workflows.exports.write_segmentation import write_segmentation
+from workflows.segment import StoredSegmentation
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionSegmentation:
+    """The moving objects of one video.
+
+    It is light: labels, frames, affinities and residuals lie in the artifact store and are read when they are asked
+    for. What it was made from is pinned there, so `moseg store gc` keeps it. Made by `segment_video`.
+
+    Attributes
+    ----------
+    name : str
+    shape : (int, int)
+        Height and width of the video's frames and of the labels, px.
+    analysed_shape : (int, int)
+        Height and width of the frames as analysed, at most ``config.max_side``, px.
+    fps : float
+        Frames per second.
+    num_frames : int
+    num_motions : int
+        Motion groups found, the background's included.
+    objects : tuple of MovingObject
+        By identity; empty where nothing moves.
+    store_use : StoreUse
+        Artifacts that the call computed, and those that it found in the store.
+    notes : tuple of str
+        What must be known to read the result rightly; mostly empty.
+    """
+
+    name: str
+    shape: tuple[int, int]
+    analysed_shape: tuple[int, int]
+    fps: float
+    num_frames: int
+    num_motions: int
+    objects: tuple[MovingObject, ...]
+    store_use: StoreUse
+    _store: ArtifactStore
+    _stored: StoredSegmentation
+    _frame_names: tuple[str, ...] | None = None
+    _video: str | None = None
+    notes: tuple[str, ...] = ()
+
+    @cached_property
+    def labels(self) -> np.ndarray:
+        """uint16 (frame, y, x) at the video's size: 0 static, else a moving object's identity.
+
+        Read once and kept: 2 bytes a pixel, for a minute of 1280x720 px at 24 frames per second 2.7 GB. `iter_labels`
+        has one frame in memory at a time.
+        """
+        labels = np.empty((self.num_frames, *self.shape), np.uint16)
+        for index, frame in enumerate(self.iter_labels()):
+            labels[index] = frame
+        return labels
+
+    @property
+    def moving(self) -> np.ndarray:
+        """bool (frame, y, x): what moves on its own."""
+        return self.labels > 0
+
+    def iter_labels(self) -> Iterator[np.ndarray]:
+        """uint16 (y, x) of every frame at the video's size, one at a time."""
+        return self._stored.labels(self._store)
+
+    def frames(self) -> Iterator[np.ndarray]:
+        """Every frame as analysed, uint8 (y, x, 3) RGB of `analysed_shape`, one at a time."""
+        return self._stored.frames(self._store)
+
+    def overlay(self, frame: int, style: OverlayStyle | None = None) -> np.ndarray:
+        """One frame with its moving objects drawn in.
+
+        Parameters
+        ----------
+        frame : int
+            Counted from 0; from -1 backwards.
+        style : OverlayStyle, optional
+            By default tinted and outlined.
+
+        Returns
+        -------
+        uint8 (y, x, 3) RGB
+            Of `analysed_shape`; twice as wide where the style is side by side.
+
+        Raises
+        ------
+        IndexError
+            There is no such frame.
+        """
+        check_style(style)
+        index = range(self.num_frames)[frame]
+        image = self._store.read(self._stored.frame_refs[index], "image")
+        labels = self._stored.frame_labels(self._store, index, self.analysed_shape)
+        return draw_overlay(image, labels, style or DEFAULT_STYLE)
+
+    def figure(self, num_frames: int = 6, *, style: OverlayStyle | None = None, side: int = 320) -> Image.Image:
+        """Frames spread over the video with their moving objects drawn in, three in a row.
+
+        Parameters
+        ----------
+        num_frames : int
+            1 or more; no more are drawn than there are.
+        style : OverlayStyle, optional
+        side : int
+            Longer side of each frame in the figure, px.
+
+        Returns
+        -------
+        PIL.Image.Image
+            RGB; a notebook shows it where it is the last line of a cell, ``save`` writes it.
+
+        Raises
+        ------
+        InputError
+            A number below 1, or what is no style.
+        """
+        check_least(1, num_frames=num_frames, side=side)
+        indices = spread_frames(self.num_frames, num_frames)
+        return draw_strip({index: self.overlay(index, style) for index in indices}, side)
+
+    @property
+    def row_identities(self) -> tuple[int, ...]:
+        """What the rows and columns of `affinities` and `residuals` stand for: 0 the background, else an identity.
+
+        Objects that were found static are among them.
+        """
+        return self._stored.rows
+
+    @cached_property
+    def affinities(self) -> dict[str, np.ndarray]:
+        """Affinity between objects under each motion model, float64 (k, k), 0..1; NaN where two share no frame pair.
+
+        Row 0 is the background's, the others `row_identities` names. Empty for the variant ``base``.
+        """
+        return {view: self._store.read(ref, "affinity") for view, ref in self._stored.affinity_refs.items()}
+
+    @cached_property
+    def residuals(self) -> dict[str, np.ndarray]:
+        """Residuals under each motion model, float64 (frame pair, k, k), px².
+
+        Entry [m, i, j] is the error of object j's data under object i's model in pair m; NaN where that model is
+        invalid or the object absent. Rows as those of `affinities`. Empty for the variant ``base``, and where
+        affinities come from hypotheses alone.
+        """
+        return {
+            view: np.concatenate([self._store.read(ref, "residual") for ref in refs])
+            for view, refs in self._stored.residual_refs.items()
+        }
+
+    @named_as_arguments()
+    def save(
+        self,
+        folder: str | os.PathLike,
+        *,
+        style: OverlayStyle | None = DEFAULT_STYLE,
+        exports: str | Iterable[str] = (),
+        dilation: int | None = None,
+    ) -> tuple[Path, ...]:
+        """Write what `moseg segment` writes: ``masks/00000.png`` …, ``overlay.mp4`` and ``motion.json``.
+
+        Parameters
+        ----------
+        folder : path
+            Made where it is absent.
+        style : OverlayStyle, optional
+            Of the overlay; None for no overlay.
+        exports : str or iterable of str
+            Formats to write beside it, as those of `moseg export`: ``coco``, ``colmap``, ``npz`` …
+        dilation : int, optional
+            How far masks of what moves are widened in the formats that ignore it, px; by default as each format has it.
+
+        Returns
+        -------
+        tuple of Path
+            The files and folders that were written.
+
+        Raises
+        ------
+        InputError
+            The folder cannot be written; a file would be replaced that is not ours, or the video itself; there is no
+            such format, or one that cannot hold these frames.
+        """
+        check_kinds(Kind.PATH, folder=folder)
+        check_style(style)
+        if dilation is not None:
+            check_least(0, dilation=dilation)
+        formats = choose_formats(read_names("exports", exports), dilation, self._frame_names)
+        check_outputs(os.fsdecode(folder), self._video, style is not None, "folder")
+        folder = Path(os.fsdecode(folder))
+        names = self._frame_names or tuple(mask_name(index) for index in range(self.num_frames))
+        check_exports(formats, folder, as_unicode(self.name), names)
+        write_segmentation(folder, self._store, self._stored, self.fps, style, None, self._frame_names)
+        written = tuple(folder / name for name in ((MASKS, MOTION) if style is None else (MASKS, OVERLAY, MOTION)))
+        if not formats:
+            return written
+        return (*written, *export(open_segmentation(folder), formats, folder, dilation))
+
+    def __repr__(self) -> str:
+        return f"<MotionSegmentation {self.name!r}: {self._summary}>"
+
+    def _repr_html_(self) -> str:
+        return draw_html(self.name, self._summary, self.objects, self.figure(3, side=300), self.notes)
+
+    @property
+    def _summary(self) -> str:
+        count, (height, width) = len(self.objects), self.shape
+        objects = f"{count} moving object{'' if count == 1 else 's'}"
+        return f"{objects} in {self.num_frames} frames of {width}x{height} px"

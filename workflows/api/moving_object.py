@@ -1,0 +1,48 @@
+"""One object of a video that moves on its own, and the evidence for it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class MovingObject:
+    """One object that moves on its own.
+
+    Attributes
+    ----------
+    identity : int
+        Value of its pixels in the labels, the same in every frame.
+    motion : int
+        Motion group: objects of one group move together.
+    first_frame, last_frame : int
+        Counted from 0, both with at least one pixel of the object.
+    num_frames : int
+        Frames with at least one pixel of it.
+    mean_area_fraction : float
+        Its share of the frame's pixels, 0..1, mean over those frames.
+    tag : str or None
+        What a network called it, where one did.
+    static_support : mapping of str to float
+        How well the background's motion explains the object, 0..1, under each motion model that knows it (``trajs``,
+        ``oc_depth`` …): ``exp(-d² / 2)``, with d the error of the background's model on the object beyond that of the
+        object's own model, in units of the tolerated error.
+    score : float or None
+        ``1 - min(static_support)``, 0..1: how clearly the model that sees its motion best tells it from the background.
+        It is evidence and no probability. With the default ``clustering.static`` an object is dropped as static where
+        every model supports that, so a low score is that of an object that some model does not know. None where no
+        model knows the object, or none was asked (variant ``base``).
+    """
+
+    identity: int
+    motion: int
+    first_frame: int
+    last_frame: int
+    num_frames: int
+    mean_area_fraction: float
+    tag: str | None = None
+    static_support: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def score(self) -> float | None:
+        """See the class."""
+        return 1.0 - min(self.static_support.values()) if self.static_support else None

@@ -1,0 +1,60 @@
+"""Zero-shot monocular motion segmentation: which pixels of a video move on their own.
+
+    import moseg
+
+    result = moseg.segment_video("holiday.mp4")
+    result.labels  # uint16 (frame, y, x): 0 static, else an object's identity
+
+What is here is imported when it is first used, so that ``import moseg`` itself costs nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from schemas.configs import PipelineConfig, Variant
+    from schemas.errors import InputError, MosegError
+    from workflows.api import MotionSegmentation, MovingObject, load_config, segment_video
+    from workflows.exports import OverlayMode, OverlayStyle
+
+__all__ = [
+    "InputError",
+    "MosegError",
+    "MotionSegmentation",
+    "MovingObject",
+    "OverlayMode",
+    "OverlayStyle",
+    "PipelineConfig",
+    "Variant",
+    "__version__",
+    "load_config",
+    "segment_video",
+]
+
+_HOMES = {
+    "InputError": "schemas.errors",
+    "MosegError": "schemas.errors",
+    "MotionSegmentation": "workflows.api",
+    "MovingObject": "workflows.api",
+    "OverlayMode": "workflows.exports",
+    "OverlayStyle": "workflows.exports",
+    "PipelineConfig": "schemas.configs",
+    "Variant": "schemas.configs",
+    "load_config": "workflows.api",
+    "segment_video": "workflows.api",
+}
+
+
+def __getattr__(name: str):
+    if name == "__version__":
+        value = import_module("importlib.metadata").version("moseg")
+    elif name in _HOMES:
+        value = getattr(import_module(_HOMES[name]), name)
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
