@@ -10,7 +10,7 @@ STORE   ?= .moseg/store
 MOSEG   := .venv/bin/moseg
 OPTIONS  = $(if $(ROOT),--root "$(ROOT)") --workers $(WORKERS) --store "$(STORE)" $(ARGS)
 
-.PHONY: setup eval ablation segment test lint bench bench-engine bench-faults bench-networks bench-memory bench-objects clean
+.PHONY: setup eval ablation segment test lint docs-check docs-pictures bench bench-engine bench-faults bench-networks bench-memory bench-objects clean
 
 setup: .venv/.ready
 
@@ -34,6 +34,13 @@ test: setup
 
 lint: setup
 	.venv/bin/ruff check . && .venv/bin/ruff format --check .
+
+docs-check: setup
+	.venv/bin/python docs/tools/check_commands.py $(ARGS)
+
+docs-pictures: setup
+	.venv/bin/python docs/tools/draw_graph.py
+	.venv/bin/python docs/tools/make_pictures.py
 
 bench: setup
 	for script in benchmarks/*.py; do echo "== $$script"; .venv/bin/python "$$script" || exit 1; done

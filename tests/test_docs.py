@@ -7,6 +7,7 @@ an option counts as given to the first command that knows it. Placeholders: `N` 
 taken as they stand.
 """
 
+import importlib.util
 import os
 import re
 import shlex
@@ -24,19 +25,31 @@ from typer.main import get_command
 from schemas.configs import PipelineConfig
 from schemas.errors import InputError
 from workflows.cli.app import app
-from workflows.cli.options import PipelineOptions, choose_preset
+from workflows.cli.pipeline_options import PipelineOptions
 from workflows.datasets.registry import DATASETS
+from workflows.preset_choice import choose_preset
 from workflows.weights.catalogue import CATALOGUE
 from workflows.weights.needed import ARCHITECTURES, needed_items
 
 ROOT = Path(__file__).resolve().parents[1]
-DOCUMENTS = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+
+
+def _load(path: Path):
+    """A script outside of the packages."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+_shown_commands = _load(ROOT / "docs" / "tools" / "shown_commands.py")
+DOCUMENTS, shown_code = _shown_commands.DOCUMENTS, _shown_commands.shown_code
+TO_BE_UNDERSTOOD = tuple(path for path in DOCUMENTS if path.name != "extending.md")
+"""What extending.md shows is understood where its examples were written: tests/docs/test_extending.py."""
 ARCHITECTURE_OF = {item.name: item.architecture for item in CATALOGUE}
 
-_CODE_LINE = re.compile(r"^ {4,}(.*)$", re.MULTILINE)
-_INLINE = re.compile(r"`([^`]+)`")
-_ASSIGNMENTS = re.compile(r"^(?:[A-Z_]+=\S+ +)+(?=\S)")
 _PARAMETER = re.compile(rf"(?:{'|'.join(PipelineConfig.model_fields)})\.[a-z]\w*(?:=\S+)?")
+_OPTION = re.compile(r"--[a-z]")
 _LINK = re.compile(r"\]\((?!\w+:)([^)#]*)(?:#([^)]+))?\)")
 
 
@@ -47,22 +60,9 @@ class Shown(NamedTuple):
     text: str
 
 
-def shown_code(text: str) -> list[str]:
-    """Lines of indented blocks, what their comments offer instead, and inline code, each on one line."""
-    found = []
-    for line in _CODE_LINE.findall(text):
-        code, _, comment = line.partition("  #")
-        found.append(code.strip())
-        instead = comment.partition("or: ")[2].partition(";")[0].strip()
-        # Another option in place of the line's own: the last one counts.
-        found.append(f"{code.strip()} {instead}" if instead.startswith("-") else instead)
-    found += [" ".join(code.split()) for code in _INLINE.findall(_CODE_LINE.sub("", text))]
-    return [_ASSIGNMENTS.sub("", code).removeprefix(".venv/bin/") for code in found]
-
-
 def is_for_moseg(code: str) -> bool:
     """Whether the code is a command line of `moseg`, or options or parameters for it."""
-    return code.startswith(("moseg ", "--")) or _PARAMETER.fullmatch(code) is not None
+    return code.startswith("moseg ") or _OPTION.match(code) is not None or _PARAMETER.fullmatch(code) is not None
 
 
 def check(code: str) -> None:
@@ -77,6 +77,12 @@ def check(code: str) -> None:
             return
         code = f"--set {code}"
     words = ["1" if word == "N" else word for word in shlex.split(code) if word != "…"]
+    own = {name for parameter in get_command(app).params for name in parameter.opts}
+    # What `moseg` itself does with them (installing completion, say) is not to be done here.
+    if words[-1] == "--help" and len(words) > 1:
+        words = words[:-1]
+    if words[-1] in own and words in (["moseg", words[-1]], words[-1:]):
+        return
     if words[0] != "moseg":
         words = _complete(words)
         if words is None:
@@ -106,7 +112,9 @@ def _check_parsed(values: dict) -> None:
     if not values.keys() >= set(names):
         return
     settings = [setting for setting in values["settings"] if setting != "stage.name=value"]
-    config, _ = PipelineOptions(**{name: values[name] for name in names} | {"settings": settings}).read()
+    # A file that is shown is the user's own.
+    own = {"settings": settings, "config_file": None}
+    config, _ = PipelineOptions(**{name: values[name] for name in names} | own).read()
     for item, architecture in needed_items(config).items():
         _check_item(item, architecture)
     for method, architecture in ARCHITECTURES.items():
@@ -143,7 +151,7 @@ def _commands(command=None, path: tuple[str, ...] = ()) -> list[tuple[tuple[str,
 
 def _shown(is_meant) -> list[Shown]:
     found = []
-    for path in DOCUMENTS:
+    for path in TO_BE_UNDERSTOOD:
         codes = [code for code in shown_code(path.read_text(encoding="utf-8")) if is_meant(code)]
         found += [Shown(path.relative_to(ROOT).as_posix(), code) for code in dict.fromkeys(codes)]
     return found
@@ -198,7 +206,9 @@ def _anchors(path: Path) -> set[str]:
 
 
 def test_every_document_shows_something():
-    assert {item.document for item in _shown(is_for_moseg)} == {path.relative_to(ROOT).as_posix() for path in DOCUMENTS}
+    assert {item.document for item in _shown(is_for_moseg)} == {
+        path.relative_to(ROOT).as_posix() for path in TO_BE_UNDERSTOOD
+    }
 
 
 def test_commands_are_found_in_blocks_comments_and_text():

@@ -1,0 +1,174 @@
+"""What docs/extending.md tells to write works: all of it is applied to a copy of the project, and its commands run."""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from textwrap import dedent
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "extending.md"
+PACKAGES = ("schemas", "store", "moseg_tasks", "workflows")
+RUN_AS_SHOWN = (
+    "moseg datasets show my-benchmark --root my-data",
+    "moseg eval --dataset my-benchmark --root my-data",
+    "moseg backends",
+)
+RUN_ON_LESS = (
+    "moseg eval --dataset synthetic --set fused_flow_model=affine",
+    "moseg eval --dataset kt3dmoseg --root /data/KT3DMoSeg --motions gt --views translation,fundamental",
+    "moseg segment holiday.mp4 --out holiday --export areas --export coco",
+    "moseg eval --dataset synthetic --proposals groundtruth --affinity mean",
+    "moseg eval --dataset synthetic --flow farneback",
+)
+"""Run below with the same options on a smaller input."""
+_STEP = re.compile(r"(New file|Change in)\s+`([^`]+\.py)`[^\n]*(?:\n\S[^\n]*)*\n\n((?:(?: {4}.*)?\n)+)")
+
+
+class Step(NamedTuple):
+    """A file that the page names, and the block of code below its name."""
+
+    is_new: bool
+    path: str
+    block: str
+
+
+def read_steps(text: str) -> list[Step]:
+    """Every new file and every change of the page, in its order."""
+    blocks = ((found, dedent(found[3]).strip("\n") + "\n") for found in _STEP.finditer(text))
+    return [Step(found[1] == "New file", found[2], block) for found, block in blocks]
+
+
+def apply(step: Step, root: Path) -> None:
+    """Write a new file, or put each group of ``+`` lines in the place of the ``-`` lines before it."""
+    path = root / step.path
+    if step.is_new:
+        assert not path.exists(), f"{step.path} exists by now: the page needs another name"
+        path.write_text(step.block, encoding="utf-8")
+        return
+    for group in re.findall(r"(?:^-.*\n)+(?:^\+.*\n)+", step.block, re.MULTILINE):
+        marks = [(line[0], line[2:]) for line in group.splitlines()]
+        old, new = ("\n".join(text for mark, text in marks if mark == sign) for sign in "-+")
+        text = path.read_text(encoding="utf-8")
+        old, new = (part if old in text else part.strip() for part in (old, new))
+        assert text.count(old) == 1, f"{step.path} has no more exactly one place with {old!r}"
+        path.write_text(text.replace(old, new), encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def extended(tmp_path_factory):
+    """A copy of the project with all that the page tells to write."""
+    root = tmp_path_factory.mktemp("extended")
+    for name in PACKAGES:
+        shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for step in read_steps(PAGE.read_text(encoding="utf-8")):
+        apply(step, root)
+    return root
+
+
+@pytest.fixture(scope="module")
+def run(extended):
+    """Runs a command line of moseg, or a script, with the copy; returns what it prints."""
+
+    def run(code: str) -> str:
+        words = shlex.split(code)
+        start = ["-c", "from workflows.cli import main; main()"] if words[0] == "moseg" else [words[0]]
+        environ = {**os.environ, "PYTHONPATH": str(extended), "PYTHONWARNINGS": "ignore"}
+        done = subprocess.run(
+            [sys.executable, *start, *words[1:]], cwd=extended, env=environ, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, f"{code}\n{done.stdout}{done.stderr}"
+        return done.stdout
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def sequence(extended, write_squares):
+    """The sequence of two squares where the page's data set has it, and where `folder` has it."""
+    source = write_squares(extended / "squares", num_frames=4)
+    shutil.copytree(source / "frames", extended / "my-data" / "frames" / "squares")
+    shutil.copytree(source / "masks", extended / "my-data" / "labels" / "squares")
+    return source
+
+
+def test_every_command_of_the_page_is_run_here():
+    shown = re.findall(r"^    (moseg .*)$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    assert set(shown) == {*RUN_AS_SHOWN, *RUN_ON_LESS}
+
+
+def test_the_page_has_an_example_of_everything():
+    steps = read_steps(PAGE.read_text(encoding="utf-8"))
+    assert sum(step.is_new for step in steps) == 8
+    assert {step.path for step in steps if not step.is_new} >= {
+        "workflows/datasets/registry.py",
+        "moseg_tasks/motion_models/registry.py",
+        "moseg_tasks/point_models/registry.py",
+        "workflows/exports/formats/registry.py",
+        "workflows/stages/registry.py",
+        "workflows/graph/frame_cues.py",
+        "workflows/backends.py",
+    }
+
+
+def test_the_data_set_is_scored(run, sequence):
+    described, scored, _ = (run(command) for command in RUN_AS_SHOWN)
+    assert "squares" in described and "squares" in scored
+
+
+def test_the_flow_model_is_fitted(run, extended, sequence):
+    options = "--proposals groundtruth --variant fused --store fits"
+    run(f"moseg eval --dataset my-benchmark --root my-data --set fused_flow_model=affine {options}")
+    # A flow model's artifacts name it in their recipe.
+    assert '"affine"' in _recipe(extended / "fits", "flow_model")
+
+
+def test_the_affinity_is_computed(run, extended, sequence):
+    options = "--proposals groundtruth --variant fused --store means"
+    run(f"moseg eval --dataset my-benchmark --root my-data --affinity mean {options}")
+    assert '"mean"' in _recipe(extended / "means", "affinity")
+
+
+def test_the_backend_gives_the_flow(run, extended, sequence):
+    run("moseg eval --dataset my-benchmark --root my-data --flow farneback --variant base --store flows")
+    assert '"farneback"' in _recipe(extended / "flows", "flow")
+    assert "--flow farneback" in run("moseg backends")
+
+
+def test_the_point_model_is_a_view(run, extended):
+    rng = np.random.default_rng(0)
+    start, label = rng.uniform(0, 300, (60, 1, 2)), np.repeat([1, 2], 30)
+    points = (
+        start + np.arange(6)[:, None] * np.where(label == 1, 1.0, -3.0)[:, None, None] + rng.normal(0, 0.05, (60, 6, 2))
+    )
+    homogeneous = np.concatenate([points.transpose(2, 0, 1), np.ones((1, 60, 6))])
+    (extended / "clips").mkdir()
+    fields = {"ySparse": homogeneous, "visibleSparse": np.ones((60, 6)), "GtLabel": label + 0.0}
+    savemat(extended / "clips" / "Seq005_Clip01_Tracks.mat", {"Data": fields})
+    command = "moseg eval --dataset kt3dmoseg --root clips --motions gt --views translation,fundamental"
+    assert "Seq005_Clip01" in run(f"{command} --set hypotheses.num_hypotheses=50 --variant fused")
+
+
+def test_the_export_is_written(run, extended, sequence):
+    run("moseg segment squares/frames --out holiday --export areas --export coco")
+    lines = next((extended / "holiday").rglob("areas.csv")).read_text(encoding="utf-8").splitlines()
+    assert lines[0] == "frame,pixels" and len(lines) == 5
+
+
+def test_the_stage_is_computed_once_and_then_read(run):
+    first = run("sharpness.py")
+    assert len([float(word) for word in re.findall(r"\d+\.\d+", first)]) == 3
+    assert run("sharpness.py") == first
+
+
+def _recipe(store: Path, task: str) -> str:
+    """Manifest of one of the task's artifacts, in which its recipe stands."""
+    return next((store / "objects" / task).rglob("manifest.json")).read_text(encoding="utf-8")
