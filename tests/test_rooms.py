@@ -40,7 +40,21 @@ RULES = {
     "workflows": Rule(
         {"schemas", "store", "moseg_tasks"},
         SCIENCE
-        | {"PIL", "av", "dask", "distributed", "filelock", "psutil", "rich", "safetensors", "threadpoolctl", "typer"},
+        | {
+            "PIL",
+            "av",
+            "dask",
+            "distributed",
+            "filelock",
+            "jinja2",
+            "psutil",
+            "pycocotools",
+            "rich",
+            "safetensors",
+            "threadpoolctl",
+            "typer",
+            "yaml",
+        },
     ),
 }
 

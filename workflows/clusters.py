@@ -97,7 +97,10 @@ class LocalWorkers:
         except RuntimeError as error:
             # Dask's own says no more than that its nanny failed.
             reason = error.__cause__ or error
-            expected = "memory enough for so many, or fewer workers"
+            expected = (
+                "memory enough for so many, or fewer workers; in a script of your own what is run must stand below"
+                " if __name__ == '__main__':"
+            )
             raise ClusterError(
                 "a worker ended while it started", where=self.where, got=reason, expected=expected
             ) from error

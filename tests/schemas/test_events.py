@@ -13,6 +13,8 @@ from schemas.events import (
     PlanEvent,
     RunClosed,
     RunOpened,
+    SequenceSubject,
+    SubjectEvent,
     TroubleEvent,
     WorkEvent,
     line_time,
@@ -39,6 +41,19 @@ LINES = {
         ),
         f'{{{WHERE},"event":"opened","run_id":"20261122T004318-3fa9c2","space":"0000000000000000",'
         '"command":["moseg","eval"],"folder":"/home/me","version":"0.1.0","num_workers":2}',
+    ),
+    EventKind.SUBJECT: (
+        SubjectEvent(
+            command="eval",
+            dataset="folder",
+            variants=("fused",),
+            config={"max_side": 640, "detections": {"tags": None}},
+            sequences=(SequenceSubject(leaves={"name": "dog", "frames": [REF], "void": None}, fps=24.0),),
+            **PROCESS,
+        ),
+        f'{{{WHERE},"event":"subject","command":"eval","dataset":"folder","variants":["fused"],'
+        '"config":{"max_side":640,"detections":{"tags":null}},"notes":[],'
+        f'"sequences":[{{"leaves":{{"name":"dog","frames":["{REF}"],"void":null}},"fps":24.0}}]}}',
     ),
     EventKind.PLANNED: (
         PlanEvent(event=EventKind.PLANNED, time=TIME, ref=REF),

@@ -4,7 +4,7 @@ import pytest
 
 from schemas.configs import PipelineConfig
 from schemas.presets import GEOMETRIES, PRESETS
-from workflows.cli.options import PipelineOptions
+from workflows.cli.pipeline_options import PipelineOptions
 
 
 def test_presets_and_geometries_set_different_stages():

@@ -9,9 +9,9 @@ from PIL import Image
 
 from store import open_store
 from workflows import contact_sheets
-from workflows.contact_sheets import spread
 from workflows.exports.draw_contact_sheet import draw_contact_sheet
 from workflows.exports.sheet_column import TILE_SIDE, SheetFrame, draw_column
+from workflows.shown_frames import spread
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 

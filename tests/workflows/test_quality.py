@@ -8,7 +8,8 @@ from schemas.configs import PipelineConfig
 from schemas.errors import InputError
 from schemas.parameters import FlowParams
 from schemas.presets import GEOMETRIES, PRESETS, QUALITIES
-from workflows.cli.options import PipelineOptions, choose_preset
+from workflows.cli.pipeline_options import PipelineOptions
+from workflows.preset_choice import choose_preset
 
 
 @pytest.mark.parametrize("preset", PRESETS)

@@ -9,7 +9,7 @@ from datetime import UTC, datetime, timedelta
 import pytest
 
 from schemas.configs import PipelineConfig, Variant
-from schemas.errors import StoreError
+from schemas.errors import InputError, StoreError
 from schemas.events import (
     DegenerateEvent,
     EventKind,
@@ -28,7 +28,7 @@ from workflows.datasets import open_dataset
 from workflows.evaluate import evaluate
 from workflows.runners import SynchronousRunner
 from workflows.session import Session
-from workflows.status import RunState, list_runs, old_logs, read_status, summarise
+from workflows.status import RunState, find_run, list_runs, old_logs, read_status, summarise
 
 START = datetime(2026, 11, 22, tzinfo=UTC)
 RUN = "20261122T000000-aaaaaa"
@@ -362,6 +362,30 @@ def test_old_logs_are_those_that_no_run_at_work_writes(logged):
     store.pin(runs[1], [], lease_seconds=60.0)
     assert old_logs(store, grace_seconds=60.0) == runs[:1]
     assert list_runs(store) == runs[::-1]
+
+
+def test_logs_of_runs_whose_results_are_kept_stay(logged):
+    store, write = logged
+    for run_id, pins in {"kept": ("results",), "forgotten": ("others",)}.items():
+        write(_opened(), _closed(Outcome.FINISHED, 1.0).model_copy(update={"pins": pins}), run_id=run_id)
+        for path in (store.root / "logs" / run_id).iterdir():
+            os.utime(path, (0, 0))
+    store.pin("results", [])
+    assert old_logs(store, grace_seconds=60.0) == ["forgotten"]
+    store.unpin("results")
+    assert old_logs(store, grace_seconds=60.0) == ["forgotten", "kept"]
+
+
+def test_a_run_that_is_not_there_is_no_other_name_for_one_that_is_not_either(logged):
+    store, write = logged
+    for name in ("latest", "lates", RUN[:-1] + "x"):
+        with pytest.raises(InputError) as raised:
+            find_run(store, name)
+        assert "did you mean" not in str(raised.value)
+    write(_opened(), run_id=RUN)
+    for name, meant in {"lates": "latest", RUN[:-1] + "x": RUN}.items():
+        with pytest.raises(InputError, match=f"did you mean '{meant}'"):
+            find_run(store, name)
 
 
 def test_logs_of_runs_without_a_pin_stay_while_their_process_runs(logged):

@@ -145,7 +145,7 @@ def test_a_named_format_overrides_what_the_files_look_like(tmp_path, labels):
 
 
 def test_unknown_format_and_folder_are_named(tmp_path):
-    with pytest.raises(InputError, match=f"got tiff; expected {', '.join(FORMATS)}"):
+    with pytest.raises(InputError, match=f"got 'tiff'; expected one of {', '.join(sorted(FORMATS))}"):
         open_predictions(tmp_path, "tiff")
     with pytest.raises(MissingInputError, match=r"no such folder of predictions in .*absent"):
         open_predictions(tmp_path / "absent")

@@ -172,7 +172,7 @@ def test_own_items_take_the_place_of_the_catalogue_s(describe, open_folder):
 
 
 def test_a_misspelt_item_is_told_the_nearest(open_folder):
-    with pytest.raises(InputError, match=r"unknown weights item .*got raft_large; expected raft-large"):
+    with pytest.raises(InputError, match=r"unknown weights item 'raft_large' in .*: did you mean 'raft-large'\?"):
         open_folder().item("raft_large")
 
 

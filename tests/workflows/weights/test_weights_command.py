@@ -68,7 +68,7 @@ def test_what_cannot_be_had_is_one_line_and_exit_code_two(net, server, moseg, ch
 
 def test_a_misspelt_preset_is_told_the_nearest(net, moseg):
     ran = moseg("weights", "fetch", "--preset", "papr")
-    assert (ran.code, ran.err) == (2, "moseg: no such preset in --preset; got papr; expected paper?\n")
+    assert (ran.code, ran.err) == (2, "moseg: unknown preset 'papr' in --preset: did you mean 'paper'?\n")
 
 
 def test_fetch_again_replaces_a_bad_first_download(net, server, describe, moseg):
