@@ -1,5 +1,6 @@
 """Memory that arrays have given back stays with the process."""
 
+import os
 import platform
 import subprocess
 import sys
@@ -27,9 +28,10 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt)
 
 
 def _faults(*arguments, environ=None):
-    ran = subprocess.run(
-        [sys.executable, "-c", ALLOCATE, *arguments], env=environ, capture_output=True, text=True, check=True
-    )
+    # Dask leaves the environment of its workers in the process that started them, which may be this one.
+    plain = {name: value for name, value in os.environ.items() if name not in allocation_environ()}
+    command = [sys.executable, "-c", ALLOCATE, *arguments]
+    ran = subprocess.run(command, env=plain | (environ or {}), capture_output=True, text=True, check=True)
     return int(ran.stdout)
 
 

@@ -11,6 +11,7 @@ import dask
 import threadpoolctl
 
 from workflows import devices
+from workflows.memory import allocation_environ
 from workflows.threads import THREAD_VARIABLES
 
 
@@ -53,7 +54,9 @@ def _keep_settings(stack: ExitStack) -> None:
         stack.callback(torch.set_num_threads, torch.get_num_threads())
     stack.callback(devices.set_device, devices.chosen_device())
     stack.callback(cv2.setNumThreads, cv2.getNumThreads())
-    stack.callback(_restore_environ, {name: os.environ.get(name) for name in THREAD_VARIABLES})
+    # Dask leaves what it starts workers with in this process too.
+    names = (*THREAD_VARIABLES, *allocation_environ())
+    stack.callback(_restore_environ, {name: os.environ.get(name) for name in names})
     stack.enter_context(dask.config.set(scheduler=dask.config.get("scheduler", None)))
     stack.enter_context(threadpoolctl.threadpool_limits(None))
 

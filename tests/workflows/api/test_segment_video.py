@@ -62,9 +62,12 @@ def test_grey_is_three_equal_channels(pixels, tmp_path, config):
     np.testing.assert_array_equal(result.labels, same.labels)
 
 
-def test_arrays_reach_worker_processes(segmented, pixels, tmp_path, config):
+def test_arrays_reach_worker_processes_and_what_these_need_does_not_stay(segmented, pixels, tmp_path, config):
+    before = dict(os.environ)
     result = segment_video(iter(pixels), config, store=tmp_path / "store", workers=1, progress=False)
     np.testing.assert_array_equal(result.labels, segmented.result.labels)
+    changed = {name for name in before.keys() | os.environ if before.get(name) != os.environ.get(name)}
+    assert not {name for name in changed if "THREADS" in name or "MALLOC" in name}
 
 
 def test_it_runs_under_a_running_event_loop(segmented, pixels, tmp_path, config):
