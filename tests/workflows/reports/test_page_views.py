@@ -159,3 +159,12 @@ def test_no_time_is_a_dash_and_not_none_at_all():
     stages = gather_stages((StageRow("ingest", 26, 0, 0.0), StageRow("flow", 30, 0, 0.05)))
     assert [bar.time for bar in stages.bars] == ["–", "50 ms"] and stages.time == "50 ms"
     assert gather_stages((StageRow("ingest", 26, 0, 0.0),)).time == "–"
+
+
+def test_the_diagonal_leaves_the_colours_of_a_picture_to_the_rest():
+    values = np.linspace(0, 0.1, 41 * 41).reshape(41, 41)
+    np.fill_diagonal(values, 1)
+    heat_map = gather_heat_map(Matrix("m", values, ()))
+    assert heat_map.is_cut and 0.09 < float(heat_map.ticks[-1]) < 0.1
+    assert not gather_heat_map(Matrix("m", values, (), is_log=True)).is_cut
+    assert not gather_heat_map(Matrix("m", values[:3, :3], ("a", "b", "c"))).is_cut

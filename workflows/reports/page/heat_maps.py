@@ -13,6 +13,8 @@ from workflows.reports.page.numbers import short_number
 LARGEST_WITH_NUMBERS = 12
 LARGEST_WITH_CELLS = 40
 NEGLIGIBLE = 1e-4
+BRIGHTEST_PERCENTILE = 99
+"""Of the values off the diagonal, in a picture of many: the diagonal is 1 and would leave all else dark."""
 
 
 class Cell(NamedTuple):
@@ -38,6 +40,8 @@ class HeatMap(NamedTuple):
         Values at the left end, in the middle and at the right end of the colour bar; one where all are equal.
     has_missing : bool
         Whether some entries have no value.
+    is_cut : bool
+        Whether larger values than the right end of the scale have its colour.
     """
 
     matrix: Matrix
@@ -46,12 +50,23 @@ class HeatMap(NamedTuple):
     has_numbers: bool
     ticks: tuple[str, ...]
     has_missing: bool
+    is_cut: bool
 
 
 def _range(values: np.ndarray, is_log: bool) -> tuple[float, float] | None:
     """Least and largest value that has a colour of its own; None where no entry has."""
     finite = values[np.isfinite(values) & ((values > 0) | (not is_log))]
     return (float(finite.min()), float(finite.max())) if finite.size else None
+
+
+def _cut(values: np.ndarray, ends: tuple[float, float]) -> tuple[float, float]:
+    """The ends of a picture's scale: the upper one no more than nearly all that is off the diagonal needs."""
+    others = values[~np.eye(*values.shape, dtype=bool)]
+    others = others[np.isfinite(others)]
+    if not others.size:
+        return ends
+    upper = float(np.percentile(others, BRIGHTEST_PERCENTILE))
+    return (ends[0], upper) if ends[0] < upper < ends[1] else ends
 
 
 def _positions(values: np.ndarray, ends: tuple[float, float] | None, is_log: bool) -> np.ndarray:
@@ -89,8 +104,11 @@ def gather_heat_map(matrix: Matrix) -> HeatMap:
     """What a page shows of a matrix."""
     values = np.asarray(matrix.values, np.float64)
     ends = _range(values, matrix.is_log)
-    positions = _positions(values, ends, matrix.is_log)
     is_picture = len(matrix.labels) != len(values) or len(values) > LARGEST_WITH_CELLS
+    whole = ends
+    if is_picture and ends is not None and not matrix.is_log:
+        ends = _cut(values, ends)
+    positions = _positions(values, ends, matrix.is_log)
     steps = steps_of(positions)
     cells = tuple(
         tuple(Cell(int(step), _text(float(value), ends, matrix.is_log)) for step, value in zip(*row, strict=True))
@@ -103,4 +121,5 @@ def gather_heat_map(matrix: Matrix) -> HeatMap:
         has_numbers=len(values) <= LARGEST_WITH_NUMBERS,
         ticks=_ticks(ends, matrix.is_log),
         has_missing=bool(np.isnan(values).any()),
+        is_cut=ends != whole,
     )
