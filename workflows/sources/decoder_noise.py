@@ -6,7 +6,7 @@ import sys
 import tempfile
 from collections.abc import Callable
 from threading import Lock
-from typing import TypeVar
+from typing import BinaryIO, TypeVar
 
 Result = TypeVar("Result")
 
@@ -26,7 +26,7 @@ def listen_to(decode: Callable[[], Result]) -> tuple[Result, list[str]]:
     decodes by other means is taken for `decode`'s. A process that another thread starts meanwhile keeps a standard
     error that leads nowhere.
     """
-    with _LOCK, tempfile.TemporaryFile() as heard:
+    with _LOCK, _open_ear() as heard:
         _flush()
         try:
             saved = os.dup(_STDERR)
@@ -49,6 +49,13 @@ def listen_to(decode: Callable[[], Result]) -> tuple[Result, list[str]]:
     if others and saved is not None:
         os.write(_STDERR, others)
     return result, [line.decode("utf-8", "replace").strip() for line in _COMPLAINT.findall(printed)]
+
+
+def _open_ear() -> BinaryIO:
+    """A file to print into: in memory where there is such a thing, for a machine may have no temporary folder."""
+    if hasattr(os, "memfd_create"):
+        return os.fdopen(os.memfd_create("decoder"), "w+b")
+    return tempfile.TemporaryFile()
 
 
 def _flush() -> None:
