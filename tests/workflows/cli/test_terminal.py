@@ -44,9 +44,12 @@ def test_colours_and_bars_can_be_refused(in_terminal, evaluated):
     assert plain.code == dumb.code == quiet.code == 0
 
 
-def test_ctrl_c_gives_the_terminal_back_and_the_next_run_goes_on(in_terminal, in_process, squares):
-    data = ("--dataset", "folder", "--root", squares, "--set", "sections.length=4", "--set", "sections.overlap=2")
-    ran = in_terminal("eval", *data, interrupt=lambda text: re.search(r"artifacts .*?\b[1-9]\d?/\d+", text))
+def test_ctrl_c_gives_the_terminal_back_and_the_next_run_goes_on(in_terminal, in_process):
+    data = ("--dataset", "synthetic", "--quality", "fast", "--sequences")
+    # Seconds of work, so that it is under way when the key is pressed however late that is.
+    ran = in_terminal(
+        "eval", *data, "pan,two-motions", interrupt=lambda text: re.search(r"artifacts .*?\b[1-9]\d?/\d+", text)
+    )
     assert ran.code == 130
     assert ran.raw.count(HIDE) == ran.raw.count(SHOW)
     assert ran.text.rstrip().splitlines()[-1].startswith("moseg: interrupted; what was finished is kept")
@@ -56,7 +59,7 @@ def test_ctrl_c_gives_the_terminal_back_and_the_next_run_goes_on(in_terminal, in
     # Each stage, and all of them.
     assert {"flow", "tracks", "score", "artifacts"} <= {line.split()[0] for line in bars}
     assert set(open_store(".moseg/store", create=False).refs())
-    again = in_process("eval", *data, "--quiet")
+    again = in_process("eval", *data, "pan", "--quiet")
     assert again.returncode == 0
     computed, reused = map(int, re.search(r"(\d+) artifacts computed, (\d+) reused", again.stdout).groups())
     assert reused > 0
