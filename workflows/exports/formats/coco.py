@@ -1,13 +1,12 @@
 """COCO instances: one annotation for each object in each frame."""
 
-import json
 from pathlib import Path
 
+from workflows.exports.annotation_file import write_annotations
 from workflows.exports.formats.export_format import ExportFormat
-from workflows.exports.ownership import ANNOTATIONS_INFO, OwnedFile, is_own_annotations
+from workflows.exports.ownership import OwnedFile, is_own_annotations
 from workflows.exports.run_lengths import encode_mask, list_categories, list_identities
 from workflows.exports.saved_segmentation import SavedSegmentation
-from workflows.exports.write_text import write_text
 
 
 def write_coco(saved: SavedSegmentation, folder: Path, dilation: int | None = None) -> Path:
@@ -37,17 +36,8 @@ def write_coco(saved: SavedSegmentation, folder: Path, dilation: int | None = No
                     "track_id": identity,
                 }
             )
-    content = {
-        "info": {**ANNOTATIONS_INFO, "description": f"moving objects of {summary.name}"},
-        "licenses": [],
-        "images": images,
-        "annotations": annotations,
-        "categories": categories,
-    }
     target = coco_file(folder, summary.name, saved.names)
-    target.check()
-    write_text(target.path, json.dumps(content, ensure_ascii=False) + "\n")
-    return target.path
+    return write_annotations(target, summary, images=images, annotations=annotations, categories=categories)
 
 
 def coco_file(folder: Path, sequence: str, names: tuple[str, ...]) -> OwnedFile:

@@ -1,13 +1,12 @@
 """YouTube-VIS: one annotation for each object, with a mask or nothing for each frame."""
 
-import json
 from pathlib import Path
 
+from workflows.exports.annotation_file import write_annotations
 from workflows.exports.formats.export_format import ExportFormat
-from workflows.exports.ownership import ANNOTATIONS_INFO, OwnedFile, is_own_annotations
+from workflows.exports.ownership import OwnedFile, is_own_annotations
 from workflows.exports.run_lengths import encode_mask, list_categories, list_identities
 from workflows.exports.saved_segmentation import SavedSegmentation
-from workflows.exports.write_text import write_text
 
 
 def write_ytvis(saved: SavedSegmentation, folder: Path, dilation: int | None = None) -> Path:
@@ -37,17 +36,9 @@ def write_ytvis(saved: SavedSegmentation, folder: Path, dilation: int | None = N
             for name, value in zip(lists, encode_mask(labels == identity), strict=True):
                 tracks[identity][name][index] = value
     files = [f"{summary.name}/{name}" for name in saved.names]
-    content = {
-        "info": {**ANNOTATIONS_INFO, "description": f"moving objects of {summary.name}"},
-        "licenses": [],
-        "videos": [{"id": 1, **size, "length": summary.num_frames, "file_names": files}],
-        "annotations": list(tracks.values()),
-        "categories": categories,
-    }
+    videos = [{"id": 1, **size, "length": summary.num_frames, "file_names": files}]
     target = ytvis_file(folder, summary.name, saved.names)
-    target.check()
-    write_text(target.path, json.dumps(content, ensure_ascii=False) + "\n")
-    return target.path
+    return write_annotations(target, summary, videos=videos, annotations=list(tracks.values()), categories=categories)
 
 
 def ytvis_file(folder: Path, sequence: str, names: tuple[str, ...]) -> OwnedFile:
