@@ -2,7 +2,6 @@
 
 import base64
 import io
-from pathlib import Path
 
 import av
 import numpy as np
@@ -107,27 +106,21 @@ def test_a_style_is_the_same_in_every_frame_and_run(image, labels, mode):
     np.testing.assert_array_equal(draw_overlay(image, labels, style), draw_overlay(image, labels, style))
 
 
-def test_the_video_plays_in_chromium(tmp_path, image, labels):
-    api = pytest.importorskip("playwright.sync_api")
-    chromium = Path("/usr/bin/chromium")
-    if not chromium.exists():
-        pytest.skip("no Chromium of the system")
+def test_the_video_plays_in_a_browser(browser, tmp_path, image, labels):
     style = OverlayStyle(is_side_by_side=True)
     write_overlay(tmp_path / "overlay.mp4", [image] * 12, [labels] * 12, 24, style)
     source = base64.b64encode((tmp_path / "overlay.mp4").read_bytes()).decode()
-    with api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
-        page = browser.new_page()
-        page.set_content(f'<video muted src="data:video/mp4;base64,{source}"></video>')
-        played = page.evaluate(
-            """async () => {
-                const video = document.querySelector('video');
-                await video.play();
-                await new Promise(ended => video.addEventListener('ended', ended));
-                return [video.duration, video.readyState, video.videoWidth, video.videoHeight, video.error];
-            }"""
-        )
-        browser.close()
+    page = browser.new_page()
+    page.set_content(f'<video muted src="data:video/mp4;base64,{source}"></video>')
+    played = page.evaluate(
+        """async () => {
+            const video = document.querySelector('video');
+            await video.play();
+            await new Promise(ended => video.addEventListener('ended', ended));
+            return [video.duration, video.readyState, video.videoWidth, video.videoHeight, video.error];
+        }"""
+    )
+    page.close()
     assert played[0] == pytest.approx(0.5, abs=0.05)
     assert played[1] >= 2
     assert played[2:] == [120, 40, None]

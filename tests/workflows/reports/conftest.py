@@ -1,7 +1,6 @@
-"""A small report, and a headless Chromium to open it in, started once for each module that asks for it."""
+"""A small report, and what opens it in a browser."""
 
 import io
-import shutil
 from collections import Counter
 from collections.abc import Callable
 from fractions import Fraction
@@ -17,7 +16,6 @@ from workflows.reports.page import render_page
 from workflows.reports.picture_content import Layer, LayerKind, LegendEntry, Picture, Video
 from workflows.reports.table_content import ObjectRow, ParameterRow, ScoreTable, StageRow
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 WIDTH, HEIGHT = 64, 48
 FRAMES = (0, 4, 8, 12)
 NUM_FRAMES = 13
@@ -152,18 +150,6 @@ def make_page() -> Callable[..., ReportPage]:
 def count_reads():
     """Makes of a store one that counts its reads by reference and array."""
     return _Counting
-
-
-@pytest.fixture(scope="module")
-def browser():
-    executable = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if executable is None:
-        pytest.skip(f"no browser to open the page in: none of {', '.join(BROWSERS)} is on the PATH")
-    sync_api = pytest.importorskip("playwright.sync_api", reason="Playwright drives the browser")
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=executable, args=["--no-sandbox", "--disable-gpu"])
-        yield browser
-        browser.close()
 
 
 @pytest.fixture
