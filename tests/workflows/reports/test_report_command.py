@@ -9,7 +9,7 @@ import pytest
 
 from schemas.recipes import split_ref
 from store import open_store
-from workflows.reports import panels, write
+from workflows.reports import panels
 from workflows.reports.from_log import report_run
 from workflows.reports.write import write_report
 from workflows.status import list_runs
@@ -17,19 +17,6 @@ from workflows.status import list_runs
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 
 SECTIONS = ("--section-length", "4", "--set", "sections.overlap=2")
-
-
-@pytest.fixture
-def pages(monkeypatch):
-    """The pages that are written, in place of whole files of HTML."""
-    written = []
-
-    def render(made):
-        written.append(made)
-        return made.title
-
-    monkeypatch.setattr(write, "render_page", render)
-    return written
 
 
 @pytest.fixture

@@ -7,24 +7,10 @@ import pytest
 
 from moseg_tasks.clustering.spectral import normalise_affinity
 from store import open_store
-from workflows.reports import write
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 
 FAST = ("--set", "hypotheses.num_hypotheses=50", "--quiet")
-
-
-@pytest.fixture
-def pages(monkeypatch):
-    """The pages that are written, in place of whole files of HTML."""
-    written = []
-
-    def render(made):
-        written.append(made)
-        return made.title
-
-    monkeypatch.setattr(write, "render_page", render)
-    return written
 
 
 @pytest.fixture
