@@ -5,6 +5,7 @@ import os
 import pty
 import re
 import select
+import signal
 import struct
 import subprocess
 import sys
@@ -43,6 +44,15 @@ def in_process() -> Callable[..., subprocess.CompletedProcess]:
     return call
 
 
+def _take_terminal() -> None:
+    """In the new process: its standard input is its terminal, and Ctrl-C there interrupts it.
+
+    A shell that runs the tests in its background has them, and what they start, ignore Ctrl-C.
+    """
+    fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @pytest.fixture
 def in_terminal() -> Callable[..., Shown]:
     """Runs a command in a terminal of so many columns; `interrupt` says, by all that was written, when Ctrl-C comes."""
@@ -58,7 +68,7 @@ def in_terminal() -> Callable[..., Shown]:
             stderr=child,
             env={**environment, "TERM": "xterm-256color", **(env or {})},
             start_new_session=True,
-            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+            preexec_fn=_take_terminal,
         )
         os.close(child)
         written, deadline = b"", time.monotonic() + PATIENCE_SEC
