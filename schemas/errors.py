@@ -46,6 +46,10 @@ class MissingInputError(InputError, FileNotFoundError):
     """A file, folder or data set that was asked for is not there."""
 
 
+class UnnamedParameterError(MosegError, AttributeError):
+    """A task reads a parameter that its recipe does not name: a fault of the program, exit code 1."""
+
+
 class StoreError(MosegError, OSError):
     """The artifact store failed (disk full, not writable): a fault, exit code 1."""
 

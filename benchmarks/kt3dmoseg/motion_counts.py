@@ -62,7 +62,7 @@ def evidence_of(case: Case, resample: bool, params: MotionCountParams, seed: int
         return [group(matrix, count, "linkage") for count in range(1, most + 1)]
 
     kernel = fill_unknown([affinity])[0]
-    eigenvalues = embed_views(kernel[None], 1, 0.0, 1, 0.0).eigenvalues
+    eigenvalues = embed_views(kernel[None], 1).eigenvalues
     return CountEvidence(labelings(affinity), kernel, eigenvalues, tracks, [labelings(other) for other in others])
 
 

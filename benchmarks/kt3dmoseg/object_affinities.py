@@ -101,7 +101,7 @@ def group(affinity: np.ndarray, num_motions: int, grouping: str) -> np.ndarray:
     """Motion of each object; what was never seen together is as alike as the best chain over others says."""
     known = np.where(np.isfinite(affinity), affinity, best_chain(np.nan_to_num(affinity)))
     if grouping == "spectral":
-        return cluster_points(embed_views(known[None], num_motions, 0.0, 1, 0.0).coordinates, num_motions)
+        return cluster_points(embed_views(known[None], num_motions).coordinates, num_motions)
     distance = np.maximum(1.0 - (known + known.T) / 2, 0.0)
     np.fill_diagonal(distance, 0.0)
     # A cut at a height would leave too few groups where heights are equal.

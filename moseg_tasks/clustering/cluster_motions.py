@@ -93,10 +93,12 @@ def cluster_motions(
     views = fill_unknown([unit_diagonal(affinity) for affinity in affinities])
     if is_static is not None:
         views = set_apart(views, is_static)
-    kernel = fuse_kernels(views, params.fusion)
+    # Of one view nothing is read of how several are fused, nor is it in the recipe.
+    is_coregularised = len(views) > 1 and params.fusion == "coregularised"
+    kernel = fuse_kernels(views, params.fusion) if len(views) > 1 else views[0]
     order = _content_order(kernel)
     views, kernel = views[:, order][:, :, order], kernel[np.ix_(order, order)]
-    spectral_views = views if params.fusion == "coregularised" else kernel[None]
+    spectral_views = views if is_coregularised else kernel[None]
 
     objects = _Objects(kernel, spectral_views, None if is_static is None else is_static[order], params)
     if num_motions is not None:
@@ -152,7 +154,7 @@ class _Objects(NamedTuple):
         if self.params.grouping == "spectral":
             labels = cluster_points(embedding.coordinates, count)
         else:
-            labels = link_objects(self.kernel, count, self.params.threshold)
+            labels = link_objects(self.kernel, num_clusters=count)
         if self.is_static is not None:
             # Linkage never joins what was set apart; k-means on too few coordinates can.
             labels = np.where(self.is_static, labels.max() + 1, labels)
@@ -173,7 +175,7 @@ def _count(objects: _Objects, tracks: Sequence[MotionTracks], rng: np.random.Gen
     """Groups to ask for where the number of motions is not given."""
     params = objects.params
     if params.auto == "threshold":
-        return MotionCount(int(link_objects(objects.kernel, None, params.threshold).max()) + 1, np.empty(0))
+        return MotionCount(int(link_objects(objects.kernel, threshold=params.threshold).max()) + 1, np.empty(0))
     eigenvalues = _embed(objects.views, 1, params).eigenvalues
     if params.auto == "eigengap":
         return MotionCount(count_by_eigengap(eigenvalues), np.empty(0))
@@ -188,6 +190,8 @@ def _count(objects: _Objects, tracks: Sequence[MotionTracks], rng: np.random.Gen
 
 
 def _embed(views: np.ndarray, dimension: int, params: ClusteringParams) -> Embedding:
+    if len(views) == 1:
+        return embed_views(views, dimension)
     return embed_views(views, dimension, params.co_regularisation, params.num_iterations, params.tolerance)
 
 

@@ -39,7 +39,7 @@ def confidences(labelings: Sequence[np.ndarray], kernel: np.ndarray, eigenvalues
         count = index + 2
         if len(np.unique(labels)) != count or count > len(kernel) - 1:
             continue
-        points = embed_views(kernel[None], count, 0.0, 1, 0.0).coordinates
+        points = embed_views(kernel[None], count).coordinates
         # Relative: the spectrum falls anyway, most at its head.
         rows[index, 0] = (spectrum[count - 1] - spectrum[count]) / max(spectrum[count - 1], _SAME)
         rows[index, 1] = silhouette_score(points, labels)

@@ -5,7 +5,9 @@ import numpy as np
 _TIE = 1e-12  # affinities closer than this are equal: only rounding tells them apart
 
 
-def link_objects(affinity: np.ndarray, num_clusters: int | None, threshold: float) -> np.ndarray:
+def link_objects(
+    affinity: np.ndarray, *, num_clusters: int | None = None, threshold: float | None = None
+) -> np.ndarray:
     """Groups merged in the order of the affinity between them.
 
     Two groups are as alike as their members are in the mean (average linkage). The background's group is represented by
@@ -18,8 +20,9 @@ def link_objects(affinity: np.ndarray, num_clusters: int | None, threshold: floa
     affinity : float64 (K, K)
         Symmetric; object 0 is the background.
     num_clusters : int, optional
-        Merging stops at this many groups; where None, when no two groups are as alike as `threshold`.
-    threshold : float
+        Merging stops at this many groups.
+    threshold : float, optional
+        Merging stops when no two groups are as alike as this; one of the two is given.
 
     Returns
     -------
@@ -33,7 +36,7 @@ def link_objects(affinity: np.ndarray, num_clusters: int | None, threshold: floa
             first = [0] if a == 0 else groups[a]
             means[a, b] = affinity[np.ix_(first, groups[b])].mean()
         best = means.max()
-        if num_clusters is None and best < threshold:
+        if threshold is not None and best < threshold:
             break
         a, b = max(zip(*np.nonzero(means >= best - _TIE), strict=True), key=lambda pair: pair[0] != 0)
         groups[a] += groups.pop(b)

@@ -29,16 +29,22 @@ class Embedding(NamedTuple):
 
 
 def embed_views(
-    views: np.ndarray, dimension: int, co_regularisation: float, num_iterations: int, tolerance: float
+    views: np.ndarray,
+    dimension: int,
+    co_regularisation: float = 0.0,
+    num_iterations: int = 1,
+    tolerance: float = 0.0,
 ) -> Embedding:
-    """Co-regularised spectral embedding, pairwise form.
+    """Return the co-regularised spectral embedding, pairwise form; of one view the spectral embedding.
 
     Maximises ``sum_v tr(U_v' L_v U_v) + lambda sum_{v<w} tr(U_v U_v' U_w U_w')`` over orthonormal U_v (K, k), one view
     at a time: U_v becomes the k leading eigenvectors of ``L_v + lambda sum_{w != v} U_w U_w'``.
 
-    L_v is the affinity normalised by its degrees on both sides. The paper normalises rows, D^-1 A: the same
-    eigenvalues, and eigenvectors that differ by a factor per row, which the unit rows take away again; only the
-    symmetric form has orthogonal eigenvectors, as the objective needs.
+    L_v is the affinity normalised by its degrees on both sides, D^-1/2 A D^-1/2, as Kumar et al. define it and as Xu et
+    al. compute it, whose fusion the paper adapts. The paper speaks of row normalisation, D^-1 A. For one view both
+    give the same embedding: the eigenvalues are equal, and the eigenvectors differ by a factor per row, which the unit
+    rows take away again. For several views they do not: the objective asks for orthonormal U_v, which only the
+    symmetric form has as eigenvectors.
 
     Parameters
     ----------
@@ -47,7 +53,7 @@ def embed_views(
     dimension : int
         k.
     co_regularisation : float
-        lambda.
+        lambda. This and what follows is read of two views or more.
     num_iterations : int
         Most rounds.
     tolerance : float
@@ -56,6 +62,7 @@ def embed_views(
     References
     ----------
     A. Kumar, P. Rai and H. Daume III, "Co-regularized multi-view spectral clustering", NIPS 2011, equations 2 to 4.
+    X. Xu, L. F. Cheong and Z. Li, "Motion segmentation by exploiting complementary geometric models", CVPR 2018.
     """
     laplacians = [normalise_affinity(view) for view in views]
     num_eigenvalues = len(views[0]) if len(views[0]) <= FEW_ROWS else FEW_EIGENVALUES

@@ -99,6 +99,8 @@ def cluster_trajectories(
     seed = int(rng.integers(2**31))
 
     def embed(count: int):
+        if params.method != "coregularised":
+            return embed_views(views, count)
         return embed_views(views, count, params.co_regularisation, params.num_iterations, params.tolerance)
 
     def cluster(count: int) -> np.ndarray:

@@ -23,12 +23,12 @@ def mean_of_passes(inputs: Inputs, role: str, name: str) -> np.ndarray:
 
 def _run_consistency(params, inputs, rng):
     flows = [widen(frame.array("flows")) for frame in inputs.all("saliency")]
-    consistency = flow_consistency(flows, AccumulationParams(**params["accumulation"]))
+    consistency = flow_consistency(flows, AccumulationParams.of_recipe(params["accumulation"]))
     return Output({"consistency": narrow(consistency[params["first"] : params["last"]])})
 
 
 def _run_saliency(params, inputs, rng):
-    accumulation_params = AccumulationParams(**params["accumulation"])
+    accumulation_params = AccumulationParams.of_recipe(params["accumulation"])
     direction, order = _direction(params["from"])
     frames = inputs.all("saliency")[order]
     consistency = inputs["consistency"].array("consistency")[order]

@@ -10,7 +10,7 @@ from workflows.stages.task import Output, Task
 
 def _runner(method: str):
     def run(params, inputs, rng):
-        affinity_params = AffinityParams(method=method, **params["affinity"])
+        affinity_params = AffinityParams.of_recipe({"method": method, **params["affinity"]})
         sections = inputs.all("residuals")
         residuals = np.concatenate([section.array("residual") for section in sections])
         energy = np.concatenate([section.array("energy") for section in sections]) if params["is_flow"] else None
@@ -26,7 +26,7 @@ def _runner(method: str):
 
 def _preferences(params, inputs):
     """Affinity (K, K) of objects by the hypotheses that they prefer, the mean over models."""
-    read = ObjectHypothesisParams(**params["hypotheses"])
+    read = ObjectHypothesisParams.of_recipe(params["hypotheses"])
     residuals = np.concatenate([section.array("residual") for section in inputs.all("hypotheses")])
     noise_floor = read.noise_floor if params["is_flow"] else 0.0
     kernels = [preference_kernel(residuals[:, model], read.window, noise_floor) for model in range(residuals.shape[1])]

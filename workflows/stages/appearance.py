@@ -10,8 +10,8 @@ from workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):
-    appearance = AppearanceParams(**params["appearance"])
-    foreground = ForegroundParams(threshold=params["threshold"], sharpness=params["sharpness"])
+    appearance = AppearanceParams.of_recipe(params["appearance"])
+    foreground = ForegroundParams.of_recipe({"threshold": params["threshold"], "sharpness": params["sharpness"]})
     accumulated = mean_of_passes(inputs, "accumulation", "maps")
     misfits = mean_of_passes(inputs, "coherence", "misfit")
     bins, counts = [], []

@@ -17,13 +17,12 @@ def _tracks(inputs) -> list[MotionTracks]:
 
 def _run(params, inputs, rng):
     views = inputs.all("affinities")
-    clustering_params = ClusteringParams(**params["clustering"])
-    is_static = None
-    if clustering_params.static == "agreement":
+    clustering_params = ClusteringParams.of_recipe(params["clustering"])
+    is_found, is_static = params["num_motions"] is None, None
+    if is_found and clustering_params.static == "agreement":
         is_static = agreed_static([view.array("static_support") for view in views], clustering_params.threshold)
     affinities = [view.array("affinity") for view in views]
-    counts_by_tracks = params["num_motions"] is None and clustering_params.auto in READ_TRACKS
-    tracks = _tracks(inputs) if counts_by_tracks else []
+    tracks = _tracks(inputs) if is_found and clustering_params.auto in READ_TRACKS else []
     result = cluster_motions(affinities, params["num_motions"], clustering_params, is_static, tracks, rng)
     attributes = {"num_motions": int(result.num_motions), "objective": [float(value) for value in result.objective]}
     if len(result.scores):

@@ -19,9 +19,9 @@ def join_rows(sections, name: str, num_rows: int) -> np.ndarray:
 
 
 def _run(params, inputs, rng):
-    identity = IdentityParams(**params["identity"])
+    identity = IdentityParams.of_recipe(params["identity"])
     foreground = join_rows(inputs.all("foreground"), "foreground", params["num_frames"])
-    component_params = ComponentParams(**params["components"])
+    component_params = ComponentParams.of_recipe(params["components"])
     labels = label_components(foreground, component_params)
     if labels.any():
         cues = inputs.all("saliency")

@@ -10,13 +10,13 @@ from workflows.weights.resident import made_on, open_network
 def _run_dpt_dinov2(params, inputs):
     from moseg_tasks.networks.depth import build_dpt_dinov2
 
-    return _estimate(build_dpt_dinov2, DptDinov2Params(**params["dpt_dinov2"]), inputs)
+    return _estimate(build_dpt_dinov2, DptDinov2Params.of_recipe(params["dpt_dinov2"]), inputs)
 
 
 def _run_depth_anything(params, inputs):
     from moseg_tasks.networks.depth import build_depth_anything
 
-    return _estimate(build_depth_anything, DepthAnythingParams(**params["depth_anything_v2"]), inputs)
+    return _estimate(build_depth_anything, DepthAnythingParams.of_recipe(params["depth_anything_v2"]), inputs)
 
 
 def _estimate(build, depth_params, inputs):

@@ -12,7 +12,7 @@ def _run(params, inputs, rng):
     names = inputs["tags"].attributes["names"] if "tags" in inputs else params["tags"]
     with open_network(build_grounding_dino, inputs["weights"]) as detector:
         found = detect_objects(
-            detector, inputs["frame"].cached("image"), names, GroundingDinoParams(**params["grounding_dino"])
+            detector, inputs["frame"].cached("image"), names, GroundingDinoParams.of_recipe(params["grounding_dino"])
         )
     return Output({"boxes": found.boxes, "scores": found.scores}, {"tags": list(found.tags), **made_on()})
 

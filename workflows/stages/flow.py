@@ -10,7 +10,7 @@ from workflows.weights.resident import made_on, open_network
 
 def _run_dis(params, inputs, rng):
     image0, image1 = (inputs[role].cached("image") for role in ("frame0", "frame1"))
-    return Output({"flow": estimate_flow(image0, image1, FlowParams(**params))})
+    return Output({"flow": estimate_flow(image0, image1, FlowParams.of_recipe(params))})
 
 
 def _run_raft(params, inputs):
@@ -19,7 +19,7 @@ def _run_raft(params, inputs):
 
     images0, images1 = (np.stack([each[role].cached("image") for each in inputs]) for role in ("frame0", "frame1"))
     with open_network(build_raft, inputs[0]["weights"]) as network:
-        flows = estimate_raft_flow(network, images0, images1, RaftParams(**params["raft"]))
+        flows = estimate_raft_flow(network, images0, images1, RaftParams.of_recipe(params["raft"]))
     return [Output({"flow": flow}, made_on()) for flow in flows]
 
 

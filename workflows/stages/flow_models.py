@@ -28,7 +28,7 @@ def read_pairs(params, inputs, flow_model_params: FlowModelParams):
 
 def _run_fit(params, inputs, rng):
     model = FLOW_MODELS[params["model"]]
-    flow_model_params = FlowModelParams(**params["flow_model"])
+    flow_model_params = FlowModelParams.of_recipe(params["flow_model"])
     num_objects = inputs["linking"].attributes["num_objects"]
     moments, theta, valid = [], [], []
     for flow, depth, owner in read_pairs(params, inputs, flow_model_params):

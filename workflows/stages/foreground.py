@@ -11,7 +11,10 @@ from workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):
-    appearance, foreground = AppearanceParams(**params["appearance"]), ForegroundParams(**params["foreground"])
+    appearance, foreground = (
+        AppearanceParams.of_recipe(params["appearance"]),
+        ForegroundParams.of_recipe(params["foreground"]),
+    )
     sections, centres, own = inputs.all("appearance"), params["centres"], params["own"]
     counts = [_read_count(section) for section in sections]
     looks = {}

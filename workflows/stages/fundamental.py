@@ -23,7 +23,7 @@ def pair_tracks(params, inputs):
 
 def _run_fit(params, inputs, rng):
     num_objects = inputs["linking"].attributes["num_objects"]
-    fundamental_params, shape = FundamentalParams(**params["fundamental"]), tuple(params["shape"])
+    fundamental_params, shape = FundamentalParams.of_recipe(params["fundamental"]), tuple(params["shape"])
     fits = [
         fit_fundamentals(*pair, num_objects, fundamental_params, rng, shape) for pair in pair_tracks(params, inputs)
     ]
@@ -31,7 +31,7 @@ def _run_fit(params, inputs, rng):
 
 
 def _run_residual(params, inputs, rng):
-    fundamental_params = FundamentalParams(**params["fundamental"])
+    fundamental_params = FundamentalParams.of_recipe(params["fundamental"])
     stacked = [inputs["fits"].array(name) for name in FundamentalFits._fields]
     residuals = [
         fundamental_residuals(FundamentalFits(*fit), *pair, fundamental_params)

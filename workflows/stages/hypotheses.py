@@ -20,8 +20,8 @@ from workflows.stages.task import Output, Task
 
 
 def _run_flow(params, inputs, rng):
-    model, flow_params = FLOW_MODELS[params["model"]], FlowModelParams(**params["flow_model"])
-    drawn = ObjectHypothesisParams(**params["hypotheses"])
+    model, flow_params = FLOW_MODELS[params["model"]], FlowModelParams.of_recipe(params["flow_model"])
+    drawn = ObjectHypothesisParams.of_recipe(params["hypotheses"])
     num_objects = inputs["linking"].attributes["num_objects"]
     num_nodes = num_objects + drawn.background_rows * drawn.background_columns
     residuals = []
@@ -32,7 +32,7 @@ def _run_flow(params, inputs, rng):
 
 
 def _run_tracks(params, inputs, rng):
-    drawn = ObjectHypothesisParams(**params["hypotheses"])
+    drawn = ObjectHypothesisParams.of_recipe(params["hypotheses"])
     num_objects = inputs["linking"].attributes["num_objects"]
     num_nodes = num_objects + drawn.background_rows * drawn.background_columns
     cells = background_cells(tuple(params["shape"]), drawn)

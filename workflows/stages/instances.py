@@ -9,14 +9,14 @@ def _run_sam_hq(params, inputs, rng):
     from moseg_tasks.instances.sam_hq import segment_boxes_sam_hq
     from moseg_tasks.networks.sam_hq import build_sam_hq
 
-    return _outline(build_sam_hq, segment_boxes_sam_hq, SamHqParams(**params["sam_hq"]), params, inputs)
+    return _outline(build_sam_hq, segment_boxes_sam_hq, SamHqParams.of_recipe(params["sam_hq"]), params, inputs)
 
 
 def _run_sam2(params, inputs, rng):
     from moseg_tasks.instances.sam2 import segment_boxes_sam2
     from moseg_tasks.networks.sam2 import build_sam2_image
 
-    return _outline(build_sam2_image, segment_boxes_sam2, Sam2Params(**params["sam2"]), params, inputs)
+    return _outline(build_sam2_image, segment_boxes_sam2, Sam2Params.of_recipe(params["sam2"]), params, inputs)
 
 
 def _outline(build, segment_boxes, network_params, params, inputs):
@@ -26,7 +26,7 @@ def _outline(build, segment_boxes, network_params, params, inputs):
     tags = inputs["detections"].attributes["tags"]
     with open_network(build, inputs["weights"]) as network:
         masks, _ = segment_boxes(network, inputs["frame"].cached("image"), boxes, network_params)
-    instance_params = InstanceParams(**params["instances"])
+    instance_params = InstanceParams.of_recipe(params["instances"])
     kept = select_instances(masks, scores, instance_params)
     painted = paint_instances(masks[kept], scores[kept], instance_params.min_area)
     chosen = kept[painted.order]

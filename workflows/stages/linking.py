@@ -20,7 +20,7 @@ def _run_overlap(params, inputs, rng):
         tail = section0.rows("masks", length, section0.shape("masks")[0])
         head = section1.rows("masks", 0, len(tail))
         overlaps.append(count_overlaps(tail, head, *num_objects[index : index + 2]))
-    identity = link_sections(overlaps, num_objects, LinkingParams(**params["linking"]))
+    identity = link_sections(overlaps, num_objects, LinkingParams.of_recipe(params["linking"]))
     return Output({"identity": identity}, {"num_objects": int(identity.max(initial=0)) + 1})
 
 

@@ -10,7 +10,7 @@ from workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):
-    own_motion_params = OwnMotionParams(**params["own_motion"])
+    own_motion_params = OwnMotionParams.of_recipe(params["own_motion"])
     num_frames, start = params["num_frames"], params["start"]
     misfits = []
     accumulated = mean_of_passes(inputs, "accumulation", "maps")

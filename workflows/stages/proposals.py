@@ -14,7 +14,7 @@ from workflows.weights.resident import made_on, open_network
 
 
 def _run_saliency(params, inputs, rng):
-    refinement = RefinementParams(**params["refinement"])
+    refinement = RefinementParams.of_recipe(params["refinement"])
     components, frames = inputs["components"], inputs.all("frames")
     labels, scores = components.array("labels"), components.array("scores")
     foreground = join_rows(inputs.all("foreground"), "foreground", len(labels))
@@ -48,14 +48,14 @@ def _run_deaot(params, inputs, rng):
     from moseg_tasks.networks.deaot import build_deaot
     from moseg_tasks.proposals.deaot import track_masks_deaot
 
-    return _track(build_deaot, track_masks_deaot, DeaotParams(**params["deaot"]), inputs)
+    return _track(build_deaot, track_masks_deaot, DeaotParams.of_recipe(params["deaot"]), inputs)
 
 
 def _run_sam2(params, inputs, rng):
     from moseg_tasks.networks.sam2 import build_sam2_video
     from moseg_tasks.proposals.sam2 import track_masks_sam2
 
-    return _track(build_sam2_video, track_masks_sam2, Sam2Params(**params["sam2"]), inputs)
+    return _track(build_sam2_video, track_masks_sam2, Sam2Params.of_recipe(params["sam2"]), inputs)
 
 
 def _track(build, track_masks, tracker_params, inputs):

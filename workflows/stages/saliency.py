@@ -7,7 +7,7 @@ from workflows.stages.task import Output, Task
 
 
 def _run_choice(params, inputs, rng):
-    saliency_params = SaliencyParams(**params)
+    saliency_params = SaliencyParams.of_recipe(params)
     # Given flow has gaps where its files know none; every pixel of a map needs some.
     flows = [fill_unknown(pair.array("flow")) for pair in inputs.all("flows")]
     reduced = [reduce_flow(flow, working_shape(flow.shape[:2], saliency_params.working_side)) for flow in flows]
@@ -28,7 +28,7 @@ def _run_saliency(params, inputs, rng):
         image("next"),
         flow("flow_previous"),
         flow("flow_next"),
-        SaliencyParams(**params),
+        SaliencyParams.of_recipe(params),
         *background,
     )
     return Output(result._asdict())

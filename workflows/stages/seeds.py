@@ -18,7 +18,12 @@ def _run(params, inputs, rng):
         identities = np.array(before.attributes["identities"], np.uint16)
         tags, num_identities = before.attributes["tags"], before.attributes["num_identities"]
     seeds = merge_seeds(
-        tracked, identities, num_identities, found.array("labels"), found.array("scores"), SeedParams(**params["seeds"])
+        tracked,
+        identities,
+        num_identities,
+        found.array("labels"),
+        found.array("scores"),
+        SeedParams.of_recipe(params["seeds"]),
     )
     known = dict(zip(identities.tolist(), tags, strict=True))
     names = found.attributes["tags"]

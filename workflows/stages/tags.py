@@ -21,7 +21,7 @@ def _recognise(build, params, inputs):
     from moseg_tasks.tags import recognise_tags
 
     with open_network(build, inputs["weights"]) as tagger:
-        tags = recognise_tags(tagger, inputs["frame"].cached("image"), RamParams(**params["ram"]))
+        tags = recognise_tags(tagger, inputs["frame"].cached("image"), RamParams.of_recipe(params["ram"]))
     return Output({}, {"names": list(tags.names), "scores": tags.scores.tolist(), **made_on()})
 
 

@@ -9,7 +9,7 @@ from workflows.weights.resident import made_on, open_network
 def _run_lucas_kanade(params, inputs, rng):
     frames = (frame.cached("image") for frame in inputs.all("frames"))
     masks = inputs["proposals"].cached("masks")[: params["num_frames"]]
-    tracks = track_points(frames, masks, TrackParams(**params["tracks"]), rng)
+    tracks = track_points(frames, masks, TrackParams.of_recipe(params["tracks"]), rng)
     return Output({"points": tracks.points, "visible": tracks.visible, "object": tracks.object})
 
 
@@ -19,7 +19,7 @@ def _run_pips(params, inputs, rng):
 
     frames = (frame.cached("image") for frame in inputs.all("frames"))
     masks = inputs["proposals"].cached("masks")[: params["num_frames"]]
-    sampling, network_params = TrackParams(**params["tracks"]), PipsParams(**params["pips"])
+    sampling, network_params = TrackParams.of_recipe(params["tracks"]), PipsParams.of_recipe(params["pips"])
     with open_network(build_pips, inputs["weights"]) as network:
         tracks = track_points_pips(network, frames, masks, sampling, network_params, rng)
     return Output({"points": tracks.points, "visible": tracks.visible, "object": tracks.object}, made_on())

@@ -24,7 +24,7 @@ def _points(inputs):
 
 
 def _run_draw(params, inputs, rng):
-    hypothesis_params = HypothesisParams(**params["hypotheses"])
+    hypothesis_params = HypothesisParams.of_recipe(params["hypotheses"])
     found = draw_hypotheses(*_points(inputs), POINT_MODELS[params["model"]], hypothesis_params, rng)
     shape = found.parameters.shape
     # A matrix or a tensor: the store's layout has one axis for both.
@@ -41,7 +41,7 @@ def _run_residual(params, inputs, rng):
 
 
 def _run_kernel(params, inputs, rng):
-    kernel_params = KernelParams(**params["kernel"])
+    kernel_params = KernelParams.of_recipe(params["kernel"])
     draws = np.split(inputs["residuals"].array("residual"), params["num_draws"], axis=1)
     return Output({"kernel": np.stack([trajectory_kernel(residual, kernel_params) for residual in draws])})
 
@@ -56,7 +56,7 @@ def _run_clustering(params, inputs, rng):
         [View(kernel[draw], residual[draw]) for kernel, residual in zip(kernels, residuals, strict=True)]
         for draw in range(num_draws)
     ]
-    clustering_params = TrajectoryClusteringParams(**params["clustering"])
+    clustering_params = TrajectoryClusteringParams.of_recipe(params["clustering"])
     result = cluster_trajectories(draws, *_points(inputs), params["num_motions"], clustering_params, rng)
     arrays = ("motion", "embedding", "eigenvalues", "costs", "cuts")
     return Output(

@@ -54,6 +54,11 @@ def test_normalising_both_sides_or_rows_gives_the_same_eigenvalues():
     np.testing.assert_allclose(np.sort(rows.real), np.linalg.eigvalsh(normalise_affinity(view)), atol=1e-12)
 
 
+def test_one_view_reads_no_co_regularisation():
+    view = random_views(6, 1)
+    np.testing.assert_array_equal(embed_views(view, 3).coordinates, embed_views(view, 3, 0.7, 10, 0.0).coordinates)
+
+
 def test_an_object_without_any_affinity_does_not_divide_by_zero():
     view = random_views(4, 1, size=5)
     view[0, 2] = view[0, :, 2] = 0.0

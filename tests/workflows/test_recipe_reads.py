@@ -1,0 +1,194 @@
+"""A task reads no parameter that its recipe does not name, under any configuration."""
+
+import ast
+import itertools
+import typing
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from schemas.configs import PipelineConfig, TrajectoryVariant, Variant
+from schemas.digests import digest_bytes
+from schemas.errors import UnnamedParameterError
+from schemas.parameters import ClusteringParams, TrajectoryClusteringParams
+from schemas.recipes import Recipe
+from workflows import stages
+from workflows.graph import SequenceGraph, SequenceLeaves
+from workflows.graph.trajectory_graph import TrajectoryGraph
+from workflows.graph.trajectory_leaves import TrajectoryLeaves
+from workflows.stages.registry import find_task
+
+NUM_OBJECTS, NUM_FRAMES = 4, 6
+BY_METHOD = {"proposal_source", "flow.method", "depth.method", "tracks.method"}
+"""Choices between stages, not values that one stage reads."""
+
+
+def _values(model: type, field: str) -> tuple:
+    return typing.get_args(model.model_fields[field].annotation)
+
+
+def _ref(task: str, number: int) -> str:
+    return f"{task}/{digest_bytes('test', str(number).encode())}"
+
+
+class _Artifact(SimpleNamespace):
+    """A stored artifact of given arrays."""
+
+    def array(self, name):
+        return self.arrays[name]
+
+    cached = array
+
+
+class _Inputs(dict):
+    def all(self, role):
+        return self[role]
+
+
+def _run(recipe: Recipe, inputs: dict):
+    params = dict(recipe.params)
+    task = find_task(recipe.task, params.pop("method"))
+    return task.compute(params, [_Inputs(inputs)], [np.random.default_rng(0)])[0]
+
+
+def _object_inputs() -> dict:
+    """What a clustering of a sequence of one section reads: affinities of two views, and tracks."""
+    rng = np.random.default_rng(0)
+    half = rng.random((2, NUM_OBJECTS, NUM_OBJECTS))
+    views = [(affinity + affinity.T) / 4 + np.eye(NUM_OBJECTS) / 2 for affinity in half]
+    owner = np.repeat(np.arange(NUM_OBJECTS), 12)
+    start, steps = (
+        rng.random((len(owner), 1, 2)) * 90,
+        np.arange(NUM_FRAMES)[:, None] * rng.normal(size=(NUM_OBJECTS, 1, 2)),
+    )
+    points = (start + steps[owner] + rng.normal(scale=0.05, size=(len(owner), NUM_FRAMES, 2))).astype(np.float32)
+    tracks = {"points": points, "visible": np.ones(points.shape[:2], bool), "object": owner.astype(np.uint16)}
+    return {
+        "affinities": [_Artifact(arrays={"affinity": view, "static_support": view[0]}) for view in views],
+        "tracks": [_Artifact(arrays=tracks)],
+        "linking": _Artifact(arrays={"identity": np.arange(NUM_OBJECTS, dtype=np.uint16)[None]}),
+    }
+
+
+CLUSTERINGS = list(
+    itertools.product(
+        _values(ClusteringParams, "fusion"),
+        _values(ClusteringParams, "grouping"),
+        _values(ClusteringParams, "auto"),
+        _values(ClusteringParams, "static"),
+        ("auto", "gt", 3),
+        ("saliency", "groundtruth"),
+    )
+)
+
+
+def test_clusterings_of_objects_read_what_their_recipes_name():
+    frames = tuple(_ref("frame", number) for number in range(NUM_FRAMES))
+    leaves = SequenceLeaves(name="toy", shape=(96, 96), frames=frames, num_motions=2, masks=_ref("masks", 0))
+    inputs, done = _object_inputs(), set()
+    for fusion, grouping, auto, static, motions, source in CLUSTERINGS:
+        values = {"fusion": fusion, "grouping": grouping, "auto": auto, "static": static, "motions": motions}
+        values["count"] = {"most_motions": 3, "num_samples": 5, "num_resamples": 2, "affinity": {"num_hypotheses": 20}}
+        for variant in (Variant.FUSED, Variant.OC):
+            graph = SequenceGraph(leaves, PipelineConfig(proposal_source=source, clustering=values))
+            recipe = graph.recipes[graph.clustering(variant)]
+            if str(recipe.params) not in done:
+                done.add(str(recipe.params))
+                views = inputs["affinities"][: len(recipe.inputs["affinities"])]
+                _run(recipe, inputs | {"affinities": views})
+    assert len(done) > 60
+
+
+def test_clusterings_of_trajectories_read_what_their_recipes_name():
+    rng = np.random.default_rng(1)
+    points = (rng.random((14, 1, 2)) * 400 + rng.random((14, NUM_FRAMES, 2))).astype(np.float64)
+    kernel = np.exp(-rng.random((2, 14, 14))).astype(np.float32)
+    drawn = {"kernel": kernel + kernel.transpose(0, 2, 1), "residual": rng.random((NUM_FRAMES - 1, 40, 14))}
+    drawn["residual"] = drawn["residual"].astype(np.float16)
+    clip = _Artifact(arrays={"points": points, "visible": np.ones((14, NUM_FRAMES), bool)})
+    leaves = TrajectoryLeaves(name="toy", trajectories=_ref("trajectories", 0), labels=_ref("labels", 0), num_motions=2)
+    fields, done = ("method", "auto"), set()
+    choices = itertools.product(*(_values(TrajectoryClusteringParams, field) for field in fields), (True, False))
+    for (method, auto, separate), motions in itertools.product(choices, ("auto", "gt")):
+        config = PipelineConfig(
+            clustering={"motions": motions},
+            hypotheses={"num_draws": 2},
+            trajectory_clustering={
+                "method": method,
+                "auto": auto,
+                "separate": separate,
+                "most_motions": 2,
+                "num_starts": 1,
+                "count": {"num_samples": 5},
+                "pieces": {"counts": (4,), "num_tried": 1},
+            },
+        )
+        for variant in (TrajectoryVariant.FUSED, TrajectoryVariant.TRAJS):
+            graph = TrajectoryGraph(leaves, config)
+            recipe = graph.recipes[graph.clustering(variant)]
+            clustering = recipe.params["clustering"]
+            # Published methods have one grouping, which leaves `stability` nothing to compare: that is refused.
+            is_refused = clustering.get("auto") == "stability" and clustering["method"] != "energy"
+            if not is_refused and str(recipe.params) not in done:
+                done.add(str(recipe.params))
+                models = [_Artifact(arrays=drawn)] * len(recipe.inputs["kernels"])
+                given = {"kernels": models, "trajectories": clip}
+                _run(recipe, given | ({"residuals": models} if "residuals" in recipe.inputs else {}))
+    assert len(done) > 30
+
+
+def _choices(model: type, prefix: str = "") -> dict[str, tuple]:
+    """Values of every field that has a few, by the name that ``--set`` takes."""
+    found: dict[str, tuple] = {}
+    for name, field in model.model_fields.items():
+        if isinstance(field.annotation, type) and hasattr(field.annotation, "model_fields"):
+            found |= _choices(field.annotation, f"{prefix}{name}.")
+        elif typing.get_origin(field.annotation) is typing.Literal:
+            found[prefix + name] = typing.get_args(field.annotation)
+        elif field.annotation is bool:
+            found[prefix + name] = (True, False)
+    return {name: values for name, values in found.items() if name not in BY_METHOD}
+
+
+NUM_RUNS = max(len(values) for values in _choices(PipelineConfig).values())
+
+
+def _settings(number: int) -> list[str]:
+    """One value of each field; over all runs every value stands at least once, each time beside others."""
+    chosen = []
+    for place, (name, values) in enumerate(_choices(PipelineConfig).items()):
+        chosen += ["--set", f"{name}={values[(number + place * (number // len(values))) % len(values)]}"]
+    return chosen
+
+
+def test_every_value_stands_in_some_run():
+    for place, (name, values) in enumerate(_choices(PipelineConfig).items()):
+        met = {values[(number + place * (number // len(values))) % len(values)] for number in range(NUM_RUNS)}
+        assert met == set(values), name
+
+
+@pytest.mark.parametrize("number", range(NUM_RUNS))
+def test_whole_runs_read_what_their_recipes_name(number, moseg, squares, tmp_path):
+    source = ("--proposals", "groundtruth") if number % 2 else ()
+    given = ("--root", squares, "--store", tmp_path / "store", "--quiet", "--section-length", "5")
+    ran = moseg("ablate", "--dataset", "folder", *given, *source, *_settings(number))
+    assert ran.code == 0, ran.err
+
+
+def test_stages_build_their_parameters_from_recipes_alone():
+    for path in sorted(Path(stages.__file__).parent.glob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+                assert not node.func.id.endswith("Params"), f"{path.name}:{node.lineno}: take {node.func.id}.of_recipe"
+
+
+def test_a_stage_that_reads_more_is_found():
+    recipe = Recipe(
+        task="clustering",
+        version=1,
+        params={"method": "motion-groups", "num_motions": None, "clustering": {"auto": "threshold", "static": "group"}},
+    )
+    with pytest.raises(UnnamedParameterError, match="fusion"):
+        _run(recipe, _object_inputs())
