@@ -32,4 +32,4 @@ def _run(params, inputs, rng):
     )
 
 
-MOTION_GROUPS = Task("clustering", "motion-groups", version=3, run=_run)
+MOTION_GROUPS = Task("clustering", "motion-groups", version=4, run=_run)
