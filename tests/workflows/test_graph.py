@@ -19,10 +19,10 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "a742e4689168267c",
-    "oc-depth": "8522c3adb624a12a",
-    "oc": "6954eb5d6a3e8ff5",
-    "trajs": "a39c6b4984689ff3",
+    "fused": "d041574332a07a1f",
+    "oc-depth": "aafa036fa4686148",
+    "oc": "41a4a5744d0d2a87",
+    "trajs": "9002215f3c81ea99",
     "base": "38ed1dd5fe6e40c3",
     "flow": "8978fb0e3d6f04db",
     "tracks": "b60b29aa79f68b03",

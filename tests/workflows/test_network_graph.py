@@ -16,8 +16,8 @@ BEHIND_FLOW = {"flow", "flow_model", "flow_residual"} | GROUPS
 BEHIND_DEPTH = {"depth", "flow_model", "flow_residual"} | GROUPS
 BEHIND_TRACKS = {"tracks", "fundamental", "fundamental_residual"} | GROUPS
 GOLDEN = {
-    "paper": "f7fd68ca2764e04f",
-    "modern": "5f09b2222d0e2dab",
+    "paper": "a0647c7a0ddd264e",
+    "modern": "2bfcef7c517999e3",
 }
 
 
