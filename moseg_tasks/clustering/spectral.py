@@ -42,9 +42,9 @@ def embed_views(
 
     L_v is the affinity normalised by its degrees on both sides, D^-1/2 A D^-1/2, as Kumar et al. define it and as Xu et
     al. compute it, whose fusion the paper adapts. The paper speaks of row normalisation, D^-1 A. For one view both
-    give the same embedding: the eigenvalues are equal, and the eigenvectors differ by a factor per row, which the unit
-    rows take away again. For several views they do not: the objective asks for orthonormal U_v, which only the
-    symmetric form has as eigenvectors.
+    give the same embedding: the eigenvalues are equal, and eigenvectors V with V'DV = I differ by a factor per row,
+    which the unit rows take away again. For several views they do not: the objective asks for orthonormal U_v, which
+    only the symmetric form has as eigenvectors.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from moseg_tasks.clustering import embed_views
-from moseg_tasks.clustering.spectral import normalise_affinity
+from moseg_tasks.clustering.spectral import normalise_affinity, unit_rows
 
 
 def random_views(seed, num_views=2, size=9) -> np.ndarray:
@@ -56,6 +56,16 @@ def test_normalising_both_sides_or_rows_gives_the_same_eigenvalues():
 def test_one_view_reads_no_co_regularisation():
     view = random_views(6, 1)
     np.testing.assert_array_equal(embed_views(view, 3).coordinates, embed_views(view, 3, 0.7, 10, 0.0).coordinates)
+
+
+def test_of_one_view_normalising_both_sides_or_rows_gives_the_same_embedding():
+    view = random_views(8, 1)[0]
+    degrees = view.sum(axis=1, keepdims=True)
+    values, vectors = np.linalg.eig(view / degrees)
+    leading = vectors.real[:, np.argsort(-values.real)[:3]]
+    rows = unit_rows(leading / np.sqrt((degrees * leading**2).sum(axis=0)))
+    ours = embed_views(view[None], 3).coordinates
+    np.testing.assert_allclose(np.abs(np.sum(rows * ours, axis=0)), np.linalg.norm(ours, axis=0) ** 2, atol=1e-6)
 
 
 def test_an_object_without_any_affinity_does_not_divide_by_zero():
