@@ -60,6 +60,8 @@ class EvaluationReport(Frozen):
     over : 'pixels' or 'points'
         What every score counts: the pixels of annotated masks, or labelled points.
     rows : tuple of EvaluationRow
+    matching : dict of str to 'name', 'order' or 'number', or None
+        How saved masks were matched to the frames, by sequence; None where masks were computed.
     store : StoreUse
     seconds : float
     """
@@ -69,6 +71,7 @@ class EvaluationReport(Frozen):
     dataset: str
     over: GroundTruth = "pixels"
     rows: tuple[EvaluationRow, ...]
+    matching: dict[str, Literal["name", "order", "number"]] | None = None
     store: StoreUse
     seconds: float = Field(ge=0)
 

@@ -22,6 +22,9 @@ def score(
 ) -> None:
     """Score anybody's saved masks (PNG folders, .npy/.npz volumes, what MoSeg, Raptor, RigidMask and EM write).
 
+    Files are matched to the frames by their names. Where no file has a frame's name, they are taken in order, one for
+    each frame, or else by their number from 0, and a note says so. Every frame with ground truth needs a mask.
+
     Examples
     --------
     moseg score --dataset davis16 --root DAVIS --predictions results/480p
@@ -41,17 +44,17 @@ def score(
         check_writable(json)
     saved = open_predictions(Path(predictions), format)
     dataset = data.open(PipelineConfig().max_side)
-    over, scores = score_predictions(dataset, saved, quiet)
-    row = EvaluationRow(
-        variant=name or Path(predictions).resolve().name, sequences=scores, mean=mean_score(list(scores.values()))
-    )
+    scored = score_predictions(dataset, saved, quiet)
+    mean = mean_score(list(scored.scores.values()))
+    row = EvaluationRow(variant=name or Path(predictions).resolve().name, sequences=scored.scores, mean=mean)
     report = EvaluationReport(
         dataset=dataset.name,
-        over=over,
+        over=scored.over,
         rows=(row,),
+        matching=scored.matching,
         store=StoreUse(computed=0, reused=0),
         seconds=time.perf_counter() - started,
     )
-    print_report(report, tuple(f"{absent} is not on disk" for absent in dataset.absent))
+    print_report(report, (*(f"{absent} is not on disk" for absent in dataset.absent), *scored.notes))
     if json is not None:
         write_text(json, report.model_dump_json(indent=2, exclude_none=True) + "\n")

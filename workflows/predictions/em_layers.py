@@ -8,6 +8,7 @@ import numpy as np
 from schemas.errors import InputError, MissingInputError
 from workflows.predictions.as_labels import as_labels
 from workflows.predictions.frame_files import FrameFiles
+from workflows.predictions.frame_list import FrameList
 from workflows.predictions.label_images import read_label_image
 from workflows.sources.files import read_bytes
 from workflows.sources.numpy_file import decode_array
@@ -22,6 +23,7 @@ class LayerProbabilities:
 
     def __init__(self, files: FrameFiles, shape: tuple[int, int]):
         self.files = files
+        self.matching, self.repeats_last = files.matching, files.repeats_last
         self.shape = shape
 
     def frame(self, index: int) -> np.ndarray:
@@ -45,6 +47,7 @@ class BinaryMasks:
 
     def __init__(self, files: FrameFiles, shape: tuple[int, int]):
         self.files = files
+        self.matching, self.repeats_last = files.matching, files.repeats_last
         self.shape = shape
 
     def frame(self, index: int) -> np.ndarray:
@@ -56,11 +59,11 @@ class BinaryMasks:
 
 
 def open_em_layers(
-    folder: Path, name: str, num_frames: int, shape: tuple[int, int]
+    folder: Path, name: str, frames: FrameList, shape: tuple[int, int]
 ) -> LayerProbabilities | BinaryMasks:
     """``<sequence>/*_proba.npy`` or else ``<sequence>/*_binary.png``; an absent last frame repeats the one before."""
     for pattern, reader in (("*_proba.npy", LayerProbabilities), ("*_binary.png", BinaryMasks)):
         if any(True for _ in (folder / name).glob(pattern)):
-            return reader(FrameFiles([folder / name], pattern, num_frames, by_pairs=True), shape)
+            return reader(FrameFiles([folder / name], pattern, frames, by_pairs=True), shape)
     expected = f"{folder / name / '*_proba.npy'} or {folder / name / '*_binary.png'}"
     raise MissingInputError("no predictions of the sequence", expected=expected)

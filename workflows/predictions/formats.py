@@ -8,13 +8,26 @@ import numpy as np
 
 from schemas.errors import InputError
 from workflows.predictions.em_layers import open_em_layers
+from workflows.predictions.frame_list import FrameList
 from workflows.predictions.label_images import open_label_images
 from workflows.predictions.rigidmask import open_rigidmask
 from workflows.predictions.volumes import open_volume
+from workflows.sources.frame_matching import Matching
 
 
 class SequencePredictions(Protocol):
-    """The saved masks of one sequence."""
+    """The saved masks of one sequence.
+
+    Attributes
+    ----------
+    matching : Matching
+        How they were matched to the sequence's frames.
+    repeats_last : bool
+        The last frame has none, as of a method that looks at a frame and its next; that of the one before counts.
+    """
+
+    matching: Matching
+    repeats_last: bool
 
     def frame(self, index: int) -> np.ndarray:
         """Labels of the sequence's frame `index`, counted from 0: uint16 (y, x), 0 = not moving, in a new array."""
@@ -31,13 +44,13 @@ class PredictionFormat(NamedTuple):
     patterns : tuple of str
         Paths, relative to the folder, at which its files lie.
     open_sequence : callable
-        Of folder, sequence name, number of frames and (height, width) to an object with ``frame(index)``.
+        Of folder, sequence name, its frames and (height, width) to an object with ``frame(index)``.
     """
 
     name: str
     description: str
     patterns: tuple[str, ...]
-    open_sequence: Callable[[Path, str, int, tuple[int, int]], SequencePredictions]
+    open_sequence: Callable[[Path, str, FrameList, tuple[int, int]], SequencePredictions]
 
 
 _IN_ORDER_OF_DETECTION = (

@@ -1,64 +1,69 @@
 """One file per frame: which file is which frame's."""
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
 from schemas.errors import MissingInputError
-
-_NUMBER = re.compile(r"\d+")
+from workflows.predictions.frame_list import FrameList
+from workflows.sources.files import natural_key
+from workflows.sources.frame_matching import match_names
 
 
 class FrameFiles:
-    """The files of one sequence, in the order of the numbers in their names.
-
-    Where there are as many files as frames, they are the frames in order, whatever number they begin with. Otherwise
-    the last number in a file's name is its frame, counted from 0.
+    """The files of one sequence, each matched to its frame by `match_names`.
 
     Parameters
     ----------
     folders : sequence of Path
-        Where the sequence may lie; the first that holds files counts.
+        Where the sequence may lie; the first that holds files counts. Hidden files are left out.
     pattern : str
-        Names of its files.
-    num_frames : int
+        Names of its files. What stands for the asterisk is compared with the frames' names.
+    frames : FrameList
         Frames of the sequence.
     by_pairs : bool
         The method looks at a frame and its next, so the last frame may have no file; it then repeats the one before.
+
+    Attributes
+    ----------
+    matching : Matching
+        How the files were matched.
+    repeats_last : bool
+        The last frame has no file, and that of the one before counts.
 
     Raises
     ------
     MissingInputError
         Where no folder holds files.
+    InputError
+        Where the frame of a file cannot be told from its name.
     """
 
-    def __init__(self, folders: Sequence[Path], pattern: str, num_frames: int, by_pairs: bool = False):
-        self.num_frames = num_frames
+    def __init__(self, folders: Sequence[Path], pattern: str, frames: FrameList, by_pairs: bool = False):
+        self._frames = frames
         for self.folder in folders:
-            self.paths = sorted(self.folder.glob(pattern), key=lambda path: (frame_number(path), path.name))
-            if self.paths:
+            found = (path for path in self.folder.glob(pattern) if not path.name.startswith("."))
+            paths = sorted(found, key=lambda path: natural_key(path.name))
+            if paths:
                 break
         else:
             expected = " or ".join(str(folder / pattern) for folder in folders)
             raise MissingInputError("no predictions of the sequence", expected=expected)
-        if by_pairs and len(self.paths) == num_frames - 1:
-            self.paths.append(self.paths[-1])
-        self._by_number = {frame_number(path): path for path in self.paths}
+        before, after = map(len, pattern.split("*"))
+        names = [path.name[before : len(path.name) - after] for path in paths]
+        self.matching, indices = match_names(names, frames.stems, frames.num_frames, self.folder, by_pairs)
+        self._paths = dict(zip(indices, paths, strict=True))
+        last = frames.num_frames - 1
+        self.repeats_last = by_pairs and sorted(self._paths) == list(range(last))
+        if self.repeats_last:
+            self._paths[last] = self._paths[last - 1]
 
     def path(self, index: int) -> Path:
         """The file of frame `index`; raises MissingInputError where there is none."""
-        if len(self.paths) == self.num_frames:
-            return self.paths[index]
-        if index not in self._by_number:
+        if index not in self._paths:
             raise MissingInputError(
-                f"no prediction of frame {index}",
+                f"no prediction of frame {self._frames.name(index)}",
                 where=self.folder,
-                got=f"{len(self.paths)} files for {self.num_frames} frames",
+                got=f"{len(self._paths)} files for {self._frames.num_frames} frames",
+                expected="one for every frame with ground truth",
             )
-        return self._by_number[index]
-
-
-def frame_number(path: Path) -> int:
-    """The last number in a file's name, -1 where it has none."""
-    numbers = _NUMBER.findall(path.stem)
-    return int(numbers[-1]) if numbers else -1
+        return self._paths[index]

@@ -9,6 +9,7 @@ from PIL import Image
 from schemas.errors import InputError
 from workflows.predictions.as_labels import as_labels
 from workflows.predictions.frame_files import FrameFiles
+from workflows.predictions.frame_list import FrameList
 from workflows.sources.files import read_bytes
 from workflows.sources.png_file import PILLOW_ERRORS, check_png_size
 
@@ -21,6 +22,7 @@ class LabelImages:
 
     def __init__(self, files: FrameFiles, shape: tuple[int, int]):
         self.files = files
+        self.matching, self.repeats_last = files.matching, files.repeats_last
         self.shape = shape
 
     def frame(self, index: int) -> np.ndarray:
@@ -29,14 +31,14 @@ class LabelImages:
         return as_labels(read_label_image(path), self.shape, path)
 
 
-def open_label_images(folder: Path, name: str, num_frames: int, shape: tuple[int, int]) -> LabelImages:
+def open_label_images(folder: Path, name: str, frames: FrameList, shape: tuple[int, int]) -> LabelImages:
     """Label images in ``<sequence>/``, ``<sequence>/masks/`` or, as Raptor writes, ``single_mask/<sequence>/``.
 
     Raptor numbers the objects of each frame downwards from their count, so an object's label changes where that
     count does. Labels are taken as they are written.
     """
     folders = [folder / name, folder / name / "masks", folder / "single_mask" / name, folder / name / "single_mask"]
-    return LabelImages(FrameFiles(folders, "*.png", num_frames), shape)
+    return LabelImages(FrameFiles(folders, "*.png", frames), shape)
 
 
 def read_label_image(path: Path) -> np.ndarray:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from schemas.errors import MissingInputError
 from workflows.predictions.formats import FORMATS, PredictionFormat, SequencePredictions, detect_format
+from workflows.predictions.frame_list import FrameList
 from workflows.spelling import unknown_name
 
 
@@ -15,14 +16,14 @@ class Predictions:
     folder: Path
     format: PredictionFormat
 
-    def sequence(self, name: str, num_frames: int, shape: tuple[int, int]) -> SequencePredictions:
+    def sequence(self, name: str, frames: FrameList, shape: tuple[int, int]) -> SequencePredictions:
         """Find one sequence's masks; each frame is read when it is asked for.
 
         Parameters
         ----------
         name : str
             The sequence's name in the data set.
-        num_frames : int
+        frames : FrameList
             Frames of the sequence, annotated or not.
         shape : (int, int)
             Height and width of the ground truth, px.
@@ -32,9 +33,9 @@ class Predictions:
         MissingInputError
             Where nothing is saved for the sequence; by ``frame``, where nothing is saved for that frame.
         InputError
-            Where masks have another size, are damaged or are no labels.
+            Where masks have another size, are damaged or are no labels, or which frames they are of cannot be told.
         """
-        return self.format.open_sequence(self.folder, name, num_frames, shape)
+        return self.format.open_sequence(self.folder, name, frames, shape)
 
 
 def open_predictions(folder: Path, format: str | None = None) -> Predictions:

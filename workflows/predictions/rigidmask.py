@@ -7,6 +7,7 @@ import numpy as np
 from schemas.errors import InputError
 from workflows.predictions.as_labels import as_labels
 from workflows.predictions.frame_files import FrameFiles
+from workflows.predictions.frame_list import FrameList
 
 
 class RigidMaskLabels:
@@ -18,6 +19,7 @@ class RigidMaskLabels:
 
     def __init__(self, files: FrameFiles, shape: tuple[int, int]):
         self.files = files
+        self.matching, self.repeats_last = files.matching, files.repeats_last
         self.shape = shape
 
     def frame(self, index: int) -> np.ndarray:
@@ -26,10 +28,10 @@ class RigidMaskLabels:
         return as_labels(read_pfm(path) > 0, self.shape, path)
 
 
-def open_rigidmask(folder: Path, name: str, num_frames: int, shape: tuple[int, int]) -> RigidMaskLabels:
+def open_rigidmask(folder: Path, name: str, frames: FrameList, shape: tuple[int, int]) -> RigidMaskLabels:
     """``<sequence>/pm-*.pfm`` or ``seq-<sequence>/pm-*.pfm``; an absent last frame repeats the one before."""
     folders = [folder / name, folder / f"seq-{name}"]
-    return RigidMaskLabels(FrameFiles(folders, "pm-*.pfm", num_frames, by_pairs=True), shape)
+    return RigidMaskLabels(FrameFiles(folders, "pm-*.pfm", frames, by_pairs=True), shape)
 
 
 def read_pfm(path: Path) -> np.ndarray:

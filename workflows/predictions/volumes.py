@@ -8,7 +8,9 @@ import numpy as np
 
 from schemas.errors import InputError, MissingInputError
 from workflows.predictions.as_labels import as_labels
+from workflows.predictions.frame_list import FrameList
 from workflows.sources.files import unreadable
+from workflows.sources.frame_matching import Matching
 from workflows.sources.numpy_file import ARCHIVE_ERRORS, HEADER_BYTES, read_header, undecodable
 
 _KEYS = ("segmentation", "labels")
@@ -17,7 +19,10 @@ _WHAT = "volume of labels"
 
 
 class Volume:
-    """A volume of labels in an open file."""
+    """A volume of labels in an open file; its entries are the frames in order, which have no names there."""
+
+    matching = Matching.ORDER
+    repeats_last = False
 
     def __init__(self, path: Path, frames: "np.ndarray | CompressedFrames"):
         self.path = path
@@ -28,7 +33,7 @@ class Volume:
         return as_labels(self.frames[index], self.frames.shape[1:], self.path)
 
 
-def open_volume(folder: Path, name: str, num_frames: int, shape: tuple[int, int]) -> Volume:
+def open_volume(folder: Path, name: str, frames: FrameList, shape: tuple[int, int]) -> Volume:
     """The volume ``<sequence>.npz`` or ``<sequence>.npy``, with one entry per frame of the sequence.
 
     Of an archive the array ``segmentation`` is taken (MoSeg), ``labels`` (`moseg export`), or its only one.
@@ -37,12 +42,13 @@ def open_volume(folder: Path, name: str, num_frames: int, shape: tuple[int, int]
     path = next((path for path in paths if path.is_file()), None)
     if path is None:
         raise MissingInputError("no predictions of the sequence", expected=" or ".join(map(str, paths)))
-    frames = _map_frames(path) if path.suffix == ".npy" else CompressedFrames(path)
-    if frames.dtype.kind not in "biuf":
-        raise InputError("masks that are no labels", where=path, got=frames.dtype, expected="integers 0..65535")
-    if frames.shape != (num_frames, *shape):
-        raise InputError("wrong size of masks", where=path, got=frames.shape, expected=(num_frames, *shape))
-    return Volume(path, frames)
+    volume = _map_frames(path) if path.suffix == ".npy" else CompressedFrames(path)
+    if volume.dtype.kind not in "biuf":
+        raise InputError("masks that are no labels", where=path, got=volume.dtype, expected="integers 0..65535")
+    expected = (frames.num_frames, *shape)
+    if volume.shape != expected:
+        raise InputError("wrong size of masks", where=path, got=volume.shape, expected=expected)
+    return Volume(path, volume)
 
 
 class CompressedFrames:

@@ -1,15 +1,16 @@
 """From a path that a user gave to a source."""
 
 import os
-from itertools import pairwise
 
 from schemas.errors import InputError, MissingInputError
 from workflows.sources.depth_files import DEPTH_SUFFIXES, DepthFiles
 from workflows.sources.files import list_files, stem
 from workflows.sources.flow_files import FLOW_SUFFIXES, FlowFiles
+from workflows.sources.frame_matching import frame_stems, match_names
 from workflows.sources.frames import FrameSource
 from workflows.sources.image_files import IMAGE_SUFFIXES, ImageFiles
 from workflows.sources.mask_files import MASK_SUFFIXES, MaskFiles, MaskKind, find_mask_kind
+from workflows.sources.pair_matching import check_pairs
 from workflows.sources.track_files import TRACK_SUFFIXES, TrackFile
 from workflows.sources.video_file import VideoFile
 
@@ -42,7 +43,8 @@ def open_masks(folder: str, frames: FrameSource, kind: MaskKind | None = None) -
     ----------
     folder : str
     frames : FrameSource
-        For images a mask's stem is its frame's; for a video it is the number of the frame, from 0.
+        For images a mask's stem is its frame's. Frames of a video have no names: as many masks as frames are the frames
+        in order, of fewer the last number in a mask's name is its frame, counted from 0.
     kind : 'binary', 'instance' or None
         None: found from the values (`find_mask_kind`).
 
@@ -57,32 +59,48 @@ def open_masks(folder: str, frames: FrameSource, kind: MaskKind | None = None) -
     masks = list_files(folder, MASK_SUFFIXES)
     if not masks:
         raise MissingInputError("no masks", where=folder, expected="PNG files named as their frames")
-    indices = {stem(path): i for i, path in enumerate(frames.paths)} if isinstance(frames, ImageFiles) else None
-    items = sorted((_frame_of(path, indices), path) for path in masks)
-    for (frame0, path0), (frame1, path1) in pairwise(items):
-        if frame0 == frame1:
-            raise InputError(f"two masks of frame {frame0}", where=folder, got=f"{path0} and {path1}")
-    return MaskFiles(tuple(items), kind or find_mask_kind(masks), frames.describe().size)
+    stems = frame_stems(frames)
+    if stems is None:
+        _, indices = match_names(tuple(map(stem, masks)), None, frames.num_frames(), folder)
+    else:
+        index_of = {name: index for index, name in enumerate(stems)}
+        indices = tuple(_frame_of(path, index_of) for path in masks)
+    items = tuple(sorted(zip(indices, masks, strict=True)))
+    return MaskFiles(items, kind or find_mask_kind(masks), frames.describe().size)
 
 
 def open_depth(folder: str, frames: FrameSource, num_frames: int, max_side: int) -> DepthFiles:
-    """Depth maps of a folder in natural order, one a frame; raises InputError where they are not `num_frames`."""
+    """Depth maps of a folder, one a frame, matched to the frames by `match_names`.
+
+    Raises
+    ------
+    InputError
+        They are not `num_frames`, or only some have the name of a frame.
+    """
     folder = os.path.abspath(folder)
     paths = list_files(folder, DEPTH_SUFFIXES)
     if len(paths) != num_frames:
         expected = f"{num_frames} files ({' or '.join(DEPTH_SUFFIXES)}), one for each frame"
         raise InputError("wrong number of depth maps", where=folder, got=len(paths), expected=expected)
-    return DepthFiles(paths, frames.describe().size, max_side)
+    _, indices = match_names(tuple(map(stem, paths)), frame_stems(frames), num_frames, folder)
+    in_order = tuple(path for _, path in sorted(zip(indices, paths, strict=True)))
+    return DepthFiles(in_order, frames.describe().size, max_side)
 
 
 def open_flow(folder: str, frames: FrameSource, num_frames: int, max_side: int) -> FlowFiles:
-    """Flow fields of a folder in natural order, one a frame pair; raises InputError where they are not one fewer than
-    `num_frames`."""
+    """Flow fields of a folder in natural order, one a frame pair.
+
+    Raises
+    ------
+    InputError
+        They are not one fewer than `num_frames`, or their names say that one of them is missing: see `check_pairs`.
+    """
     folder = os.path.abspath(folder)
     paths = list_files(folder, FLOW_SUFFIXES)
     if len(paths) != num_frames - 1:
         expected = f"{num_frames - 1} files ({' or '.join(FLOW_SUFFIXES)}), one for each pair of neighbouring frames"
         raise InputError("wrong number of flow fields", where=folder, got=len(paths), expected=expected)
+    check_pairs(tuple(map(stem, paths)), frame_stems(frames), folder)
     return FlowFiles(paths, frames.describe().size, max_side)
 
 
@@ -110,11 +128,7 @@ def open_tracks(path: str, name: str, frames: FrameSource, num_frames: int, max_
     return TrackFile(named[0], num_frames, frames.describe().size, max_side)
 
 
-def _frame_of(path: str, indices: dict[str, int] | None) -> int:
-    name = stem(path)
-    if indices is None and name.isascii() and name.isdigit():
-        return int(name)
-    if indices is None or name not in indices:
-        expected = "a file named as a frame" if indices is not None else "the number of a frame as its name"
-        raise InputError("mask without a frame", where=path, expected=expected)
-    return indices[name]
+def _frame_of(path: str, index_of: dict[str, int]) -> int:
+    if stem(path) not in index_of:
+        raise InputError("mask without a frame", where=path, expected="a file named as a frame")
+    return index_of[stem(path)]

@@ -9,7 +9,7 @@ from PIL import Image
 
 from schemas.errors import InputError
 from workflows.exports import davis_palette, identity_colours, write_masks
-from workflows.predictions import open_predictions
+from workflows.predictions import FrameList, open_predictions
 
 
 @pytest.fixture
@@ -40,7 +40,7 @@ def test_written_masks_are_read_as_predictions(tmp_path, labels):
     labels[2, 0, 0] = 40_000
     labels[1, 0, 0] = 255
     write_masks(tmp_path / "dog" / "masks", labels)
-    sequence = open_predictions(tmp_path).sequence("dog", 3, (7, 10))
+    sequence = open_predictions(tmp_path).sequence("dog", FrameList(3), (7, 10))
     for index, frame in enumerate(labels):
         np.testing.assert_array_equal(sequence.frame(index), frame)
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from schemas.errors import InputError
-from workflows.predictions import open_predictions
+from workflows.predictions import FrameList, open_predictions
 
 SHAPE = (4, 6)
 LABELS = np.random.default_rng(0).integers(0, 3, (2, *SHAPE)).astype(np.uint8)
@@ -40,7 +40,7 @@ def _read(root, file, content):
     path.write_bytes(content)
     format, name = file.split("/")[:2]
     num_frames = 2 if format == "volume" else 1
-    sequence = open_predictions(root / format, format).sequence(name.partition(".")[0], num_frames, SHAPE)
+    sequence = open_predictions(root / format, format).sequence(name.partition(".")[0], FrameList(num_frames), SHAPE)
     return [sequence.frame(index) for index in range(num_frames)]
 
 

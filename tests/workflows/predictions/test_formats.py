@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from schemas.errors import InputError, MissingInputError
-from workflows.predictions import FORMATS, open_predictions
+from workflows.predictions import FORMATS, FrameList, open_predictions
 
 SHAPE = (6, 9)
 
@@ -21,7 +21,7 @@ def labels():
 
 
 def read(folder, name="dog", num_frames=4, shape=SHAPE, format=None):
-    sequence = open_predictions(folder, format).sequence(name, num_frames, shape)
+    sequence = open_predictions(folder, format).sequence(name, FrameList(num_frames), shape)
     return np.stack([sequence.frame(index) for index in range(num_frames)])
 
 
@@ -76,7 +76,7 @@ def test_a_file_for_each_frame_may_be_numbered_from_1(tmp_path, labels):
 def test_files_of_some_frames_are_found_by_number(tmp_path, labels):
     save_images(tmp_path / "dog", labels)
     (tmp_path / "dog" / "00001.png").unlink()
-    sequence = open_predictions(tmp_path).sequence("dog", 4, SHAPE)
+    sequence = open_predictions(tmp_path).sequence("dog", FrameList(4), SHAPE)
     np.testing.assert_array_equal(sequence.frame(2), labels[2])
     with pytest.raises(MissingInputError, match=r"no prediction of frame 1 in .*dog; got 3 files for 4 frames"):
         sequence.frame(1)
@@ -85,7 +85,7 @@ def test_files_of_some_frames_are_found_by_number(tmp_path, labels):
 @pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
 def test_archives_with_moseg_s_key_are_read_in_any_order(tmp_path, labels, save):
     save(tmp_path / "dog.npz", segmentation=labels.astype(np.int64), other=np.zeros(3))
-    sequence = open_predictions(tmp_path).sequence("dog", 4, SHAPE)
+    sequence = open_predictions(tmp_path).sequence("dog", FrameList(4), SHAPE)
     for index in (2, 3, 0, 0, 1):
         np.testing.assert_array_equal(sequence.frame(index), labels[index])
 
@@ -156,7 +156,7 @@ def test_unknown_format_and_folder_are_named(tmp_path):
 @pytest.mark.parametrize("format", FORMATS)
 def test_a_missing_sequence_is_named(tmp_path, format):
     with pytest.raises(MissingInputError, match=r"no predictions of the sequence; expected .*camel"):
-        open_predictions(tmp_path, format).sequence("camel", 3, SHAPE)
+        open_predictions(tmp_path, format).sequence("camel", FrameList(3), SHAPE)
 
 
 def test_another_size_is_refused(tmp_path, labels):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from schemas.errors import InputError, MissingInputError
-from workflows.sources import ImageFiles, VideoFile, open_depth, open_frames, open_masks
+from workflows.sources import ImageFiles, VideoFile, open_depth, open_flow, open_frames, open_masks
 
 
 @pytest.fixture
@@ -82,17 +82,38 @@ def test_a_mask_without_a_frame_is_named(tmp_path, frames, write_image):
         open_masks(str(tmp_path / "masks"), frames)
 
 
-def test_masks_of_a_video_are_numbered(tmp_path, write_image, write_video, picture):
+def _write_masks(folder, write_image, *stems):
+    for label, name in enumerate(stems, start=1):
+        write_image(folder / f"{name}.png", np.full((48, 64), label, np.uint8))
+    return str(folder)
+
+
+def test_masks_of_some_frames_of_a_video_are_numbered_from_0(tmp_path, write_image, write_video, picture):
+    video = open_frames(write_video(tmp_path / "a.mp4", [picture] * 4), 1000)
+    masks = open_masks(_write_masks(tmp_path / "masks", write_image, "00000", "00002"), video)
+    assert [index for index, _ in masks.items] == [0, 2]
+    for name, words in (("2", "two files of frame 2"), ("first", "without a frame"), ("00004", "without a frame")):
+        folder = _write_masks(tmp_path / name, write_image, "00000", "00002", name)
+        with pytest.raises(InputError, match=words):
+            open_masks(folder, video)
+
+
+@pytest.mark.parametrize("start", [0, 1])
+def test_a_mask_for_each_frame_of_a_video_may_be_numbered_from_0_or_1(
+    tmp_path, write_image, write_video, picture, start
+):
     video = open_frames(write_video(tmp_path / "a.mp4", [picture] * 3), 1000)
-    for name in ("00000.png", "00002.png"):
-        write_image(tmp_path / "masks" / name, np.ones((48, 64), np.uint8))
-    assert [index for index, _ in open_masks(str(tmp_path / "masks"), video).items] == [0, 2]
-    write_image(tmp_path / "masks" / "2.png", np.ones((48, 64), np.uint8))
-    with pytest.raises(InputError, match="two masks of frame 2"):
-        open_masks(str(tmp_path / "masks"), video)
-    write_image(tmp_path / "masks" / "first.png", np.ones((48, 64), np.uint8))
-    with pytest.raises(InputError, match=r"first\.png; expected the number of a frame"):
-        open_masks(str(tmp_path / "masks"), video)
+    masks = open_masks(_write_masks(tmp_path / "masks", write_image, *(start + index for index in range(3))), video)
+    assert [(index, labels.max()) for index, labels in masks.read()] == [(0, 1), (1, 2), (2, 3)]
+
+
+@pytest.mark.parametrize("names", [("00002", "2", "0"), ("0", "1", "overview")])
+def test_as_many_masks_as_frames_of_a_video_are_refused_where_one_is_doubtful(
+    tmp_path, write_image, write_video, picture, names
+):
+    video = open_frames(write_video(tmp_path / "a.mp4", [picture] * 3), 1000)
+    with pytest.raises(InputError, match=r"two files of frame 2|without a frame in .*masks; got overview"):
+        open_masks(_write_masks(tmp_path / "masks", write_image, *names), video)
 
 
 def test_no_masks_are_said(tmp_path, frames):
@@ -113,3 +134,69 @@ def test_depth_is_counted_against_the_frames(tmp_path, frames):
     assert next(depth.read()).shape == (24, 32)
     with pytest.raises(InputError, match="got 3; expected 4 files"):
         open_depth(str(tmp_path / "depth"), frames, 4, 32)
+
+
+def _write_depth(folder, *stems):
+    folder.mkdir()
+    for label, name in enumerate(stems):
+        np.save(folder / f"{name}.npy", np.full((48, 64), float(label)))
+    return str(folder)
+
+
+@pytest.mark.parametrize("names", [("im1", "im2", "im10"), ("0", "1", "2"), ("1", "2", "3"), ("a", "b", "c")])
+def test_depth_is_named_as_the_frames_or_in_their_order(tmp_path, frames, names):
+    depth = open_depth(_write_depth(tmp_path / "depth", *names), frames, 3, 1000)
+    assert [array.max() for array in depth.read()] == [0, 1, 2]
+
+
+def test_depth_of_which_one_map_is_of_no_frame_is_named(tmp_path, frames):
+    with pytest.raises(InputError, match=r"only some .* in .*depth; got im1, which is a frame, and im7, which is none"):
+        open_depth(_write_depth(tmp_path / "depth", "im1", "im2", "im7"), frames, 3, 1000)
+
+
+@pytest.fixture
+def counted_frames(tmp_path, write_image, picture):
+    for number in range(5, 10):
+        write_image(tmp_path / "counted" / f"{number:05d}.png", picture)
+    return open_frames(str(tmp_path / "counted"), 1000)
+
+
+def _write_flow(folder, *stems):
+    folder.mkdir()
+    for label, name in enumerate(stems):
+        np.save(folder / f"{name}.npy", np.full((48, 64, 2), float(label)))
+    return str(folder)
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("00005", "00006", "00007", "00008"),
+        ("00006", "00007", "00008", "00009"),
+        ("00000", "00001", "00002", "00003"),
+        ("00001", "00002", "00003", "00004"),
+        ("a", "b", "c", "d"),
+        ("5_6", "6_7", "7_8", "8_9"),
+    ],
+)
+def test_flow_is_one_field_a_pair_in_order(tmp_path, counted_frames, names):
+    flow = open_flow(_write_flow(tmp_path / "flow", *names), counted_frames, 5, 1000)
+    assert [array.max() for array in flow.read()] == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        (("00005", "00006", "00008", "00009"), "none named 00007"),
+        (("flow_0", "flow_1", "flow_3", "flow_4"), "flow_1, then flow_3"),
+        (("00002", "00003", "00004", "00005"), "00005, which is a frame, and 00002, which is none"),
+        (("00005", "00006", "00007", "00010"), "00005, which is a frame, and 00010, which is none"),
+    ],
+)
+def test_a_gap_in_the_flow_is_named(tmp_path, counted_frames, names, words):
+    with pytest.raises(InputError, match=words):
+        open_flow(_write_flow(tmp_path / "flow", *names), counted_frames, 5, 1000)
+
+
+def test_flow_of_frames_with_gaps_may_have_the_same(tmp_path, frames):
+    assert len(open_flow(_write_flow(tmp_path / "flow", "im1_im2", "im2_im10"), frames, 3, 1000).paths) == 2

@@ -7,7 +7,7 @@ from PIL import Image
 from schemas.errors import InputError
 from workflows.exports import davis_palette
 from workflows.exports.formats import FORMATS, export
-from workflows.predictions import open_predictions
+from workflows.predictions import FrameList, open_predictions
 
 
 def test_palette_indices_are_the_identities(saved, volume):
@@ -23,7 +23,7 @@ def test_palette_indices_are_the_identities(saved, volume):
 def test_they_are_read_as_predictions(write_saved, volume):
     saved = write_saved(frames=tuple(f"{index:05d}.jpg" for index in range(4)))
     FORMATS["davis"].write(saved, saved.folder, None)
-    read = open_predictions(saved.folder / "davis").sequence("dog walk", 4, volume.shape[1:])
+    read = open_predictions(saved.folder / "davis").sequence("dog walk", FrameList(4), volume.shape[1:])
     for index, labels in enumerate(volume):
         np.testing.assert_array_equal(read.frame(index), labels)
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from workflows.exports.formats import FORMATS
-from workflows.predictions import open_predictions
+from workflows.predictions import FrameList, open_predictions
 
 
 def test_arrays_are_those_that_were_saved(saved, volume):
@@ -21,7 +21,7 @@ def test_arrays_are_those_that_were_saved(saved, volume):
 
 def test_it_is_read_as_predictions(saved, volume):
     FORMATS["npz"].write(saved, saved.folder, None)
-    read = open_predictions(saved.folder, "volume").sequence("dog walk", 4, volume.shape[1:])
+    read = open_predictions(saved.folder, "volume").sequence("dog walk", FrameList(4), volume.shape[1:])
     for index, labels in enumerate(volume):
         np.testing.assert_array_equal(read.frame(index), labels)
 

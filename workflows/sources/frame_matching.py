@@ -1,0 +1,137 @@
+"""Which frame a file belongs to, told by its name."""
+
+import re
+from collections.abc import Collection, Sequence
+from enum import StrEnum
+from itertools import pairwise
+from typing import NamedTuple
+
+from schemas.errors import InputError
+from workflows.sources.files import natural_key, stem
+from workflows.sources.frames import FrameSource
+from workflows.sources.image_files import ImageFiles
+
+_NUMBER = re.compile(r"[0-9]+")
+
+
+class Matching(StrEnum):
+    """How files were matched to frames: by the frames' names, in their order, or by the number in their names."""
+
+    NAME = "name"
+    ORDER = "order"
+    NUMBER = "number"
+
+
+class MatchedNames(NamedTuple):
+    """The frame of each name, counted from 0, and how it was found."""
+
+    matching: Matching
+    frames: tuple[int, ...]
+
+
+def frame_stems(frames: FrameSource) -> tuple[str, ...] | None:
+    """Names of the frames without suffix; None where frames are no files of their own (a video, a rendered scene)."""
+    return tuple(map(stem, frames.paths)) if isinstance(frames, ImageFiles) else None
+
+
+def match_names(
+    names: Sequence[str], stems: tuple[str, ...] | None, num_frames: int, where: object, by_pairs: bool = False
+) -> MatchedNames:
+    """Find the frame of each file of a sequence by one of three rules, the first that applies.
+
+    1. By name: every name is that of a frame.
+    2. In order: there are as many files as frames, and none has the name of a frame, or their numbers run on from 0
+       or 1. Files in natural order are the frames in order. All of them have a number, or none has.
+    3. By number: no name is that of a frame. The last number in a name is its frame, counted from 0.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of the files, without suffix and without what their format adds.
+    stems : tuple of str or None
+        Names of the frames without suffix, where they have any.
+    num_frames : int
+        Frames of the sequence.
+    where : object
+        Folder of the files, for the error.
+    by_pairs : bool
+        One file fewer than frames counts as many as frames too, where their numbers run on: the last frame has none.
+
+    Raises
+    ------
+    InputError
+        Some names are those of frames and others are not; numbers that are no frame's, that are another frame's by the
+        frames' own names, or that two files share.
+    """
+    index_of = {name: index for index, name in enumerate(stems or ())}
+    if all(name in index_of for name in names):
+        return MatchedNames(Matching.NAME, tuple(index_of[name] for name in names))
+    in_order = sorted(names, key=natural_key)
+    if _are_all_frames(in_order, index_of.keys(), num_frames, by_pairs):
+        position = {name: index for index, name in enumerate(in_order)}
+        return MatchedNames(Matching.ORDER, tuple(position[name] for name in names))
+    check_not_mixed(in_order, index_of.keys(), f"{num_frames} files numbered from 0 or 1", where)
+    return MatchedNames(Matching.NUMBER, _by_number(names, stems, num_frames, where))
+
+
+def check_not_mixed(names: Sequence[str], stems: Collection[str], otherwise: str, where: object) -> None:
+    """Raise InputError where some names are those of frames and others are not; `otherwise` is what may be instead."""
+    own = [name for name in names if name in stems]
+    if 0 < len(own) < len(names):
+        other = next(name for name in names if name not in stems)
+        raise InputError(
+            "files of which only some have the name of a frame",
+            where=where,
+            got=f"{own[0]}, which is a frame, and {other}, which is none",
+            expected=f"the names of frames alone, or {otherwise}",
+        )
+
+
+def file_number(name: str) -> int | None:
+    """The last number in a name."""
+    numbers = _NUMBER.findall(name)
+    return int(numbers[-1]) if numbers else None
+
+
+def counts_up(names: Sequence[str], starts: Collection[int] | None = None) -> bool:
+    """True where the number of each name is one more than that of the name before, and the first is one of `starts`."""
+    numbers = [file_number(name) for name in names]
+    if None in numbers or (starts is not None and numbers[0] not in starts):
+        return False
+    return numbers == list(range(numbers[0], numbers[0] + len(numbers)))
+
+
+def _are_all_frames(in_order: Sequence[str], stems: Collection[str], num_frames: int, by_pairs: bool) -> bool:
+    """True where names in natural order stand for the frames in order."""
+    is_one_short = by_pairs and len(in_order) == num_frames - 1
+    if len(in_order) != num_frames and not is_one_short:
+        return False
+    if any(name in stems for name in in_order):
+        return counts_up(in_order, starts=(0, 1))
+    if is_one_short:
+        return counts_up(in_order)
+    # Beside numbers a name without one is of something else; 7 and 007 may be the same frame.
+    are_alike = len({file_number(name) is None for name in in_order}) == 1
+    return are_alike and all(natural_key(name0)[0] != natural_key(name1)[0] for name0, name1 in pairwise(in_order))
+
+
+def _by_number(names: Sequence[str], stems: tuple[str, ...] | None, num_frames: int, where: object) -> tuple[int, ...]:
+    """The last number of each name; InputError where it cannot be that of its frame."""
+    named = {file_number(name): (index, name) for index, name in enumerate(stems or ())}
+    found: dict[int, str] = {}
+    for name in names:
+        number = file_number(name)
+        if number is None or number >= num_frames:
+            expected = f"the name of a frame, or its number from 0 to {num_frames - 1}"
+            raise InputError("file without a frame", where=where, got=name, expected=expected)
+        if number in found:
+            raise InputError(f"two files of frame {number}", where=where, got=f"{found[number]} and {name}")
+        if number in named and named[number][0] != number:
+            raise InputError(
+                "a number that may mean two frames",
+                where=where,
+                got=f"{name}, which may be {named[number][1]} or, counted from 0, {stems[number]}",
+                expected="the names of the frames",
+            )
+        found[number] = name
+    return tuple(found)
