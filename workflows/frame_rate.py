@@ -1,7 +1,9 @@
-"""Frame rates that may be asked for."""
+"""Frame rates that may be asked for, and the one that counts."""
 
 from schemas.errors import InputError
 
+DEFAULT_FPS = 24.0
+"""Frames per second of frames that come without a rate: a folder of images, arrays."""
 SLOWEST_FPS, FASTEST_FPS = 0.1, 1000.0
 """Frames per second: a time lapse of ten seconds a frame, and a high-speed camera."""
 
@@ -11,3 +13,8 @@ def check_fps(fps: float, where: str) -> None:
     if not SLOWEST_FPS <= fps <= FASTEST_FPS:
         expected = f"{SLOWEST_FPS:g}..{FASTEST_FPS:g} frames per second"
         raise InputError("not a frame rate", where=where, got=fps, expected=expected)
+
+
+def choose_fps(asked: float | None, own: float | None) -> float:
+    """Frames per second of the results: the rate asked for, else the video's own, else `DEFAULT_FPS`."""
+    return float(asked or own or DEFAULT_FPS)

@@ -22,15 +22,13 @@ from workflows.api.process_settings import kept_process_settings
 from workflows.api.video_source import VideoLike, open_video
 from workflows.exports import summarise_sequence
 from workflows.exports.motion_json import frame_names
+from workflows.frame_rate import choose_fps
 from workflows.given_folders import with_given_folders
 from workflows.notes import motions_note
 from workflows.purpose import Purpose
 from workflows.reports.run_report import RunReport
 from workflows.runs import open_session
 from workflows.segment import StoredSegmentation, segment
-
-DEFAULT_FPS = 24.0
-"""Of frames that come without a rate, as on the command line."""
 
 
 @named_as_arguments()
@@ -85,7 +83,7 @@ def segment_video(
         Your own masks, inverse depth, flow or point tracks in place of a backend: folders as `moseg segment
         --proposals folder:PATH` and its like read them.
     fps : float, optional
-        Frames per second, 0.1 to 1000, in place of the video's own; 24 where neither is known.
+        Frames per second of the results, 0.1 to 1000; by default the video's own, 24 for frames without a rate.
     report : path, optional
         Also write a page that shows the result and how it came about, as `moseg segment --report` does.
     name : str, optional
@@ -137,7 +135,7 @@ def segment_video(
     with kept_process_settings(), open_video(video, name, config.max_side) as source:
         source = with_given_folders(source, folders, config.max_side)
         notes = motions_note(config, "motions")
-        rate = float(fps or source.frames.describe().fps or DEFAULT_FPS)
+        rate = choose_fps(fps, source.frames.describe().fps)
         page = None if report is None else RunReport(os.fsdecode(report), source.name, config, [variant], [source.name])
         with open_session(os.fsdecode(store), **session_options) as session:
 

@@ -12,7 +12,7 @@ from workflows.cli.option_groups import with_option_groups
 from workflows.cli.options import ReportOption, RunOptions
 from workflows.cli.overlay_options import OverlayOptions
 from workflows.cli.pipeline_options import PipelineOptions
-from workflows.frame_rate import FASTEST_FPS, SLOWEST_FPS, check_fps
+from workflows.frame_rate import FASTEST_FPS, SLOWEST_FPS, check_fps, choose_fps
 from workflows.notes import motions_note
 
 
@@ -32,11 +32,14 @@ def segment(
         ),
     ] = Variant.FUSED,
     fps: Annotated[
-        float,
+        float | None,
         typer.Option(
-            "--fps", min=SLOWEST_FPS, max=FASTEST_FPS, help="Frame rate of the overlay of a folder of frames."
+            "--fps",
+            min=SLOWEST_FPS,
+            max=FASTEST_FPS,
+            help="Frames per second of overlay.mp4 and motion.json (default: the video's own; 24 for a folder).",
         ),
-    ] = 24.0,
+    ] = None,
     exports: ExportsOption = None,
     page: ReportOption = None,
 ) -> None:
@@ -68,7 +71,8 @@ def segment(
         raise InputError("no video named", got=repr(video), expected="a video file, or a folder of frames")
     if pipeline.motions == "gt":
         raise InputError("no ground truth of your own video", where="--motions", got="gt", expected="auto or a number")
-    check_fps(fps, "--fps")
+    if fps is not None:
+        check_fps(fps, "--fps")
     style = drawing.read()
     check_outputs(out, video, style is not None)
     config, folders = pipeline.read()
@@ -80,7 +84,7 @@ def segment(
         names = given_names or tuple(mask_name(index) for index in range(frames.num_frames()))
         check_exports(formats, Path(out), as_unicode(source.name), names)
     shown = None if page is None else RunReport(page, source.name, config, [variant], [source.name])
-    rate = frames.describe().fps or fps
+    rate = choose_fps(fps, frames.describe().fps)
     panels = None if shown is None else shown.panels
     with run.open() as session:
 
