@@ -28,7 +28,7 @@ def commit(layout: Layout, ref: str, files: Mapping[str, bytes | memoryview], ma
         try:
             _write_files(staged, files)
             _write(f"{staged}/{MANIFEST}", manifest)
-            return _move(staged, layout.folder(ref))
+            return _move(layout, staged, layout.folder(ref))
         finally:
             # after a commit nothing is left under this name
             shutil.rmtree(staged, ignore_errors=True)
@@ -62,12 +62,12 @@ def _write(path: str, content: bytes | memoryview) -> None:
         file.write(content)
 
 
-def _move(staged: str, target: str) -> PutOutcome:
+def _move(layout: Layout, staged: str, target: str) -> PutOutcome:
     try:
         try:
             os.rename(staged, target)
         except FileNotFoundError:
-            os.makedirs(os.path.dirname(target), exist_ok=True)
+            layout.make_folder(os.path.dirname(target))
             os.rename(staged, target)
     except OSError as error:
         if error.errno in (errno.ENOTEMPTY, errno.EEXIST):

@@ -1,5 +1,6 @@
 """Where things lie under a local store's root."""
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -29,6 +30,22 @@ class Layout:
     def folder(self, ref: str) -> str:
         """Folder of an artifact; raises InputError where the reference is malformed."""
         return f"{self._objects}/{slot(ref)}"
+
+    def make_folder(self, folder: str | Path) -> None:
+        """Make a folder below the root, and what lies between; raises FileNotFoundError where there is no root.
+
+        The root itself is made by whoever makes a store of it: one that vanished is not begun anew without its marker.
+        """
+        try:
+            os.mkdir(folder)
+        except FileExistsError:
+            return
+        except FileNotFoundError:
+            parent = os.path.dirname(folder)
+            if parent == str(self.root):
+                raise
+            self.make_folder(parent)
+            self.make_folder(folder)
 
     def refs(self, task: str | None = None) -> Iterator[str]:
         """References of the artifacts that lie here, in order; entries that are not artifacts are passed over."""

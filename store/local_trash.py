@@ -44,7 +44,7 @@ class LocalTrash:
 
     def _rename(self, source: str, target: str) -> bool:
         try:
-            os.makedirs(os.path.dirname(target), exist_ok=True)
+            self._layout.make_folder(os.path.dirname(target))
             os.rename(source, target)
         except OSError as error:
             # gone already, or computed again meanwhile

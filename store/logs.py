@@ -27,7 +27,7 @@ def append_log(layout: Layout, run_id: str, lines: bytes) -> None:
         try:
             _append(path, lines)
         except FileNotFoundError:
-            folder.mkdir(parents=True, exist_ok=True)
+            layout.make_folder(folder)
             _append(path, lines)
     except OSError as error:
         raise StoreError(f"cannot write a run's log: {error.strerror}", where=layout.root, got=run_id) from error

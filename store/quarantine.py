@@ -21,7 +21,7 @@ def quarantine(layout: Layout, ref: str, reason: bytes) -> bool:
     task, key = split_ref(ref)
     slot = layout.quarantine / f"{task}-{key}-{uuid.uuid4().hex}"
     try:
-        slot.mkdir(parents=True)
+        layout.make_folder(slot)
         (slot / REASON).write_bytes(reason)
         try:
             os.rename(folder, slot / "artifact")

@@ -10,7 +10,7 @@ import numpy as np
 from schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
 from schemas.events import EventKind
 from schemas.recipes import Recipe
-from store import PutOutcome, open_store
+from store import PutOutcome
 from workflows.degeneracy import degenerate_event
 from workflows.events import EventLog, failed_event, note_written, work_event
 from workflows.ingest import IngestJob, open_existing, run_ingest
@@ -136,4 +136,4 @@ def seeded_generator(key: str) -> np.random.Generator:
 def quarantine_corrupt(store_url: str, error: CorruptArtifactError) -> bool:
     """Take the artifact that an error names out of service, so that the next plan counts it as a miss; False where
     another process already did."""
-    return open_store(store_url).quarantine(error.ref, str(error))
+    return open_existing(store_url).quarantine(error.ref, str(error))

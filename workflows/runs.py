@@ -25,7 +25,7 @@ def open_session(
     offline: bool = False,
     non_commercial: bool = False,
 ) -> Iterator[Session]:
-    """A session on the store at `store` for the block; the runner's processes end with it.
+    """A session on the store at `store`, made where there is none, for the block; the runner's processes end with it.
 
     Raises
     ------
@@ -34,7 +34,7 @@ def open_session(
     """
     if batch is not None and batch < 1:
         raise InputError("not a number of frames", where="--batch", got=batch, expected="1 or more")
-    opened = open_store(store)
+    opened = open_store(store, create=True)
     weights = open_weights(os.environ, offline=offline, allow_non_commercial=non_commercial, quiet=quiet)
     with (
         open_runner(workers, scheduler, device, threads, tls) as runner,

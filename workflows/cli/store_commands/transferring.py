@@ -102,7 +102,7 @@ def _copy(source_url: str, target_url: str, named: Named, dry: bool, quiet: bool
     if dry:
         _print_plan(plan_transfer(source, target, selected))
         return
-    target = target or open_store(target_url)
+    target = target or open_store(target_url, create=True)
     # Before it is looked what the target has, so that no collection there takes it in between.
     with kept_meanwhile(target, selected):
         plan = plan_transfer(source, target, selected)

@@ -1,0 +1,81 @@
+"""A store that vanishes is one line for the user, and nobody begins another in its place."""
+
+import shutil
+
+import numpy as np
+import pytest
+
+from schemas.errors import CorruptArtifactError, MissingStoreError, StoreError
+from schemas.recipes import Recipe
+from store import LocalStore, open_store
+from workflows.execution import execute_batches, execute_ingest, quarantine_corrupt
+from workflows.ingest import IngestJob
+from workflows.run_log import RunLog
+from workflows.sources import SceneFrames
+from workflows.stages.task import Task
+
+RECIPE = Recipe(task="flow", version=1, params={"method": "raft"})
+RUN = "20260101T000000-00000000"
+
+
+def _execute(url):
+    execute_batches(url, [[RECIPE]], RUN)
+
+
+def _ingest(url):
+    job = IngestJob("frame", SceneFrames("ball"))
+    execute_ingest(url, [(job, RECIPE)], RUN)
+
+
+def _quarantine(url):
+    quarantine_corrupt(url, CorruptArtifactError("damaged", where=RECIPE.ref))
+
+
+@pytest.mark.parametrize("work", [_execute, _ingest, _quarantine])
+@pytest.mark.parametrize("scheme", ["", "file://"])
+def test_what_a_worker_does_makes_no_store(tmp_path, work, scheme):
+    with pytest.raises(MissingStoreError, match=r"no artifact store in .*gone"):
+        work(f"{scheme}{tmp_path / 'gone'}")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda store: store.put(RECIPE, {"x": np.zeros(3)}, dims={"x": ("frame",)}),
+        lambda store: store.append_log(RUN, b"{}\n"),
+        lambda store: store.quarantine(RECIPE.ref, "damaged"),
+        lambda store: store.pin(RUN, [RECIPE.ref]),
+        lambda store: store.remove(RECIPE.ref),
+    ],
+    ids=["put", "append_log", "quarantine", "pin", "remove"],
+)
+def test_an_open_store_that_vanished_is_not_begun_anew(tmp_path, use):
+    store = open_store(str(tmp_path / "store"))
+    shutil.rmtree(tmp_path / "store")
+    with pytest.raises(StoreError, match=str(tmp_path / "store")):
+        use(store)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_store_that_vanishes_under_a_task_is_not_begun_anew(tmp_path, monkeypatch):
+    def run(params, inputs, rng):
+        shutil.rmtree(tmp_path / "store")
+        raise RuntimeError("nothing left to read")
+
+    monkeypatch.setattr("workflows.execution.find_task", lambda *_: Task("flow", "raft", version=1, run=run))
+    LocalStore(tmp_path / "store")
+    with pytest.raises(RuntimeError, match="nothing left to read"):
+        _execute(str(tmp_path / "store"))
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("workers", [0, 1])
+def test_a_run_whose_store_vanishes_ends_with_one_line(squares, moseg, tmp_path, monkeypatch, workers):
+    # The last step of the client before the work begins.
+    monkeypatch.setattr(RunLog, "announce", lambda self: shutil.rmtree(tmp_path / "store"))
+    options = ("--store", tmp_path / "store", "--out", tmp_path / "out", "--workers", workers, "--quiet")
+    ran = moseg("segment", squares / "squares" / "frames", *options)
+    assert (ran.code, ran.out) == (2, "")
+    assert ran.err == (f"moseg: no artifact store in {tmp_path / 'store'}; expected a folder with moseg-store.json\n")
+    assert not (tmp_path / "store").exists()
