@@ -13,6 +13,7 @@ from schemas.errors import InputError
 from workflows.exports.atomic_write import blame_output
 from workflows.exports.motion_json import read_motion
 from workflows.sources.png_file import PILLOW_ERRORS
+from workflows.sources.video_file import METADATA_ERRORS
 
 MARK = "moseg"
 """The ``Software`` text of a mask, the ``comment`` of an overlay, the comment of an archive."""
@@ -64,7 +65,7 @@ def is_own_mask(path: Path) -> bool:
 def is_own_overlay(path: Path) -> bool:
     """Whether a video bears our mark."""
     try:
-        with av.open(str(path), format="mp4") as container:
+        with av.open(f"file:{path}", format="mp4", metadata_errors=METADATA_ERRORS) as container:
             return container.metadata.get("comment") == MARK
     except (av.FFmpegError, OSError, ValueError):
         return False

@@ -21,6 +21,8 @@ DECODING_VERSION = 1
 """Raised when `VideoFile.read` starts to yield other pixels for the same bytes."""
 NOT_VIDEOS = frozenset(("tty", "hls", "dash", "concat", "sdp", "rtp", "rtsp", "imf"))
 """FFmpeg's demuxers that make 'video' of a text file, or read other files and addresses that a text names."""
+METADATA_ERRORS = "replace"
+"""What becomes of bytes of titles and comments that are no UTF-8: many programs write Latin-1."""
 VIDEOS = "a video file, or a folder of images"
 REPAIR = "an intact video (ffmpeg -i IN OUT.mp4 re-encodes what can be read)"
 
@@ -120,7 +122,11 @@ def _open(path: str) -> InputContainer:
     formats = ",".join(sorted(av.formats_available - NOT_VIDEOS))
     try:
         # The prefix keeps FFmpeg from taking "a:b.mp4" for a URL of protocol "a".
-        return av.open(f"file:{path}", options={"format_whitelist": formats, "protocol_whitelist": "file"})
+        return av.open(
+            f"file:{path}",
+            options={"format_whitelist": formats, "protocol_whitelist": "file"},
+            metadata_errors=METADATA_ERRORS,
+        )
     except av.ArgumentError as error:
         raise InputError("not a video", where=path, got="text or a playlist", expected=VIDEOS) from error
     except av.FFmpegError as error:

@@ -213,6 +213,24 @@ def test_unusual_coding_keeps_the_brightness(write_video, frames, kind):
     assert abs(found.std() - expected.std()) < 12 or kind == "16-bit grey"
 
 
+def test_titles_that_are_no_utf8_are_no_obstacle(masks_of, write_video, frames, tmp_path):
+    path = write_video()
+    with (
+        av.open(str(path)) as source,
+        av.open(str(tmp_path / "latin.mp4"), "w", metadata_encoding="latin-1") as target,
+    ):
+        stream = target.add_stream_from_template(source.streams.video[0])
+        target.metadata["title"] = "Caf\xe9 M\xfcller"
+        stream.metadata["handler_name"] = "Vid\xe9o"
+        for packet in source.demux(video=0):
+            if packet.dts is not None:
+                packet.stream = stream
+                target.mux(packet)
+    content = (tmp_path / "latin.mp4").read_bytes()
+    assert b"Caf\xe9 M\xfcller" in content and b"Vid\xe9o" in content
+    np.testing.assert_array_equal(masks_of(tmp_path / "latin.mp4"), masks_of(path))
+
+
 def test_an_animation_is_a_video(masks_of, frames, tmp_path):
     first, *others = map(Image.fromarray, frames)
     first.save(tmp_path / "a.gif", save_all=True, append_images=others, duration=40)

@@ -80,6 +80,14 @@ def test_a_foreign_video_is_kept_and_no_obstacle_where_there_is_to_be_no_overlay
         check_outputs(str(out), None)
 
 
+def test_an_overlay_whose_other_texts_are_no_utf8_is_ours_still(out):
+    path = out / "overlay.mp4"
+    content = path.read_bytes()
+    encoder = content.index(b"Lavf")
+    path.write_bytes(content[:encoder] + b"\xe9" + content[encoder + 1 :])
+    assert is_own_overlay(path)
+
+
 def test_a_run_killed_in_the_middle_goes_on(out):
     (out / "motion.json").unlink()
     (out / "masks" / "00002.png").unlink()
