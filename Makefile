@@ -59,6 +59,7 @@ bench-faults: setup
 	.venv/bin/python benchmarks/faults/disk.py
 	.venv/bin/python benchmarks/faults/odd_paths.py
 	.venv/bin/python benchmarks/faults/worker_loss.py
+	.venv/bin/python benchmarks/faults/fuzz_readers.py
 
 bench-networks: setup
 	.venv/bin/python benchmarks/networks/cost.py $(ARGS)

@@ -1,8 +1,18 @@
 """Errors that a user can cause or meet. Each says in one line what, where, got and expected."""
 
+import re
+
+LONGEST_GOT = 2000
+"""Characters that are told of what was found: a damaged file may hold a name of millions."""
+
+_CONTROL = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
+
 
 class MosegError(Exception):
     """Base of every error raised on purpose by this project.
+
+    Its text is one line: line breaks become blanks, and other control characters, which a damaged file may hold, are
+    written out as ``\\x1b``. Of what was found so many characters are told as fit on a page.
 
     Parameters
     ----------
@@ -19,15 +29,20 @@ class MosegError(Exception):
         if where is not None:
             parts[0] += f" in {where}"
         if got is not None:
-            parts.append(f"got {got}")
+            text = str(got)
+            parts.append(f"got {text if len(text) <= LONGEST_GOT else text[: LONGEST_GOT - 1] + '…'}")
         if expected is not None:
             parts.append(f"expected {expected}")
         self.parts = (what, where, got, expected)
-        super().__init__("; ".join(parts).replace("\n", " "))
+        super().__init__(_CONTROL.sub(_spell, "; ".join(parts)))
 
     def __reduce__(self):
         what, where, got, expected = self.parts
         return _rebuild, (type(self), what, _text(where), _text(got), _text(expected)), self.__dict__
+
+
+def _spell(control: re.Match[str]) -> str:
+    return " " if control[0] == "\n" else control[0].encode("unicode_escape").decode("ascii")
 
 
 def _text(value: object) -> str | None:

@@ -53,7 +53,7 @@ def connect(scheduler: str, tls: TlsFiles) -> Client:
     ----------
     https://distributed.dask.org/en/stable/tls.html, and ``--scheduler-file`` of ``dask scheduler``.
     """
-    address = _read_file(scheduler) if scheduler.endswith(".json") else scheduler
+    address = read_scheduler_file(scheduler) if scheduler.endswith(".json") else scheduler
     where = f"--scheduler {scheduler}"
     try:
         protocol, location = parse_address(address)
@@ -79,11 +79,11 @@ def connect(scheduler: str, tls: TlsFiles) -> Client:
         raise InputError("no Dask scheduler answers", where=where, got=error, expected=EXPECTED) from error
 
 
-def _read_file(path: str) -> str:
-    """The address in a scheduler file."""
+def read_scheduler_file(path: str | Path) -> str:
+    """The address in a scheduler file; raises InputError where it is none."""
     try:
         return str(json.loads(Path(path).read_text(encoding="utf-8"))["address"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         got = f"{type(error).__name__}: {error}"
         expected = "what `dask scheduler --scheduler-file` writes"
         raise InputError("not a scheduler file", where=f"--scheduler {path}", got=got, expected=expected) from error

@@ -80,7 +80,7 @@ def read_json(checkpoint: Checkpoint, name: str) -> dict:
         raise InputError(f"no {name}", where=f"weights {checkpoint.name}", got=sorted(checkpoint.documents))
     try:
         content = json.loads(checkpoint.documents[name])
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError("not JSON", where=where, got=error) from error
     if not isinstance(content, dict):
         raise InputError("no JSON object", where=where, got=type(content).__name__)

@@ -68,7 +68,7 @@ class OwnedFolder:
             names = json.loads(path.read_text(encoding="utf-8"))
         except FileNotFoundError:
             return frozenset()
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RecursionError) as error:
             raise InputError("listing of an export cannot be read", where=path, got=error) from error
         # A name with a folder in it would let a listing reach beyond its own.
         if not isinstance(names, list) or any(not isinstance(name, str) or Path(name).name != name for name in names):

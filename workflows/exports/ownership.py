@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 import av
-from PIL import Image
 
 from schemas.errors import InputError
 from workflows.exports.atomic_write import blame_output
 from workflows.exports.motion_json import read_motion
-from workflows.sources.png_file import PILLOW_ERRORS
+from workflows.sources.numpy_file import ARCHIVE_ERRORS
+from workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
 from workflows.sources.video_file import METADATA_ERRORS
 
 MARK = "moseg"
@@ -56,7 +56,7 @@ def exists(path: Path) -> bool:
 def is_own_mask(path: Path) -> bool:
     """Whether a PNG bears our mark, which ground truth has not and most programs that edit a mask do not keep."""
     try:
-        with Image.open(path) as image:
+        with open_quietly(path) as image:
             return image.info.get("Software") == MARK
     except PILLOW_ERRORS:
         return False
@@ -85,7 +85,7 @@ def is_own_archive(path: Path) -> bool:
     try:
         with zipfile.ZipFile(path) as archive:
             return archive.comment == MARK.encode()
-    except (OSError, zipfile.BadZipFile):
+    except ARCHIVE_ERRORS:
         return False
 
 

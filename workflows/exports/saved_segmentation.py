@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
 
 from schemas.errors import InputError, MissingInputError
 from workflows.exports.motion_json import SequenceSummary, check_file_name, read_motion
@@ -14,7 +13,7 @@ from workflows.exports.run_lengths import list_identities
 from workflows.sources.files import list_files, read_bytes
 from workflows.sources.image_files import IMAGE_SUFFIXES
 from workflows.sources.mask_files import decode_mask
-from workflows.sources.png_file import PILLOW_ERRORS
+from workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
 
 _EXIF_ORIENTATION = 0x0112
 _QUARTER_TURNS = range(5, 9)
@@ -52,16 +51,13 @@ class SavedSegmentation:
             A mask that cannot be read, or that holds an object which the summary does not name.
         """
         known = {entry.identity for entry in self.summary.objects}
-        for path in self._mask_paths():
+        for path in _mask_paths(self.folder, self.summary.num_frames):
             labels = decode_mask(read_bytes(str(path)), str(path), "instance")
             unknown = {*list_identities(labels)} - known
             if unknown:
                 got, expected = f"identity {min(unknown)}", f"those of {MOTION}"
                 raise InputError("mask of an unknown object", where=path, got=got, expected=expected)
             yield labels
-
-    def _mask_paths(self) -> list[Path]:
-        return [self.folder / MASKS / mask_name(index) for index in range(self.summary.num_frames)]
 
 
 def open_segmentation(folder: Path, images: Path | None = None, name: str | None = None) -> SavedSegmentation:
@@ -97,22 +93,25 @@ def open_segmentation(folder: Path, images: Path | None = None, name: str | None
                 _check_size(Path(path), summary, "image")
     for frame in frames or ():
         check_file_name(frame, "frame", images or folder / MOTION)
-    names = frames or tuple(mask_name(index) for index in range(summary.num_frames))
-    if len(names) != summary.num_frames:
-        where, got = images or folder / MOTION, f"{len(names)} names of frames"
+    if frames and len(frames) != summary.num_frames:
+        where, got = images or folder / MOTION, f"{len(frames)} names of frames"
         raise InputError("masks and frames differ in number", where=where, got=got, expected=summary.num_frames)
-    saved = SavedSegmentation(folder, summary, names)
-    for path in saved._mask_paths():
+    # Before anything is made for each frame: a damaged summary may claim any number of them.
+    for path in _mask_paths(folder, summary.num_frames):
         if not path.is_file():
             raise MissingInputError("missing mask", where=path, expected=f"{summary.num_frames} masks, as in {MOTION}")
         _check_size(path, summary, "mask")
-    return saved
+    return SavedSegmentation(folder, summary, frames or tuple(map(mask_name, range(summary.num_frames))))
+
+
+def _mask_paths(folder: Path, num_frames: int) -> Iterator[Path]:
+    return (folder / MASKS / mask_name(index) for index in range(num_frames))
 
 
 def _check_size(path: Path, summary: SequenceSummary, what: str) -> None:
     """Raise InputError where an image, of which the header alone is read, has not the sequence's size."""
     try:
-        with Image.open(path) as image:
+        with open_quietly(path) as image:
             width, height = image.size
             is_turned = image.getexif().get(_EXIF_ORIENTATION) in _QUARTER_TURNS
     except PILLOW_ERRORS as error:

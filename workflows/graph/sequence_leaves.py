@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from schemas.recipes import Ref
+
 GIVEN_SOURCES = ("groundtruth", "folder")
 """Methods of a stage that compute nothing: the data set or the user gives its result."""
 
@@ -36,15 +38,15 @@ class SequenceLeaves(NamedTuple):
 
     name: str
     shape: tuple[int, int]
-    frames: tuple[str, ...]
-    annotation: str | None = None
-    labelled_points: str | None = None
+    frames: tuple[Ref, ...]
+    annotation: Ref | None = None
+    labelled_points: Ref | None = None
     void: int | None = None
     num_motions: int | None = None
-    masks: str | None = None
+    masks: Ref | None = None
     masks_void: int | None = None
-    tracks: str | None = None
-    depth: tuple[str, ...] | None = None
-    flow_forward: tuple[str, ...] | None = None
-    flow_backward: tuple[str, ...] | None = None
-    weights: Mapping[str, str] = {}
+    tracks: Ref | None = None
+    depth: tuple[Ref, ...] | None = None
+    flow_forward: tuple[Ref, ...] | None = None
+    flow_backward: tuple[Ref, ...] | None = None
+    weights: Mapping[str, Ref] = {}

@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+from schemas.recipes import Ref
+
 
 class TrajectoryLeaves(NamedTuple):
     """A clip after ingest.
@@ -15,6 +17,6 @@ class TrajectoryLeaves(NamedTuple):
     """
 
     name: str
-    trajectories: str
-    labels: str
+    trajectories: Ref
+    labels: Ref
     num_motions: int

@@ -4,14 +4,14 @@ import io
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
 
 from schemas.errors import InputError
 from workflows.predictions.as_labels import as_labels
 from workflows.predictions.frame_files import FrameFiles
 from workflows.predictions.frame_list import FrameList
 from workflows.sources.files import read_bytes
-from workflows.sources.png_file import PILLOW_ERRORS, check_png_size
+from workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
+from workflows.sources.png_file import check_png_data, check_png_size
 
 # Pillow's modes of one channel; of a palette image the array is the index, not the colour.
 _LABEL_MODES = {"1", "L", "P", "I", "I;16"}
@@ -51,8 +51,9 @@ def read_label_image(path: Path) -> np.ndarray:
     """
     content = read_bytes(str(path))
     check_png_size(content, path, "label image")
+    check_png_data(content, path, "label image")
     try:
-        with Image.open(io.BytesIO(content)) as image:
+        with open_quietly(io.BytesIO(content)) as image:
             image.load()
             mode, values = image.mode, np.asarray(image)
     except PILLOW_ERRORS as error:

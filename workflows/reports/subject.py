@@ -90,7 +90,7 @@ def _is_json(line: bytes) -> bool:
     """Whether a line is whole: a full disk or a kill can cut one short."""
     try:
         json.loads(line)
-    except ValueError:
+    except (ValueError, RecursionError):
         return False
     return True
 

@@ -3,21 +3,23 @@
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 
 import cv2
 import numpy as np
 
 from schemas.digests import digest_json
 from schemas.errors import InputError
-from workflows.sources.decoder_noise import listen_to
 from workflows.sources.files import digest_file, read_bytes
 from workflows.sources.frames import FrameDescription, shrink_to, working_size
-from workflows.sources.image_header import check_image_header
+from workflows.sources.image_header import MOST_PIXELS, check_image_header
+from workflows.sources.png_file import check_png_size
+from workflows.sources.quiet_decoding import decode_quietly
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 DECODING_VERSION = 2
 """Raised when `ImageFiles.read` starts to yield other pixels for the same bytes, or to refuse them."""
+MOST_SAMPLE_BYTES = 8 * MOST_PIXELS
+"""Of one frame: four channels of 16 bits."""
 _DAMAGE = ("Corrupt JPEG data", "Premature end of JPEG file")
 _PADDING = re.compile(r"Corrupt JPEG data: ([1-9]) extraneous bytes before marker 0x(?!d[0-7])([0-9a-f]{2})")
 """Some cameras fill up the last bytes. More of them, or any before a restart, are data that found no place."""
@@ -96,6 +98,7 @@ def decode_image(content: bytes, path: str) -> np.ndarray:
         The bytes are no image, are damaged or cut short, hold several frames, more than `MOST_PIXELS`, or samples
         other than 8- or 16-bit integers.
     """
+    check_png_size(content, path, "image", MOST_SAMPLE_BYTES)
     check_image_header(content, path)
     image, damage = _decode_and_listen(content)
     if damage is not None:
@@ -110,9 +113,9 @@ def decode_image(content: bytes, path: str) -> np.ndarray:
 
 
 def _decode_and_listen(content: bytes) -> tuple[np.ndarray | None, str | None]:
-    """Samples as `_decode` gives them, and what is damaged: such a JPEG decodes, grey from some row on."""
+    """Samples as OpenCV gives them, and what is damaged: such a JPEG decodes, grey from some row on."""
     while True:
-        image, complaints = listen_to(partial(_decode, content))
+        image, complaints = decode_quietly(content, cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH)
         damage = next((line for line in complaints if line.startswith(_DAMAGE)), None)
         padding = None if damage is None else _PADDING.fullmatch(damage)
         if padding is None:
@@ -125,17 +128,6 @@ def _decode_and_listen(content: bytes) -> tuple[np.ndarray | None, str | None]:
         if shorter == content:
             return image, damage
         content = shorter
-
-
-def _decode(content: bytes) -> np.ndarray | None:
-    """BGR or grey samples as they stand; None where OpenCV cannot, without a word about it on standard error."""
-    level = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
-    try:
-        return cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH)
-    except cv2.error:
-        return None
-    finally:
-        cv2.utils.logging.setLogLevel(level)
 
 
 def _pixels(shape: tuple[int, ...]) -> str:

@@ -1,12 +1,11 @@
 """What the header of an image file says, before memory is taken for its pixels."""
 
 import io
-import warnings
 
 from PIL import Image
 
 from schemas.errors import InputError
-from workflows.sources.png_file import PILLOW_ERRORS
+from workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
 
 MOST_PIXELS = 2**27
 """Of one frame: 16384 x 8192. What claims more is a damaged or malicious file."""
@@ -20,12 +19,10 @@ def check_image_header(content: bytes, path: str) -> None:
     Bytes in which Pillow finds no image are left to the decoder.
     """
     try:
-        with warnings.catch_warnings():
-            # Sizes are judged here, and damage by the decoder.
-            warnings.simplefilter("ignore")
-            with Image.open(io.BytesIO(content)) as image:
-                kind, (width, height) = image.format, image.size
-                num_frames = getattr(image, "n_frames", 1) if kind in _SEQUENCES else 1
+        # Sizes are judged here, and damage by the decoder.
+        with open_quietly(io.BytesIO(content)) as image:
+            kind, (width, height) = image.format, image.size
+            num_frames = getattr(image, "n_frames", 1) if kind in _SEQUENCES else 1
     except Image.DecompressionBombError as error:
         expected = f"at most {MOST_PIXELS} px"
         raise InputError("image of too many pixels", where=path, got=error, expected=expected) from error
@@ -44,9 +41,7 @@ def check_image_header(content: bytes, path: str) -> None:
 def _check_png(content: bytes, path: str) -> None:
     """Checksums of all chunks, which the decoder would complain of on standard error."""
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with Image.open(io.BytesIO(content)) as image:
-                image.verify()
+        with open_quietly(io.BytesIO(content)) as image:
+            image.verify()
     except PILLOW_ERRORS as error:
         raise InputError("image cannot be decoded", where=path, got=f"{len(content)} bytes, {error}") from error

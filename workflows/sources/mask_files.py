@@ -1,19 +1,18 @@
 """Masks from PNG files."""
 
 import io
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import reduce
 from typing import Literal, Protocol
 
 import numpy as np
-from PIL import Image
 
 from schemas.digests import digest_json
 from schemas.errors import InputError
 from workflows.sources.files import digest_file, read_bytes
-from workflows.sources.png_file import PILLOW_ERRORS, check_png_size
+from workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
+from workflows.sources.png_file import check_png_data, check_png_size
 
 MaskKind = Literal["binary", "instance"]
 MASK_SUFFIXES = (".png",)
@@ -90,9 +89,9 @@ def decode_mask(content: bytes, path: str, kind: MaskKind) -> np.ndarray:
         Not an image, cut short, colours instead of ids, or ids beyond 65535.
     """
     check_png_size(content, path, "mask")
+    check_png_data(content, path, "mask")
     try:
-        with warnings.catch_warnings(), Image.open(io.BytesIO(content)) as image:
-            warnings.simplefilter("ignore")
+        with open_quietly(io.BytesIO(content)) as image:
             values = np.atleast_3d(np.asarray(image))
             channels = [values[..., i] for i, band in enumerate(image.getbands()) if band != "A"]
     except PILLOW_ERRORS as error:

@@ -8,6 +8,7 @@ import io
 import lzma
 import math
 import struct
+import warnings
 import zipfile
 import zlib
 from typing import NamedTuple
@@ -71,12 +72,15 @@ def read_header(start: bytes, path: object, what: str) -> ArrayHeader:
     """
     stream = io.BytesIO(start[:HEADER_BYTES])
     try:
-        version = npy_format.read_magic(stream)
-        if version not in _VERSIONS:
-            raise ValueError(f"version {version}")
-        is_first = version == (1, 0)
-        read = npy_format.read_array_header_1_0 if is_first else npy_format.read_array_header_2_0
-        shape, is_fortran, dtype = read(stream)
+        with warnings.catch_warnings():
+            # Python's of a damaged header, numpy's of an old one.
+            warnings.simplefilter("ignore")
+            version = npy_format.read_magic(stream)
+            if version not in _VERSIONS:
+                raise ValueError(f"version {version}")
+            is_first = version == (1, 0)
+            read = npy_format.read_array_header_1_0 if is_first else npy_format.read_array_header_2_0
+            shape, is_fortran, dtype = read(stream)
     # numpy parses the header as Python and makes a type of what it finds: damaged, both fail in ways that are nowhere
     # listed (TokenError, RecursionError, KeyError ...). Only bytes in memory are read here.
     except Exception as error:

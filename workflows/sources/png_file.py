@@ -2,46 +2,61 @@
 
 import struct
 import zlib
+from collections.abc import Iterator
 
 import cv2
 import numpy as np
-from PIL import Image
 
 from schemas.errors import InputError
+from workflows.sources.quiet_decoding import decode_quietly
 
+MOST_BYTES = 2**28
+"""Of the samples of a mask, a depth map or a flow: 16384 x 8192 px of 16 bits, or 8K in three channels."""
 PNG_HEADER = struct.Struct(">8s4x4sIIBB")
 """Signature, length and name of the first chunk, width, height, bits a sample, colour type (PNG, 11.2.1)."""
-PILLOW_ERRORS = (
-    OSError,
-    ValueError,
-    EOFError,
-    MemoryError,
-    SyntaxError,
-    # Of chunks shorter than what they should hold.
-    LookupError,
-    struct.error,
-    zlib.error,
-    Image.DecompressionBombError,
-)
-"""What Pillow raises where an image is damaged."""
-
 _SIGNATURE, _FIRST_CHUNK = b"\x89PNG\r\n\x1a\n", b"IHDR"
 _CHANNELS = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
+_CHUNK, _PIXELS, _CHECKSUM_BYTES = struct.Struct(">I4s"), b"IDAT", 4
+_FEW_BYTES, _PIECE_BYTES = 2**24, 2**20
 _MOST_EXPANSION = 1032  # of deflate: 258 bytes from two bits
 
 
-def check_png_size(content: bytes, path: object, what: str) -> None:
-    """Raises InputError where the header of a PNG claims more pixels than its bytes can hold.
+def check_png_size(content: bytes, path: object, what: str, most_bytes: int = MOST_BYTES) -> None:
+    """Raises InputError where the header of a PNG claims more than its bytes can hold, or more than `most_bytes`.
 
-    Decoders take memory for all of them first. Bytes that are no PNG are left to them.
+    Decoders take memory for all of it first. Bytes that are no PNG are left to them.
     """
-    if len(content) < PNG_HEADER.size:
+    header = _read_header(content)
+    if header is None:
         return
-    signature, chunk, width, height, bits, colour = PNG_HEADER.unpack_from(content)
-    if signature != _SIGNATURE or chunk != _FIRST_CHUNK:
+    width, height, num_bytes = header
+    got = f"{len(content)} bytes for {width}x{height} px"
+    if num_bytes > _MOST_EXPANSION * len(content):
+        raise InputError(f"{what} cannot be decoded", where=path, got=got)
+    if num_bytes > most_bytes:
+        raise InputError(f"{what} is too large", where=path, got=got, expected=f"at most {most_bytes} bytes unpacked")
+
+
+def check_png_data(content: bytes, path: object, what: str) -> None:
+    """Raises InputError where a PNG of many pixels holds fewer than it claims.
+
+    Pillow leaves the others 0 without a word, and takes seconds and gigabytes for them.
+    """
+    header = _read_header(content)
+    if header is None or header[2] <= _FEW_BYTES:
         return
-    if height * (width * bits * _CHANNELS.get(colour, 1) // 8) > _MOST_EXPANSION * len(content):
-        raise InputError(f"{what} cannot be decoded", where=path, got=f"{len(content)} bytes for {width}x{height} px")
+    unpacked, num_bytes = zlib.decompressobj(), 0
+    try:
+        for data in _pixel_chunks(content):
+            while data and not unpacked.eof:
+                num_bytes += len(unpacked.decompress(data, _PIECE_BYTES))
+                data = unpacked.unconsumed_tail
+        num_bytes += len(unpacked.flush())
+    except zlib.error as error:
+        raise InputError(f"{what} cannot be decoded", where=path, got=error) from error
+    if num_bytes < header[2]:
+        got, expected = f"{num_bytes} bytes of samples", f"{header[2]} for {header[0]}x{header[1]} px"
+        raise InputError(f"{what} cannot be decoded", where=path, got=got, expected=expected)
 
 
 def decode_png(content: bytes, path: object, what: str) -> np.ndarray:
@@ -53,10 +68,27 @@ def decode_png(content: bytes, path: object, what: str) -> np.ndarray:
         No image, or one that is cut short or claims another size than it can have.
     """
     check_png_size(content, path, what)
-    try:
-        image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error:
-        image = None
+    image, _ = decode_quietly(content, cv2.IMREAD_UNCHANGED)
     if image is None:
         raise InputError(f"{what} cannot be decoded", where=path, got=f"{len(content)} bytes")
     return image
+
+
+def _read_header(content: bytes) -> tuple[int, int, int] | None:
+    """Width, height, and bytes that the samples take at least; None where the bytes are no PNG."""
+    if len(content) < PNG_HEADER.size:
+        return None
+    signature, chunk, width, height, bits, colour = PNG_HEADER.unpack_from(content)
+    if signature != _SIGNATURE or chunk != _FIRST_CHUNK:
+        return None
+    return width, height, height * (width * bits * _CHANNELS.get(colour, 1) // 8)
+
+
+def _pixel_chunks(content: bytes) -> Iterator[bytes]:
+    start = len(_SIGNATURE)
+    while start + _CHUNK.size <= len(content):
+        length, kind = _CHUNK.unpack_from(content, start)
+        start += _CHUNK.size
+        if kind == _PIXELS:
+            yield content[start : start + length]
+        start += length + _CHECKSUM_BYTES

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import av
 import numpy as np
 from av.container import InputContainer
+from av.sidedata.sidedata import SideDataContainer
 from av.stream import Disposition
 from av.video.stream import VideoStream
 
@@ -107,7 +108,9 @@ class VideoFile:
 
 def _to_array(frame: av.VideoFrame) -> np.ndarray:
     image = frame.to_ndarray(format="rgb24")
-    matrix = frame.side_data.get("DISPLAYMATRIX")
+    # `frame.side_data` would be kept by the frame that it refers to: each decoded frame would stay in memory, and its
+    # decoder's threads alive, until garbage is collected.
+    matrix = SideDataContainer(frame).get("DISPLAYMATRIX")
     return image if matrix is None else upright(image, bytes(matrix))
 
 

@@ -65,7 +65,7 @@ def resolve_commit(file: HubFile, token: str | None) -> str:
     answer = read_url(url, ANSWER_BYTES, token_for(url, token))
     try:
         commit = json.loads(answer)["sha"]
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, RecursionError):
         commit = None
     if not isinstance(commit, str) or not _COMMIT.fullmatch(commit):
         raise InputError("the hub names no commit", where=url, got=repr(answer[:80]))

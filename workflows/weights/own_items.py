@@ -41,7 +41,7 @@ def read_own_items(folder: Path) -> tuple[WeightsItem, ...]:
         place = ".".join(str(part) for part in problem["loc"]) or "JSON"
         message = problem["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
         raise InputError(
-            "bad weights item", where=f"{path} at {place}", got=_short(problem["input"]), expected=message
+            "bad weights item", where=f"{path} at {place:.200}", got=_short(problem["input"]), expected=message
         ) from error
 
 

@@ -10,7 +10,8 @@ from PIL import Image
 from schemas.errors import InputError
 from workflows.exports import summarise_sequence, write_masks, write_motion, write_overlay
 from workflows.exports.check_outputs import check_outputs
-from workflows.exports.ownership import OwnedFile, is_own_mask, is_own_overlay, is_own_summary
+from workflows.exports.owned_folder import OwnedFolder
+from workflows.exports.ownership import OwnedFile, is_own_archive, is_own_mask, is_own_overlay, is_own_summary
 
 LABELS = np.zeros((3, 32, 48), np.uint16)
 LABELS[:, 8:20, 8:30] = 1
@@ -103,3 +104,18 @@ def test_a_shorter_run_does_not_remove_an_image_that_is_not_ours(out):
 def test_a_name_that_can_be_none_is_named_before_the_work(tmp_path):
     with pytest.raises(InputError, match=r"cannot write .*File name too long"):
         OwnedFile(tmp_path / ("n" * 252 + ".npz"), is_own_mask).check()
+
+
+def test_an_archive_of_a_version_to_come_is_not_ours(tmp_path):
+    path = tmp_path / "labels.npz"
+    np.savez(path, labels=LABELS)
+    content = bytearray(path.read_bytes())
+    content[content.index(b"PK\1\2") + 6] = 127
+    path.write_bytes(content)
+    assert not is_own_archive(path)
+
+
+def test_a_listing_nested_without_end_is_named(tmp_path):
+    (tmp_path / ".moseg-export.json").write_text("[" * 100_000)
+    with pytest.raises(InputError, match=r"listing of an export cannot be read in .*json"):
+        OwnedFolder(tmp_path, ["00000.png"]).check()

@@ -113,3 +113,9 @@ def test_names_of_frames_that_lead_elsewhere_are_refused(folder):
     change(folder, frames=["x.jpg", "../y.jpg", "z.jpg"])
     with pytest.raises(InputError, match=r"not a name of a frame in .*motion.json; got '../y.jpg'"):
         open_segmentation(folder)
+
+
+def test_a_summary_that_claims_frames_without_end_is_refused_at_the_first_missing_mask(folder):
+    change(folder, num_frames=2**62, frames=None)
+    with pytest.raises(MissingInputError, match=r"missing mask in .*00003\.png; expected 4611686018427387904 masks"):
+        open_segmentation(folder)

@@ -65,8 +65,6 @@ def test_the_files_to_be_damaged_are_sound(tmp_path, file):
 
 
 @pytest.mark.parametrize("file", FILES)
-# What numpy has to say about odd files that it does read.
-@pytest.mark.filterwarnings("ignore::UserWarning", "ignore::SyntaxWarning", "ignore::DeprecationWarning")
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     flips=st.lists(st.tuples(st.integers(0, 400), st.integers(0, 7)), max_size=4),

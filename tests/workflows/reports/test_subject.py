@@ -86,11 +86,12 @@ def test_every_wave_is_written_once_also_those_that_came_before_the_log(write_sq
     [
         (lambda line: line["config"]["sections"].update(longness=3), "sections.longness"),
         (lambda line: line["sequences"][0]["leaves"].update(audio="x"), "audio"),
+        (lambda line: line["sequences"][0]["leaves"]["frames"].__setitem__(0, "frame/xyz"), "frames.0"),
         (lambda line: line.update(variants=["fusion"]), "fus"),
         (lambda line: line.update(event="subjects"), "nothing to report"),
         (lambda line: line.update(colour="red"), "colour"),
     ],
-    ids=["parameter", "leaf", "variant", "none", "field"],
+    ids=["parameter", "leaf", "reference", "variant", "none", "field"],
 )
 def test_what_this_version_does_not_know_is_one_clear_line(log_of, moseg, tmp_path, change, words):
     store, run, rewrite = log_of

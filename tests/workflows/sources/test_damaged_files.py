@@ -2,6 +2,7 @@
 
 import io
 import struct
+import warnings
 import zlib
 
 import cv2
@@ -14,6 +15,7 @@ from PIL import Image
 from schemas.errors import InputError
 from workflows.sources.depth_files import decode_depth
 from workflows.sources.flow_files import decode_flow
+from workflows.sources.image_files import decode_image
 from workflows.sources.mask_files import decode_mask
 from workflows.sources.track_files import decode_tracks
 
@@ -52,6 +54,7 @@ FILES = {
     "stored.npz": (decode_tracks, _saved(np.savez, **TRACKS)),
     "deflated.npz": (decode_tracks, _saved(np.savez_compressed, **TRACKS)),
     "palette.png": (_decode_instances, _palette()),
+    "frame.png": (decode_image, _png(IDS.astype(np.uint8))),
     "mask.png": (_decode_instances, _png(IDS.astype(np.uint16))),
 }
 
@@ -88,8 +91,6 @@ def test_the_files_to_be_damaged_are_sound(name):
 
 
 @pytest.mark.parametrize("name", FILES)
-# What numpy and Pillow have to say about odd files that they do read.
-@pytest.mark.filterwarnings("ignore::UserWarning", "ignore::SyntaxWarning", "ignore::DeprecationWarning")
 @settings(max_examples=60, deadline=None)
 @given(flips=damages, is_mended=st.booleans())
 def test_flipped_bits_are_read_or_refused_by_name(name, flips, is_mended):
@@ -114,6 +115,59 @@ def test_an_image_that_claims_to_be_huge_is_named_before_memory_is_taken(name, s
     claimed = _mend_checksums(content[:16] + struct.pack(">II", side, side) + content[24:])
     with pytest.raises(InputError, match=rf"cannot be decoded in {name}; got \d+ bytes for {side}x{side} px"):
         decode(claimed, name)
+
+
+def _grey_png(width, height, num_rows):
+    """A PNG of 8 bits, 0 and 1, that holds only so many of the rows that it claims."""
+    rows = np.random.default_rng(0).integers(0, 2, (num_rows, width + 1), np.uint8)
+    rows[:, 0] = 0
+    pixels = zlib.compress(rows, 1)
+    chunks = (b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)), (b"IDAT", pixels), (b"IEND", b"")
+    parts = (struct.pack(">I", len(data)) + kind + data + bytes(4) for kind, data in chunks)
+    return _mend_checksums(b"\x89PNG\r\n\x1a\n" + b"".join(parts))
+
+
+def test_a_large_mask_that_holds_less_than_it_claims_is_refused():
+    assert decode_mask(_grey_png(5000, 4000, 4000), "a.png", "instance").shape == (4000, 5000)
+    with pytest.raises(
+        InputError, match=r"decoded in a\.png; got 5001000 bytes of samples; expected 20000000 for 5000x"
+    ):
+        decode_mask(_grey_png(5000, 4000, 1000), "a.png", "instance")
+
+
+def test_a_mask_beyond_any_size_is_refused_before_it_is_unpacked():
+    with pytest.raises(InputError, match=r"mask is too large in a\.png; got \d+ bytes for 20000x20000 px"):
+        decode_mask(_grey_png(20000, 20000, 500), "a.png", "instance")
+
+
+@pytest.mark.parametrize("damage", ["checksum", "pixels", "header"])
+@pytest.mark.parametrize("name", [name for name in FILES if name.endswith("png")])
+def test_of_a_damaged_png_nothing_else_is_said(name, damage, capfd):
+    decode, content = FILES[name]
+    if damage == "header":
+        content = content[:24] + b"\x03" + content[25:]
+    else:
+        place = content.index(b"IDAT") + 8
+        content = content[:place] + bytes([content[place] ^ 0x55]) + content[place + 1 :]
+    with pytest.raises(InputError, match=f"decoded in {name}"):
+        decode(content if damage == "checksum" else _mend_checksums(content), name)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_mask_with_parts_of_an_animation_is_read_without_a_word():
+    png = _png(IDS.astype(np.uint16))
+    odd = _mend_checksums(png[:33] + struct.pack(">I4sIII", 8, b"acTL", 0, 0, 0) + png[33:])
+    np.testing.assert_array_equal(decode_mask(odd, "a.png", "instance"), IDS)
+
+
+def test_a_header_that_is_almost_python_is_refused_without_a_word():
+    content = FILES["depth.npy"][1]
+    shape = content[content.index(b"'shape'") : content.index(b"}")]
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        with pytest.raises(InputError, match=r"cannot be decoded in a\.npy"):
+            decode_depth(content.replace(shape, b"'shape': 4in".ljust(len(shape))), "a.npy")
+    assert not said
 
 
 @pytest.mark.parametrize("name", ["flow.npy", "depth.npy"])

@@ -1,3 +1,5 @@
+import struct
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -157,3 +159,14 @@ def test_a_file_that_has_gone_is_named(tmp_path):
 def test_no_files_are_no_frames():
     with pytest.raises(InputError, match="no frames"):
         ImageFiles((), 100)
+
+
+def test_a_tiff_with_an_empty_second_page_is_read(tmp_path, picture):
+    path = tmp_path / "a.tif"
+    Image.fromarray(picture).save(path)
+    content = path.read_bytes()
+    (start,) = struct.unpack_from("<I", content, 4)
+    next_page = start + 2 + 12 * content[start]
+    second = struct.pack("<HI", 0, 0)
+    path.write_bytes(content[:next_page] + struct.pack("<I", len(content)) + content[next_page + 4 :] + second)
+    np.testing.assert_array_equal(read_one(path), picture)

@@ -1,3 +1,4 @@
+import gc
 import struct
 
 import av
@@ -132,3 +133,14 @@ def test_sound_alone_is_no_video(tmp_path):
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(MissingInputError, match=r"gone\.mp4"):
         VideoFile(str(tmp_path / "gone.mp4"), 1000).describe()
+
+
+def test_decoded_frames_do_not_stay_in_memory(write_video, picture, tmp_path):
+    path = write_video(tmp_path / "a.mp4", [picture] * 10)
+    gc.collect()
+    gc.disable()
+    try:
+        assert sum(1 for _ in VideoFile(path, 1000).read()) == 10
+        assert not [found for found in gc.get_objects() if isinstance(found, av.VideoFrame)]
+    finally:
+        gc.enable()
