@@ -21,6 +21,7 @@ _TOKENS = (
     *b"\\n \\u0000 \\ud800 \x1b[31m \xef\xbb\xbf \xe2\x80\xa8 null true NaN Infinity -1 0 1e999 1e-999".split(b" "),
     *b"0x10 1_000 12:30 2001-01-01 <<: *a &a !!python/none --- ... .inf -0 1.5".split(b" "),
 )
+LONGEST_TEXT = 2**20
 _DEEP = 100_000
 _SIDES = (0, 1, 2, 31, 33, 1000, 8192, 16384, 30000, 65535, 2**20, 2**24, 2**31 - 1, 2**32 - 1)
 
@@ -116,7 +117,9 @@ def mutate_safetensors(content: bytes, dice: random.Random) -> bytes:
 def mutate_text(content: bytes, dice: random.Random) -> bytes:
     """Words that mean something to a parser, other numbers, lines doubled or exchanged, and nesting without end."""
     for _ in range(dice.choice((1, 1, 2, 3))):
-        content = dice.choice((_insert_token, _insert_token, _change_number, _change_lines, _nest))(content, dice)
+        content = dice.choice((_insert_token, _insert_token, _change_number, _change_lines, _nest))(content, dice)[
+            :LONGEST_TEXT
+        ]
     return content
 
 

@@ -79,10 +79,14 @@ def main() -> int:
         # What is there now is shared by all forks: collecting it would copy it into each.
         gc.freeze()
         ledger = Ledger("reader", "mutations", "results", "InputErrors", "violations", "slowest", "most memory")
-        tallies = [try_reader(ledger, reader, folder, options.seed, indices, limits, options.keep) for reader in chosen]
-    if options.json is not None:
-        report = {"seed": options.seed, "limits": limits._asdict(), "readers": [each._asdict() for each in tallies]}
-        options.json.write_text(json.dumps(report, indent=1) + "\n")
+        tallies = []
+        for reader in chosen:
+            tally = try_reader(ledger, reader, folder, options.seed, indices, limits, options.keep)
+            tallies.append(tally._asdict())
+            if options.json is not None:
+                # After each reader: a long run may be cut off.
+                report = {"seed": options.seed, "limits": limits._asdict(), "readers": tallies}
+                options.json.write_text(json.dumps(report, indent=1) + "\n")
     return ledger.close()
 
 

@@ -12,7 +12,7 @@ from schemas.errors import InputError
 from workflows.sources.files import digest_file, read_bytes
 from workflows.sources.frames import FrameDescription, shrink_to, working_size
 from workflows.sources.image_header import MOST_PIXELS, check_image_header
-from workflows.sources.png_file import check_png_size
+from workflows.sources.png_file import check_png_data, check_png_size
 from workflows.sources.quiet_decoding import decode_quietly
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
@@ -20,6 +20,8 @@ DECODING_VERSION = 2
 """Raised when `ImageFiles.read` starts to yield other pixels for the same bytes, or to refuse them."""
 MOST_SAMPLE_BYTES = 8 * MOST_PIXELS
 """Of one frame: four channels of 16 bits."""
+EXPANSION_OF_PICTURES = 50
+"""Pictures rarely are so much larger than their files: only such a one is unpacked twice."""
 _DAMAGE = ("Corrupt JPEG data", "Premature end of JPEG file")
 _PADDING = re.compile(r"Corrupt JPEG data: ([1-9]) extraneous bytes before marker 0x(?!d[0-7])([0-9a-f]{2})")
 """Some cameras fill up the last bytes. More of them, or any before a restart, are data that found no place."""
@@ -99,6 +101,7 @@ def decode_image(content: bytes, path: str) -> np.ndarray:
         other than 8- or 16-bit integers.
     """
     check_png_size(content, path, "image", MOST_SAMPLE_BYTES)
+    check_png_data(content, path, "image", EXPANSION_OF_PICTURES)
     check_image_header(content, path)
     image, damage = _decode_and_listen(content)
     if damage is not None:

@@ -37,13 +37,13 @@ def check_png_size(content: bytes, path: object, what: str, most_bytes: int = MO
         raise InputError(f"{what} is too large", where=path, got=got, expected=f"at most {most_bytes} bytes unpacked")
 
 
-def check_png_data(content: bytes, path: object, what: str) -> None:
-    """Raises InputError where a PNG of many pixels holds fewer than it claims.
+def check_png_data(content: bytes, path: object, what: str, expansion: int = 0) -> None:
+    """Raises InputError where a large PNG, of more than `expansion` times its bytes, holds less than it claims.
 
-    Pillow leaves the others 0 without a word, and takes seconds and gigabytes for them.
+    Pillow leaves the others 0 without a word, OpenCV refuses it; both take seconds and gigabytes for them first.
     """
     header = _read_header(content)
-    if header is None or header[2] <= _FEW_BYTES:
+    if header is None or header[2] <= max(_FEW_BYTES, expansion * len(content)):
         return
     unpacked, num_bytes = zlib.decompressobj(), 0
     try:
@@ -68,6 +68,7 @@ def decode_png(content: bytes, path: object, what: str) -> np.ndarray:
         No image, or one that is cut short or claims another size than it can have.
     """
     check_png_size(content, path, what)
+    check_png_data(content, path, what)
     image, _ = decode_quietly(content, cv2.IMREAD_UNCHANGED)
     if image is None:
         raise InputError(f"{what} cannot be decoded", where=path, got=f"{len(content)} bytes")

@@ -16,6 +16,7 @@ from schemas.errors import InputError, MissingInputError
 from workflows.sources.display_matrix import upright
 from workflows.sources.files import digest_file
 from workflows.sources.frames import FrameDescription, shrink_to, working_size
+from workflows.sources.image_header import MOST_PIXELS
 from workflows.sources.truncation import missing_bytes
 
 DECODING_VERSION = 1
@@ -143,6 +144,12 @@ def _video_stream(container: InputContainer, path: str) -> VideoStream:
         raise InputError("no video stream", where=path, got=got)
     if stream.codec_context is None:
         raise InputError("no decoder for the video stream", where=path)
+    codec = stream.codec_context
+    if codec.width * codec.height > MOST_PIXELS:
+        got, expected = f"{codec.width}x{codec.height} px", f"at most {MOST_PIXELS} px"
+        raise InputError("video of too many pixels", where=path, got=got, expected=expected)
+    # What it may claim later, in its data, is the decoder's to refuse.
+    codec.options = {"max_pixels": str(MOST_PIXELS)}
     return stream
 
 

@@ -135,6 +135,12 @@ def test_a_large_mask_that_holds_less_than_it_claims_is_refused():
         decode_mask(_grey_png(5000, 4000, 1000), "a.png", "instance")
 
 
+def test_a_large_picture_that_holds_far_less_than_it_claims_is_refused():
+    assert decode_image(_grey_png(5000, 4000, 4000), "a.png").shape == (4000, 5000, 3)
+    with pytest.raises(InputError, match=r"image cannot be decoded in a\.png; got 500100 bytes of samples"):
+        decode_image(_grey_png(5000, 4000, 100), "a.png")
+
+
 def test_a_mask_beyond_any_size_is_refused_before_it_is_unpacked():
     with pytest.raises(InputError, match=r"mask is too large in a\.png; got \d+ bytes for 20000x20000 px"):
         decode_mask(_grey_png(20000, 20000, 500), "a.png", "instance")
