@@ -96,13 +96,12 @@ def test_the_likest_description_alone_counts_at_a_large_scale():
 
 
 @pytest.mark.parametrize("kind", NETWORKS)
-def test_under_autocast_logits_stay_in_float32_and_near(kind):
+def test_under_autocast_logits_stay_in_float32_and_near(kind, in_half_precision, relative_error):
     network, images = random_network(kind).float(), random_images().float()
     exact = network(images)
-    with torch.autocast("cpu", dtype=torch.bfloat16):
-        half = network(images)
+    half = in_half_precision(lambda: network(images))
     assert exact.dtype == half.dtype == torch.float32
-    assert (half - exact).abs().max() < 0.05 < exact.std()
+    assert relative_error(half, exact) < 0.25
 
 
 def test_windows_are_joined_where_they_were_cut():

@@ -97,13 +97,14 @@ def test_scores_depend_on_the_frame_and_repeat():
     assert not np.array_equal(tags[0].scores, tags[2].scores)
 
 
-def test_under_autocast_scores_stay_near():
+def test_under_autocast_scores_stay_near(in_half_precision, relative_error):
     tagger = random_tagger()
     exact = recognise_tags(tagger, IMAGE, RamParams())
-    with torch.autocast("cpu", dtype=torch.bfloat16):
-        half = recognise_tags(tagger, IMAGE, RamParams())
+    half = in_half_precision(lambda: recognise_tags(tagger, IMAGE, RamParams()))
     assert half.scores.dtype == np.float64
-    np.testing.assert_allclose(np.sort(half.scores), np.sort(exact.scores), atol=0.02)
+    # All pass their thresholds of 0; which is first may change.
+    by_name = [dict(zip(tags.names, tags.scores, strict=True)) for tags in (half, exact)]
+    assert relative_error(*([scores[name] for name in NAMES] for scores in by_name)) < 0.25
 
 
 @pytest.mark.parametrize("image", [IMAGE[..., 0], IMAGE.astype(np.float32), IMAGE[:0]])
