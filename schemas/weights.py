@@ -100,7 +100,9 @@ class WeightsItem(Frozen):
     licence: str = Field("not stated", description="SPDX identifier of the weights' licence")
     is_non_commercial: bool = False
     files: tuple[WeightsFile, ...]
-    config: dict[str, Any] = Field({}, description="sizes of an own module that differ from the published network's")
+    config: dict[str, Any] = Field(
+        {}, description="what its files do not say: sizes of an own module, a range of depths"
+    )
     homepage: str = ""
     approximate_size: int | None = Field(None, ge=0, description="bytes, where the files' exact sizes are not known")
 

@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 ROOMS = ("schemas", "store", "moseg_tasks", "workflows")
-SCIENCE = {"cv2", "kmedoids", "numpy", "poselib", "pydantic", "scipy", "sklearn", "torch", "transformers"}
+SCIENCE = {"PIL", "cv2", "kmedoids", "numpy", "poselib", "pydantic", "scipy", "sklearn", "torch", "transformers"}
 OUTSIDE_WORLD = {
     "glob",
     "http",
@@ -41,7 +41,6 @@ RULES = {
         {"schemas", "store", "moseg_tasks"},
         SCIENCE
         | {
-            "PIL",
             "av",
             "dask",
             "distributed",

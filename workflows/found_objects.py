@@ -47,4 +47,6 @@ def read_found_objects(store: ArtifactStore, graph: SequenceGraph, variant: Vari
         motion = store.read(clustering, "motion")
     motions = {identity: int(group) for identity, group in zip(identities, motion[1:], strict=True)}
     tags = dict(zip(identities, linking["tags"], strict=True)) if "tags" in linking else {}
+    # The detector found a box but no word for it.
+    tags = {identity: tag for identity, tag in tags.items() if tag}
     return FoundObjects(identities, motions, len(np.unique(motion)), tags)

@@ -4,20 +4,20 @@ Run ``python benchmarks/agreement/depth_anything.py --official DIR``, DIR being 
 DepthAnything/Depth-Anything-V2; torchvision is not needed. Both load the same random weights of the small network and
 see the same frames, of the size that its position encodings are made for and of others, for which they are resampled.
 It prints the largest difference of inverse depth as a share of its spread, and that of the authors' own answer where
-the frame changes in the last digit.
+the frame changes in the last digit. Last, frames that are resized, from the frame to the map at its size.
 """
 
 import argparse
 import importlib
 import re
 import sys
-import types
 import warnings
 from pathlib import Path
 
 import cv2
 import numpy as np
 import torch
+import torchvision_parts
 from dinov2_names import official_backbone, random_state
 from transformers import DepthAnythingConfig, DepthAnythingForDepthEstimation, Dinov2Config
 
@@ -29,6 +29,7 @@ from schemas.parameters.depth_anything import DepthAnythingParams
 
 BAR = 1e-4
 SIZES = ((518, 518), (140, 238), (266, 462))
+RESIZED, SHORT_SIDE = ((240, 427), (100, 133), (333, 250)), 140
 # Published names of the head's tensors to the authors', applied one after the other.
 NAMES = (
     (r"^neck\.reassemble_stage\.layers\.(\d)\.projection", r"projects.\1"),
@@ -73,8 +74,7 @@ def main() -> int:
     agrees = True
     print(f"{'frame':10} {'spread':>7} {'difference':>11} {'one ulp':>9}")
     for height, width in SIZES:
-        frame = cv2.GaussianBlur(np.random.default_rng(0).normal(size=(height, width, 3)), (0, 0), 5)
-        frame = (127 + 1000 * frame).clip(0, 255).astype(np.uint8)
+        frame = random_frame(height, width)
         got = estimate_inverse_depth(ours, frame[None], DepthAnythingParams(short_side=min(height, width)))
         with torch.inference_mode():
             pixels = frame_tensor(frame, (height, width), torch.device("cpu"))
@@ -83,7 +83,19 @@ def main() -> int:
         figures = [float(np.abs(found - wanted).max() / wanted.std()) for found in (got, nudged)]
         print(f"{width}x{height:<6} {wanted.std():7.2f} {figures[0]:11.1e} {figures[1]:9.1e}", flush=True)
         agrees &= figures[0] <= BAR
+    for height, width in RESIZED:
+        frame = random_frame(height, width)
+        got = estimate_inverse_depth(ours, frame[None], DepthAnythingParams(short_side=SHORT_SIDE))[0]
+        wanted = official.infer_image(frame[..., ::-1], SHORT_SIDE)
+        figure = float(np.abs(got - wanted).max() / wanted.std())
+        print(f"{width}x{height:<6} {wanted.std():7.2f} {figure:11.1e} end to end", flush=True)
+        agrees &= figure <= BAR
     return 0 if agrees else 1
+
+
+def random_frame(height: int, width: int) -> np.ndarray:
+    frame = cv2.GaussianBlur(np.random.default_rng(0).normal(size=(height, width, 3)), (0, 0), 5)
+    return (127 + 1000 * frame).clip(0, 255).astype(np.uint8)
 
 
 def official_head(state: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
@@ -96,10 +108,8 @@ def official_head(state: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
 
 
 def build_official(folder: Path) -> torch.nn.Module:
-    """The authors' small network, without what prepares images."""
-    for name in ("torchvision", "torchvision.transforms"):
-        sys.modules.setdefault(name, types.ModuleType(name))
-    sys.modules["torchvision.transforms"].Compose = None
+    """The authors' small network."""
+    torchvision_parts.stand_in()
     sys.path.insert(0, str(folder))
     network = importlib.import_module("depth_anything_v2.dpt").DepthAnythingV2
     return network("vits", features=64, out_channels=[48, 96, 192, 384]).eval()

@@ -6,6 +6,8 @@ made for and of others, for which they are resampled and the frame is padded. It
 as a share of its spread, and that of the authors' own answer where the frame changes in the last digit.
 
 The authors add their least depth of 1 mm to what the network says, transformers does not; here it is taken off again.
+Last comes inverse depth as it is stored, from the frame on: where the authors' code stretches a prediction with its
+border over the frame, and where it interpolates depth and not its inverse, ours does not do as they do.
 """
 
 import argparse
@@ -28,7 +30,9 @@ from moseg_tasks.networks.frame_tensor import frame_tensor
 from schemas.parameters.dpt_dinov2 import DptDinov2Params
 
 BAR = 1e-4
-LEAST_DEPTH = 0.001
+LEAST_DEPTH, LARGEST_DEPTH = 0.001, 10.0
+NEAREST = DptDinov2Params().nearest
+MEAN, STD = (123.675, 116.28, 103.53), (58.395, 57.12, 57.375)
 SIZES = ((518, 518), (140, 238), (100, 171), (266, 462))
 # Published names of the head's tensors to the authors', applied one after the other.
 NAMES = (
@@ -70,18 +74,19 @@ def main() -> int:
     )
     state = random_state(DPTForDepthEstimation(config))
     # Far from 0, where depth is cut off.
-    state["head.head.4.bias"] += 5
-    ours = build_dpt_dinov2(Checkpoint("random", state, {"config.json": config.to_json_string()}))
+    state["head.head.4.bias"] += 7
+    # The range of the authors' default, that of NYU; random depths reach beyond it.
+    depths = {"min_depth": LEAST_DEPTH, "max_depth": LARGEST_DEPTH}
+    ours = build_dpt_dinov2(Checkpoint("random", state, {"config.json": config.to_json_string()}, depths))
     official = importlib.import_module("dinov2.hub.depthers").dinov2_vits14_dd(pretrained=False).eval()
     tensors = {f"backbone.{name}": value for name, value in official_backbone(state).items()}
     official.load_state_dict(tensors | {f"decode_head.{name}": value for name, value in official_head(state).items()})
     agrees = True
     print(f"{'frame':10} {'spread':>7} {'difference':>11} {'one ulp':>9}")
     for height, width in SIZES:
-        frame = cv2.GaussianBlur(np.random.default_rng(0).normal(size=(height, width, 3)), (0, 0), 5)
-        frame = (127 + 1000 * frame).clip(0, 255).astype(np.uint8)
+        frame = random_frame(height, width)
         outputs = []
-        with ours.register_forward_hook(lambda _module, _inputs, output, kept=outputs: kept.append(output)):
+        with ours.model.register_forward_hook(lambda _module, _inputs, output, kept=outputs: kept.append(output)):
             estimate_inverse_depth(ours, frame[None], DptDinov2Params())
         got = outputs[0].predicted_depth
         with torch.inference_mode():
@@ -94,7 +99,27 @@ def main() -> int:
         figures = [((found - wanted).abs().max() / wanted.std()).item() for found in (got, nudged)]
         print(f"{width}x{height:<6} {wanted.std():7.2f} {figures[0]:11.1e} {figures[1]:9.1e}", flush=True)
         agrees &= figures[0] <= BAR
+    for height, width in SIZES:
+        frame = random_frame(height, width)
+        got = estimate_inverse_depth(ours, frame[None], DptDinov2Params())[0]
+        with torch.inference_mode():
+            # Their notebook's transform.
+            pixels = torch.from_numpy(frame).permute(2, 0, 1)[None] / 255 * 255.0
+            pixels = (pixels - torch.tensor(MEAN).view(3, 1, 1)) / torch.tensor(STD).view(3, 1, 1)
+            wanted = 1 / official.whole_inference(pixels, None, True)[0, 0].clamp(min=NEAREST).numpy()
+        differences = np.abs(got - wanted) / wanted.std()
+        figures = f"{differences.max():11.1e} at most, {np.median(differences):.1e} in the median"
+        print(
+            f"{width}x{height:<6} {wanted.std():7.2f} {figures} end to end; "
+            f"{np.mean(wanted <= 1.001 / LARGEST_DEPTH):.0%} at {LARGEST_DEPTH:.0f} m",
+            flush=True,
+        )
     return 0 if agrees else 1
+
+
+def random_frame(height: int, width: int) -> np.ndarray:
+    frame = cv2.GaussianBlur(np.random.default_rng(0).normal(size=(height, width, 3)), (0, 0), 5)
+    return (127 + 1000 * frame).clip(0, 255).astype(np.uint8)
 
 
 def official_head(state: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:

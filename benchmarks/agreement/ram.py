@@ -18,12 +18,13 @@ from pathlib import Path
 
 import numpy as np
 import torch
+import torchvision_parts
 import transformers.modeling_utils
 import transformers.pytorch_utils
+from PIL import Image
 from torch import nn
 
 from moseg_tasks.networks import Checkpoint
-from moseg_tasks.networks.frame_tensor import frame_tensor
 from moseg_tasks.networks.ram import RamConfig, build_ram, build_ram_plus
 from moseg_tasks.tags import recognise_tags
 from schemas.parameters.ram import RamParams
@@ -52,7 +53,7 @@ def _stand_in(name: str, **attributes):
 
 
 def _import_official(folder: Path) -> tuple[types.ModuleType, ...]:
-    """The official modules `ram.models.ram` and `ram.models.ram_plus`, whose factories have the modules' names."""
+    """The official modules of RAM and RAM++, whose factories have the modules' names, and of their images."""
     unused = dict.fromkeys(("download_cached_file", "_cfg", "PatchEmbed", "named_apply", "adapt_input_conv"))
     pair = {"to_2tuple": lambda side: side if isinstance(side, tuple) else (side, side)}
     _stand_in("timm.models.hub", **unused)
@@ -62,8 +63,7 @@ def _import_official(folder: Path) -> tuple[types.ModuleType, ...]:
     # Stochastic depth is the identity outside training.
     _stand_in("timm.models.layers", DropPath=nn.Identity, trunc_normal_=nn.init.trunc_normal_, **pair)
     _stand_in("fairscale.nn.checkpoint.checkpoint_activations", checkpoint_wrapper=None)
-    transforms = dict.fromkeys(("Normalize", "Compose", "Resize", "ToTensor"))
-    _stand_in("torchvision.transforms", **transforms)
+    torchvision_parts.stand_in()
     _stand_in("transformers.file_utils", ModelOutput=transformers.utils.ModelOutput)
 
     moved = transformers.modeling_utils
@@ -78,7 +78,7 @@ def _import_official(folder: Path) -> tuple[types.ModuleType, ...]:
     base.resize_token_embeddings = lambda self, count: None
 
     sys.path.insert(0, str(folder))
-    return tuple(importlib.import_module(f"ram.models.{name}") for name in ("ram", "ram_plus"))
+    return tuple(importlib.import_module(f"ram.{name}") for name in ("models.ram", "models.ram_plus", "transform"))
 
 
 def _official_network(module: types.ModuleType, factory: str, depths: tuple[int, ...]) -> nn.Module:
@@ -118,11 +118,15 @@ def _randomise(network: nn.Module, rng: np.random.Generator):
         tensor.data.copy_(torch.from_numpy(np.asarray(values)))
 
 
-def compare(module: types.ModuleType, factory: str, build, folder: Path, depths: tuple[int, ...]) -> float:
-    """Largest difference between logits, printed with what else was compared; infinite where the tags differ."""
+def compare(module: types.ModuleType, transform, build, folder: Path, depths: tuple[int, ...]) -> float:
+    """Largest difference between logits, printed with what else was compared; infinite where the tags differ.
+
+    From the frame on: the official code sees it by its own transform.
+    """
+    factory = module.__name__.rpartition(".")[2]
     rng = np.random.default_rng(SEED)
-    image = rng.integers(0, 256, (60, 80, 3), dtype=np.uint8).repeat(8, 0).repeat(8, 1)
-    images = frame_tensor(image, (384, 384), torch.device("cpu"))
+    image = rng.integers(0, 256, (60, 107, 3), dtype=np.uint8).repeat(8, 0).repeat(8, 1)
+    images = transform(384)(Image.fromarray(image))[None]
 
     official = _official_network(module, factory, depths)
     _randomise(official, rng)
@@ -142,7 +146,7 @@ def compare(module: types.ModuleType, factory: str, build, folder: Path, depths:
         own = tagger.network(images)
     tags = recognise_tags(tagger, image, RamParams(max_tags=len(tagger.names)))
     difference = float((own - logits[0]).abs().max())
-    is_same = sorted(tags.names) == sorted(official_tags)
+    is_same = list(tags.names) == official_tags
     spread = f"{float(logits[0].min()):.2f}..{float(logits[0].max()):.2f}"
     print(
         f"{factory:8s} depths {depths}: largest difference {difference:.1e} of {own.numel()} logits in {spread}, "
@@ -160,9 +164,11 @@ def main() -> int:
     warnings.simplefilter("ignore")
     torch.set_num_threads(1)
     depths = RamConfig().image.depths if arguments.full else DEPTHS_REDUCED
-    ram, ram_plus = _import_official(arguments.official)
-    networks = ((ram, "ram", build_ram), (ram_plus, "ram_plus", build_ram_plus))
-    differences = [compare(module, name, build, arguments.official, depths) for module, name, build in networks]
+    ram, ram_plus, images = _import_official(arguments.official)
+    networks = ((ram, build_ram), (ram_plus, build_ram_plus))
+    differences = [
+        compare(module, images.get_transform, build, arguments.official, depths) for module, build in networks
+    ]
     return int(max(differences) > LARGEST_DIFFERENCE)
 
 

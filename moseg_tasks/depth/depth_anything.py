@@ -1,10 +1,13 @@
 """Inverse depth by Depth Anything V2."""
 
+import cv2
 import numpy as np
 import torch
+from torch.nn import functional
 from transformers import DepthAnythingForDepthEstimation
 
-from moseg_tasks.depth.pixels import PATCH, resize_maps, see_frames
+from moseg_tasks.depth.pixels import PATCH
+from moseg_tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
 from schemas.parameters.depth_anything import DepthAnythingParams
 
 
@@ -13,12 +16,18 @@ def predict_depth_anything(
 ) -> torch.Tensor:
     """Inverse depth float32 (B, y, x), up to scale and shift, of uint8 (B, y, x, 3) frames.
 
-    The frame is resized to `short_side`, whether it shrinks or grows, as the network's authors do; its processor in
-    transformers fits frames smaller than 518 px by their longer side instead.
+    The frame is resized to `short_side`, whether it shrinks or grows, by OpenCV's bicubic interpolation, which does not
+    smooth, as the network's authors do; its processor in transformers smooths, and fits frames smaller than 518 px by
+    their longer side instead. Corners of the answer lie on corners of the frame, as in the authors' code too.
     """
-    size = images.shape[1:3]
-    pixels = see_frames(images, network_size(size, params), "bicubic", model.device)
-    return resize_maps(model(pixels).predicted_depth.float(), size)
+    height, width = network_size(images.shape[1:3], params)
+    seen = [cv2.resize(image / 255.0, (width, height), interpolation=cv2.INTER_CUBIC) for image in images]
+    pixels = (np.stack(seen) - IMAGENET_MEAN) / IMAGENET_STD
+    pixels = torch.from_numpy(pixels.transpose(0, 3, 1, 2).astype(np.float32)).to(model.device)
+    inverse_depth = model(pixels).predicted_depth.float()
+    return functional.interpolate(inverse_depth[:, None], size=images.shape[1:3], mode="bilinear", align_corners=True)[
+        :, 0
+    ]
 
 
 def network_size(size: tuple[int, int], params: DepthAnythingParams) -> tuple[int, int]:

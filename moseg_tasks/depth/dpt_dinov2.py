@@ -3,29 +3,30 @@
 import numpy as np
 import torch
 from torch.nn import functional
-from transformers import DPTForDepthEstimation
 
 from moseg_tasks.depth.pixels import PATCH, resize_maps, see_frames
+from moseg_tasks.networks.depth import DptDinov2
 from schemas.parameters.dpt_dinov2 import DptDinov2Params
 
 
-def predict_dpt_dinov2(model: DPTForDepthEstimation, images: np.ndarray, params: DptDinov2Params) -> torch.Tensor:
+def predict_dpt_dinov2(network: DptDinov2, images: np.ndarray, params: DptDinov2Params) -> torch.Tensor:
     """Inverse depth float32 (B, y, x), 1/m, of uint8 (B, y, x, 3) frames.
 
     The frames keep their size (up to `max_side`) and get a border of zeros to multiples of a patch, as in the official
-    preprocessing. Its post-processing stretches the prediction of frame and border over the frame, up to 6 px off at
-    the frame's edges; here the border is cut off.
+    preprocessing. Depths are cut off at those that the network was trained for, as there. The official post-processing
+    then stretches the prediction of frame and border over the frame, up to 6 px off at the frame's edges; here the
+    border is cut off.
     """
     height, width = images.shape[1:3]
     scale = min(1.0, params.max_side / max(height, width))
     inner = (max(round(scale * height), 1), max(round(scale * width), 1))
-    pixels = see_frames(images, inner, "bilinear", model.device)
+    pixels = see_frames(images, inner, network.model.device)
     (top, bottom), (left, right) = (_border(side) for side in inner)
     padded = functional.pad(pixels, (left, right, top, bottom))
-    depth = model(padded).predicted_depth.float()
+    depth = network.model(padded).predicted_depth.float() + network.min_depth
     # Inverted before it is resized: inverse depth, not depth, is linear over a plane's image.
-    # The inverse of an overflow would pass for what is infinitely far.
-    inverse = torch.where(depth.isfinite(), 1 / depth.clamp(min=params.nearest), torch.nan)
+    # What is not finite would pass for the farthest.
+    inverse = torch.where(depth.isfinite(), 1 / depth.clamp(max=network.max_depth).clamp(min=params.nearest), torch.nan)
     inverse = resize_maps(inverse, tuple(padded.shape[2:]))
     inverse = inverse[:, top : top + inner[0], left : left + inner[1]]
     return resize_maps(inverse, (height, width))

@@ -2,17 +2,18 @@
 
 import numpy as np
 import torch
-from transformers import DepthAnythingForDepthEstimation, DPTForDepthEstimation
+from transformers import DepthAnythingForDepthEstimation
 
 from moseg_tasks.depth.depth_anything import predict_depth_anything
 from moseg_tasks.depth.dpt_dinov2 import predict_dpt_dinov2
+from moseg_tasks.networks.depth import DptDinov2
 from schemas.errors import InputError
 from schemas.parameters.depth_anything import DepthAnythingParams
 from schemas.parameters.dpt_dinov2 import DptDinov2Params
 
 
 def estimate_inverse_depth(
-    model: DPTForDepthEstimation | DepthAnythingForDepthEstimation,
+    model: DptDinov2 | DepthAnythingForDepthEstimation,
     images: np.ndarray,
     params: DptDinov2Params | DepthAnythingParams,
 ) -> np.ndarray:
@@ -23,7 +24,7 @@ def estimate_inverse_depth(
 
     Parameters
     ----------
-    model : DPTForDepthEstimation or DepthAnythingForDepthEstimation
+    model : DptDinov2 or DepthAnythingForDepthEstimation
         Of `build_dpt_dinov2` or `build_depth_anything`.
     images : uint8 (B, y, x, 3)
         RGB frames of one size.

@@ -20,11 +20,11 @@ class Detections(NamedTuple):
     Attributes
     ----------
     boxes : float32 (n, 4)
-        Left, top, right, bottom within the frame, px.
+        Left, top, right, bottom, px; they may reach beyond the frame.
     scores : float64 (n,)
-        Probability of the best matching word of the box's name.
+        Probability of the token of the text that fits best.
     tags : tuple of str
-        Name of each.
+        Name of each: the words that fit it. Empty where none does.
     """
 
     boxes: np.ndarray
@@ -37,10 +37,10 @@ def detect_objects(
 ) -> Detections:
     """Find what the names name.
 
-    A box belongs to the name whose words fit it best on average; the box's score is that of its best word, which is
-    what the published box threshold is applied to. The official code strings together whatever words exceed the text
-    threshold instead, across the names; here that threshold says which names a box may have. Boxes of all prompts
-    compete.
+    As in the authors' code a box is kept where the token that fits it best exceeds the box threshold, and named by all
+    words that exceed the text threshold, strung together in the order of the text: part of a name, or words of several.
+    A box of which only a full stop or comma passes has no name. Boxes of all prompts compete. One thinner than a pixel
+    is left out: no mask can be asked for by it.
 
     The whole network works in single precision, under autocast too: it sees one frame of a section, and thresholds
     would change with rounding.
@@ -66,35 +66,34 @@ def detect_objects(
     check_frame(image)
     height, width = image.shape[:2]
     model = detector.model
-    prompts = compose_prompts(detector.tokenizer, tags, params.tags_per_prompt, model.config.max_text_len)
+    max_tokens = model.config.max_text_len
+    prompts = compose_prompts(detector.tokenizer, tags, params.tags_per_prompt, max_tokens, params.separator)
     if not prompts:
         return Detections(np.zeros((0, 4), np.float32), np.zeros(0), ())
     pixels = frame_tensor(image, detector.input_size(height, width, params.input_scale), model.device)
     with torch.inference_mode(), torch.autocast(model.device.type, enabled=False):
-        found = [_run_prompt(model, pixels, prompt, params) for prompt in prompts]
-    names = np.array([name for prompt in prompts for name in prompt.tags])
-    firsts = np.cumsum([0, *(len(prompt.tags) for prompt in prompts)])
-    relative, scores = (np.concatenate([part[column] for part in found]) for column in (0, 1))
-    tag = np.concatenate([part[2] + first for part, first in zip(found, firsts, strict=False)])
-    boxes = np.clip(relative, 0, 1) * [width, height, width, height]
+        found = [_run_prompt(detector, pixels, prompt, params) for prompt in prompts]
+    boxes = np.concatenate([part.boxes for part in found]) * [width, height, width, height]
+    scores = np.concatenate([part.scores for part in found])
+    names = np.array([name for part in found for name in part.tags], dtype=np.str_)
     is_visible = (boxes[:, 2:] - boxes[:, :2] >= _LEAST_SIDE).all(axis=1)
-    boxes, scores, tag = boxes[is_visible], scores[is_visible], tag[is_visible]
-    kept = suppress_boxes(boxes, scores, params.nms_iou, tag if params.nms_per_tag else None)[: params.max_boxes]
-    return Detections(boxes[kept].astype(np.float32), scores[kept], tuple(names[tag[kept]].tolist()))
+    boxes, scores, names = boxes[is_visible], scores[is_visible], names[is_visible]
+    groups = np.unique(names, return_inverse=True)[1] if params.nms_per_tag else None
+    kept = suppress_boxes(boxes, scores, params.nms_iou, groups)[: params.max_boxes]
+    return Detections(boxes[kept].astype(np.float32), scores[kept], tuple(names[kept].tolist()))
 
 
 def _run_prompt(
-    model: torch.nn.Module, pixels: torch.Tensor, prompt: Prompt, params: GroundingDinoParams
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What passes the thresholds: corners as shares of the frame's sides, scores, indices into the prompt's names."""
-    token_ids = torch.tensor([prompt.token_ids], device=model.device)
-    output = model(pixel_values=pixels, input_ids=token_ids, attention_mask=torch.ones_like(token_ids))
+    detector: GroundingDino, pixels: torch.Tensor, prompt: Prompt, params: GroundingDinoParams
+) -> Detections:
+    """What passes the box threshold; corners as shares of the frame's sides, float64."""
+    token_ids = torch.tensor([prompt.token_ids], device=detector.model.device)
+    output = detector.model(pixel_values=pixels, input_ids=token_ids, attention_mask=torch.ones_like(token_ids))
     # Doubled on the CPU: not every device has float64.
-    words = output.logits[0].cpu().double().sigmoid().numpy()
-    fits = np.stack([words[:, span].mean(axis=1) for span in prompt.spans], axis=1)
-    tag = fits.argmax(axis=1)
-    rows = np.arange(len(tag))
-    scores = np.stack([words[:, span].max(axis=1) for span in prompt.spans], axis=1)[rows, tag]
-    is_found = (scores > params.box_threshold) & (fits[rows, tag] > params.text_threshold)
+    fits = output.logits[0].cpu().double().sigmoid().numpy()[:, : len(prompt.token_ids)]
+    scores = fits.max(axis=1)
+    is_found = scores > params.box_threshold
+    words = [[place for place in prompt.words if fit[place] > params.text_threshold] for fit in fits[is_found]]
+    names = tuple(detector.tokenizer.decode([prompt.token_ids[place] for place in places]) for places in words)
     centre, size = np.split(output.pred_boxes[0].cpu().double().numpy()[is_found], 2, axis=1)
-    return np.concatenate([centre - size / 2, centre + size / 2], axis=1), scores[is_found], tag[is_found]
+    return Detections(np.concatenate([centre - size / 2, centre + size / 2], axis=1), scores[is_found], names)

@@ -6,7 +6,7 @@ from torch.nn import functional
 from transformers import Sam2Model
 
 from moseg_tasks.instances.boxes import as_boxes
-from moseg_tasks.networks.frame_tensor import check_frame, frame_tensor
+from moseg_tasks.networks.frame_tensor import Resizing, check_frame, frame_tensor
 from moseg_tasks.networks.sam2 import network_side
 from schemas.parameters.sam2 import Sam2Params
 
@@ -46,7 +46,8 @@ def segment_boxes_sam2(
         return np.zeros((0, *size), bool), np.zeros(0)
     masks, quality = [], []
     with torch.inference_mode():
-        embeddings = model.get_image_embeddings(frame_tensor(image, (side, side), model.device))
+        pixels = frame_tensor(image, (side, side), model.device, Resizing.TORCH_BILINEAR)
+        embeddings = model.get_image_embeddings(pixels)
         embeddings = [embedding.float() for embedding in embeddings]
         prompts = torch.from_numpy(boxes * np.float32([side / size[1], side / size[0]] * 2)).to(model.device)
         with torch.autocast(model.device.type, enabled=False):

@@ -1,7 +1,10 @@
 """A frame as the input of a network trained on ImageNet-normalised RGB."""
 
+from enum import StrEnum
+
 import numpy as np
 import torch
+from PIL import Image
 from torch.nn import functional
 
 from schemas.errors import InputError
@@ -10,11 +13,25 @@ IMAGENET_MEAN = (0.485, 0.456, 0.406)
 IMAGENET_STD = (0.229, 0.224, 0.225)
 
 
-def frame_tensor(image: np.ndarray, size: tuple[int, int], device: torch.device) -> torch.Tensor:
-    """The frame, resized and normalised.
+class Resizing(StrEnum):
+    """How the authors of a network resized its images; all smooth where the image shrinks.
 
-    The published networks were run on images that PIL had resized: bilinear, antialiased where the image shrinks, and
-    rounded to 8 bits. This agrees with it to one grey level, on every device.
+    Those of PIL are rounded to grey levels; that of torch, which torchvision takes for what is a tensor already, is
+    not.
+    """
+
+    PIL_BILINEAR = "pil-bilinear"
+    PIL_BICUBIC = "pil-bicubic"
+    TORCH_BILINEAR = "torch-bilinear"
+
+
+_PIL = {Resizing.PIL_BILINEAR: Image.Resampling.BILINEAR, Resizing.PIL_BICUBIC: Image.Resampling.BICUBIC}
+
+
+def frame_tensor(
+    image: np.ndarray, size: tuple[int, int], device: torch.device, resizing: Resizing = Resizing.PIL_BILINEAR
+) -> torch.Tensor:
+    """The frame, resized and normalised; resized on the CPU, so that every device sees the same.
 
     Parameters
     ----------
@@ -23,6 +40,7 @@ def frame_tensor(image: np.ndarray, size: tuple[int, int], device: torch.device)
     size : (int, int)
         Height and width asked for, px.
     device : torch.device
+    resizing : Resizing
 
     Returns
     -------
@@ -35,12 +53,15 @@ def frame_tensor(image: np.ndarray, size: tuple[int, int], device: torch.device)
         It is not an RGB frame.
     """
     check_frame(image)
+    size = tuple(size)
+    if image.shape[:2] != size and resizing in _PIL:
+        image = np.asarray(Image.fromarray(image).resize(size[::-1], _PIL[resizing]))
     # Copied, as torch warns of arrays that are read-only.
-    pixels = torch.from_numpy(np.array(image)).permute(2, 0, 1)[None]
-    if pixels.shape[2:] != tuple(size):
-        pixels = functional.interpolate(pixels, size=tuple(size), mode="bilinear", antialias=True)
+    pixels = torch.from_numpy(np.array(image)).permute(2, 0, 1)[None].float() / 255
+    if pixels.shape[2:] != size:
+        pixels = functional.interpolate(pixels, size=size, mode="bilinear", antialias=True)
     mean, std = (torch.tensor(values).view(1, 3, 1, 1) for values in (IMAGENET_MEAN, IMAGENET_STD))
-    return ((pixels.float() / 255 - mean) / std).to(device)
+    return ((pixels - mean) / std).to(device)
 
 
 def check_frame(image: np.ndarray) -> None:

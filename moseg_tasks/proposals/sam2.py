@@ -7,7 +7,7 @@ import torch
 from torch.nn import functional
 from transformers import Sam2VideoInferenceSession, Sam2VideoModel
 
-from moseg_tasks.networks.frame_tensor import frame_tensor
+from moseg_tasks.networks.frame_tensor import Resizing, frame_tensor
 from moseg_tasks.networks.sam2 import forget_past, network_side, start_sessions
 from schemas.errors import InputError
 from schemas.parameters.sam2 import Sam2Params
@@ -69,7 +69,7 @@ def _advance(
 ) -> np.ndarray:
     """Labels uint16 (y, x) of the next frame, which the sessions then remember."""
     size, side = frame.shape[:2], network_side(model)
-    pixels = frame_tensor(frame, (side, side), model.device)
+    pixels = frame_tensor(frame, (side, side), model.device, Resizing.PIL_BICUBIC)
     labels = torch.zeros(size, dtype=torch.int32, device=model.device)
     surest = torch.zeros(size, device=model.device)
     for session in sessions:

@@ -18,7 +18,7 @@ class Tags(NamedTuple):
     Attributes
     ----------
     names : tuple of str
-        By falling score; tags of one score in the order of the tagger's list.
+        In the order of the tagger's list, in which the authors' code gives them to the detector.
     scores : float64 (n,)
         Probability of each.
     """
@@ -61,6 +61,6 @@ def recognise_tags(tagger: Tagger, image: np.ndarray, params: RamParams) -> Tags
         logits = network(frame_tensor(image, (side, side), next(network.parameters()).device))[0]
     scores = expit(logits.cpu().numpy().astype(np.float64))
     is_wanted = np.array([name not in params.excluded_tags for name in tagger.names])
-    order = np.flatnonzero(is_wanted & (scores > params.threshold_scale * tagger.thresholds))
-    order = order[np.argsort(-scores[order], kind="stable")][: params.max_tags]
-    return Tags(tuple(tagger.names[index] for index in order), scores[order])
+    found = np.flatnonzero(is_wanted & (scores > params.threshold_scale * tagger.thresholds))
+    kept = np.sort(found[np.argsort(-scores[found], kind="stable")][: params.max_tags])
+    return Tags(tuple(tagger.names[index] for index in kept), scores[kept])

@@ -18,6 +18,6 @@ class DptDinov2Params(Frozen):
     nearest: Annotated[float, Unit.METRES] = Field(
         0.1,
         gt=0,
-        description="depth under this counts as this much, m; the networks were trained up to 10 m (nyu) or 80 m "
-        "(kitti) and may give 0, the inverse of which is no number",
+        description="depth under this counts as this much, m; the networks' own least is 1 mm, the inverse of which "
+        "would outweigh all others in a fit",
     )

@@ -1,29 +1,40 @@
 """Parameters of open-vocabulary detection by Grounding DINO."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from schemas.frozen import Frozen
 from schemas.units import Unit
 
+Separator = Literal["comma", "stop"]
+"""What stands between two names in a text: after a full stop, words of one name do not see those of the next."""
+
 
 class GroundingDinoParams(Frozen):
     """Boxes of named objects in one frame.
 
-    The thresholds are those with which the authors' group runs RAM, Grounding DINO and SAM-HQ one after the other
-    (``automatic_label_ram_demo.py`` of Grounded-Segment-Anything).
+    The thresholds and the text are those with which the authors' group runs RAM, Grounding DINO and SAM-HQ one after
+    the other (``automatic_label_ram_demo.py`` of Grounded-Segment-Anything).
     """
 
     weights: str = Field("grounding-dino-tiny", description="weights item; `moseg backends` lists them")
     box_threshold: Annotated[float, Unit.PROBABILITY] = Field(
-        0.25, ge=0, le=1, description="probability that a box's best matching word must exceed, which is its score"
+        0.25,
+        ge=0,
+        le=1,
+        description="probability that the best matching token of the text must exceed, which is a box's score",
     )
     text_threshold: Annotated[float, Unit.PROBABILITY] = Field(
-        0.2, ge=0, le=1, description="probability that the mean over the words of a box's name must exceed"
+        0.2, ge=0, le=1, description="probability above which a word is part of a box's name; it takes no box away"
     )
     tags_per_prompt: Annotated[int, Unit.COUNT] = Field(
-        40, ge=1, description="names looked for at once, at most; fewer where 256 tokens do not hold them"
+        100, ge=1, description="names looked for at once, at most; fewer where 256 tokens do not hold them"
+    )
+    separator: Separator = Field(
+        "comma",
+        description="between the names of a text: comma, as where the authors look for tags, or stop, as where they "
+        "look for objects that a user names",
     )
     nms_iou: Annotated[float, Unit.SHARE] = Field(
         0.5, ge=0, le=1, description="overlap (IoU) with a better box above which a box is dropped"

@@ -28,5 +28,5 @@ def _estimate(build, depth_params, inputs):
     return [Output({"inverse_depth": inverse_depth}, made_on()) for inverse_depth in maps]
 
 
-DPT_DINOV2 = Task("depth", "dpt-dinov2", version=1, run_together=_run_dpt_dinov2)
-DEPTH_ANYTHING_V2 = Task("depth", "depth-anything-v2", version=1, run_together=_run_depth_anything)
+DPT_DINOV2 = Task("depth", "dpt-dinov2", version=2, run_together=_run_dpt_dinov2)
+DEPTH_ANYTHING_V2 = Task("depth", "depth-anything-v2", version=2, run_together=_run_depth_anything)

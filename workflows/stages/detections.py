@@ -17,4 +17,4 @@ def _run(params, inputs, rng):
     return Output({"boxes": found.boxes, "scores": found.scores}, {"tags": list(found.tags), **made_on()})
 
 
-GROUNDING_DINO = Task("detections", "grounding-dino", version=1, run=_run)
+GROUNDING_DINO = Task("detections", "grounding-dino", version=2, run=_run)

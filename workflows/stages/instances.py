@@ -35,5 +35,5 @@ def _outline(build, segment_boxes, network_params, params, inputs):
     )
 
 
-SAM_HQ = Task("instances", "sam-hq", version=1, run=_run_sam_hq)
-SAM2 = Task("instances", "sam2", version=1, run=_run_sam2)
+SAM_HQ = Task("instances", "sam-hq", version=2, run=_run_sam_hq)
+SAM2 = Task("instances", "sam2", version=2, run=_run_sam2)

@@ -78,4 +78,4 @@ def _track(build, track_masks, tracker_params, inputs):
 SALIENCY = Task("proposals", "saliency", version=2, run=_run_saliency)
 GIVEN_MASKS = Task("proposals", "given", version=1, run=_run_given)
 DEAOT = Task("proposals", "deaot", version=1, run=_run_deaot)
-SAM2 = Task("proposals", "sam2", version=1, run=_run_sam2)
+SAM2 = Task("proposals", "sam2", version=2, run=_run_sam2)

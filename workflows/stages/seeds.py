@@ -32,11 +32,11 @@ def _run(params, inputs, rng):
         {
             "num_identities": seeds.num_identities,
             "tags": [
-                known[identity] if identity in known else names[source - 1]
+                known.get(identity) or (names[source - 1] if source else "")
                 for identity, source in zip(seeds.identities.tolist(), seeds.found.tolist(), strict=True)
             ],
         },
     )
 
 
-MASK_OVERLAP = Task("seeds", "mask-overlap", version=1, run=_run)
+MASK_OVERLAP = Task("seeds", "mask-overlap", version=2, run=_run)

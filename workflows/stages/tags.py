@@ -25,5 +25,5 @@ def _recognise(build, params, inputs):
     return Output({}, {"names": list(tags.names), "scores": tags.scores.tolist(), **made_on()})
 
 
-RAM = Task("tags", "ram", version=1, run=_run_ram)
-RAM_PLUS = Task("tags", "ram-plus", version=1, run=_run_ram_plus)
+RAM = Task("tags", "ram", version=2, run=_run_ram)
+RAM_PLUS = Task("tags", "ram-plus", version=2, run=_run_ram_plus)

@@ -36,5 +36,5 @@ def _run_given(params, inputs, rng):
 
 
 LUCAS_KANADE = Task("tracks", "lucas-kanade", version=1, run=_run_lucas_kanade)
-PIPS = Task("tracks", "pips", version=1, run=_run_pips)
+PIPS = Task("tracks", "pips", version=2, run=_run_pips)
 GIVEN_TRACKS = Task("tracks", "given", version=1, run=_run_given)

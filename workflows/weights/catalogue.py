@@ -5,6 +5,10 @@ written. Where there is no digest the address names a commit, and what Git LFS r
 must be. Where there is no commit either (``main``) the one found at the first download is recorded and kept.
 """
 
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
 from schemas.weights import Architecture, WeightsFile, WeightsItem
 
 HUB = "https://huggingface.co"
@@ -30,6 +34,11 @@ TAG_FILES = (
 
 BERT_VOCABULARY = (231_508, "07eced375cec144d27c900241f3e339478dec958f92fddbc551f295c992038a3")
 DPT_DINOV2_BYTES = {"small": 149_000_000, "base": 448_000_000, "large": 1_359_000_000, "giant": 4_798_000_000}
+DPT_DINOV2_RANGES = {
+    "nyu": {"min_depth": 0.001, "max_depth": 10.0},
+    "kitti": {"min_depth": 0.001, "max_depth": 80.0},
+}
+"""Depths at which the authors' code cuts the answer off, m (``_get_depth_range`` in ``dinov2/hub/depthers.py``)."""
 GROUNDING_DINO_IMAGES = (457, "8454179ba95e2ad22947835aad7b45862a601fc0055ab88bf1ee70892d3aea60")
 
 Known = tuple[int | None, str | None]
@@ -47,6 +56,7 @@ def _hub_item(
     licence: str = APACHE,
     approximate_size: int | None = None,
     others: tuple[WeightsFile, ...] = (),
+    config: Mapping[str, Any] = MappingProxyType({}),
 ) -> WeightsItem:
     """An item from one repository of the hub; `remote` gives the names that files have there, where they differ."""
     base = f"{HUB}/{repository}/resolve/{commit}"
@@ -63,6 +73,7 @@ def _hub_item(
         + others,
         homepage=f"{HUB}/{repository}",
         approximate_size=approximate_size,
+        config=dict(config),
     )
 
 
@@ -110,7 +121,8 @@ def _dpt_dinov2(size: str, trained_on: str, commit: str, sha256: str) -> Weights
     files = {"config.json": UNKNOWN, "model.bin": (None, sha256)}
     remote = {"model.bin": "pytorch_model.bin"}
     num_bytes = DPT_DINOV2_BYTES[size]
-    return _hub_item(name, "dpt_dinov2", f"facebook/{name}", commit, files, remote, approximate_size=num_bytes)
+    repository, depths = f"facebook/{name}", DPT_DINOV2_RANGES[trained_on]
+    return _hub_item(name, "dpt_dinov2", repository, commit, files, remote, approximate_size=num_bytes, config=depths)
 
 
 def _depth_anything(size: str, commit: str, config: Known, model: Known, licence: str) -> WeightsItem:

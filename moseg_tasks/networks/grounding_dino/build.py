@@ -36,7 +36,9 @@ class GroundingDino(NamedTuple):
         return self._replace(model=self.model.to(device))
 
     def input_size(self, height: int, width: int, input_scale: float) -> tuple[int, int]:
-        """Height and width to which a frame is resized, px; rounded as transformers does, so that none differs by one.
+        """Height and width to which a frame is resized, px; rounded as in the authors' ``datasets/transforms.py``.
+
+        transformers rounds otherwise: its longer side differs by up to 2 px for a quarter of all sizes.
 
         Parameters
         ----------
@@ -47,10 +49,10 @@ class GroundingDino(NamedTuple):
         """
         shorter, longer = round(self.shorter_side * input_scale), round(self.longer_side * input_scale)
         low, high = sorted((height, width))
-        side = float(shorter) if high / low * shorter <= longer else longer * low / high
-        if round(side) == low:
+        side = shorter if high / low * shorter <= longer else max(round(longer * low / high), 1)
+        if side == low:
             return height, width
-        size = max(round(side), 1), int(side * high / low)
+        size = side, int(side * high / low)
         return size if height <= width else size[::-1]
 
 

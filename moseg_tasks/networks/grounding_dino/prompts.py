@@ -6,32 +6,40 @@ from typing import NamedTuple
 from transformers import BertTokenizer
 
 from schemas.errors import InputError
+from schemas.parameters.grounding_dino import Separator
+
+_SIGNS: dict[Separator, str] = {"comma": ",", "stop": "."}
 
 
 class Prompt(NamedTuple):
-    """A text of several names, ``[CLS] a dog . tennis ball . [SEP]``.
+    """A text of several names, ``[CLS] a dog, tennis ball. [SEP]``.
 
     Attributes
     ----------
     token_ids : list of int
     tags : list of str
         The names.
-    spans : list of slice
-        Where each name's own tokens stand, without the full stop.
+    words : list of int
+        Places of the tokens that are the names' own.
     """
 
     token_ids: list[int]
     tags: list[str]
-    spans: list[slice]
+    words: list[int]
 
 
 def compose_prompts(
-    tokenizer: BertTokenizer, tags: Sequence[str], tags_per_prompt: int, max_tokens: int
+    tokenizer: BertTokenizer,
+    tags: Sequence[str],
+    tags_per_prompt: int,
+    max_tokens: int,
+    separator: Separator = "comma",
 ) -> list[Prompt]:
     """The names, in lower case and each once, in as few texts as the limits allow.
 
-    Where one text does not take them all they are spread evenly, as scores fall with the length of a text. A full stop
-    or question mark within a name is left out: the network takes it for the name's end.
+    Where one text does not take them all they are spread evenly, as scores fall with the length of a text. (The
+    authors' code cuts a text off after 256 tokens.) A full stop or question mark within a name is left out: the network
+    takes it for the end of a phrase.
 
     Parameters
     ----------
@@ -39,6 +47,8 @@ def compose_prompts(
     tags : sequence of str
     tags_per_prompt, max_tokens : int
         Limits of one text.
+    separator : "comma" or "stop"
+        What stands between two names; a full stop ends the text in any case.
 
     Raises
     ------
@@ -47,7 +57,7 @@ def compose_prompts(
     """
     names = list(dict.fromkeys(" ".join(tag.lower().split()) for tag in tags))
     ends = set(tokenizer.convert_tokens_to_ids([".", "?"]))
-    stop = tokenizer.convert_tokens_to_ids(".")
+    stop, between = tokenizer.convert_tokens_to_ids([".", _SIGNS[separator]])
     per_prompt = -(-len(names) // -(-len(names) // tags_per_prompt)) if names else 0
     prompts: list[Prompt] = []
     for name in names:
@@ -62,10 +72,11 @@ def compose_prompts(
             )
         is_full = not prompts or len(prompts[-1].tags) == per_prompt
         if is_full or len(prompts[-1].token_ids) + len(words) + 1 > max_tokens:
-            prompts.append(Prompt([tokenizer.cls_token_id, tokenizer.sep_token_id], [], []))
-        token_ids, tags_of, spans = prompts[-1]
-        start = len(token_ids) - 1
-        token_ids[start:start] = [*words, stop]
+            prompts.append(Prompt([tokenizer.cls_token_id, stop, tokenizer.sep_token_id], [], []))
+        token_ids, tags_of, places = prompts[-1]
+        end = len(token_ids) - 2
+        added = [between, *words] if tags_of else words
+        token_ids[end:end] = added
         tags_of.append(name)
-        spans.append(slice(start, start + len(words)))
+        places.extend(range(end + len(added) - len(words), end + len(added)))
     return prompts

@@ -52,8 +52,8 @@ class Pips(nn.Module):
 
         Parameters
         ----------
-        images : uint8 torch.Tensor (B, y, x, 3)
-            RGB; sides of at least `config.least_side`.
+        images : torch.Tensor (B, y, x, 3)
+            RGB in [0, 255]; sides of at least `config.least_side`.
 
         Returns
         -------

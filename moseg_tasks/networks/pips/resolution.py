@@ -28,13 +28,9 @@ class Resolution(NamedTuple):
         return cls(frame, (height, width))
 
     def resize(self, image: np.ndarray) -> np.ndarray:
-        """A frame uint8 (y, x, 3) at the network's size."""
+        """A frame uint8 (y, x, 3) at the network's size, float32 in [0, 255]; bilinear, as in the published code."""
         height, width = self.network
-        if (height, width) == self.frame:
-            return image
-        shrinks = height <= self.frame[0] and width <= self.frame[1]
-        # Means over areas, so that detail finer than the network's pixels does not turn into false motion.
-        return cv2.resize(image, (width, height), interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR)
+        return cv2.resize(image.astype(np.float32), (width, height), interpolation=cv2.INTER_LINEAR)
 
     def to_network(self, points: np.ndarray) -> np.ndarray:
         """Points (..., 2), xy px of the frame, in px of the network's image; float64."""

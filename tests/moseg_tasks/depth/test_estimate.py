@@ -1,6 +1,7 @@
 import io
 import json
 
+import cv2
 import numpy as np
 import pytest
 import torch
@@ -10,9 +11,8 @@ from transformers import DPTImageProcessorPil
 
 from moseg_tasks.depth import estimate_inverse_depth
 from moseg_tasks.depth.depth_anything import network_size
-from moseg_tasks.depth.pixels import see_frames
 from moseg_tasks.networks import Checkpoint
-from moseg_tasks.networks.depth import build_depth_anything, build_dpt_dinov2
+from moseg_tasks.networks.depth import DptDinov2, build_depth_anything, build_dpt_dinov2
 from schemas.errors import InputError
 from schemas.parameters.depth_anything import DepthAnythingParams
 from schemas.parameters.dpt_dinov2 import DptDinov2Params
@@ -32,6 +32,11 @@ class Brightness(torch.nn.Module):
         red = pixels[:, :1] * 0.229 + 0.485
         self.predicted_depth = functional.interpolate(red, scale_factor=16 / 14, mode="bilinear")[:, 0]
         return self
+
+
+def of_brightness(model=Brightness, **depths):
+    """A network of depth that gives what the model does."""
+    return DptDinov2(model(), **depths)
 
 
 @pytest.fixture(scope="module")
@@ -103,14 +108,14 @@ def test_depth_that_is_not_finite_is_refused(networks):
             return super().forward(pixels * torch.nan)
 
     with pytest.raises(InputError, match="not finite in what weights dpt-dinov2-large-nyu give"):
-        estimate_inverse_depth(Broken(), noise(1, 28, 28, 3), DptDinov2Params())
+        estimate_inverse_depth(of_brightness(Broken), noise(1, 28, 28, 3), DptDinov2Params())
 
 
 @pytest.mark.parametrize("max_side", [1022, 100])
 def test_dpt_depth_is_inverted_where_it_was_seen(max_side):
     ramp = np.linspace(60, 250, 131).astype(np.uint8)
     frames = np.broadcast_to(ramp[None, None, :, None], (1, 71, 131, 3))
-    inverse_depth = estimate_inverse_depth(Brightness(), frames, DptDinov2Params(max_side=max_side))
+    inverse_depth = estimate_inverse_depth(of_brightness(), frames, DptDinov2Params(max_side=max_side))
     # The border beside the frame bleeds in by a pixel; a frame stretched over it would be 6 px off.
     inner = (0, slice(3, -3), slice(3, -3))
     np.testing.assert_allclose(1 / inverse_depth[inner], frames[..., 0][inner] / 255, atol=0.009)
@@ -118,8 +123,19 @@ def test_dpt_depth_is_inverted_where_it_was_seen(max_side):
 
 def test_dpt_depth_has_a_floor():
     frames = np.zeros((1, 28, 28, 3), np.uint8)
-    inverse_depth = estimate_inverse_depth(Brightness(), frames, DptDinov2Params(nearest=0.25))
+    inverse_depth = estimate_inverse_depth(of_brightness(), frames, DptDinov2Params(nearest=0.25))
     np.testing.assert_allclose(inverse_depth, 4, rtol=1e-6)
+
+
+def test_dpt_depth_ends_where_the_network_was_trained_to():
+    frames = np.full((1, 28, 28, 3), 255, np.uint8)
+    far, near = (
+        estimate_inverse_depth(of_brightness(min_depth=0.25, max_depth=depth), frames, DptDinov2Params())
+        for depth in (10, 0.5)
+    )
+    # In the middle, where the border does not bleed in; the least depth is added before.
+    np.testing.assert_allclose(far[0, 10:18, 10:18], 1 / 1.25, rtol=1e-5)
+    np.testing.assert_allclose(near[0, 10:18, 10:18], 2, rtol=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -137,22 +153,17 @@ def test_depth_anything_sees_whole_patches(size, params, expected):
     assert network_size(size, params) == expected
 
 
-def test_frames_are_seen_as_by_the_official_preprocessing():
-    y, x = np.mgrid[:96, :170]
+@pytest.mark.parametrize("size", [(96, 170), (30, 40)])
+def test_depth_anything_sees_frames_as_its_authors_show_them(networks, size):
+    y, x = np.mgrid[: size[0], : size[1]]
     frame = np.stack([x + y, 250 - x, 128 + 100 * np.sin(x / 9)], axis=2).astype(np.uint8)
-    official = DPTImageProcessorPil(
-        size={"height": 112, "width": 112},
-        keep_aspect_ratio=True,
-        ensure_multiple_of=14,
-        resample=3,
-        image_mean=[0.485, 0.456, 0.406],
-        image_std=[0.229, 0.224, 0.225],
-    )
-    expected = official(frame, return_tensors="pt").pixel_values
-    size = network_size((96, 170), DepthAnythingParams(short_side=112))
-    grey_level = 1 / 255 / 0.224
-    assert expected.shape[2:] == size
-    torch.testing.assert_close(see_frames(frame[None], size, "bicubic", CPU), expected, rtol=0, atol=2.1 * grey_level)
+    seen = []
+    with networks[SMALL].register_forward_pre_hook(lambda _, inputs: seen.append(inputs[0])):
+        estimate_inverse_depth(networks[SMALL], frame[None], SMALL)
+    height, width = network_size(size, SMALL)
+    resized = cv2.resize(frame / 255.0, (width, height), interpolation=cv2.INTER_CUBIC)
+    expected = (resized - [0.485, 0.456, 0.406]) / [0.229, 0.224, 0.225]
+    np.testing.assert_allclose(seen[0][0].permute(1, 2, 0), expected, atol=1e-5)
 
 
 def test_a_border_is_added_as_by_the_official_preprocessing():
@@ -173,7 +184,7 @@ def test_a_border_is_added_as_by_the_official_preprocessing():
             seen.append(pixels)
             return super().forward(pixels)
 
-    estimate_inverse_depth(Watched(), frame[None], DptDinov2Params())
+    estimate_inverse_depth(of_brightness(Watched), frame[None], DptDinov2Params())
     torch.testing.assert_close(seen[0], expected, rtol=0, atol=1e-5)
 
 
@@ -184,7 +195,7 @@ def test_an_overflow_is_not_what_is_infinitely_far():
             return self
 
     with pytest.raises(InputError, match="not finite"):
-        estimate_inverse_depth(Overflow(), noise(1, 28, 28, 3), DptDinov2Params())
+        estimate_inverse_depth(of_brightness(Overflow, max_depth=10), noise(1, 28, 28, 3), DptDinov2Params())
 
 
 def test_dpt_on_another_backbone_is_refused_as_it_gives_inverse_depth():

@@ -9,17 +9,21 @@ TAGS = ["a dog", "Tennis Ball", "person"]
 
 
 def words_of(tokenizer, prompt):
-    return [tokenizer.decode(prompt.token_ids[span]) for span in prompt.spans]
+    return tokenizer.decode([prompt.token_ids[place] for place in prompt.words])
 
 
-def test_a_prompt_is_the_names_parted_by_full_stops(detector):
+@pytest.mark.parametrize(
+    ("separator", "text"), [("comma", "a dog, tennis ball, person."), ("stop", "a dog. tennis ball. person.")]
+)
+def test_a_prompt_is_the_caption_of_the_authors(detector, separator, text):
+    (prompt,) = compose_prompts(detector.tokenizer, TAGS, 40, 256, separator)
+    assert prompt.token_ids == detector.tokenizer(text)["input_ids"]
+
+
+def test_the_words_of_a_prompt_are_those_of_its_names(detector):
     (prompt,) = compose_prompts(detector.tokenizer, TAGS, 40, 256)
-    assert prompt.token_ids == detector.tokenizer("a dog. tennis ball. person.")["input_ids"]
-
-
-def test_each_name_has_its_own_words(detector):
-    (prompt,) = compose_prompts(detector.tokenizer, TAGS, 40, 256)
-    assert prompt.tags == words_of(detector.tokenizer, prompt) == ["a dog", "tennis ball", "person"]
+    assert prompt.tags == ["a dog", "tennis ball", "person"]
+    assert words_of(detector.tokenizer, prompt) == "a dog tennis ball person"
 
 
 def test_a_name_is_looked_for_once_whatever_its_case_and_spaces(detector):
@@ -33,7 +37,7 @@ def test_no_prompt_exceeds_a_limit_and_no_name_is_lost(detector, letters, tags_p
     prompts = compose_prompts(detector.tokenizer, names, tags_per_prompt, max_tokens)
     assert [name for prompt in prompts for name in prompt.tags] == names
     assert all(len(prompt.tags) <= tags_per_prompt and len(prompt.token_ids) <= max_tokens for prompt in prompts)
-    assert [words_of(detector.tokenizer, prompt) for prompt in prompts] == [prompt.tags for prompt in prompts]
+    assert [words_of(detector.tokenizer, prompt) for prompt in prompts] == [" ".join(prompt.tags) for prompt in prompts]
 
 
 def test_names_are_spread_evenly(detector):
@@ -45,7 +49,7 @@ def test_names_are_spread_evenly(detector):
 
 def test_a_full_stop_does_not_end_a_name(detector):
     (prompt,) = compose_prompts(detector.tokenizer, ["st. bernard?", "dog"], 40, 256)
-    assert words_of(detector.tokenizer, prompt) == ["st bernard", "dog"]
+    assert words_of(detector.tokenizer, prompt) == "st bernard dog"
 
 
 @pytest.mark.parametrize("tag", ["", " ", "?", "...", "x " * 300, "犬", "dog \N{DOG FACE}"])

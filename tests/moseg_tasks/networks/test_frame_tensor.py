@@ -3,7 +3,7 @@ import pytest
 import torch
 from PIL import Image
 
-from moseg_tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD, frame_tensor
+from moseg_tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD, Resizing, frame_tensor
 
 CPU = torch.device("cpu")
 
@@ -13,11 +13,17 @@ def grey_levels(tensor):
 
 
 @pytest.mark.parametrize("size", [(96, 128), (150, 200), (48, 64), (31, 150)])
-def test_frames_are_resized_as_by_pil(frame, size):
-    wanted = np.asarray(Image.fromarray(frame).resize(size[::-1], Image.Resampling.BILINEAR)).astype(float)
-    difference = np.abs(grey_levels(frame_tensor(frame, size, CPU)) - wanted)
-    assert difference.max() < 1.01
-    assert (difference > 0.01).mean() < 0.03
+@pytest.mark.parametrize("kind", ["bilinear", "bicubic"])
+def test_frames_are_resized_as_by_pil(frame, size, kind):
+    wanted = np.asarray(Image.fromarray(frame).resize(size[::-1], Image.Resampling[kind.upper()])).astype(float)
+    np.testing.assert_allclose(grey_levels(frame_tensor(frame, size, CPU, Resizing(f"pil-{kind}"))), wanted, atol=1e-3)
+
+
+def test_what_torch_resizes_is_not_rounded_to_grey_levels(frame):
+    found = grey_levels(frame_tensor(frame, (48, 64), CPU, Resizing.TORCH_BILINEAR))
+    rounded = grey_levels(frame_tensor(frame, (48, 64), CPU))
+    assert np.abs(found - rounded).max() < 1.6
+    assert np.abs(found - np.round(found)).max() > 0.3
 
 
 def test_a_frame_of_the_right_size_is_only_normalised(frame):

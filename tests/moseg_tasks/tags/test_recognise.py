@@ -45,11 +45,11 @@ def random_tagger():
     return Tagger(network, NAMES, np.zeros(5))
 
 
-def test_tags_above_their_own_threshold_come_by_falling_score():
+def test_tags_above_their_own_threshold_come_in_the_order_of_the_list():
     tags = recognise_tags(fixed_tagger(), IMAGE, RamParams())
-    assert tags.names == ("sky", "person", "ball", "dog")
+    assert tags.names == ("person", "dog", "sky", "ball")
     assert tags.scores.dtype == np.float64
-    np.testing.assert_allclose(tags.scores, [0.7, 0.6, 0.6, 0.2], atol=1e-6)
+    np.testing.assert_allclose(tags.scores, [0.6, 0.2, 0.7, 0.6], atol=1e-6)
 
 
 def test_a_tag_at_its_threshold_does_not_count():
@@ -65,11 +65,11 @@ def test_no_tag_is_an_answer():
 @pytest.mark.parametrize(
     ("params", "names"),
     [
-        ({"max_tags": 2}, ("sky", "person")),
+        ({"max_tags": 2}, ("person", "sky")),
         ({"excluded_tags": "sky, ball"}, ("person", "dog")),
         ({"excluded_tags": ("sky",), "max_tags": 1}, ("person",)),
-        ({"threshold_scale": 0.9}, ("car", "sky", "person", "ball", "dog")),
-        ({"threshold_scale": 1.3}, ("sky", "dog")),
+        ({"threshold_scale": 0.9}, ("person", "car", "dog", "sky", "ball")),
+        ({"threshold_scale": 1.3}, ("dog", "sky")),
     ],
 )
 def test_parameters_choose_among_the_tags(params, names):

@@ -47,7 +47,8 @@ def make_dpt_dinov2(seed: int) -> TinyCheckpoint:
     # The published ones are older than safetensors.
     stream = io.BytesIO()
     torch.save(load(files["model.safetensors"]), stream)
-    return TinyCheckpoint({"config.json": files["config.json"], "model.bin": stream.getvalue()})
+    depths = {"min_depth": 0.001, "max_depth": 10.0}
+    return TinyCheckpoint({"config.json": files["config.json"], "model.bin": stream.getvalue()}, depths)
 
 
 def give_unit_gain(model: PreTrainedModel) -> None:
