@@ -6,11 +6,14 @@ OUT     ?= out
 VARIANT ?=
 ROOT    ?=
 WORKERS ?= 0
+RERUN   ?=
+DAVIS   ?=
+KT3DMOSEG ?=
 STORE   ?= .moseg/store
 MOSEG   := .venv/bin/moseg
 OPTIONS  = $(if $(ROOT),--root "$(ROOT)") --workers $(WORKERS) --store "$(STORE)" $(ARGS)
 
-.PHONY: setup eval ablation segment test lint docs-check docs-pictures bench bench-engine bench-faults bench-networks bench-memory bench-objects clean
+.PHONY: setup eval ablation segment test lint docs-check docs-pictures results bench bench-engine bench-faults bench-networks bench-memory bench-objects clean
 
 setup: .venv/.ready
 
@@ -41,6 +44,9 @@ docs-check: setup
 docs-pictures: setup
 	.venv/bin/python docs/tools/draw_graph.py
 	.venv/bin/python docs/tools/make_pictures.py
+
+results: setup
+	.venv/bin/python docs/tools/write_results.py $(if $(RERUN),--rerun '$(RERUN)') $(if $(DAVIS),--davis "$(DAVIS)") $(if $(KT3DMOSEG),--kt3dmoseg "$(KT3DMOSEG)") $(ARGS)
 
 bench: setup
 	for script in benchmarks/*.py; do echo "== $$script"; .venv/bin/python "$$script" || exit 1; done

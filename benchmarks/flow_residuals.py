@@ -1,11 +1,13 @@
 """Time and agreement of the k x k residuals of flow models, from moments and by a pass for each pair of objects.
 
-Run ``python benchmarks/flow_residuals.py [--objects K] [--repeat N]``. Both ways start from the same flow, depth and
-masks at 854 x 480 and alternate, so that their ratio compares like with like on a busy machine.
+Run ``python benchmarks/flow_residuals.py [--objects K] [--repeat N] [--json FILE]``. Both ways start from the
+same flow, depth and masks at 854 x 480 and alternate, so that their ratio compares like with like on a busy machine.
 """
 
 import argparse
+import json
 import time
+from pathlib import Path
 
 import numpy as np
 
@@ -22,7 +24,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--objects", type=int, default=20, help="objects with the background")
     parser.add_argument("--repeat", type=int, default=5, help="runs of each kind; their medians are shown")
+    parser.add_argument("--json", type=Path, help="write ratios and differences here too")
     options = parser.parse_args()
+    found = {}
     flow, inverse_depth, masks = frame_pair(options.objects)
     print(f"{'model':16} {'moments':>9} {'direct':>9} {'ratio':>7} {'largest relative difference':>28}")
     for name, model in FLOW_MODELS.items():
@@ -36,6 +40,9 @@ def main() -> None:
         fast, slow = (float(np.median(values)) for values in times.values())
         difference = np.nanmax(np.abs(results[0] - results[1]) / results[1])
         print(f"{name:16} {fast * 1e3:6.1f} ms {slow * 1e3:6.0f} ms {slow / fast:7.0f} {difference:28.1e}")
+        found[name] = {"ratio": slow / fast, "difference": float(difference)}
+    if options.json is not None:
+        options.json.write_text(json.dumps(found), encoding="utf-8")
 
 
 def frame_pair(num_objects: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

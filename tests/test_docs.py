@@ -177,7 +177,7 @@ def test_what_is_shown_of_make_is_understood(shown):
 def dry_run(code: str) -> list[str]:
     """Command lines of `moseg` that a command line of make would run; raises InputError where one is wrong."""
     words = shlex.split(code)[1:]
-    variables = set(re.findall(r"^([A-Z]+)\s*[?:]?=", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+    variables = set(re.findall(r"^([A-Z0-9]+)\s*[?:]?=", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
     unknown = {word.partition("=")[0] for word in words if "=" in word} - variables
     if unknown:
         raise InputError("no such variable of make", got=", ".join(unknown))

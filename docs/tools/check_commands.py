@@ -36,6 +36,10 @@ TIMEOUT = 180.0
 NOT_RUN = (
     (r"^make (test|lint|docs-check)\b", "a check of its own"),
     (r"^make bench", "a benchmark of minutes to hours"),
+    (
+        r"^make results\b",
+        "writes the pages of the working copy; tests/docs/test_results.py compares them",
+    ),
     (r"^make (setup|clean|docs-pictures)\b", "changes the working copy or its environment"),
     (r"^moseg weights (fetch|verify)\b", "downloads, or reads, gigabytes of weights"),
     (r"(^| )(gs|az)://", "no server of Google or Azure to run it against"),

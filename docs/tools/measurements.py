@@ -1,0 +1,190 @@
+"""The measurements behind the figures of the documents, in the order in which `make results RERUN=all` repeats them.
+
+A measurement is one command line. What it gave stands in ``benchmarks/results/<name>.json``. Data sets come one after
+the other, and what gives cues to others comes before them: in a store of their own, each command computes only what
+those before it left to compute.
+"""
+
+from fnmatch import fnmatchcase
+from typing import NamedTuple
+
+DATA = {
+    "davis": ("DAVIS", "blackswan,bmx-trees,car-shadow,cows,dog,drift-straight,parkour,soapbox"),
+    "kt3dmoseg": (
+        "KT3DMOSEG",
+        "Seq005_Clip01,Seq009_Clip01,Seq009_Clip03,Seq013_Clip01,Seq028_Clip01,Seq028_clip03,Seq037_Clip01,"
+        "Seq038_Clip02,Seq059_Clip01,Seq071_Clip01,Seq095_Clip01",
+    ),
+}
+"""Data that must be given: the word that stands for its root in a command, and what is measured of it."""
+NUM_FRAMES = {"davis16": 583}
+"""Frames of what is measured, by data set."""
+
+DAVIS = f"--dataset davis16 --root DAVIS --sequences {DATA['davis'][1]}"
+TRAJECTORIES = f"--dataset kt3dmoseg --root KT3DMOSEG --sequences {DATA['kt3dmoseg'][1]} --seeds 5"
+SYNTHETIC = "--dataset synthetic"
+ORACLE = f"{SYNTHETIC} --proposals groundtruth"
+EXACT = f"{ORACLE} --flow groundtruth --depth groundtruth --tracks groundtruth"
+SPECTRAL = "--set clustering.grouping=spectral --set clustering.fusion=coregularised"
+PAPER_CLUSTERING = f"--affinity ork {SPECTRAL}"
+
+SETTINGS = {"synthetic": SYNTHETIC, "exact": EXACT, "oracle": ORACLE, "davis": DAVIS}
+"""What affinities are compared on: with the default's proposals and cues; with true proposals and exact cues; with true
+proposals, DIS and Lucas-Kanade, without depth; on real video."""
+AFFINITIES = {
+    "residual": "",
+    "paper": "--geometry paper",
+    "hypotheses": "--affinity hypotheses",
+    "combined": "--affinity combined",
+}
+MOTIONS = ("auto", "gt")
+THRESHOLDS = (1, 2, 3)
+READINGS = ("models", "objects")
+STATIC = ("group", "agreement")
+SWEEPS = {
+    "hypotheses": ("object_hypotheses.num_hypotheses", ("100", "199", "200", "201", "400")),
+    "window": ("object_hypotheses.window", ("0.1", "0.15", "0.2", "0.25", "0.3")),
+    "rows": ("object_hypotheses.background_rows", ("2", "3", "4")),
+}
+"""Parameters of the affinity of many hypotheses, and values of each. With rows the columns change too, to one more."""
+COUNTS = ("description_length", "geometric", "confidences", "stability", "eigengap")
+VIEWS = {
+    "two-views": "--views homography,fundamental",
+    "four-views": "--views affine,homography,fundamental,trifocal",
+}
+CHOSEN = {"num_hypotheses": "200", "window": "0.2", "background_rows": "3"}
+
+
+class Measurement(NamedTuple):
+    """One command line whose result is kept.
+
+    Attributes
+    ----------
+    name : str
+        Of its file, without the suffix.
+    command : str
+        The words of `DATA` stand for roots.
+    data : str or None
+        Key of `DATA`; None where nothing must be given.
+    """
+
+    name: str
+    command: str
+    data: str | None
+
+
+def chosen(names: str) -> list[Measurement]:
+    """The measurements named, separated by commas: names, patterns such as ``exact-*``, or ``all``, in their order."""
+    patterns = ["*" if name == "all" else name for name in names.split(",")]
+    unknown = [pattern for pattern in patterns if not any(fnmatchcase(m.name, pattern) for m in CATALOGUE)]
+    if unknown:
+        raise LookupError(f"no such measurement: {', '.join(unknown)}; `make results` lists them")
+    return [m for m in CATALOGUE if any(fnmatchcase(m.name, pattern) for pattern in patterns)]
+
+
+def _catalogue() -> list[Measurement]:
+    commands = {
+        "rigid-flow": "python benchmarks/rigid_flow.py",
+        "flow-residuals": "python benchmarks/flow_residuals.py",
+        **_of_setting("synthetic"),
+        **_static("synthetic"),
+        "synthetic-layers": f"moseg eval {SYNTHETIC} --motions auto --set saliency.background=layers",
+        **_of_setting("exact"),
+        **_paper_choices(),
+        "exact-paper-clustering": f"moseg ablate {EXACT} --motions gt {PAPER_CLUSTERING}",
+        "exact-hypotheses-spectral": f"moseg ablate {EXACT} --motions gt --affinity hypotheses {SPECTRAL}",
+        **_of_setting("oracle"),
+        "oracle-hypotheses-spectral": f"moseg ablate {ORACLE} --motions gt --affinity hypotheses {SPECTRAL}",
+        "oracle-paper-clustering": f"moseg eval {ORACLE} --motions auto {PAPER_CLUSTERING}",
+        "oracle-residual-spectral": f"moseg eval {ORACLE} --motions auto {SPECTRAL}",
+        **{
+            f"oracle-residual-{count}": f"moseg eval {ORACLE} --motions auto --set clustering.auto={count}"
+            for count in COUNTS
+        },
+        **_sweeps(),
+        "oracle-depth-residual-auto": f"moseg ablate {ORACLE} --depth groundtruth --motions auto",
+        # The first of DAVIS: what it takes is what a run without anything in its store takes.
+        "davis-default": f"moseg eval {DAVIS}",
+        **_of_setting("davis"),
+        **_static("davis"),
+        "davis-fast": f"moseg eval {DAVIS} --quality fast",
+        "davis-best": f"moseg eval {DAVIS} --quality best",
+        **_trajectories(),
+    }
+    found = []
+    for name, command in commands.items():
+        data = next((data for data, (word, _) in DATA.items() if f"--root {word} " in command), None)
+        found.append(Measurement(name, " ".join(command.split()), data))
+    return found
+
+
+def _of_setting(setting: str) -> dict[str, str]:
+    """All affinities in one setting, with the number of motions found and given."""
+    return {
+        f"{setting}-{affinity}-{motions}": f"moseg ablate {SETTINGS[setting]} --motions {motions} {options}"
+        for affinity, options in AFFINITIES.items()
+        for motions in MOTIONS
+    }
+
+
+def _static(setting: str) -> dict[str, str]:
+    """What is static, under the default's clustering and under the paper's with the number of motions found."""
+    clusterings = {"ours": "", "paper": f"{PAPER_CLUSTERING} --set clustering.auto=eigengap"}
+    return {
+        f"{setting}-static-{clustering}-{static}": (
+            f"moseg eval {SETTINGS[setting]} --motions auto {options} --set clustering.static={static}"
+        )
+        for clustering, options in clusterings.items()
+        for static in STATIC
+    }
+
+
+def _paper_choices() -> dict[str, str]:
+    """The paper's geometry under each reading of its kernel and each t."""
+    return {
+        f"exact-paper-{reading}-{t}": (
+            f"moseg ablate {EXACT} --motions gt --geometry paper"
+            f" --set affinity.ork_reading={reading} --set affinity.ork_threshold={t}"
+        )
+        for reading in READINGS
+        for t in THRESHOLDS
+    }
+
+
+def _sweeps() -> dict[str, str]:
+    """The affinities of many hypotheses under other values of their parameters, with true proposals."""
+    return {
+        f"oracle-{affinity}-{sweep}-{value}": (
+            f"moseg eval {ORACLE} --motions auto --affinity {affinity} --set {parameter}={value}"
+            + (f" --set object_hypotheses.background_columns={int(value) + 1}" if sweep == "rows" else "")
+        )
+        for affinity in ("hypotheses", "combined")
+        for sweep, (parameter, values) in SWEEPS.items()
+        for value in values
+        if CHOSEN[parameter.partition(".")[2]] != value
+    }
+
+
+def _trajectories() -> dict[str, str]:
+    """KT3DMoSeg: the number of motions given and found, other views, other ways to group and to count."""
+    commands = {f"kt3d-{motions}": f"moseg ablate {TRAJECTORIES} --motions {motions}" for motions in ("gt", "auto")}
+    commands |= {f"kt3d-gt-{name}": f"moseg eval {TRAJECTORIES} --motions gt {views}" for name, views in VIEWS.items()}
+    for method, name, views in (
+        ("coregularised", "two-views", VIEWS["two-views"]),
+        ("coregularised", "three-views", ""),
+        ("sum", "three-views", ""),
+    ):
+        options = f"{views} --set trajectory_clustering.method={method}"
+        commands[f"kt3d-gt-{method}-{name}"] = f"moseg eval {TRAJECTORIES} --motions gt {options}"
+    for count in COUNTS:
+        options = f"--set trajectory_clustering.auto={count}"
+        commands[f"kt3d-auto-{count}"] = f"moseg eval {TRAJECTORIES} --motions auto {options}"
+    other_seeds = TRAJECTORIES.removesuffix(" --seeds 5")
+    for motions in ("gt", "auto"):
+        for seed in (5, 6, 7):
+            options = f"--motions {motions} --seed {seed}"
+            commands[f"kt3d-{motions}-seed-{seed}"] = f"moseg eval {other_seeds} {options}"
+    return commands
+
+
+CATALOGUE = tuple(_catalogue())

@@ -1,0 +1,131 @@
+"""One measurement made again: its command is run, and its result written as JSON that names no machine."""
+
+import json
+import os
+import shlex
+import subprocess
+import sys
+import time
+from collections.abc import Mapping
+from dataclasses import fields
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from measurements import DATA, Measurement
+from typer.core import TyperGroup
+from typer.main import get_command
+
+from workflows.cli.app import app
+from workflows.cli.pipeline_options import PipelineOptions
+
+ROOT = Path(__file__).resolve().parents[2]
+RESULTS = ROOT / "benchmarks" / "results"
+SCORES = ("P", "R", "F", "J", "error", "median_error", "num_motions", "num_motions_true", "num_motions_correct")
+"""What is kept of each sequence's scores and of their means."""
+ON_FRAMES = ("flow_model", "fundamental", "affinity", "object_hypotheses", "clustering")
+ON_TRAJECTORIES = ("fused_point_models", "hypotheses", "kernel", "trajectory_clustering")
+"""Parameters that say what geometry was measured, and stand beside the result."""
+DECIMALS = 4
+
+
+def rerun(measurement: Measurement, roots: Mapping[str, str], store: Path, folder: Path) -> dict[str, Any]:
+    """Run the command of a measurement and return what its file says.
+
+    Parameters
+    ----------
+    roots : mapping of str to str
+        Folder of each key of `DATA`.
+    store : Path
+        Where `moseg` keeps what it computes.
+    folder : Path
+        An empty place for the command's own JSON.
+
+    Raises
+    ------
+    subprocess.CalledProcessError
+        The command failed; what it said is on the terminal.
+    """
+    written = folder / "written.json"
+    words = [*arguments(measurement, roots), "--json", str(written)]
+    if words[0] == "moseg":
+        words = [str(Path(sys.executable).parent / "moseg"), *words[1:], "--store", str(store), "--quiet"]
+    else:
+        words[0] = sys.executable
+    started = time.perf_counter()
+    environ = os.environ | {"OMP_NUM_THREADS": "1"}
+    subprocess.run(words, cwd=ROOT, env=environ, stdout=subprocess.DEVNULL, check=True)
+    seconds = time.perf_counter() - started
+    said = {"name": measurement.name, "command": measurement.command, "seconds": round(seconds, 1)}
+    result = json.loads(written.read_text(encoding="utf-8"))
+    if "rows" in result:
+        result["rows"] = [_kept(row) for row in result["rows"]]
+        said["parameters"] = parameters(measurement)
+    return said | {"moseg": version("moseg"), "result": rounded(result)}
+
+
+def arguments(measurement: Measurement, roots: Mapping[str, str]) -> list[str]:
+    """Words of the command with the folders of its data."""
+    folders = {DATA[data][0]: root for data, root in roots.items()}
+    return [folders.get(word, word) for word in shlex.split(measurement.command)]
+
+
+def parameters(measurement: Measurement) -> dict[str, Any]:
+    """Values of the parameters that say what a command of `moseg` measures; raises where it is not understood."""
+    command, words, context, name = get_command(app), shlex.split(measurement.command)[1:], None, "moseg"
+    while isinstance(command, TyperGroup):
+        context = command.make_context(name, words, parent=context)
+        name, command, words = command.resolve_command(context, words)
+    values = command.make_context(name, words, parent=context).params
+    config, _ = PipelineOptions(**{field.name: values[field.name] for field in fields(PipelineOptions)}).read()
+    stages = ON_TRAJECTORIES if measurement.data == "kt3dmoseg" else ON_FRAMES
+    return config.model_dump(mode="json", include={*stages})
+
+
+def file_of(name: str) -> Path:
+    """Where the result of a measurement stands."""
+    return RESULTS / f"{name}.json"
+
+
+def write(said: dict[str, Any]) -> None:
+    """Write the file of a measurement, one sequence a line."""
+    text = json.dumps(said, indent=1, ensure_ascii=False)
+    file_of(said["name"]).write_text(_joined(text) + "\n", encoding="utf-8")
+
+
+def rounded(value: Any) -> Any:
+    """The same with all fractions rounded, but for tiny ones."""
+    if isinstance(value, dict):
+        return {key: rounded(inner) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [rounded(inner) for inner in value]
+    if isinstance(value, float):
+        return round(value, DECIMALS) if abs(value) > 10**-DECIMALS else float(f"{value:.1e}")
+    return value
+
+
+def _kept(row: dict[str, Any]) -> dict[str, Any]:
+    """A variant's row, without scores that no page shows."""
+    sequences = {name: _scores(score) for name, score in row["sequences"].items()}
+    return row | {"sequences": sequences, "mean": _scores(row["mean"])}
+
+
+def _scores(score: dict[str, float]) -> dict[str, float]:
+    return {name: score[name] for name in SCORES if name in score}
+
+
+def _joined(text: str) -> str:
+    """The same JSON with every innermost object and list on one line."""
+    lines, inner = [], []
+    for line in text.splitlines():
+        if line.endswith(("{", "[")):
+            lines += inner
+            inner = [line]
+        elif inner:
+            inner.append(line.strip())
+            if line.strip().rstrip(",") in ("}", "]"):
+                lines.append(inner[0] + " ".join(inner[1:-1]) + inner[-1])
+                inner = []
+        else:
+            lines.append(line)
+    return "\n".join(lines + inner)

@@ -1,0 +1,243 @@
+"""The tables of measured figures in the documents: texts of their cells, with ``{expression}`` for each figure."""
+
+from measurements import AFFINITIES, COUNTS, DATA, MOTIONS, READINGS, SWEEPS, THRESHOLDS
+
+VIEWS = ("fused", "oc-depth", "oc", "trajs")
+VARIANTS = (*VIEWS, "base")
+QUALITIES = ("fast", "default", "best")
+SCORES = {"Pu": "P", "Ru": "R", "Fu": "F", "J": "J"}
+Rows = list[tuple[str, ...]]
+
+
+def table(name: str) -> str:
+    """A table in Markdown."""
+    head, *rows = TABLES[name]
+    return "".join(f"| {' | '.join(row)} |\n" for row in (head, ("---",) * len(head), *rows)).replace("| --- ", "|---")
+
+
+def _scores(name: str, variant: str = "fused") -> tuple[str, ...]:
+    return tuple(f"{{{name}/{variant}/{score}}}" for score in SCORES.values())
+
+
+def _each(name: str, variants: tuple[str, ...], score: str = "F") -> tuple[str, ...]:
+    return tuple(f"{{{name}/{variant}/{score}}}" for variant in variants)
+
+
+def _davis_sequences() -> Rows:
+    rows = []
+    for sequence in DATA["davis"][1].split(","):
+        rows.append((sequence, *(f"{{davis-residual-auto/fused/{score}@{sequence}}}" for score in "FJ")))
+    return [("sequence", "Fu", "J"), *rows]
+
+
+def _synthetic() -> Rows:
+    settings = {
+        "oracle, exact cues, `auto`": "exact-residual-auto",
+        "oracle, exact cues, `gt`": "exact-residual-gt",
+        "oracle, exact depth, DIS and Lucas-Kanade, `auto`": "oracle-depth-residual-auto",
+        "oracle, no depth, DIS and Lucas-Kanade, `auto`": "oracle-residual-auto",
+        "the paper's affinity and clustering, oracle, exact cues, `gt`": "exact-paper-clustering",
+        "the same with the paper's fits and residuals": "exact-paper-gt",
+        "weights-free, `auto` (`moseg ablate`)": "synthetic-residual-auto",
+    }
+    return [("setting", *VARIANTS), *((text, *_each(name, VARIANTS)) for text, name in settings.items())]
+
+
+def _paper_choices() -> Rows:
+    texts = {"models": "models for each object's data (default)", "objects": "objects under each model (literal)"}
+    rows = [
+        (texts[reading], str(t), *_each(f"exact-paper-{reading}-{t}", VIEWS))
+        for reading in READINGS
+        for t in THRESHOLDS
+    ]
+    return [("what is ranked", "t", *VIEWS), *rows]
+
+
+def _what_is_static() -> Rows:
+    rows = []
+    for text, clustering in (("ours", "ours"), ("ORK, spectral, co-regularised, eigengap", "paper")):
+        cells = [
+            " / ".join(f"{{{setting}-static-{clustering}-{static}/fused/F}}" for setting in ("synthetic", "davis"))
+            for static in ("agreement", "group")
+        ]
+        rows.append((text, *cells, "{synthetic-residual-auto/base/F} / {davis-residual-auto/base/F}"))
+    return [("", "agreement (default)", "the background's group", "base"), *rows]
+
+
+def _many_hypotheses() -> Rows:
+    settings = {
+        "exact": "synthetic, oracle, exact cues",
+        "oracle": "synthetic, oracle, no depth",
+        "synthetic": "synthetic, weights-free",
+        "davis": "DAVIS-2016, eight sequences",
+    }
+    rows = [
+        (
+            text if motions == "gt" else "",
+            f"`{motions}`",
+            *(" / ".join(_each(f"{setting}-{affinity}-{motions}", VIEWS)) for affinity in _BY_PAPER_FIRST),
+        )
+        for setting, text in settings.items()
+        for motions in reversed(MOTIONS)
+    ]
+    return [_AFFINITY_HEAD, *rows]
+
+
+_BY_PAPER_FIRST = ("paper", *(name for name in AFFINITIES if name != "paper"))
+_AFFINITY_HEAD = ("", "motions", "the paper", "`residual` (default)", "`hypotheses`", "`combined`")
+
+
+def _davis_hypotheses_j() -> Rows:
+    cells = (" / ".join(_each(f"davis-{affinity}-auto", VIEWS, "J")) for affinity in _BY_PAPER_FIRST)
+    return [_AFFINITY_HEAD, ("DAVIS-2016, eight sequences, J", "`auto`", *cells)]
+
+
+def _sweeps() -> Rows:
+    texts = {"hypotheses": "hypotheses", "window": "window", "rows": "rows of cells (columns: one more)"}
+    defaults = {"200", "0.2", "3"}
+    rows = []
+    for sweep, (_, values) in SWEEPS.items():
+        for value in values:
+            names = [
+                f"oracle-{affinity}-auto" if value in defaults else f"oracle-{affinity}-{sweep}-{value}"
+                for affinity in ("hypotheses", "combined")
+            ]
+            note = " (default)" if value in defaults else ""
+            rows.append((texts[sweep], value + note, *(f"{{{name}/fused/F}}" for name in names)))
+    return [("parameter", "value", "`hypotheses`", "`combined`"), *rows]
+
+
+def _rigid_flow() -> Rows:
+    texts = {
+        "rigid/oc_depth": "`oc_depth`",
+        "zoomed/oc_depth": "`oc_depth`; zoom, inverse depth scaled and shifted",
+        "stored/oc_depth": "`oc_depth`; flow and inverse depth stored as float32",
+        "off-centre/oc_depth": "`oc_depth`; principal point 5 % of the longer side off the image's centre",
+        "rigid/oc_depth_paper": "`oc_depth_paper`, the signs as printed",
+        "rigid/oc": "`oc`, without depth",
+    }
+    forms = {path: ":.1f" if path.startswith("off") or path.split("/")[1] != "oc_depth" else ":.0e" for path in texts}
+    rows = [
+        (text, *(f"{{rigid-flow/{path}/{statistic}{forms[path]}}}" for statistic in ("median", "p95", "max")))
+        for path, text in texts.items()
+    ]
+    return [("share of the RMS flow left, percent", "median", "95th percentile", "largest"), *rows]
+
+
+def _trajectories() -> Rows:
+    given = {
+        "energy, affine + homography + fundamental (default)": "kt3d-gt",
+        "energy, homography + fundamental": "kt3d-gt-two-views",
+        "energy, with trifocal tensors too": "kt3d-gt-four-views",
+        "co-regularised, homography + fundamental": "kt3d-gt-coregularised-two-views",
+        "co-regularised, all three": "kt3d-gt-coregularised-three-views",
+        "kernel addition, all three (`sum`)": "kt3d-gt-sum-three-views",
+    }
+    rows = [(text, f"{name}/fused") for text, name in given.items()]
+    alone = {"fundamental": "trajs", "homography": "homography", "affine": "affine"}
+    rows += [(f"{text} alone", f"kt3d-gt/{variant}") for text, variant in alone.items()]
+    return [
+        ("number of motions given", "mean", "median", "spread over seeds"),
+        *((text, *(f"{{{path}/{name}}}" for name in ("error", "median_error", "spread"))) for text, path in rows),
+    ]
+
+
+def _counts() -> Rows:
+    names = {"default (`energy`; video: `threshold`)": ("kt3d-auto", "oracle-residual-auto")}
+    names |= {f"`{count}`": (f"kt3d-auto-{count}", f"oracle-residual-{count}") for count in COUNTS}
+    rows = (
+        (text, f"{{{clips}/fused/num_motions_correct:.0f}}", f"{{{clips}/fused/error}}", f"{{{video}/fused/F}}")
+        for text, (clips, video) in names.items()
+    )
+    return [("", "clips with the right number, percent", "error", "Fu on video"), *rows]
+
+
+def _other_seeds() -> Rows:
+    return [
+        ("seed", "error, number given", "error, number found", "clips with the right number, percent"),
+        *(
+            (
+                str(seed),
+                f"{{kt3d-gt-seed-{seed}/fused/error}}",
+                f"{{kt3d-auto-seed-{seed}/fused/error}}",
+                f"{{kt3d-auto-seed-{seed}/fused/num_motions_correct:.0f}}",
+            )
+            for seed in (5, 6, 7)
+        ),
+    ]
+
+
+def _held_out() -> Rows:
+    davis = "twelve other sequences of DAVIS-2016's validation set"
+    rows = [
+        (davis if not number else "", text, *(f"{{held-out/davis16/{path}/{score}}}" for score in scores), *empty)
+        for number, (text, path, scores, empty) in enumerate(
+            (
+                ("fused, default", "default/fused", "JF", ("",)),
+                ("fused, `--quality best`", "best/fused", "JF", ("",)),
+                ("trajs, `--quality best`", "best/trajs", "J", ("", "")),
+                ("oc, `--quality best`", "best/oc", "J", ("", "")),
+                ("oc-depth, `--quality best`", "best/oc-depth", "J", ("", "")),
+            )
+        )
+    ]
+    clips = ("eleven other clips of KT3DMoSeg", "number of motions given", "", "", "{held-out/kt3dmoseg/gt/error}")
+    return [("data", "", "J", "Fu", "misclassified trajectories, percent"), *rows, clips]
+
+
+TABLES = {
+    "readme": [
+        ("data", "", "Pu", "Ru", "Fu", "J"),
+        ("eight sequences of DAVIS-2016", "fused, number of motions found", *_scores("davis-default")),
+        ("20 synthetic scenes", "fused, number of motions found", *_scores("synthetic-residual-auto")),
+    ],
+    "readme-trajectories": [
+        ("data", "", "misclassified trajectories"),
+        ("eleven clips of KT3DMoSeg", "number of motions given", "{kt3d-gt/fused/error} %"),
+        (
+            "",
+            "number of motions found",
+            "{kt3d-auto/fused/error} % (right on {kt3d-auto/fused/num_motions_correct:.0f} % of the clips)",
+        ),
+    ],
+    "davis": [
+        ("variant", *SCORES),
+        ("fused (default: motions `auto`, affinity `residual`)", *_scores("davis-residual-auto")),
+        ("fused, motions `gt`", *_scores("davis-residual-gt")),
+        ("base", *_scores("davis-residual-auto", "base")),
+    ],
+    "davis-sequences": _davis_sequences(),
+    "quality": [
+        ("quality", "J", "Fu", "s a frame"),
+        *(
+            (
+                f"`{quality}`",
+                f"{{davis-{quality}/fused/J}}",
+                f"{{davis-{quality}/fused/F}}",
+                f"{{davis-{quality}/seconds_a_frame:.2f}}",
+            )
+            for quality in QUALITIES
+        ),
+    ],
+    "published": [
+        ("published, without training", "ARP", "TIS", "FST", "NLC"),
+        ("J", *(f"{{published/davis16/{name}}}" for name in ("ARP", "TIS", "FST", "NLC"))),
+    ],
+    "synthetic": _synthetic(),
+    "paper-choices": _paper_choices(),
+    "affinities": [
+        ("", "synthetic, oracle, exact, `gt`", "synthetic, oracle, no depth, `auto`"),
+        ("`residual`", "{exact-residual-gt/fused/F}", "{oracle-residual-auto/fused/F}"),
+        ("`ork` (paper's clustering)", "{exact-paper-clustering/fused/F}", "{oracle-paper-clustering/fused/F}"),
+    ],
+    "static": _what_is_static(),
+    "many-hypotheses": _many_hypotheses(),
+    "many-hypotheses-J": _davis_hypotheses_j(),
+    "sweeps": _sweeps(),
+    "rigid-flow": _rigid_flow(),
+    "trajectories": _trajectories(),
+    "trajectory-counts": _counts(),
+    "trajectory-seeds": _other_seeds(),
+    "held-out": _held_out(),
+}
+"""Head and rows of each table."""

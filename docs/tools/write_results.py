@@ -1,0 +1,86 @@
+"""Write the measured figures of the documents from ``benchmarks/results``: ``python docs/tools/write_results.py``.
+
+``--rerun all``, or names and patterns separated by commas (``--rerun 'exact-*,davis-default'``), repeats measurements
+first, in a store of their own, and writes their files. Data sets are given by ``--davis`` and ``--kt3dmoseg``; what
+needs one that is not given is left as it is, and named. At the end each measurement is listed with its command and the
+seconds that it took after those before it.
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from figures import MEASURED_APART, PAGES, Figures, written
+from measurements import CATALOGUE, DATA, Measurement, chosen
+from rerun import rerun, write
+
+
+def main() -> int:
+    """Repeat what is asked for, write the pages, list the measurements; exit code 1 where a command failed."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--rerun", default="", metavar="NAMES", help="measurements to repeat, or all")
+    parser.add_argument("--davis", default="", metavar="ROOT", help="folder of DAVIS-2016")
+    parser.add_argument("--kt3dmoseg", default="", metavar="ROOT", help="folder of <clip>_Tracks.mat")
+    parser.add_argument("--store", type=Path, help="keep what is computed here, and use what is; else nothing is kept")
+    options = parser.parse_args()
+    roots = {data: str(Path(vars(options)[data]).resolve()) for data in DATA if vars(options)[data]}
+    try:
+        wanted = chosen(options.rerun) if options.rerun else []
+    except LookupError as error:
+        print(error.args[0], file=sys.stderr)
+        return 2
+    failed = _rerun(wanted, roots, options.store)
+    figures = Figures()
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        new = written(text, figures)
+        if new != text:
+            page.write_text(new, encoding="utf-8")
+            print(f"{page.name}: written")
+    _list(figures)
+    if failed:
+        print(f"failed: {', '.join(failed)}", file=sys.stderr)
+    return 1 if failed else 0
+
+
+def _rerun(wanted: list[Measurement], roots: dict[str, str], store: Path | None) -> list[str]:
+    """Repeat measurements in one store, and return the names of those that failed."""
+    failed = []
+    started = time.perf_counter()
+    with tempfile.TemporaryDirectory(prefix="moseg-results-") as folder:
+        for number, measurement in enumerate(wanted, start=1):
+            head = f"{number}/{len(wanted)} {measurement.name}"
+            if measurement.data is not None and measurement.data not in roots:
+                print(f"{head}: left as it is, {DATA[measurement.data][0]} is not given", flush=True)
+                continue
+            try:
+                said = rerun(measurement, roots, store or Path(folder, "store"), Path(folder))
+            except subprocess.CalledProcessError as error:
+                print(f"{head}: failed, exit code {error.returncode}", flush=True)
+                failed.append(measurement.name)
+                continue
+            write(said)
+            print(f"{head}: {said['seconds']:.0f} s", flush=True)
+    if wanted:
+        print(f"{time.perf_counter() - started:.0f} s in all\n")
+    return failed
+
+
+def _list(figures: Figures) -> None:
+    total = 0.0
+    for measurement in CATALOGUE:
+        seconds = figures.seconds(measurement.name)
+        total += seconds or 0.0
+        took = "not measured" if seconds is None else f"{seconds:.0f} s"
+        print(f"{measurement.name:36} {took:>12}  {measurement.command}")
+    print(f"{'all of them, in this order':36} {total:10.0f} s")
+    print(
+        f"measured apart, not repeated here: {', '.join(sorted(path.stem for path in MEASURED_APART.glob('*.json')))}"
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
