@@ -4,7 +4,7 @@ Run ``python benchmarks/rigid_flow.py [--motions N] [--json FILE]``. Each motion
 scene: a field of view of 30 to 100 degrees, a slanted plane with waves and boxes as inverse depth, a translation and a
 rotation in random directions, and a random share of the rotation in the flow. The flow is that of Longuet-Higgins and
 Prazdny in units of half the longer side, without noise; models are fitted to it by least squares in float64. In
-``zoomed`` the focal length grows or shrinks too, and the inverse depth that the model is given is scaled and shifted; in
+``zoomed`` the focal length changes too, and the inverse depth that the model is given is scaled and shifted; in
 ``stored`` flow and inverse depth are rounded to float32; in ``off-centre`` the principal point lies 5 % of the longer
 side from the image's centre, in a random direction, and the model is not told.
 """

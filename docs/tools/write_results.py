@@ -7,6 +7,7 @@ seconds that it took after those before it.
 """
 
 import argparse
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -47,17 +48,22 @@ def main() -> int:
 
 
 def _rerun(wanted: list[Measurement], roots: dict[str, str], store: Path | None) -> list[str]:
-    """Repeat measurements in one store, and return the names of those that failed."""
+    """Repeat measurements in one store for each data set, and return the names of those that failed."""
     failed = []
     started = time.perf_counter()
     with tempfile.TemporaryDirectory(prefix="moseg-results-") as folder:
+        own, before = Path(folder, "store"), None
         for number, measurement in enumerate(wanted, start=1):
             head = f"{number}/{len(wanted)} {measurement.name}"
             if measurement.data is not None and measurement.data not in roots:
                 print(f"{head}: left as it is, {DATA[measurement.data][0]} is not given", flush=True)
                 continue
+            if measurement.data != before:
+                # No data set's cues serve another.
+                shutil.rmtree(own, ignore_errors=True)
+                before = measurement.data
             try:
-                said = rerun(measurement, roots, store or Path(folder, "store"), Path(folder))
+                said = rerun(measurement, roots, store or own, Path(folder))
             except subprocess.CalledProcessError as error:
                 print(f"{head}: failed, exit code {error.returncode}", flush=True)
                 failed.append(measurement.name)
@@ -77,9 +83,8 @@ def _list(figures: Figures) -> None:
         took = "not measured" if seconds is None else f"{seconds:.0f} s"
         print(f"{measurement.name:36} {took:>12}  {measurement.command}")
     print(f"{'all of them, in this order':36} {total:10.0f} s")
-    print(
-        f"measured apart, not repeated here: {', '.join(sorted(path.stem for path in MEASURED_APART.glob('*.json')))}"
-    )
+    apart = sorted(path.stem for path in MEASURED_APART.glob("*.json"))
+    print(f"measured apart, not repeated here: {', '.join(apart)}")
 
 
 if __name__ == "__main__":

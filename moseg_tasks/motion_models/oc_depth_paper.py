@@ -4,7 +4,8 @@ u = a + b rho - c x rho - d y + e x² - f xy
 v = g + h rho - c y rho - d x + e xy + f y²
 
 Rotation about the optical axis turns x and y against each other and about the x axis moves both alike, so d should
-change sign between u and v and f should not: this form leaves about an eighth of a rigid motion's flow unexplained.
+change sign between u and v and f should not: this form leaves a part of both unexplained. ``benchmarks/rigid_flow.py``
+measures how much.
 """
 
 from moseg_tasks.motion_models.flow_model import FlowModel, terms_matrix
