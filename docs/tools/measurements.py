@@ -27,6 +27,7 @@ ORACLE = f"{SYNTHETIC} --proposals groundtruth"
 EXACT = f"{ORACLE} --flow groundtruth --depth groundtruth --tracks groundtruth"
 SPECTRAL = "--set clustering.grouping=spectral --set clustering.fusion=coregularised"
 PAPER_CLUSTERING = f"--affinity ork {SPECTRAL}"
+XU_LAMBDA = "--set clustering.co_regularisation=0.01"
 
 SETTINGS = {"synthetic": SYNTHETIC, "exact": EXACT, "oracle": ORACLE, "davis": DAVIS}
 """What affinities are compared on: with the default's proposals and cues; with true proposals and exact cues; with true
@@ -91,6 +92,7 @@ def _catalogue() -> list[Measurement]:
         "synthetic-layers": f"moseg eval {SYNTHETIC} --motions auto --set saliency.background=layers",
         **_of_setting("exact"),
         **_paper_choices(),
+        "exact-paper-lambda-0.01": f"moseg ablate {EXACT} --motions gt --geometry paper {XU_LAMBDA}",
         "exact-paper-clustering": f"moseg ablate {EXACT} --motions gt {PAPER_CLUSTERING}",
         "exact-hypotheses-spectral": f"moseg ablate {EXACT} --motions gt --affinity hypotheses {SPECTRAL}",
         **_of_setting("oracle"),
