@@ -20,8 +20,8 @@ DECODING_VERSION = 2
 """Raised when `ImageFiles.read` starts to yield other pixels for the same bytes, or to refuse them."""
 MOST_SAMPLE_BYTES = 8 * MOST_PIXELS
 """Of one frame: four channels of 16 bits."""
-EXPANSION_OF_PICTURES = 50
-"""Pictures rarely are so much larger than their files: only such a one is unpacked twice."""
+EXPANSION_OF_PICTURES = 20
+"""Pictures rarely have so many pixels a byte of their files: only such a one is unpacked twice."""
 _DAMAGE = ("Corrupt JPEG data", "Premature end of JPEG file")
 _PADDING = re.compile(r"Corrupt JPEG data: ([1-9]) extraneous bytes before marker 0x(?!d[0-7])([0-9a-f]{2})")
 """Some cameras fill up the last bytes. More of them, or any before a restart, are data that found no place."""

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from schemas.errors import InputError
+from workflows.sources.image_header import MOST_PIXELS
 from workflows.sources.quiet_decoding import decode_quietly
 
 MOST_BYTES = 2**28
@@ -17,7 +18,7 @@ PNG_HEADER = struct.Struct(">8s4x4sIIBB")
 _SIGNATURE, _FIRST_CHUNK = b"\x89PNG\r\n\x1a\n", b"IHDR"
 _CHANNELS = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
 _CHUNK, _PIXELS, _CHECKSUM_BYTES = struct.Struct(">I4s"), b"IDAT", 4
-_FEW_BYTES, _PIECE_BYTES = 2**24, 2**20
+_FEW_PIXELS, _PIECE_BYTES = 2**22, 2**20
 _MOST_EXPANSION = 1032  # of deflate: 258 bytes from two bits
 
 
@@ -33,17 +34,20 @@ def check_png_size(content: bytes, path: object, what: str, most_bytes: int = MO
     got = f"{len(content)} bytes for {width}x{height} px"
     if num_bytes > _MOST_EXPANSION * len(content):
         raise InputError(f"{what} cannot be decoded", where=path, got=got)
+    if width * height > MOST_PIXELS:
+        got, expected = f"{width}x{height} px", f"at most {MOST_PIXELS} px"
+        raise InputError(f"{what} of too many pixels", where=path, got=got, expected=expected)
     if num_bytes > most_bytes:
         raise InputError(f"{what} is too large", where=path, got=got, expected=f"at most {most_bytes} bytes unpacked")
 
 
 def check_png_data(content: bytes, path: object, what: str, expansion: int = 0) -> None:
-    """Raises InputError where a large PNG, of more than `expansion` times its bytes, holds less than it claims.
+    """Raises InputError where a large PNG, of more pixels than `expansion` times its bytes, holds less than it claims.
 
     Pillow leaves the others 0 without a word, OpenCV refuses it; both take seconds and gigabytes for them first.
     """
     header = _read_header(content)
-    if header is None or header[2] <= max(_FEW_BYTES, expansion * len(content)):
+    if header is None or header[0] * header[1] <= max(_FEW_PIXELS, expansion * len(content)):
         return
     unpacked, num_bytes = zlib.decompressobj(), 0
     try:

@@ -117,12 +117,12 @@ def test_an_image_that_claims_to_be_huge_is_named_before_memory_is_taken(name, s
         decode(claimed, name)
 
 
-def _grey_png(width, height, num_rows):
-    """A PNG of 8 bits, 0 and 1, that holds only so many of the rows that it claims."""
+def _grey_png(width, height, num_rows, bits=8):
+    """A PNG of small values that holds only so many bytes: those of `num_rows` rows of 8 bits."""
     rows = np.random.default_rng(0).integers(0, 2, (num_rows, width + 1), np.uint8)
     rows[:, 0] = 0
     pixels = zlib.compress(rows, 1)
-    chunks = (b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)), (b"IDAT", pixels), (b"IEND", b"")
+    chunks = (b"IHDR", struct.pack(">IIBBBBB", width, height, bits, 0, 0, 0, 0)), (b"IDAT", pixels), (b"IEND", b"")
     parts = (struct.pack(">I", len(data)) + kind + data + bytes(4) for kind, data in chunks)
     return _mend_checksums(b"\x89PNG\r\n\x1a\n" + b"".join(parts))
 
@@ -142,8 +142,14 @@ def test_a_large_picture_that_holds_far_less_than_it_claims_is_refused():
 
 
 def test_a_mask_beyond_any_size_is_refused_before_it_is_unpacked():
-    with pytest.raises(InputError, match=r"mask is too large in a\.png; got \d+ bytes for 20000x20000 px"):
+    with pytest.raises(InputError, match=r"mask of too many pixels in a\.png; got 20000x20000 px"):
         decode_mask(_grey_png(20000, 20000, 500), "a.png", "instance")
+
+
+@pytest.mark.parametrize("decode", [decode_image, decode_flow, decode_depth, _decode_instances])
+def test_a_png_of_one_bit_that_holds_less_than_it_claims_is_refused_before_it_is_expanded(decode):
+    with pytest.raises(InputError, match=r"cannot be decoded in a\.png; got 1638500 bytes of samples; expected 1677"):
+        decode(_grey_png(16384, 8192, 100, bits=1), "a.png")
 
 
 @pytest.mark.parametrize("damage", ["checksum", "pixels", "header"])
