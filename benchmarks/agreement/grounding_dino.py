@@ -5,6 +5,9 @@ IDEA-Research/GroundingDINO; torchvision and timm are not needed. Both load the 
 widths with fewer layers, and see the same frames and names. It prints the largest differences of the words' logits and
 of the boxes as shares of their spread, and those of the authors' own where the frame changes in the last digit.
 
+Last come boxes, scores and names, from frames of other sizes on: by their transform, ``predict`` and the suppression of
+the demo that runs RAM before it.
+
 The text encoder is BERT by transformers in either; the authors' code makes its masks and places.
 """
 
@@ -19,6 +22,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 import torch
+import torchvision_parts
+from PIL import Image
 from torch.nn import init
 from transformers import BertConfig, BertModel, GroundingDinoConfig
 
@@ -33,6 +38,8 @@ BAR = 1e-3
 NUM_LAYERS, NUM_QUERIES = 3, 100
 TAGS = ("a dog", "tennis ball", "person", "zebra crossing")
 SIZES = ((128, 192), (192, 160))
+FRAMES = ((240, 427), (120, 160))
+IMAGENET = ([0.485, 0.456, 0.406], [0.229, 0.224, 0.225])
 # The authors' names of tensors to those of transformers, applied one after the other.
 NAMES = (
     (r"^bert\.model\.", "model.text_backbone."),
@@ -109,14 +116,13 @@ def main() -> int:
     agrees = True
     print(f"{'frame':10} {'logits':>9} {'boxes':>9} {'one ulp':>9} {'one ulp':>9}")
     for height, width in SIZES:
-        frame = cv2.GaussianBlur(np.random.default_rng(0).normal(size=(height, width, 3)), (0, 0), 3)
-        frame = (127 + 600 * frame).clip(0, 255).astype(np.uint8)
+        frame = random_frame(height, width)
         # Shown as they are.
         found = run_ours(detector._replace(shorter_side=min(height, width), longer_side=max(height, width)), frame)
         with torch.inference_mode():
             pixels = frame_tensor(frame, (height, width), torch.device("cpu"))
             wanted, nudged = (
-                official(image, captions=[". ".join(TAGS) + "."])
+                official(image, captions=[", ".join(TAGS) + "."])
                 for image in (pixels, pixels * (1 + torch.finfo(pixels.dtype).eps))
             )
         # Places behind the text have logits of minus infinity.
@@ -131,7 +137,48 @@ def main() -> int:
         figures = [((a - b).abs().max() / b.std()).item() for a, b in pairs]
         print(f"{width}x{height:<6}", *(f"{figure:9.1e}" for figure in figures), flush=True)
         agrees &= is_same_text and max(figures[:2]) <= BAR
+    for height, width in FRAMES:
+        agrees &= compare_frames(modules, official, detector, random_frame(height, width))
     return 0 if agrees else 1
+
+
+def random_frame(height: int, width: int) -> np.ndarray:
+    frame = cv2.GaussianBlur(np.random.default_rng(0).normal(size=(height, width, 3)), (0, 0), 3)
+    return (127 + 600 * frame).clip(0, 255).astype(np.uint8)
+
+
+def compare_frames(modules, official: torch.nn.Module, detector: GroundingDino, frame: np.ndarray) -> bool:
+    """Whether boxes, scores and names are the same from the frame on, at half of the published input's size."""
+    transforms = modules.transforms
+    prepare = transforms.Compose(
+        [transforms.RandomResize([400], max_size=667), transforms.ToTensor(), transforms.Normalize(*IMAGENET)]
+    )
+    pixels, _ = prepare(Image.fromarray(frame), None)
+    caption = ", ".join(TAGS)
+    _, every, _ = modules.predict(official, pixels, caption, 0.0, 1.0, device="cpu")
+    # Half of the boxes pass, half of their words name them.
+    box_threshold = (every.median() + every[every > every.median()].min()).item() / 2
+    boxes, scores, names = modules.predict(official, pixels, caption, box_threshold, box_threshold, device="cpu")
+    size = torch.tensor([frame.shape[1], frame.shape[0]]).repeat(2)
+    boxes = boxes * size
+    boxes[:, :2] -= boxes[:, 2:] / 2
+    boxes[:, 2:] += boxes[:, :2]
+    kept = torchvision_parts.keep_best(boxes, scores, 0.5)
+    names = [" ".join(re.sub(r"[,.]|\[SEP\]", " ", names[index]).split()) for index in kept]
+    params = GroundingDinoParams(box_threshold=box_threshold, text_threshold=box_threshold)
+    found = detect_objects(detector._replace(shorter_side=400, longer_side=667), frame, TAGS, params)
+    head = f"{frame.shape[1]}x{frame.shape[0]:<6}"
+    if len(found.boxes) != len(kept):
+        print(f"{head} end to end: {len(found.boxes)} boxes instead of {len(kept)}", flush=True)
+        return False
+    differences = [np.abs(found.boxes - boxes[kept].numpy()).max(), np.abs(found.scores - scores[kept].numpy()).max()]
+    num_named = sum(name0 == name1 for name0, name1 in zip(found.tags, names, strict=True))
+    print(
+        f"{head} end to end: {len(boxes)} boxes of {len(every)} pass, {len(kept)} are kept; boxes differ by "
+        f"{differences[0]:.1e} px, scores by {differences[1]:.1e}; {num_named} names are the same",
+        flush=True,
+    )
+    return differences[0] <= 0.1 and differences[1] <= BAR and num_named == len(kept)
 
 
 def run_ours(detector: GroundingDino, frame: np.ndarray):
@@ -155,24 +202,29 @@ def stand_in(name: str, folder: Path | None = None, **attributes) -> None:
 
 def import_official(folder: Path) -> types.SimpleNamespace:
     """Their modules of the network and of its configuration; packages of theirs import more than is needed."""
-    for name in ("torchvision.ops", "torchvision.models", "timm", "timm.models"):
+    torchvision_parts.stand_in()
+    vars(sys.modules["torchvision"]).update(__version__="0.20", _is_tracing=lambda: False)
+    for name in ("torchvision.models", "timm", "timm.models", "supervision"):
         stand_in(name)
-    stand_in("torchvision", __version__="0.20", _is_tracing=lambda: False)
+    sys.modules["torchvision.ops"].box_convert = None
+    sys.modules["supervision"].Detections = None
     stand_in("torchvision.ops.boxes", nms=None, box_area=None)
     stand_in("torchvision.models._utils", IntermediateLayerGetter=None)
     pair = {"to_2tuple": lambda side: (side, side), "trunc_normal_": init.trunc_normal_}
     # Stochastic depth is the identity outside training.
     stand_in("timm.models.layers", DropPath=torch.nn.Identity, **pair)
     package = folder / "groundingdino"
-    for name in ("", ".util", ".models", ".models.GroundingDINO"):
+    for name in ("", ".util", ".datasets", ".models", ".models.GroundingDINO"):
         stand_in(f"groundingdino{name}", package.joinpath(*name.split(".")))
     stand_in("groundingdino.util.visualizer", COCOVisualizer=None)
-    stand_in("groundingdino.util.utils", get_phrases_from_posmap=None)
-    stand_in("groundingdino.util.box_ops")
+    stand_in("groundingdino.util.slconfig", SLConfig=None)
+    sys.modules["groundingdino.models"].build_model = None
     stand_in("groundingdino.util.get_tokenlizer", get_tokenlizer=lambda _: _Tokenizer())
     return types.SimpleNamespace(
         network=importlib.import_module("groundingdino.models.GroundingDINO.groundingdino"),
         config=importlib.import_module("groundingdino.config.GroundingDINO_SwinT_OGC"),
+        transforms=importlib.import_module("groundingdino.datasets.transforms"),
+        predict=importlib.import_module("groundingdino.util.inference").predict,
     )
 
 

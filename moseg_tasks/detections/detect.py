@@ -12,6 +12,8 @@ from moseg_tasks.networks.grounding_dino import GroundingDino, Prompt, compose_p
 from schemas.parameters.grounding_dino import GroundingDinoParams
 
 _LEAST_SIDE = 1.0
+# Marks between names become blanks.
+_NO_MARKS = str.maketrans(",.", "  ")
 
 
 class Detections(NamedTuple):
@@ -93,7 +95,12 @@ def _run_prompt(
     fits = output.logits[0].cpu().double().sigmoid().numpy()[:, : len(prompt.token_ids)]
     scores = fits.max(axis=1)
     is_found = scores > params.box_threshold
-    words = [[place for place in prompt.words if fit[place] > params.text_threshold] for fit in fits[is_found]]
-    names = tuple(detector.tokenizer.decode([prompt.token_ids[place] for place in places]) for places in words)
+    names = tuple(_name(detector, prompt, fit > params.text_threshold) for fit in fits[is_found])
     centre, size = np.split(output.pred_boxes[0].cpu().double().numpy()[is_found], 2, axis=1)
     return Detections(np.concatenate([centre - size / 2, centre + size / 2], axis=1), scores[is_found], names)
+
+
+def _name(detector: GroundingDino, prompt: Prompt, is_named: np.ndarray) -> str:
+    """The tokens that name a box, without the text's ends and the marks between its names."""
+    ids = [token for token, named in zip(prompt.token_ids[1:-1], is_named[1:-1], strict=True) if named]
+    return " ".join(detector.tokenizer.decode(ids).translate(_NO_MARKS).split())

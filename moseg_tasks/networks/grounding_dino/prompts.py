@@ -19,13 +19,10 @@ class Prompt(NamedTuple):
     token_ids : list of int
     tags : list of str
         The names.
-    words : list of int
-        Places of the tokens that are the names' own.
     """
 
     token_ids: list[int]
     tags: list[str]
-    words: list[int]
 
 
 def compose_prompts(
@@ -72,11 +69,9 @@ def compose_prompts(
             )
         is_full = not prompts or len(prompts[-1].tags) == per_prompt
         if is_full or len(prompts[-1].token_ids) + len(words) + 1 > max_tokens:
-            prompts.append(Prompt([tokenizer.cls_token_id, stop, tokenizer.sep_token_id], [], []))
-        token_ids, tags_of, places = prompts[-1]
-        end = len(token_ids) - 2
-        added = [between, *words] if tags_of else words
-        token_ids[end:end] = added
+            prompts.append(Prompt([tokenizer.cls_token_id, stop, tokenizer.sep_token_id], []))
+        token_ids, tags_of = prompts[-1]
+        # Before the last full stop.
+        token_ids[-2:-2] = [between, *words] if tags_of else words
         tags_of.append(name)
-        places.extend(range(end + len(added) - len(words), end + len(added)))
     return prompts
