@@ -9,6 +9,13 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, settings
+
+# Each run tries the same examples, and none for its time: what passes on one machine passes on any.
+settings.register_profile(
+    "moseg", deadline=None, derandomize=True, database=None, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("moseg")
 
 NUM_FRAMES, HEIGHT, WIDTH = 10, 96, 128
 

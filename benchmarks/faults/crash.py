@@ -27,7 +27,7 @@ from object_store import serve_objects
 from processes import run_to_end
 from workload import read_counts, read_files, write_workload
 
-ORPHAN_PATIENCE_SEC = 30.0
+ORPHAN_PATIENCE_SEC = 120.0
 """A worker that outlives its client by more holds memory and cores for nothing."""
 
 

@@ -18,7 +18,7 @@ from schemas.recipes import Recipe
 from store import LocalStore
 
 BUCKET = "moseg-tests"
-START_SECONDS = 60
+START_SECONDS = 600
 
 
 class Server(NamedTuple):

@@ -167,16 +167,21 @@ def test_a_copy_by_somebody_else_at_the_same_time_is_no_error(store, family, tar
     assert (report.num_copied, report.num_present, report.nbytes, report.problems) == (0, len(family), 0, {})
 
 
-def test_a_killed_copy_goes_on_and_left_nothing_half(store, family, target):
+def test_a_killed_copy_goes_on_and_left_nothing_half(store, family, put_toy, target):
+    last = family["grandchild"]
+    for number in range(20, 30):
+        last = put_toy(store, number, {"last": last})
+    num_all = len(list(store.refs()))
     ran = subprocess.run([sys.executable, "-c", DIES, store.root, target.root], check=False)
     assert ran.returncode == -signal.SIGKILL
     there = set(target.refs())
-    assert len(there) == 3
+    # Another may have been under way; of a chain, no more than one.
+    assert 3 <= len(there) < num_all
     assert all(result.is_intact for result in target.verify())
     for ref in there:
         assert there.issuperset(target.manifest(ref).recipe.input_refs())
     report = _copy(store, target)
-    assert (report.num_copied, report.num_present) == (len(family) - 3, 3)
+    assert (report.num_copied, report.num_present) == (num_all - len(there), len(there))
     assert set(target.refs()) == set(store.refs())
 
 

@@ -1,11 +1,35 @@
-"""Reports as they are before they are pages, and a headless browser for what is shown in one."""
+"""Reports as they are before they are pages, a browser to see them in, and blows that fall at a step of the work."""
 
+import os
 import shutil
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from workflows.reports import write
 
+STRIKES = """
+import os, signal, sys
+
+steps = {steps}
+
+def watch(event, arguments):
+    global steps
+    if not ({step}):
+        return
+    steps -= 1
+    if steps == 0:
+        try:
+            os.close(os.open({token!r}, os.O_CREAT | os.O_EXCL))
+        except FileExistsError:
+            return
+        {deed}
+
+if any("spawn_main" in word for word in sys.orig_argv) == {in_worker}:
+    sys.addaudithook(watch)
+"""
+PAGE_PATIENCE_MS = 600_000
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 
@@ -23,6 +47,21 @@ def browser():
 
 
 @pytest.fixture
+def new_page(browser):
+    """Opens an empty page in a browser of the options given; it waits for what a busy machine takes long to show."""
+    contexts = []
+
+    def call(**options):
+        contexts.append(browser.new_context(**options))
+        contexts[-1].set_default_timeout(PAGE_PATIENCE_MS)
+        return contexts[-1].new_page()
+
+    yield call
+    for context in contexts:
+        context.close()
+
+
+@pytest.fixture
 def pages(monkeypatch):
     """The pages that are written, in place of whole files of HTML."""
     written = []
@@ -33,3 +72,24 @@ def pages(monkeypatch):
 
     monkeypatch.setattr(write, "render_page", render)
     return written
+
+
+@pytest.fixture
+def strike_at(tmp_path) -> Callable[..., tuple[dict[str, str], Path]]:
+    """Environment in which the first process to take a step, so many times, does a deed; and what is there then.
+
+    The step is an expression of an audit `event` and its `arguments`, the deed a line of Python. It happens in a worker
+    or in the client, at that step on any machine, as no watch from outside could have it.
+    """
+
+    def arm(step: str, deed: str, in_worker: bool, steps: int = 1) -> tuple[dict[str, str], Path]:
+        folder = tmp_path / "strike"
+        folder.mkdir()
+        token = folder / "done"
+        site = STRIKES.format(step=step, deed=deed, in_worker=in_worker, steps=steps, token=str(token))
+        # Each Python runs what it finds first under this name.
+        (folder / "sitecustomize.py").write_text(site)
+        paths = [str(folder), *filter(None, [os.environ.get("PYTHONPATH")])]
+        return {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}, token
+
+    return arm

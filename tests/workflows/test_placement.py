@@ -1,7 +1,6 @@
 """Calls that run a network go, one at a time, to a worker that has a GPU."""
 
 import os
-import signal
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -24,9 +23,9 @@ def _calls():
 
         from workflows.devices import _chosen
 
-        started = time.time()
+        started = time.monotonic()
         time.sleep(0.05)
-        return os.getpid(), _chosen, started, time.time()
+        return os.getpid(), _chosen, started, time.monotonic()
 
     return [Call(f"call-{number}", observe, (number,), needs_gpu=number % 2 == 1) for number in range(10)]
 
@@ -154,19 +153,27 @@ def test_local_networks_never_overlap_and_run_where_the_gpu_is(own):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="SIGKILL is POSIX")
-def test_a_worker_that_dies_at_work_comes_back_with_its_gpu(own):
+def test_a_worker_that_dies_at_work_comes_back_with_its_gpu(own, tmp_path):
+    def die_once(path):
+        import os
+        import signal
+
+        from workflows.devices import _chosen
+
+        try:
+            with open(path, "x") as note:
+                note.write(str(os.getpid()))
+        except FileExistsError:
+            return os.getpid(), _chosen
+        os.kill(os.getpid(), signal.SIGKILL)
+
     runner, _ = own
-    reports = []
-
-    def kill_at_first(name, report):
-        reports.append(report)
-        if len(reports) == 1:
-            os.kill(report[0], signal.SIGKILL)
-
-    runner.run([call._replace(needs_gpu=True) for call in _calls()], kill_at_first)
-    assert len(reports) == 10
-    assert {device for _, device, *_ in reports} == {"auto"}
-    assert len({pid for pid, *_ in reports}) == 2
+    calls = [*_calls()[:4], Call("dies-once", die_once, (str(tmp_path / "dead"),)), *_calls()[4:]]
+    reports = {}
+    runner.run([call._replace(needs_gpu=True) for call in calls], reports.__setitem__)
+    assert len(reports) == 11
+    assert {device for _, device, *_ in reports.values()} == {"auto"}
+    assert reports["dies-once"][0] != int((tmp_path / "dead").read_text())
 
 
 def test_networks_go_to_the_worker_that_declares_a_gpu(cluster, declare):

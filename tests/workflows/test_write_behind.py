@@ -28,7 +28,7 @@ class SlowStore:
         self.failure = None
 
     def put(self, *arguments, **options):
-        self.gate.wait(60)
+        self.gate.wait(600)
         if self.failure is not None:
             raise self.failure
         return self._store.put(*arguments, **options)

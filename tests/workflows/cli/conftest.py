@@ -18,7 +18,7 @@ import pytest
 
 MOSEG = (sys.executable, "-c", "from workflows.cli import main; main()")
 _STYLE = re.compile(r"\x1b\[\??[0-9;]*[mhl]")
-PATIENCE_SEC = 60.0
+PATIENCE_SEC = 600.0
 
 
 class Shown(NamedTuple):
@@ -55,14 +55,17 @@ def _take_terminal() -> None:
 
 @pytest.fixture
 def in_terminal() -> Callable[..., Shown]:
-    """Runs a command in a terminal of so many columns; `interrupt` says, by all that was written, when Ctrl-C comes."""
+    """Runs a command in a terminal of so many columns; `interrupt` says, by all that was written, when Ctrl-C comes.
 
-    def call(*arguments, columns=80, env=None, interrupt=None) -> Shown:
+    Another `program` than `moseg` gets the same arguments.
+    """
+
+    def call(*arguments, columns=80, env=None, interrupt=None, program=MOSEG[-1]) -> Shown:
         child, parent = pty.openpty()[::-1]
         fcntl.ioctl(parent, termios.TIOCSWINSZ, struct.pack("HHHH", 40, columns, 0, 0))
         environment = {name: value for name, value in os.environ.items() if name not in ("NO_COLOR", "COLUMNS")}
         process = subprocess.Popen(
-            [*MOSEG, *map(str, arguments)],
+            [*MOSEG[:-1], program, *map(str, arguments)],
             stdin=child,
             stdout=child,
             stderr=child,

@@ -11,6 +11,22 @@ from store import open_store
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 
+# Computes no affinity before somebody presses a key, however late that is.
+WAITS_FOR_THE_KEY = """
+import time
+from workflows import execution
+from workflows.cli import main
+
+compute = execution._run
+
+def wait(store, recipes):
+    if recipes[0].task == "affinity":
+        time.sleep(600)
+    return compute(store, recipes)
+
+execution._run = wait
+main()
+"""
 HIDE, SHOW = "\x1b[?25l", "\x1b[?25h"
 COLOUR = re.compile(r"\x1b\[3[0-9]m|\x1b\[9[0-9]m")
 
@@ -44,12 +60,10 @@ def test_colours_and_bars_can_be_refused(in_terminal, evaluated):
     assert plain.code == dumb.code == quiet.code == 0
 
 
-def test_ctrl_c_gives_the_terminal_back_and_the_next_run_goes_on(in_terminal, in_process):
-    data = ("--dataset", "synthetic", "--quality", "fast", "--sequences")
-    # Seconds of work, so that it is under way when the key is pressed however late that is.
-    ran = in_terminal(
-        "eval", *data, "pan,two-motions", interrupt=lambda text: re.search(r"artifacts .*?\b[1-9]\d?/\d+", text)
-    )
+def test_ctrl_c_gives_the_terminal_back_and_the_next_run_goes_on(in_terminal, evaluated, moseg):
+    command = [word for word in evaluated.arguments if word != "--quiet"]
+    is_shown = re.compile(r"artifacts .*?\b[1-9]\d*/\d+")
+    ran = in_terminal(*command, interrupt=is_shown.search, program=WAITS_FOR_THE_KEY)
     assert ran.code == 130
     assert ran.raw.count(HIDE) == ran.raw.count(SHOW)
     assert ran.text.rstrip().splitlines()[-1].startswith("moseg: interrupted; what was finished is kept")
@@ -59,9 +73,9 @@ def test_ctrl_c_gives_the_terminal_back_and_the_next_run_goes_on(in_terminal, in
     # Each stage, and all of them.
     assert {"flow", "tracks", "score", "artifacts"} <= {line.split()[0] for line in bars}
     assert set(open_store(".moseg/store", create=False).refs())
-    again = in_process("eval", *data, "pan", "--quiet")
-    assert again.returncode == 0
-    computed, reused = map(int, re.search(r"(\d+) artifacts computed, (\d+) reused", again.stdout).groups())
+    again = moseg(*evaluated.arguments)
+    assert again.code == 0
+    computed, reused = map(int, re.search(r"(\d+) artifacts computed, (\d+) reused", again.out).groups())
     assert reused > 0
     assert computed > 0
 
@@ -76,19 +90,24 @@ def test_ctrl_c_while_the_program_starts_is_one_line(in_terminal, tmp_path):
 
 
 def test_a_second_ctrl_c_while_it_ends_shows_no_traces(tmp_path):
-    # A thread that will not end, as one that waits for a network: the interpreter's end waits for it.
+    # A thread that will not end, as one that waits for a network: the interpreter's end waits for it, and then the key
+    # is pressed again.
     program = (
         "import os, signal, sys, threading, time\n"
         "from workflows.cli import main\n"
         "import workflows.cli.app as app\n"
         "def stop(arguments):\n"
-        "    threading.Thread(target=time.sleep, args=(30,)).start()\n"
-        "    threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
+        "    threading.Thread(target=outlive).start()\n"
         "    raise KeyboardInterrupt\n"
+        "def outlive():\n"
+        "    while threading.main_thread().is_alive():\n"
+        "        time.sleep(0.01)\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        "    time.sleep(30)\n"
         "app.run = stop\n"
         "main(['backends'])\n"
     )
-    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=20)
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert ran.returncode == -2
     (line,) = ran.stderr.splitlines()
     assert line.startswith("moseg: interrupted")

@@ -13,7 +13,7 @@ import pytest
 
 from workflows.cluster_connection import TlsFiles
 
-DEADLINE_SEC = 120
+DEADLINE_SEC = 600
 ROOT = Path(__file__).resolve().parents[3]
 
 
@@ -32,7 +32,8 @@ class Cluster:
         options = ("--host", self.address, "--dashboard-address", "127.0.0.1:0", "--scheduler-file", str(file))
         self.scheduler = self._start("scheduler", *options, path=path)
         self.file = file
-        _wait(file.exists, self.log)
+        # It is written in place: until its end is there it says nothing.
+        _wait(lambda: file.exists() and file.read_text().rstrip().endswith("}"), self.log)
 
     def add_worker(self, name: str, *options: str, path: Path | None = None, has_nanny: bool = False):
         """Start a worker, with a folder in front of its modules, and wait until it has joined."""

@@ -11,6 +11,7 @@ from workflows import runners
 from workflows.cluster_check import ClusterCheck
 from workflows.runners import Call, open_runner
 
+DEADLINE_SEC = 600
 ROOT = Path(__file__).resolve().parents[3]
 NO_SUCH_PACKAGE = """
 import sys
@@ -140,7 +141,7 @@ def test_a_worker_without_moseg_that_joins_later_leaves_its_calls_to_the_others(
     with open_runner(scheduler=cluster.address) as runner:
         runner.run(_slow_calls(40), join)
     assert len(found) == 40
-    late[0].wait(timeout=60)
+    late[0].wait(timeout=DEADLINE_SEC)
     assert "No module named 'workflows'" in cluster.log("late")
 
 

@@ -106,11 +106,11 @@ def test_a_style_is_the_same_in_every_frame_and_run(image, labels, mode):
     np.testing.assert_array_equal(draw_overlay(image, labels, style), draw_overlay(image, labels, style))
 
 
-def test_the_video_plays_in_a_browser(browser, tmp_path, image, labels):
+def test_the_video_plays_in_a_browser(new_page, tmp_path, image, labels):
     style = OverlayStyle(is_side_by_side=True)
     write_overlay(tmp_path / "overlay.mp4", [image] * 12, [labels] * 12, 24, style)
     source = base64.b64encode((tmp_path / "overlay.mp4").read_bytes()).decode()
-    page = browser.new_page()
+    page = new_page()
     page.set_content(f'<video muted src="data:video/mp4;base64,{source}"></video>')
     played = page.evaluate(
         """async () => {

@@ -4,6 +4,7 @@ import io
 from collections import Counter
 from collections.abc import Callable
 from fractions import Fraction
+from itertools import count
 
 import av
 import cv2
@@ -153,23 +154,20 @@ def count_reads():
 
 
 @pytest.fixture
-def open_report(browser, tmp_path):
+def open_report(new_page, tmp_path):
     """Opens a report in a browser of the options given, and waits for its first picture."""
-    contexts = []
+    numbers = count()
 
     def open_in(report: ReportPage, **options):
-        path = tmp_path / f"report {len(contexts)} with space.html"
+        path = tmp_path / f"report {next(numbers)} with space.html"
         path.write_text(render_page(report), encoding="utf-8")
-        contexts.append(browser.new_context(**options))
-        page = contexts[-1].new_page()
+        page = new_page(**options)
         page.goto(path.as_uri())
         if options.get("java_script_enabled", True):
             page.wait_for_selector("canvas[data-frame]")
         return page
 
-    yield open_in
-    for context in contexts:
-        context.close()
+    return open_in
 
 
 @pytest.fixture(scope="session")
@@ -177,7 +175,7 @@ def wait_until() -> Callable[..., None]:
     """Waits for what holds in a page; the page lets Playwright compile nothing, so that its own wait fails."""
 
     def wait(page, expression: str) -> None:
-        for _ in range(200):
+        for _ in range(6000):
             if page.evaluate(expression):
                 return
             page.wait_for_timeout(50)

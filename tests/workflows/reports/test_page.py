@@ -35,10 +35,10 @@ def _shows(page, frame: int) -> None:
     assert page.locator(".frame-number b").first.text_content() == str(frame)
 
 
-def test_it_loads_without_errors_and_asks_for_nothing(browser, make_page, tmp_path, wait_until):
+def test_it_loads_without_errors_and_asks_for_nothing(new_page, make_page, tmp_path, wait_until):
     path = tmp_path / "report.html"
     path.write_text(render_page(make_page(*NAMES)), encoding="utf-8")
-    page = browser.new_page()
+    page = new_page()
     faults, requests = [], []
     page.on("console", lambda message: faults.append(message.text))
     page.on("pageerror", lambda error: faults.append(str(error)))
@@ -48,7 +48,6 @@ def test_it_loads_without_errors_and_asks_for_nothing(browser, make_page, tmp_pa
     wait_until(page, "document.querySelector('video').readyState >= 1")
     assert faults == []
     assert [url for url in requests if not url.startswith(("data:", "blob:"))] == [path.as_uri()]
-    page.close()
 
 
 def test_hostile_names_are_text(open_page, wait_until):

@@ -35,10 +35,10 @@ def open_page(open_report, make_page):
     return lambda **options: open_report(make_page("dog", "cat"), **options)
 
 
-def test_the_theme_is_switched_without_storage(browser, make_page, tmp_path):
+def test_the_theme_is_switched_without_storage(new_page, make_page, tmp_path):
     path = tmp_path / "report.html"
     path.write_text(render_page(make_page("dog")), encoding="utf-8")
-    page = browser.new_page(color_scheme="light")
+    page = new_page(color_scheme="light")
     page.add_init_script("Object.defineProperty(window, 'localStorage', {get() { throw new Error('none') }})")
     page.goto(path.as_uri())
     ground = "getComputedStyle(document.body).backgroundColor"
@@ -47,7 +47,6 @@ def test_the_theme_is_switched_without_storage(browser, make_page, tmp_path):
     assert page.evaluate(ground) != light
     page.get_by_role("button", name="switch to light colours").click()
     assert page.evaluate(ground) == light
-    page.close()
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -115,10 +114,10 @@ def test_headings_go_down_one_level_at_a_time(open_page):
     assert page.evaluate("document.documentElement.lang") == "en"
 
 
-def test_many_sequences_are_folded_and_filtered(browser, make_page, tmp_path):
+def test_many_sequences_are_folded_and_filtered(new_page, make_page, tmp_path):
     path = tmp_path / "many.html"
     path.write_text(render_page(make_page(*(f"scene {number}" for number in range(9)))), encoding="utf-8")
-    page = browser.new_page()
+    page = new_page()
     page.goto(path.as_uri())
     sequences = page.locator("details.sequence")
     assert [sequences.nth(number).get_attribute("open") is not None for number in range(9)] == [True] * 3 + [False] * 6
@@ -127,4 +126,3 @@ def test_many_sequences_are_folded_and_filtered(browser, make_page, tmp_path):
     assert page.locator("#filter-count").text_content() == "1 of 9"
     page.locator(".jump a:visible").click()
     page.locator("#sequence-7 canvas[data-frame]").first.wait_for()
-    page.close()

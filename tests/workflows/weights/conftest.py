@@ -84,7 +84,7 @@ class FileServer:
                     self.send_header(name, value)
                 self.end_headers()
                 if answer.gate is not None:
-                    answer.gate.wait(30)
+                    answer.gate.wait(600)
                 if answer.cuts:
                     body = body[: answer.cuts.pop(0)]
                 self.wfile.write(body)

@@ -298,11 +298,11 @@ def start_fetch(folder):
 def test_two_processes_fetch_a_file_once(known, server, folder, start_fetch):
     server.answers["/net.pth"].gate = threading.Event()
     with start_fetch() as first:
-        assert server.arrived.wait(60)
+        assert server.arrived.wait(600)
         with start_fetch() as second:
             assert second.stderr.readline() == "net: waiting for another process that fetches it\n"
             server.answers["/net.pth"].gate.set()
-            assert (first.wait(60), second.wait(60)) == (0, 0)
+            assert (first.wait(600), second.wait(600)) == (0, 0)
     assert len(server.requests) == 1
     assert (folder / "net" / "model.pth").read_bytes() == CONTENT
 
@@ -310,7 +310,7 @@ def test_two_processes_fetch_a_file_once(known, server, folder, start_fetch):
 def test_a_killed_download_keeps_nobody_waiting(known, server, folder, start_fetch, open_folder):
     server.answers["/net.pth"].gate = threading.Event()
     with start_fetch() as killed:
-        assert server.arrived.wait(60)
+        assert server.arrived.wait(600)
         killed.kill()
     server.answers["/net.pth"].gate.set()
     weights = open_folder()

@@ -57,7 +57,7 @@ def test_a_thread_waits_while_another_uses_its_network(leaves):
         thread = threading.Thread(target=use)
         thread.start()
         assert not entered.wait(0.5)
-    thread.join(30)
+    thread.join()
     assert entered.is_set()
 
 
