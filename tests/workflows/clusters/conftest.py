@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from distributed import LocalCluster
 
 from workflows.cluster_connection import TlsFiles
 
@@ -18,22 +19,33 @@ ROOT = Path(__file__).resolve().parents[3]
 
 
 class Cluster:
-    """A scheduler and workers, each a process of its own, on loopback."""
+    """A scheduler on loopback, and workers, each a process of its own."""
 
-    def __init__(self, folder: Path, tls: TlsFiles | None = None, path: Path | None = None):
+    def __init__(self, folder: Path):
         self._folder = folder
         self._processes: dict[str, subprocess.Popen] = {}
+        self._tls: list[str] = []
+        self._held: LocalCluster | None = None
+
+    def start_scheduler(self, tls: TlsFiles | None = None, path: Path | None = None) -> None:
+        """Start it as a process, with a folder in front of its modules."""
         protocol = "tls" if tls else "tcp"
         with socket.create_server(("127.0.0.1", 0)) as server:
             self.address = f"{protocol}://127.0.0.1:{server.getsockname()[1]}"
         files = {"ca-file": tls.ca, "cert": tls.cert, "key": tls.key} if tls else {}
         self._tls = [word for name, path in files.items() for word in (f"--tls-{name}", path)]
-        file = folder / "scheduler.json"
+        file = self._folder / "scheduler.json"
         options = ("--host", self.address, "--dashboard-address", "127.0.0.1:0", "--scheduler-file", str(file))
         self.scheduler = self._start("scheduler", *options, path=path)
         self.file = file
         # It is written in place: until its end is there it says nothing.
         _wait(lambda: file.exists() and file.read_text().rstrip().endswith("}"), self.log)
+
+    def hold_scheduler(self) -> None:
+        """Have it in this process, which takes a tenth of the time."""
+        where = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0"}
+        self._held = LocalCluster(n_workers=0, processes=True, silence_logs="CRITICAL", **where)
+        self.address = self._held.scheduler_address
 
     def add_worker(self, name: str, *options: str, path: Path | None = None, has_nanny: bool = False):
         """Start a worker, with a folder in front of its modules, and wait until it has joined."""
@@ -42,6 +54,12 @@ class Cluster:
         process = self._start("worker", self.address, *fixed, nanny, "--name", name, *options, path=path)
         _wait(lambda: "Registered to" in self.log(name), lambda: self.log(name))
         return process
+
+    def end_others(self, kept: str) -> None:
+        """End all workers but one, and wait until the scheduler of this process knows it."""
+        for name in [name for name in self._processes if name != kept]:
+            self._end(name)
+        _wait(lambda: len(self._held.scheduler_info["workers"]) == 1, lambda: "a worker did not go")
 
     def worker_address(self, name: str) -> str:
         """Where a worker says that it listens."""
@@ -53,9 +71,15 @@ class Cluster:
 
     def close(self) -> None:
         """End every process."""
-        for process in reversed(self._processes.values()):
-            process.kill()
-            process.wait(timeout=DEADLINE_SEC)
+        for name in reversed([*self._processes]):
+            self._end(name)
+        if self._held is not None:
+            self._held.close()
+
+    def _end(self, name: str) -> None:
+        process = self._processes.pop(name)
+        process.kill()
+        process.wait(timeout=DEADLINE_SEC)
 
     def _start(self, kind: str, *words: str, path: Path | None = None) -> subprocess.Popen:
         name = words[words.index("--name") + 1] if "--name" in words else kind
@@ -77,19 +101,57 @@ def _wait(is_done: Callable[[], bool], explain: Callable[[], str]) -> None:
 
 
 @pytest.fixture
-def start_cluster(tmp_path) -> Iterator[Callable[..., Cluster]]:
-    """Starts a scheduler without workers."""
-    started = []
+def new_cluster(tmp_path) -> Iterator[Callable[[], Cluster]]:
+    """Makes a cluster without a scheduler, which ends with the test."""
+    made = []
+
+    def make() -> Cluster:
+        folder = tmp_path / f"cluster-{len(made)}"
+        folder.mkdir()
+        made.append(Cluster(folder))
+        return made[-1]
+
+    yield make
+    for cluster in made:
+        cluster.close()
+
+
+@pytest.fixture
+def start_cluster(new_cluster) -> Callable[..., Cluster]:
+    """Starts a scheduler, a process without workers."""
 
     def start(tls: TlsFiles | None = None, path: Path | None = None) -> Cluster:
-        folder = tmp_path / f"cluster-{len(started)}"
-        folder.mkdir()
-        started.append(Cluster(folder, tls, path))
-        return started[-1]
+        cluster = new_cluster()
+        cluster.start_scheduler(tls, path)
+        return cluster
 
-    yield start
-    for cluster in started:
+    return start
+
+
+@pytest.fixture
+def cluster(new_cluster) -> Cluster:
+    """A scheduler without workers."""
+    cluster = new_cluster()
+    cluster.hold_scheduler()
+    return cluster
+
+
+@pytest.fixture(scope="module")
+def _with_a_worker(tmp_path_factory) -> Iterator[Cluster]:
+    cluster = Cluster(tmp_path_factory.mktemp("cluster"))
+    cluster.hold_scheduler()
+    try:
+        cluster.add_worker("same")
+        yield cluster
+    finally:
         cluster.close()
+
+
+@pytest.fixture
+def with_a_worker(_with_a_worker) -> Iterator[Cluster]:
+    """The cluster of the module's tests, with a worker ``same``; those that a test adds end with it."""
+    yield _with_a_worker
+    _with_a_worker.end_others("same")
 
 
 @pytest.fixture(scope="session")

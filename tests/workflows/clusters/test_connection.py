@@ -126,8 +126,7 @@ def test_a_port_where_nobody_listens_or_somebody_else_is_refused(monkeypatch):
         connect(f"tcp://{other}", TlsFiles())
 
 
-def test_a_cluster_without_workers_is_waited_for(start_cluster, capsys):
-    cluster = start_cluster()
+def test_a_cluster_without_workers_is_waited_for(cluster, capsys):
     found = {}
     with open_runner(scheduler=cluster.address) as runner:
         assert "has no workers yet" in capsys.readouterr().err

@@ -48,6 +48,13 @@ def without(tmp_path):
     return make
 
 
+@pytest.fixture
+def small_windows(monkeypatch):
+    """New workers are asked whenever calls are sent off: many times in a small window."""
+    monkeypatch.setattr(runners, "MIN_IN_FLIGHT", 8)
+    monkeypatch.setattr(runners, "CALLS_PER_THREAD", 8)
+
+
 def _slow_calls(count, needs_gpu=False):
     """Calls of a tenth of a second."""
 
@@ -69,9 +76,8 @@ def _expect_refusal(moseg, cluster, *parts):
         assert part in ran.err
 
 
-def test_a_worker_of_another_version_is_refused_by_name(start_cluster, other_version, moseg, in_empty_folder):
-    cluster = start_cluster()
-    cluster.add_worker("same")
+def test_a_worker_of_another_version_is_refused_by_name(with_a_worker, other_version, moseg, in_empty_folder):
+    cluster = with_a_worker
     cluster.add_worker("other", path=other_version)
     address = cluster.worker_address("other")
     own = fingerprints.code_fingerprint()
@@ -89,16 +95,15 @@ def test_a_scheduler_of_another_version_is_refused(start_cluster, other_version,
     [(fingerprints.ROOMS, "no moseg"), (["cv2"], "no package cv2"), (["poselib"], "no package poselib")],
 )
 def test_a_worker_that_lacks_a_package_is_refused_by_name(
-    start_cluster, without, moseg, in_empty_folder, packages, what
+    with_a_worker, without, moseg, in_empty_folder, packages, what
 ):
-    cluster = start_cluster()
+    cluster = with_a_worker
     cluster.add_worker("lacking", path=without(*packages))
     _expect_refusal(moseg, cluster, what, f"in worker {cluster.worker_address('lacking')}")
 
 
-def test_a_worker_that_lacks_what_networks_need_computes_all_else(start_cluster, without):
+def test_a_worker_that_lacks_what_networks_need_computes_all_else(cluster, without):
     pytest.importorskip("torch")
-    cluster = start_cluster()
     cluster.add_worker("lacking", path=without("torch"))
     found = {}
     with open_runner(scheduler=cluster.address, device="cpu") as runner:
@@ -108,29 +113,23 @@ def test_a_worker_that_lacks_what_networks_need_computes_all_else(start_cluster,
     assert found == {"slow-0": 0}
 
 
-def test_a_worker_of_another_version_that_joins_later_ends_the_run(start_cluster, other_version):
-    cluster = start_cluster()
-    cluster.add_worker("same")
+def test_a_worker_of_another_version_that_joins_later_ends_the_run(with_a_worker, other_version, small_windows):
     late = []
 
     def join(name, result):
         if not late:
-            late.append(cluster.add_worker("late", path=other_version))
+            late.append(with_a_worker.add_worker("late", path=other_version))
 
     with (
-        open_runner(scheduler=cluster.address) as runner,
+        open_runner(scheduler=with_a_worker.address) as runner,
         pytest.raises(InputError, match="another version of moseg in worker tcp://"),
     ):
-        runner.run(_slow_calls(600), join)
+        runner.run(_slow_calls(100), join)
     assert late
 
 
-def test_a_worker_without_moseg_that_joins_later_leaves_its_calls_to_the_others(start_cluster, without, monkeypatch):
-    # New workers are asked whenever calls are sent off: many times in a small window.
-    monkeypatch.setattr(runners, "MIN_IN_FLIGHT", 8)
-    monkeypatch.setattr(runners, "CALLS_PER_THREAD", 8)
-    cluster = start_cluster()
-    cluster.add_worker("same")
+def test_a_worker_without_moseg_that_joins_later_leaves_its_calls_to_the_others(with_a_worker, without, small_windows):
+    cluster = with_a_worker
     late, found = [], {}
 
     def join(name, result):
@@ -145,13 +144,11 @@ def test_a_worker_without_moseg_that_joins_later_leaves_its_calls_to_the_others(
     assert "No module named 'workflows'" in cluster.log("late")
 
 
-def test_nothing_of_a_run_stays_on_the_cluster(start_cluster, without):
-    cluster = start_cluster()
-    cluster.add_worker("same")
-    with open_runner(scheduler=cluster.address) as runner:
+def test_nothing_of_a_run_stays_on_the_cluster(with_a_worker, without):
+    with open_runner(scheduler=with_a_worker.address) as runner:
         runner.run(_slow_calls(3), lambda name, result: None)
     # A plugin that was left behind would keep it from joining.
-    cluster.add_worker("strange", path=without(*fingerprints.ROOMS))
+    with_a_worker.add_worker("strange", path=without(*fingerprints.ROOMS))
 
 
 class _Workers:
