@@ -33,7 +33,7 @@ segment: setup
 	$(MOSEG) segment "$(VIDEO)" --out "$(OUT)" --workers $(WORKERS) --store "$(STORE)" $(ARGS)
 
 test: setup
-	.venv/bin/python -m pytest -n 2 $(ARGS)
+	env -u PYTHONDONTWRITEBYTECODE .venv/bin/python -m pytest -n 2 --dist worksteal $(ARGS)
 
 lint: setup
 	.venv/bin/ruff check . && .venv/bin/ruff format --check .

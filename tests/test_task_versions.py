@@ -51,6 +51,12 @@ def unused(x):
 ROOT = prints.ModuleName("workflows.stages.toy", "TOY")
 
 
+@pytest.fixture(scope="module")
+def current():
+    """Fingerprints of all tasks as they stand, each read from its sources."""
+    return prints.current_fingerprints()
+
+
 def _fingerprint(module=None, old="", new=""):
     """Fingerprint of the toy task after one edit of one module's source."""
     sources = dict(TOY)
@@ -60,8 +66,8 @@ def _fingerprint(module=None, old="", new=""):
     return prints.fingerprint(ROOT, sources.get)
 
 
-def test_every_task_has_the_recorded_code_or_a_raised_version():
-    recorded, current = prints.recorded_fingerprints(), prints.current_fingerprints()
+def test_every_task_has_the_recorded_code_or_a_raised_version(current):
+    recorded = prints.recorded_fingerprints()
     moved = prints.moved_unnoticed(recorded, current)
     assert not moved, (
         f"the code behind {', '.join(moved)} changed and its version did not, so stores would serve the old code's "
@@ -112,15 +118,14 @@ def test_comments_docstrings_and_neighbours_are_no_part_of_it(module, old, new):
     assert _fingerprint(module, old, new) == _fingerprint()
 
 
-def test_a_changed_helper_moves_the_tasks_that_reach_it_and_no_others():
+def test_a_changed_helper_moves_the_tasks_that_reach_it_and_no_others(current):
     module = "moseg_tasks.geometry.sampson"
 
     def edited(name):
         source = prints.read_source(name)
         return source.replace("+", "-") if name == module else source
 
-    before, after = prints.current_fingerprints(), prints.current_fingerprints(edited)
-    moved = set(prints.moved_unnoticed(before, after))
+    moved = set(prints.moved_unnoticed(current, prints.current_fingerprints(edited)))
     assert {"fundamental:ransac", "fundamental_residual:sampson"} <= moved
     assert not moved & {"flow:dis", "proposals:given", "segmentation:moving-objects", "ingest:images"}
 

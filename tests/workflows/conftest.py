@@ -1,5 +1,6 @@
-"""Reports as they are before they are pages, a browser to see them in, and blows that fall at a step of the work."""
+"""A store that workers filled, reports before they are pages, a browser to see them in, and blows at a step of work."""
 
+import json
 import os
 import shutil
 from collections.abc import Callable
@@ -31,6 +32,17 @@ if any("spawn_main" in word for word in sys.orig_argv) == {in_worker}:
 """
 PAGE_PATIENCE_MS = 600_000
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+
+
+@pytest.fixture(scope="session")
+def evaluated_by_workers(evaluated, tmp_path_factory):
+    """The squares evaluated by two worker processes; their store is for reading."""
+    from workflows.cli.app import run
+
+    folder = tmp_path_factory.mktemp("evaluated-by-workers")
+    outputs = ("--store", str(folder / "store"), "--json", str(folder / "report.json"))
+    assert run([*evaluated.arguments, *outputs, "--workers", "2"]) == 0
+    return evaluated._replace(store=folder / "store", report=json.loads((folder / "report.json").read_text()))
 
 
 @pytest.fixture(scope="module")

@@ -95,10 +95,8 @@ def test_every_artifact_of_a_run_is_planned_started_computed_and_committed(evalu
     }
 
 
-def test_workers_write_their_own_parts_of_the_same_log(evaluated, moseg, tmp_path):
-    ran = moseg(*evaluated.arguments, "--store", tmp_path / "store", "--workers", "2")
-    assert ran.code == 0
-    events = _events(_open(tmp_path / "store"))
+def test_workers_write_their_own_parts_of_the_same_log(evaluated, evaluated_by_workers):
+    events = _events(_open(evaluated_by_workers.store))
     assert {ref: Counter(kinds) for ref, kinds in _kinds(events).items()} == {
         ref: Counter(kinds) for ref, kinds in _kinds(_events(_open(evaluated.store))).items()
     }

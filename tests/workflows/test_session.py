@@ -222,19 +222,6 @@ def _start(evaluation, store, *more, env=None):
     return subprocess.Popen(arguments, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
-def test_two_runs_on_one_store_at_once_both_succeed(evaluated, tmp_path):
-    reports = [tmp_path / "0.json", tmp_path / "1.json"]
-    runs = [_start(evaluated, tmp_path / "store", "--json", report) for report in reports]
-    for run in runs:
-        _, err = run.communicate(timeout=DEADLINE_SEC)
-        assert (run.returncode, err) == (0, "")
-    for report in reports:
-        assert json.loads(report.read_text())["rows"] == evaluated.report["rows"]
-    store = open_store(str(tmp_path / "store"))
-    assert _contents(store) == _contents(_open(evaluated))
-    assert not list((tmp_path / "store" / "quarantine").glob("*"))
-
-
 def test_a_killed_run_is_resumed_where_it_was(evaluated, moseg, strike_at, tmp_path):
     step = "event == 'os.rename' and '/objects/saliency/' in str(arguments[1])"
     env, _ = strike_at(step, "os.kill(os.getpid(), signal.SIGKILL)", in_worker=False, steps=3)

@@ -1,4 +1,5 @@
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ PARAMS = SaliencyParams()
 def pairs():
     """Exact flow of a few pairs of a scene."""
 
+    @cache
     def of(name):
         scene = SCENES[name].model_copy(update={"num_frames": 19})
         return list(render_scene(scene).flow_forward[::6])

@@ -100,6 +100,12 @@ def _wait(is_done: Callable[[], bool], explain: Callable[[], str]) -> None:
         time.sleep(0.02)
 
 
+@pytest.fixture(scope="session")
+def make_cluster() -> type[Cluster]:
+    """Makes a cluster whose files lie in a folder."""
+    return Cluster
+
+
 @pytest.fixture
 def new_cluster(tmp_path) -> Iterator[Callable[[], Cluster]]:
     """Makes a cluster without a scheduler, which ends with the test."""

@@ -38,25 +38,34 @@ def _options(files):
     return [word for option, path in files.named().items() for word in (option, path)]
 
 
-def test_a_cluster_behind_tls_gives_the_same_results(start_cluster, tls_files, evaluated, moseg, tmp_path):
-    cluster = start_cluster(tls_files)
-    cluster.add_worker("one")
-    options = ("--scheduler", cluster.address, *_options(tls_files), "--store", tmp_path / "store")
+@pytest.fixture(scope="module")
+def behind_tls(tls_files, make_cluster, tmp_path_factory):
+    """A scheduler that speaks TLS, and a worker."""
+    cluster = make_cluster(tmp_path_factory.mktemp("tls-cluster"))
+    try:
+        cluster.start_scheduler(tls_files)
+        cluster.add_worker("one")
+        yield cluster
+    finally:
+        cluster.close()
+
+
+def test_a_cluster_behind_tls_gives_the_same_results(behind_tls, tls_files, evaluated, moseg, tmp_path):
+    options = ("--scheduler", behind_tls.address, *_options(tls_files), "--store", tmp_path / "store")
     ran = moseg(*evaluated.arguments, *options, "--json", tmp_path / "report.json")
     assert (ran.code, ran.err) == (0, "")
     assert json.loads((tmp_path / "report.json").read_text())["rows"] == evaluated.report["rows"]
 
 
-def test_certificates_of_dasks_own_configuration_do_as_well(start_cluster, tls_files):
-    cluster = start_cluster(tls_files)
+def test_certificates_of_dasks_own_configuration_do_as_well(behind_tls, tls_files):
     names = {"ca-file": tls_files.ca, "client.cert": tls_files.cert, "client.key": tls_files.key}
     with dask.config.set({f"distributed.comm.tls.{name}": path for name, path in names.items()}):
-        connect(cluster.address, TlsFiles()).close()
-        connect(str(cluster.file), TlsFiles()).close()
+        connect(behind_tls.address, TlsFiles()).close()
+        connect(str(behind_tls.file), TlsFiles()).close()
 
 
-def test_two_sides_that_do_not_both_speak_tls_or_trust_each_other_are_told_so(start_cluster, tls_files, make_tls):
-    secret, clear = start_cluster(tls_files), start_cluster()
+def test_two_sides_that_do_not_both_speak_tls_or_trust_each_other_are_told_so(behind_tls, cluster, tls_files, make_tls):
+    secret, clear = behind_tls, cluster
     stranger = make_tls("stranger")
     with pytest.raises(InputError, match="got a port that speaks TLS; expected tls://"):
         connect(secret.address.replace("tls", "tcp"), TlsFiles())

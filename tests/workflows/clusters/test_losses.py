@@ -43,7 +43,7 @@ def test_a_run_outlives_a_worker_and_gives_the_same_bytes(kind, cluster, strike_
     env, killed = strike_at(step, "os.kill(os.getpid(), signal.SIGKILL)", in_worker=True)
     if kind == "foreign":
         cluster.add_worker("one", path=killed.parent, has_nanny=True)
-    options = ("--workers", "2") if kind == "own" else ("--scheduler", cluster.address)
+    options = ("--workers", "1") if kind == "own" else ("--scheduler", cluster.address)
     report = tmp_path / "report.json"
     arguments = [*evaluated.arguments, *options, "--store", str(tmp_path / "store"), "--json", str(report)]
     run = subprocess.run(
