@@ -16,12 +16,14 @@ PARAMS = SaliencyParams()
 
 @pytest.fixture(scope="module")
 def pairs():
-    """Exact flow of a few pairs of a scene."""
+    """Exact flow of a few pairs of a scene; its images are not painted."""
 
     @cache
     def of(name):
-        scene = SCENES[name].model_copy(update={"num_frames": 19})
-        return list(render_scene(scene).flow_forward[::6])
+        scene = SCENES[name].model_copy(update={"num_frames": 14})
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("moseg_tasks.synthetic.render._render_images", lambda *arguments: None)
+            return list(render_scene(scene).flow_forward[::6])
 
     return of
 
