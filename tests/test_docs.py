@@ -14,17 +14,17 @@ import shlex
 import shutil
 import subprocess
 from dataclasses import fields
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 from typer.core import TyperGroup
 from typer.exceptions import TyperException
-from typer.main import get_command
 
 from schemas.configs import PipelineConfig
 from schemas.errors import InputError
-from workflows.cli.app import app
+from workflows.cli.app import build_command
 from workflows.cli.pipeline_options import PipelineOptions
 from workflows.datasets.registry import DATASETS
 from workflows.preset_choice import choose_preset
@@ -77,7 +77,7 @@ def check(code: str) -> None:
             return
         code = f"--set {code}"
     words = ["1" if word == "N" else word for word in shlex.split(code) if word != "…"]
-    own = {name for parameter in get_command(app).params for name in parameter.opts}
+    own = {name for parameter in build_command().params for name in parameter.opts}
     # What `moseg` itself does with them (installing completion, say) is not to be done here.
     if words[-1] == "--help" and len(words) > 1:
         words = words[:-1]
@@ -93,7 +93,7 @@ def check(code: str) -> None:
 
 def _parse(words: list[str]) -> dict:
     """Values of the parameters of a command, by name."""
-    command, name, context = get_command(app), "moseg", None
+    command, name, context = build_command(), "moseg", None
     while isinstance(command, TyperGroup):
         context = command.make_context(name, list(words), parent=context)
         name, command, words = command.resolve_command(context, list(words))
@@ -139,9 +139,10 @@ def _complete(words: list[str]) -> list[str] | None:
     raise InputError("no such option", got=" ".join(sorted(asked)))
 
 
+@cache
 def _commands(command=None, path: tuple[str, ...] = ()) -> list[tuple[tuple[str, ...], set[str], int]]:
     """Words, options and number of required arguments of each command, `eval` before the others."""
-    command = command or get_command(app)
+    command = command or build_command()
     if isinstance(command, TyperGroup):
         found = [entry for name, inner in command.commands.items() for entry in _commands(inner, (*path, name))]
         return sorted(found, key=lambda entry: entry[0] != ("eval",))

@@ -3,7 +3,8 @@
 import errno
 import sys
 import traceback
-from typing import Annotated
+from functools import cache
+from typing import Annotated, Any
 
 import typer
 from typer.exceptions import TyperException
@@ -64,10 +65,16 @@ def moseg(
     """
 
 
+@cache
+def build_command() -> Any:
+    """The command line as it is parsed; to read all signatures takes a while, and once is enough."""
+    return with_readable_help(get_command(app))
+
+
 def run(arguments: list[str]) -> int:
     """Run `moseg` and return its exit code: 0 done, 2 bad use or input, 1 a fault, 130 interrupted."""
     try:
-        command = with_readable_help(get_command(app))
+        command = build_command()
         code = command(arguments or ["--help"], prog_name="moseg", standalone_mode=False) or 0
         # Typer turns an interruption into its exit code.
         if code == EXIT_INTERRUPTED:

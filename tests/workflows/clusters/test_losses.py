@@ -172,7 +172,7 @@ def test_a_lost_cluster_is_one_line_and_a_fault(moseg, monkeypatch):
     def lose(*arguments):
         raise ClusterError("the scheduler is gone", where="tcp://127.0.0.1:8786")
 
-    monkeypatch.setattr("workflows.cli.app.get_command", lambda typer: lambda words, **options: lose())
+    monkeypatch.setattr("workflows.cli.app.build_command", lambda: lambda words, **options: lose())
     ran = moseg("eval")
     assert (ran.code, ran.err) == (1, "moseg: the scheduler is gone in tcp://127.0.0.1:8786\n")
 
