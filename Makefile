@@ -9,6 +9,7 @@ WORKERS ?= 0
 RERUN   ?=
 DAVIS   ?=
 KT3DMOSEG ?=
+ARGS    ?=
 STORE   ?= .moseg/store
 MOSEG   := .venv/bin/moseg
 OPTIONS  = $(if $(ROOT),--root "$(ROOT)") --workers $(WORKERS) --store "$(STORE)" $(ARGS)
