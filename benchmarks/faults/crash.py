@@ -54,7 +54,9 @@ def main() -> int:
         folder = Path(tempfile.mkdtemp(prefix="moseg-crash-", dir=options.root))
         stack.callback(shutil.rmtree, folder)
         objects = stack.enter_context(serve_objects()) if options.object_store else None
-        workload = write_workload(folder / "data", options.frames)
+        # Who kills at random times needs runs that last.
+        num_samples = 50 if options.only_steps else 2000
+        workload = write_workload(folder / "data", options.frames, num_samples)
         experiment = Experiment(workload, folder, objects, random.Random(options.seed), options.only_steps)
         wholes = {name: run_undisturbed(experiment, name) for name in dict.fromkeys(cell.command for cell in cells)}
         for number in range(options.kills):

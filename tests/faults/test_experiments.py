@@ -38,7 +38,7 @@ def rows(table: str) -> list[list[str]]:
 
 
 def test_a_killed_run_shows_whole_artifacts_only_and_the_same_command_computes_the_rest(experiment):
-    table = experiment("crash.py", "--only-steps", "--kills", 1, "--frames", 6, "--cells", "segment-2-both")
+    table = experiment("crash.py", "--only-steps", "--kills", 1, "--frames", 4, "--cells", "segment-2-both")
     assert [cells[1:4] for cells in rows(table)] == [["segment", "2", "both"]]
 
 
