@@ -30,7 +30,7 @@ from workflows.datasets.selection import read_list
 from workflows.exports.owned_folder import LISTING, OwnedFolder
 from workflows.exports.ownership import is_own_annotations, is_own_archive, is_own_mask, is_own_overlay
 from workflows.exports.saved_segmentation import open_segmentation
-from workflows.predictions import open_predictions
+from workflows.predictions import FrameList, open_predictions
 from workflows.reports.from_log import report_run
 from workflows.reports.page import render_page
 from workflows.sources import LabelledPointFile, MaskFiles, TrackFile, VideoFile, open_frames
@@ -169,7 +169,7 @@ def _read_prediction(form: str, path: Path) -> None:
     folder = next(parent for parent in path.parents if parent.name == form)
     name = path.relative_to(folder).parts[0].partition(".")[0]
     num_frames = NUM_FRAMES if form == "volume" else 1
-    sequence = open_predictions(folder, form).sequence(name, num_frames, SHAPE)
+    sequence = open_predictions(folder, form).sequence(name, FrameList(num_frames), SHAPE)
     for index in range(num_frames):
         sequence.frame(index)
 

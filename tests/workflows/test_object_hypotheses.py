@@ -7,6 +7,7 @@ import pytest
 
 from schemas.configs import PipelineConfig, Variant
 from schemas.digests import digest_bytes
+from schemas.parameters import FlowModelParams, ObjectHypothesisParams
 from schemas.recipes import Recipe
 from store import open_store
 from workflows.cli.app import run
@@ -90,7 +91,8 @@ def residuals(tmp_path):
 
     boxes = np.zeros((1, 2, 4), np.int32)
     linking = put("linking", {"identity": np.array([[0, 1]], np.uint16)}, {"num_objects": 2})
-    drawn = {"num_hypotheses": 40, "background_rows": 2, "background_columns": 2, "block": 4}
+    chosen = ObjectHypothesisParams(num_hypotheses=40, background_rows=2, background_columns=2, block=4)
+    drawn = chosen.model_dump()
     inputs = {
         FLOW_PATCHES: {
             "proposals": put("proposals", {"masks": masks, "scores": np.ones(1), "boxes": boxes}),
@@ -101,7 +103,12 @@ def residuals(tmp_path):
         },
     }
     params = {
-        FLOW_PATCHES: {"section": 0, "model": "oc", "flow_model": {"step": 1}, "hypotheses": drawn},
+        FLOW_PATCHES: {
+            "section": 0,
+            "model": "oc",
+            "flow_model": FlowModelParams(step=1).model_dump(),
+            "hypotheses": drawn,
+        },
         TRACK_SAMPLES: {
             "section": 0,
             "num_pairs": 1,

@@ -5,6 +5,7 @@ import pytest
 
 from schemas.configs import PipelineConfig, Variant
 from schemas.digests import digest_bytes
+from schemas.parameters import ClusteringParams
 from schemas.presets import GEOMETRIES
 from workflows.graph import SequenceGraph, SequenceLeaves
 from workflows.stages.clustering import MOTION_GROUPS
@@ -65,6 +66,7 @@ def test_a_view_that_cannot_tell_keeps_an_object_only_by_agreement(static, motio
     alike = np.full((2, 2), 0.9)
     blind = {"affinity": alike, "static_support": np.array([1.0, 1.0])}
     badly_fitted = {"affinity": alike, "static_support": np.array([1.0, 0.01])}
-    params = {"num_motions": None, "clustering": {"static": static}}
+    named = ClusteringParams(static=static).model_dump(exclude={"motions", "count"})
+    params = {"num_motions": None, "clustering": named}
     output = MOTION_GROUPS.run(params, _Views(blind, badly_fitted), np.random.default_rng(0))
     assert output.arrays["motion"].tolist() == motion
