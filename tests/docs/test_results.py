@@ -110,6 +110,20 @@ def test_every_table_stands_on_a_page_once(tools):
     assert sorted(re.findall(r"<!--table (\S+)-->", text)) == sorted(tools.tables.TABLES)
 
 
+def test_what_the_page_says_of_the_papers_geometry_follows_from_the_files(tools):
+    def lead(name):
+        """Fu of fused beyond that of the best single view."""
+        said = json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
+        scores = {row["variant"]: row["mean"]["F"] for row in said["result"]["rows"]}
+        return scores["fused"] - max(scores[view] for view in ("oc-depth", "oc", "trajs"))
+
+    leads = {(reading, t): lead(f"exact-paper-{reading}-{t}") for reading in ("models", "objects") for t in (1, 2, 3)}
+    assert {choice for choice, value in leads.items() if value > 0.05} == {("models", 1), ("models", 2), ("objects", 1)}
+    assert {choice for choice, value in leads.items() if value < -0.05} == {("objects", 2)}
+    settings = ("exact-residual-auto", "exact-residual-gt", "oracle-depth-residual-auto", "oracle-residual-auto")
+    assert all(lead(name) >= -0.05 for name in (*settings, "synthetic-residual-auto"))
+
+
 def test_no_score_on_the_page_of_results_is_typed(tools):
     text = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
     text = re.sub(r"<!--table .*?<!--/table-->|<!--=\S+-->.*?<!--/-->|`[^`]+`", "", text, flags=re.DOTALL)
