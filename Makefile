@@ -14,7 +14,7 @@ STORE   ?= .moseg/store
 MOSEG   := .venv/bin/moseg
 OPTIONS  = $(if $(ROOT),--root "$(ROOT)") --workers $(WORKERS) --store "$(STORE)" $(ARGS)
 
-.PHONY: setup eval ablation segment test lint docs-check docs-pictures results bench bench-engine bench-faults bench-networks bench-memory bench-objects clean
+.PHONY: setup eval ablation segment test test-faults lint docs-check docs-pictures results bench bench-engine bench-faults bench-networks bench-memory bench-objects clean
 
 setup: .venv/.ready
 
@@ -34,7 +34,10 @@ segment: setup
 	$(MOSEG) segment "$(VIDEO)" --out "$(OUT)" --workers $(WORKERS) --store "$(STORE)" $(ARGS)
 
 test: setup
-	env -u PYTHONDONTWRITEBYTECODE .venv/bin/python -m pytest -n 2 --dist worksteal $(ARGS)
+	env -u PYTHONDONTWRITEBYTECODE .venv/bin/python -m pytest -n 2 --dist worksteal --ignore tests/faults $(ARGS)
+
+test-faults: setup
+	env -u PYTHONDONTWRITEBYTECODE .venv/bin/python -m pytest -n 2 --dist worksteal tests/faults $(ARGS)
 
 lint: setup
 	.venv/bin/ruff check . && .venv/bin/ruff format --check .
