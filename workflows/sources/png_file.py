@@ -30,6 +30,7 @@ def check_png_size(content: bytes, path: object, what: str, most_bytes: int = MO
     header = _read_header(content)
     if header is None:
         return
+    _check_chunk_lengths(content, path, what)
     width, height, num_bytes = header
     got = f"{len(content)} bytes for {width}x{height} px"
     if num_bytes > _MOST_EXPANSION * len(content):
@@ -87,6 +88,18 @@ def _read_header(content: bytes) -> tuple[int, int, int] | None:
     if signature != _SIGNATURE or chunk != _FIRST_CHUNK:
         return None
     return width, height, height * (width * bits * _CHANNELS.get(colour, 1) // 8)
+
+
+def _check_chunk_lengths(content: bytes, path: object, what: str) -> None:
+    """Raises InputError where a chunk claims more bytes than follow: decoders take memory for all of them."""
+    start = len(_SIGNATURE)
+    while start + _CHUNK.size <= len(content):
+        length, kind = _CHUNK.unpack_from(content, start)
+        start += _CHUNK.size + length + _CHECKSUM_BYTES
+        if start > len(content):
+            raise InputError(f"{what} cannot be decoded", where=path, got=f"a chunk of {length} bytes beyond its end")
+        if kind == b"IEND":
+            return
 
 
 def _pixel_chunks(content: bytes) -> Iterator[bytes]:
