@@ -148,7 +148,7 @@ def random_frame(height: int, width: int) -> np.ndarray:
 
 
 def compare_frames(modules, official: torch.nn.Module, detector: GroundingDino, frame: np.ndarray) -> bool:
-    """Whether boxes, scores and names are the same from the frame on, at half of the published input's size."""
+    """Compare boxes, scores and names from the frame on, at half of the published input size; True where they agree."""
     transforms = modules.transforms
     prepare = transforms.Compose(
         [transforms.RandomResize([400], max_size=667), transforms.ToTensor(), transforms.Normalize(*IMAGENET)]

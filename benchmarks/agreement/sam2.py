@@ -316,7 +316,7 @@ def compare(folder: Path) -> bool:
 
 
 def compare_frames(image_model: Sam2Model, video_model: Sam2VideoModel, official: torch.nn.Module) -> bool:
-    """Whether masks and labels are the same where frames are read and resized by each code for itself."""
+    """Compare masks and labels where each code reads and resizes the frames itself; True where they agree."""
     # Shorter videos are told apart by how old their authors let pointers get.
     frames, seeds = moving_discs(16)
     frames = [cv2.resize(frame, WIDE) for frame in frames]

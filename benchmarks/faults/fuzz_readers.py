@@ -42,7 +42,7 @@ SHOWN = 160
 
 
 class Tally(NamedTuple):
-    """What came of a reader's trials."""
+    """Outcomes of the trials of one reader, counted."""
 
     reader: str
     mutations: int

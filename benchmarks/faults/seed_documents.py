@@ -52,7 +52,7 @@ def lists_of_weights() -> tuple[bytes, ...]:
 
 
 def pins() -> tuple[bytes, ...]:
-    """What a first download was found to be."""
+    """Return the record of a first download."""
     pin = {"source": "https://example.org/a", "sha256": "0" * 64, "size": 10}
     return (json.dumps({"commits": {"a/b@main": "0" * 40}, "files": {"model.pth": pin}}).encode(),)
 
@@ -100,12 +100,12 @@ def listings() -> tuple[bytes, ...]:
 
 
 def scheduler_files() -> tuple[bytes, ...]:
-    """What `dask scheduler --scheduler-file` writes."""
+    """Return a scheduler file as `dask scheduler --scheduler-file` writes it."""
     return (json.dumps({"type": "Scheduler", "address": "tcp://127.0.0.1:8786", "workers": {}}, indent=2).encode(),)
 
 
 def run_logs() -> tuple[bytes, ...]:
-    """A run that went well and one that failed."""
+    """Return the logs of a run that went well and of one that failed."""
     process = {"time": _TIME, "host": "node7", "pid": 2**22 + 1}
     opened = RunOpened(
         **process,

@@ -23,7 +23,7 @@ SEEN = _DICE.random((5, NUM_FRAMES)) < 0.8
 
 
 def saved(save: Callable, *arguments, **named) -> bytes:
-    """What a function writes to a stream."""
+    """Return the bytes that a function writes to a stream."""
     stream = io.BytesIO()
     save(stream, *arguments, **named)
     return stream.getvalue()

@@ -64,7 +64,7 @@ class Limits(NamedTuple):
 
 
 class Trial(NamedTuple):
-    """How one damaged file was taken.
+    """Outcome of reading one damaged file.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Trial(NamedTuple):
 
     @property
     def is_violation(self) -> bool:
-        """Whether it is neither a result nor a refusal in one line."""
+        """Return whether it is neither a result nor a refusal in one line."""
         return self.outcome not in ("result", "refusal")
 
 
