@@ -10,11 +10,10 @@ import time
 from pathlib import Path
 
 import numpy as np
-
-from moseg_tasks.motion_models import FLOW_MODELS, FlowModel, fit_from_moments, flow_moments, residuals_from_moments
-from moseg_tasks.motion_models.moments import depth_gauge
-from moseg_tasks.motion_models.monomials import image_coordinates
-from schemas.parameters import FlowModelParams
+from moseg.schemas.parameters import FlowModelParams
+from moseg.tasks.motion_models import FLOW_MODELS, FlowModel, fit_from_moments, flow_moments, residuals_from_moments
+from moseg.tasks.motion_models.moments import depth_gauge
+from moseg.tasks.motion_models.monomials import image_coordinates
 
 HEIGHT, WIDTH = 480, 854
 PARAMS = FlowModelParams()

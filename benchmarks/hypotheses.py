@@ -9,14 +9,13 @@ import argparse
 import time
 
 import numpy as np
-
-from moseg_tasks.geometry.eight_point import eight_point, epipolar_equations
-from moseg_tasks.geometry.homography import homography_dlt, homography_sampson_squared
-from moseg_tasks.geometry.ransac import draw_samples
-from moseg_tasks.geometry.sampson import sampson_squared
-from moseg_tasks.motion_models import FLOW_MODELS
-from moseg_tasks.point_models import POINT_MODELS, Correspondences
-from moseg_tasks.point_models.trifocal_tensor import epipoles, trilinear_equations
+from moseg.tasks.geometry.eight_point import eight_point, epipolar_equations
+from moseg.tasks.geometry.homography import homography_dlt, homography_sampson_squared
+from moseg.tasks.geometry.ransac import draw_samples
+from moseg.tasks.geometry.sampson import sampson_squared
+from moseg.tasks.motion_models import FLOW_MODELS
+from moseg.tasks.point_models import POINT_MODELS, Correspondences
+from moseg.tasks.point_models.trifocal_tensor import epipoles, trilinear_equations
 
 FOCAL, CENTRE = 720.0, (620.5, 187.0)  # KITTI
 NOISE = 0.2  # px

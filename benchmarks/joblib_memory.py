@@ -33,19 +33,18 @@ import joblib
 import numpy as np
 from engine.memory_inputs import Artifact, MemoryInputs
 from joblib.externals.loky import get_reusable_executor
-
-from schemas.configs import PipelineConfig, Variant
-from schemas.recipes import Recipe
-from schemas.scores import SequenceScore
-from workflows.datasets import SequenceSource, open_dataset
-from workflows.evaluate import evaluate
-from workflows.execution import seeded_generator
-from workflows.graph import SequenceGraph
-from workflows.leaves import FRAMES_PER_JOB, ingest_sequences
-from workflows.planning import make_plan
-from workflows.runs import open_session
-from workflows.stages.registry import find_task
-from workflows.threads import pin_threads
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.recipes import Recipe
+from moseg.schemas.scores import SequenceScore
+from moseg.workflows.datasets import SequenceSource, open_dataset
+from moseg.workflows.evaluate import evaluate
+from moseg.workflows.execution import seeded_generator
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.leaves import FRAMES_PER_JOB, ingest_sequences
+from moseg.workflows.planning import make_plan
+from moseg.workflows.runs import open_session
+from moseg.workflows.stages.registry import find_task
+from moseg.workflows.threads import pin_threads
 
 
 class Step(NamedTuple):

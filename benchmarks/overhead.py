@@ -25,12 +25,15 @@ from statistics import median
 
 from engine.commands import IMPORT_MODULES, LIST_MODULES, MOSEG, run_timed
 from engine.stack_samples import FOLDER_VARIABLE
+from moseg.store import LocalStore
 
-from store import LocalStore
-
-IMPORT_APP = (sys.executable, "-c", "import workflows.cli.app")
+IMPORT_APP = (sys.executable, "-c", "import moseg.workflows.cli.app")
 BARE = (sys.executable, "-c", "pass")
-SAMPLED = (sys.executable, "-c", "import stack_samples; stack_samples.start(); from workflows.cli import main; main()")
+SAMPLED = (
+    sys.executable,
+    "-c",
+    "import stack_samples; stack_samples.start(); from moseg.workflows.cli import main; main()",
+)
 ENGINE = Path(__file__).parent / "engine"
 
 
@@ -99,7 +102,7 @@ def report_warm(evaluation: list[str], scratch: Path, repeat: int) -> None:
     run_timed([sys.executable, "-c", LIST_MODULES, str(names), *warm])
     kinds = {
         "an interpreter that does nothing": [*BARE],
-        "import of the command line (workflows.cli.app)": [*IMPORT_APP],
+        "import of the command line (moseg.workflows.cli.app)": [*IMPORT_APP],
         "import of all that a warm eval loads": [sys.executable, "-c", IMPORT_MODULES, str(names)],
         "warm eval": [*MOSEG, *warm],
         "warm eval --workers 1": [*MOSEG, *warm, "--workers", "1"],

@@ -15,9 +15,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.motion_models import FLOW_MODELS, FlowModel
-from moseg_tasks.motion_models.monomials import image_coordinates
+from moseg.tasks.motion_models import FLOW_MODELS, FlowModel
+from moseg.tasks.motion_models.monomials import image_coordinates
 
 HEIGHT, WIDTH, STEP = 480, 854, 24
 OFF_CENTRE = 0.05

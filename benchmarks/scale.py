@@ -31,12 +31,11 @@ from pathlib import Path
 
 from engine.empty_calls import measure_calls
 from engine.measured_run import measure
-
-from schemas.configs import PipelineConfig, Variant
-from schemas.digests import digest_json
-from store import LocalStore
-from workflows.graph import SequenceGraph, SequenceLeaves
-from workflows.planning import Plan, make_plan
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.digests import digest_json
+from moseg.store import LocalStore
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves
+from moseg.workflows.planning import Plan, make_plan
 
 SIZE = (48, 64)
 MIB = 2**20

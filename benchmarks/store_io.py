@@ -14,10 +14,9 @@ from pathlib import Path
 
 import numpy as np
 import zarr
+from moseg.schemas.recipes import Recipe
+from moseg.store import LocalStore
 from zarr.codecs import BloscCodec, Crc32cCodec
-
-from schemas.recipes import Recipe
-from store import LocalStore
 
 TASK = "benchmark"
 

@@ -1,9 +1,8 @@
 """Layouts of the arrays that stages hand on: dtype, axes and unit of each."""
 
 import numpy as np
-
-from schemas.errors import StoreError
-from schemas.frozen import Frozen
+from moseg.schemas.errors import StoreError
+from moseg.schemas.frozen import Frozen
 
 
 class ArrayLayout(Frozen):

@@ -3,10 +3,8 @@
 from enum import StrEnum
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator
-
-from schemas.frozen import Frozen
-from schemas.parameters import (
+from moseg.schemas.frozen import Frozen
+from moseg.schemas.parameters import (
     AccumulationParams,
     AffinityParams,
     AppearanceParams,
@@ -41,7 +39,8 @@ from schemas.parameters import (
     TrackParams,
     TrajectoryClusteringParams,
 )
-from schemas.units import Unit
+from moseg.schemas.units import Unit
+from pydantic import Field, field_validator
 
 
 class Variant(StrEnum):

@@ -10,10 +10,9 @@ from collections.abc import Iterable
 from enum import StrEnum
 from typing import Annotated, Literal
 
+from moseg.schemas.frozen import Frozen
+from moseg.schemas.recipes import Ref, split_ref
 from pydantic import AwareDatetime, Field, JsonValue, TypeAdapter
-
-from schemas.frozen import Frozen
-from schemas.recipes import Ref, split_ref
 
 
 class EventKind(StrEnum):
@@ -68,7 +67,7 @@ class RunOpened(_ProcessLine):
     Attributes
     ----------
     space : str
-        Space in which `pid` means something, see `store.owners`.
+        Space in which `pid` means something, see `moseg.store.owners`.
     command : tuple of str
         Words of the command line; `folder` is where it was given.
     num_workers : int

@@ -3,9 +3,8 @@
 from collections.abc import Mapping
 from typing import Any, Self
 
+from moseg.schemas.errors import UnnamedParameterError
 from pydantic import BaseModel, ConfigDict
-
-from schemas.errors import UnnamedParameterError
 
 
 class Frozen(BaseModel):

@@ -1,9 +1,8 @@
 """A manifest: what an artifact holds, from which recipe, and how it came to be."""
 
+from moseg.schemas.frozen import Frozen
+from moseg.schemas.recipes import Recipe
 from pydantic import JsonValue
-
-from schemas.frozen import Frozen
-from schemas.recipes import Recipe
 
 
 class ArrayEntry(Frozen):

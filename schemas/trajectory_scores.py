@@ -3,10 +3,9 @@
 import statistics
 from collections.abc import Sequence
 
+from moseg.schemas.frozen import Frozen
+from moseg.schemas.scores import StoreUse
 from pydantic import Field
-
-from schemas.frozen import Frozen
-from schemas.scores import StoreUse
 
 
 class TrajectoryScore(Frozen):

@@ -5,10 +5,9 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 from urllib.parse import urlsplit
 
+from moseg.schemas.digests import canonical_json
+from moseg.schemas.frozen import Frozen
 from pydantic import AfterValidator, Field, StringConstraints, field_validator, model_validator
-
-from schemas.digests import canonical_json
-from schemas.frozen import Frozen
 
 Architecture = Literal[
     "raft",

@@ -1,11 +1,11 @@
 """Bytes: the content-addressed artifact store."""
 
-from store.ahead import map_reads
-from store.local import LocalStore
-from store.nearest import FieldDifference, NearestRecipe, differences, nearest
-from store.opening import open_store
-from store.outcomes import GcReport, Pin, PutOutcome, StoredArtifact, TaskUsage, VerifyResult
-from store.protocol import ArtifactStore
+from moseg.store.ahead import map_reads
+from moseg.store.local import LocalStore
+from moseg.store.nearest import FieldDifference, NearestRecipe, differences, nearest
+from moseg.store.opening import open_store
+from moseg.store.outcomes import GcReport, Pin, PutOutcome, StoredArtifact, TaskUsage, VerifyResult
+from moseg.store.protocol import ArtifactStore
 
 __all__ = [
     "ArtifactStore",

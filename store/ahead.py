@@ -5,8 +5,8 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TypeVar
 
-from store.local import LocalStore
-from store.protocol import ArtifactStore
+from moseg.store.local import LocalStore
+from moseg.store.protocol import ArtifactStore
 
 REMOTE_READS = 32
 """Artifacts asked for at the same time behind a network, where each answer takes 10 ms to 100 ms."""

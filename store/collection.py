@@ -8,12 +8,12 @@ pin is seen here, or its lookup already finds the artifact gone and computes it.
 import time
 from collections.abc import Collection, Iterable, Sequence
 
-from schemas.errors import CorruptArtifactError
-from store.medium import ManifestSource, Medium
-from store.names import check_ref
-from store.outcomes import GcReport, Pin
-from store.pins import discard_ended, ended_pins, pinned
-from store.reading import check_seal
+from moseg.schemas.errors import CorruptArtifactError
+from moseg.store.medium import ManifestSource, Medium
+from moseg.store.names import check_ref
+from moseg.store.outcomes import GcReport, Pin
+from moseg.store.pins import discard_ended, ended_pins, pinned
+from moseg.store.reading import check_seal
 
 
 def collect(medium: Medium, *, is_dry: bool = True, grace_seconds: float = 86_400.0) -> GcReport:

@@ -11,11 +11,11 @@ import os
 import shutil
 from collections.abc import Mapping
 
-from schemas.errors import StoreError
-from store.layout import Layout
-from store.names import MANIFEST
-from store.outcomes import PutOutcome
-from store.owners import owned_name
+from moseg.schemas.errors import StoreError
+from moseg.store.layout import Layout
+from moseg.store.names import MANIFEST
+from moseg.store.outcomes import PutOutcome
+from moseg.store.owners import owned_name
 
 
 def commit(layout: Layout, ref: str, files: Mapping[str, bytes | memoryview], manifest: bytes) -> PutOutcome:

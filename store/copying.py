@@ -1,13 +1,13 @@
 """Taking an artifact out of one store and into another: the same bytes, checked at both ends."""
 
-from schemas.errors import CorruptArtifactError
-from schemas.manifests import Manifest
-from store.codec import METADATA, array_files
-from store.medium import Medium
-from store.outcomes import PutOutcome, StoredArtifact
-from store.reading import decode_checked, read_files
-from store.sealing import digest_metadata, seal
-from store.verification import check_list
+from moseg.schemas.errors import CorruptArtifactError
+from moseg.schemas.manifests import Manifest
+from moseg.store.codec import METADATA, array_files
+from moseg.store.medium import Medium
+from moseg.store.outcomes import PutOutcome, StoredArtifact
+from moseg.store.reading import decode_checked, read_files
+from moseg.store.sealing import digest_metadata, seal
+from moseg.store.verification import check_list
 
 
 def export(medium: Medium, ref: str) -> StoredArtifact:

@@ -4,9 +4,9 @@ import errno
 import os
 from collections.abc import Collection, Iterable, Iterator
 
-from schemas.errors import CorruptArtifactError, MissingArtifactError, StoreError
-from store.layout import Layout
-from store.names import MANIFEST
+from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError, StoreError
+from moseg.store.layout import Layout
+from moseg.store.names import MANIFEST
 
 _DAMAGED = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EIO)
 

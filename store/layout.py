@@ -4,7 +4,7 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from store.names import is_key_in, slot
+from moseg.store.names import is_key_in, slot
 
 
 class Layout:

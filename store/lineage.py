@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from enum import StrEnum
 from typing import NamedTuple
 
-from schemas.errors import CorruptArtifactError, MissingArtifactError
-from schemas.recipes import Recipe
-from store.ahead import map_reads
-from store.protocol import ArtifactStore
+from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError
+from moseg.schemas.recipes import Recipe
+from moseg.store.ahead import map_reads
+from moseg.store.protocol import ArtifactStore
 
 
 class State(StrEnum):

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from store.local_files import LocalFiles
-from store.marker import open_root
-from store.medium_store import MediumStore
+from moseg.store.local_files import LocalFiles
+from moseg.store.marker import open_root
+from moseg.store.medium_store import MediumStore
 
 
 class LocalStore(MediumStore):

@@ -7,20 +7,20 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 
-from schemas.errors import StoreError
-from store import logs
-from store.commit import commit
-from store.file_reading import file_sizes, folder_nbytes, read_file, read_files, read_manifests
-from store.layout import Layout
-from store.local_trash import LocalTrash
-from store.names import MANIFEST
-from store.outcomes import PutOutcome
-from store.owners import ABANDONED_SECONDS, is_abandoned
-from store.quarantine import quarantine
+from moseg.schemas.errors import StoreError
+from moseg.store import logs
+from moseg.store.commit import commit
+from moseg.store.file_reading import file_sizes, folder_nbytes, read_file, read_files, read_manifests
+from moseg.store.layout import Layout
+from moseg.store.local_trash import LocalTrash
+from moseg.store.names import MANIFEST
+from moseg.store.outcomes import PutOutcome
+from moseg.store.owners import ABANDONED_SECONDS, is_abandoned
+from moseg.store.quarantine import quarantine
 
 
 class LocalFiles:
-    """Artifacts in folders that appear and vanish by one rename; see `store.medium.Medium`.
+    """Artifacts in folders that appear and vanish by one rename; see `moseg.store.medium.Medium`.
 
     An artifact's files lie beside its manifest, so the name of their place is always empty.
     """

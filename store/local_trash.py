@@ -5,14 +5,14 @@ import shutil
 from collections.abc import Collection, Iterable
 from pathlib import Path
 
-from schemas.errors import StoreError
-from store.commit import new_staging
-from store.file_reading import read_manifests
-from store.layout import Layout
+from moseg.schemas.errors import StoreError
+from moseg.store.commit import new_staging
+from moseg.store.file_reading import read_manifests
+from moseg.store.layout import Layout
 
 
 class LocalTrash:
-    """A staging folder with a tree of artifacts; see `store.medium.Trash`."""
+    """A staging folder with a tree of artifacts; see `moseg.store.medium.Trash`."""
 
     def __init__(self, layout: Layout):
         self.taken: set[str] = set()

@@ -10,10 +10,10 @@ from contextlib import suppress
 from io import FileIO
 from pathlib import Path
 
-from schemas.errors import StoreError
-from store.layout import Layout
-from store.names import check_run_id
-from store.owners import process_space
+from moseg.schemas.errors import StoreError
+from moseg.store.layout import Layout
+from moseg.store.names import check_run_id
+from moseg.store.owners import process_space
 
 _whole: set[str] = set()
 """Files of which this process knows that they end with a whole line."""

@@ -5,7 +5,7 @@ import os
 import uuid
 from pathlib import Path
 
-from schemas.errors import MissingStoreError, StoreChoiceError, StoreError
+from moseg.schemas.errors import MissingStoreError, StoreChoiceError, StoreError
 
 MARKER = "moseg-store.json"
 FORMAT = 1

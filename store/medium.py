@@ -1,14 +1,14 @@
 """The interface of a medium: where the bytes of artifacts lie, whatever they mean.
 
-What an artifact is (its codec, its seal, how it is read, verified and collected) is the same on every medium and stands
-in `store.medium_store`, `store.reading`, `store.verification` and `store.collection`. A medium places files, finds
-them again, and makes an artifact appear and vanish whole.
+What an artifact is (its codec, its seal, how it is read, verified and collected) is the same on every medium and
+stands in `moseg.store.medium_store`, `moseg.store.reading`, `moseg.store.verification` and `moseg.store.collection`.
+A medium places files, finds them again, and makes an artifact appear and vanish whole.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from typing import Protocol
 
-from store.outcomes import PutOutcome
+from moseg.store.outcomes import PutOutcome
 
 
 class ManifestSource(Protocol):

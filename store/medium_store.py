@@ -6,23 +6,22 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
+from moseg.schemas.arrays import check_arrays
+from moseg.schemas.digests import canonical_json
+from moseg.schemas.errors import StoreError
+from moseg.schemas.manifests import FileEntry, Manifest
+from moseg.schemas.recipes import Recipe, split_ref
+from moseg.store import collection, copying, pins, reading, verification
+from moseg.store.codec import METADATA, encode_group
+from moseg.store.medium import Medium
+from moseg.store.outcomes import GcReport, Pin, PutOutcome, StoredArtifact, TaskUsage, VerifyResult
+from moseg.store.provenance import library_versions, utc_now
+from moseg.store.sealing import digest_metadata, seal
 from pydantic import JsonValue
-
-from schemas.arrays import check_arrays
-from schemas.digests import canonical_json
-from schemas.errors import StoreError
-from schemas.manifests import FileEntry, Manifest
-from schemas.recipes import Recipe, split_ref
-from store import collection, copying, pins, reading, verification
-from store.codec import METADATA, encode_group
-from store.medium import Medium
-from store.outcomes import GcReport, Pin, PutOutcome, StoredArtifact, TaskUsage, VerifyResult
-from store.provenance import library_versions, utc_now
-from store.sealing import digest_metadata, seal
 
 
 class MediumStore:
-    """Artifacts on a medium; see `store.protocol.ArtifactStore` for what each method promises."""
+    """Artifacts on a medium; see `moseg.store.protocol.ArtifactStore` for what each method promises."""
 
     def __init__(self, medium: Medium):
         self._medium = medium
@@ -57,7 +56,7 @@ class MediumStore:
         Parameters
         ----------
         arrays : dict of ndarray
-            By name; checked against the task's layout in `schemas.arrays`.
+            By name; checked against the task's layout in `moseg.schemas.arrays`.
         attributes : dict of JSON values
             Results that are not arrays; finite and exact, as in a recipe.
         seconds : float

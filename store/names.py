@@ -2,10 +2,9 @@
 
 import re
 
+from moseg.schemas.errors import InputError
+from moseg.schemas.recipes import Ref, split_ref
 from pydantic import TypeAdapter, ValidationError
-
-from schemas.errors import InputError
-from schemas.recipes import Ref, split_ref
 
 MANIFEST = "manifest.json"
 _KEY = re.compile(r"[0-9a-f]{64}")

@@ -4,9 +4,9 @@ import os
 from pathlib import Path
 from urllib.parse import unquote_to_bytes, urlsplit
 
-from schemas.errors import InputError
-from store.local import LocalStore
-from store.protocol import ArtifactStore
+from moseg.schemas.errors import InputError
+from moseg.store.local import LocalStore
+from moseg.store.protocol import ArtifactStore
 
 REMOTE = ("s3", "s3a", "gs", "az", "azure", "adl", "abfs", "abfss")
 """Schemes of object stores; ``http://`` cannot be written."""
@@ -28,7 +28,7 @@ def open_store(url: str, create: bool = True) -> ArtifactStore:
     parts = urlsplit(url)
     if parts.scheme in REMOTE:
         # costs time to import, and most stores are local
-        from store.remote import RemoteStore
+        from moseg.store.remote import RemoteStore
 
         return RemoteStore(url, create=create)
     if parts.scheme != "file" or parts.netloc not in ("", "localhost") or not parts.path:

@@ -3,9 +3,9 @@
 from enum import StrEnum
 from typing import NamedTuple
 
-from schemas.frozen import Frozen
-from schemas.manifests import Manifest
-from schemas.recipes import Ref
+from moseg.schemas.frozen import Frozen
+from moseg.schemas.manifests import Manifest
+from moseg.schemas.recipes import Ref
 
 
 class PutOutcome(StrEnum):

@@ -7,7 +7,7 @@ import uuid
 from functools import cache
 from pathlib import Path
 
-from schemas.digests import digest_bytes
+from moseg.schemas.digests import digest_bytes
 
 ABANDONED_SECONDS = 86_400.0
 """Age at which something half done is a leftover whoever owns it: no put takes a day."""

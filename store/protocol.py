@@ -4,11 +4,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Protocol, runtime_checkable
 
 import numpy as np
+from moseg.schemas.manifests import Manifest
+from moseg.schemas.recipes import Recipe
+from moseg.store.outcomes import GcReport, Pin, PutOutcome, StoredArtifact, TaskUsage, VerifyResult
 from pydantic import JsonValue
-
-from schemas.manifests import Manifest
-from schemas.recipes import Recipe
-from store.outcomes import GcReport, Pin, PutOutcome, StoredArtifact, TaskUsage, VerifyResult
 
 
 @runtime_checkable

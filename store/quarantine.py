@@ -4,9 +4,9 @@ import os
 import shutil
 import uuid
 
-from schemas.errors import StoreError
-from schemas.recipes import split_ref
-from store.layout import Layout
+from moseg.schemas.errors import StoreError
+from moseg.schemas.recipes import split_ref
+from moseg.store.layout import Layout
 
 REASON = "reason.json"
 

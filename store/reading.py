@@ -7,14 +7,13 @@ names, and only then are they decoded, from memory, with checksums.
 from collections.abc import Iterable, Mapping
 
 import numpy as np
-
-from schemas.digests import digest_array, hash_array
-from schemas.errors import CorruptArtifactError, InputError, StoreError
-from schemas.manifests import ArrayEntry, Manifest
-from schemas.recipes import split_ref
-from store.codec import array_files, decode_array
-from store.medium import Medium
-from store.sealing import Sealed, digest_metadata, unseal
+from moseg.schemas.digests import digest_array, hash_array
+from moseg.schemas.errors import CorruptArtifactError, InputError, StoreError
+from moseg.schemas.manifests import ArrayEntry, Manifest
+from moseg.schemas.recipes import split_ref
+from moseg.store.codec import array_files, decode_array
+from moseg.store.medium import Medium
+from moseg.store.sealing import Sealed, digest_metadata, unseal
 
 
 def read_manifest(medium: Medium, ref: str) -> Manifest:

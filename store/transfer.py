@@ -15,11 +15,11 @@ from contextlib import contextmanager
 from graphlib import TopologicalSorter
 from typing import NamedTuple
 
-from schemas.errors import CorruptArtifactError, MissingArtifactError
-from store.lineage import Relative, State, ancestry, read_recipes
-from store.local import LocalStore
-from store.outcomes import PutOutcome
-from store.protocol import ArtifactStore
+from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError
+from moseg.store.lineage import Relative, State, ancestry, read_recipes
+from moseg.store.local import LocalStore
+from moseg.store.outcomes import PutOutcome
+from moseg.store.protocol import ArtifactStore
 
 NUM_THREADS = 16
 """Artifacts on their way at a time where one end is behind a network, each whole in memory: some MB to some 10 MB.

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterable, Iterator
 
-from schemas.errors import CorruptArtifactError, MissingArtifactError
-from store.codec import array_files
-from store.medium import Medium
-from store.names import check_ref
-from store.outcomes import VerifyResult
-from store.reading import load_checked, read_files, read_sealed
-from store.sealing import Sealed
+from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError
+from moseg.store.codec import array_files
+from moseg.store.medium import Medium
+from moseg.store.names import check_ref
+from moseg.store.outcomes import VerifyResult
+from moseg.store.reading import load_checked, read_files, read_sealed
+from moseg.store.sealing import Sealed
 
 
 def verify(medium: Medium, refs: Iterable[str] | None = None) -> Iterator[VerifyResult]:

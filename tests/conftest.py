@@ -94,7 +94,7 @@ def in_empty_folder(tmp_path, monkeypatch) -> None:
 @pytest.fixture
 def moseg(capsys) -> Callable[..., Ran]:
     """Runs a `moseg` command in this process."""
-    from workflows.cli.app import run
+    from moseg.workflows.cli.app import run
 
     def call(*arguments) -> Ran:
         capsys.readouterr()
@@ -107,7 +107,7 @@ def moseg(capsys) -> Callable[..., Ran]:
 @pytest.fixture(scope="session")
 def evaluated(squares, tmp_path_factory) -> Evaluation:
     """The squares evaluated in sections of four frames. Tests that damage the store take `evaluated_copy`."""
-    from workflows.cli.app import run
+    from moseg.workflows.cli.app import run
 
     folder = tmp_path_factory.mktemp("evaluated")
     arguments = ("eval", "--dataset", "folder", "--root", str(squares), "--quiet", "--section-length", "4")

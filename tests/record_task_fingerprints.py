@@ -10,13 +10,11 @@ import json
 import sys
 from pathlib import Path
 
-from task_fingerprints import RECORD, ROOT, Fingerprint, current_fingerprints, moved_unnoticed, recorded_fingerprints
+from task_fingerprints import RECORD, Fingerprint, current_fingerprints, moved_unnoticed, recorded_fingerprints
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Bring the record up to date; the exit code."""
-    # The folders of tests are named like the rooms and stand first on the path of a script beside them.
-    sys.path.insert(0, str(ROOT))
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--force", action="store_true", help="record code that moved under an unchanged version")
     return record(current_fingerprints(), RECORD, parser.parse_args(arguments).force)

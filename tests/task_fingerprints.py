@@ -1,8 +1,8 @@
 """Fingerprints of the code behind each task's version.
 
-A fingerprint is a digest over every definition that a task's adapter reaches, in its own module, in `moseg_tasks` and
-in `workflows`: functions, classes and module-level values, each followed through imports to the module that defines
-it. Comments, docstrings, layout and what merely stands beside are no part of it.
+A fingerprint is a digest over every definition that a task's adapter reaches, in its own module, in `moseg.tasks` and
+in `moseg.workflows`: functions, classes and module-level values, each followed through imports to the module that
+defines it. Comments, docstrings, layout and what merely stands beside are no part of it.
 
 Three things are left out on purpose. Parameter models (`schemas`): their values stand in the recipes, so another
 default is another key. The plumbing that hands arrays to and fro (`PLUMBING`): it changes no array. Libraries: their
@@ -20,20 +20,21 @@ from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
 RECORD = Path(__file__).with_suffix(".json")
-FOLLOWED = ("moseg_tasks", "workflows")
-PLUMBING = ("workflows.stages.task", "workflows.stages.inputs", "workflows.weights.resident")
+FOLLOWED = {"moseg.tasks": "moseg_tasks", "moseg.workflows": "workflows"}
+"""Packages whose code is followed, and their folders."""
+PLUMBING = ("moseg.workflows.stages.task", "moseg.workflows.stages.inputs", "moseg.workflows.weights.resident")
 LEAF_READERS = (
-    ("ingest:leaves", "workflows.ingest", "_LEAVES", "INGEST_VERSION"),
-    ("ingest:images", "workflows.sources.image_files", "ImageFiles", "DECODING_VERSION"),
-    ("ingest:video", "workflows.sources.video_file", "VideoFile", "DECODING_VERSION"),
-    ("ingest:masks", "workflows.sources.mask_files", "MaskFiles", "DECODING_VERSION"),
-    ("ingest:depth", "workflows.sources.depth_files", "DepthFiles", "DECODING_VERSION"),
-    ("ingest:flow", "workflows.sources.flow_files", "FlowFiles", "DECODING_VERSION"),
-    ("ingest:labelled_points", "workflows.sources.labelled_points", "LabelledPointFile", "DECODING_VERSION"),
-    ("ingest:tracks", "workflows.sources.track_files", "TrackFile", "DECODING_VERSION"),
-    ("ingest:trajectories", "workflows.sources.trajectory_files", "TrajectoryFile", "DECODING_VERSION"),
-    ("ingest:trajectory_labels", "workflows.sources.trajectory_files", "TrajectoryLabels", "DECODING_VERSION"),
-    ("ingest:scenes", "workflows.sources.scenes", "_rendered", "RENDERER_VERSION"),
+    ("ingest:leaves", "moseg.workflows.ingest", "_LEAVES", "INGEST_VERSION"),
+    ("ingest:images", "moseg.workflows.sources.image_files", "ImageFiles", "DECODING_VERSION"),
+    ("ingest:video", "moseg.workflows.sources.video_file", "VideoFile", "DECODING_VERSION"),
+    ("ingest:masks", "moseg.workflows.sources.mask_files", "MaskFiles", "DECODING_VERSION"),
+    ("ingest:depth", "moseg.workflows.sources.depth_files", "DepthFiles", "DECODING_VERSION"),
+    ("ingest:flow", "moseg.workflows.sources.flow_files", "FlowFiles", "DECODING_VERSION"),
+    ("ingest:labelled_points", "moseg.workflows.sources.labelled_points", "LabelledPointFile", "DECODING_VERSION"),
+    ("ingest:tracks", "moseg.workflows.sources.track_files", "TrackFile", "DECODING_VERSION"),
+    ("ingest:trajectories", "moseg.workflows.sources.trajectory_files", "TrajectoryFile", "DECODING_VERSION"),
+    ("ingest:trajectory_labels", "moseg.workflows.sources.trajectory_files", "TrajectoryLabels", "DECODING_VERSION"),
+    ("ingest:scenes", "moseg.workflows.sources.scenes", "_rendered", "RENDERER_VERSION"),
 )
 """What decodes files into leaves: an `ingest` artifact remembers its outcome, so it too has a version."""
 
@@ -65,9 +66,10 @@ class ModuleName(NamedTuple):
 
 def read_source(module: str) -> str | None:
     """Source of a module of the followed packages, from the working tree."""
-    if module.partition(".")[0] not in FOLLOWED:
+    package, *inner = module.split(".")[1:] if module.startswith("moseg.") else [""]
+    if f"moseg.{package}" not in FOLLOWED:
         return None
-    path = ROOT.joinpath(*module.split("."))
+    path = ROOT.joinpath(FOLLOWED[f"moseg.{package}"], *inner)
     for candidate in (path.with_suffix(".py"), path / "__init__.py"):
         if candidate.is_file():
             return candidate.read_text(encoding="utf-8")
@@ -134,7 +136,7 @@ def reach(root: ModuleName, read: SourceReader = read_source) -> list[list]:
 
 
 def _roots() -> dict[str, tuple[int, ModuleName]]:
-    from workflows.stages.registry import TASKS
+    from moseg.workflows.stages.registry import TASKS
 
     roots = {}
     for (name, method), task in TASKS.items():

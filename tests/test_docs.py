@@ -19,17 +19,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError
+from moseg.workflows.cli.app import build_command
+from moseg.workflows.cli.pipeline_options import PipelineOptions
+from moseg.workflows.datasets.registry import DATASETS
+from moseg.workflows.preset_choice import choose_preset
+from moseg.workflows.weights.catalogue import CATALOGUE
+from moseg.workflows.weights.needed import ARCHITECTURES, needed_items
 from typer.core import TyperGroup
 from typer.exceptions import TyperException
-
-from schemas.configs import PipelineConfig
-from schemas.errors import InputError
-from workflows.cli.app import build_command
-from workflows.cli.pipeline_options import PipelineOptions
-from workflows.datasets.registry import DATASETS
-from workflows.preset_choice import choose_preset
-from workflows.weights.catalogue import CATALOGUE
-from workflows.weights.needed import ARCHITECTURES, needed_items
 
 ROOT = Path(__file__).resolve().parents[1]
 

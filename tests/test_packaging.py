@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tarfile
@@ -15,7 +16,13 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).resolve().parents[1]
-ROOMS = ("schemas", "store", "moseg_tasks", "workflows")
+ROOMS = {
+    "schemas": "moseg/schemas",
+    "store": "moseg/store",
+    "moseg_tasks": "moseg/tasks",
+    "workflows": "moseg/workflows",
+}
+"""Folders at the top of the checkout, and where each is installed."""
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 BESIDE = ("benchmarks", "docs", "tests")
 FILES = (
@@ -27,7 +34,11 @@ FILES = (
     "README.md",
     "constraints.txt",
     "pyproject.toml",
+    "setup.py",
 )
+EDITOR = "docs/editor"
+"""Links to the folders, by which the checkout is imported where it is not installed."""
+FRONT = "api/moseg/__init__.py"
 PAGE_SUFFIXES = (".html", ".css", ".js")
 
 
@@ -50,6 +61,7 @@ def source(tmp_path_factory) -> Path:
         target = folder / path.relative_to(ROOT)
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(path.read_bytes())
+    shutil.copytree(ROOT / EDITOR, folder / EDITOR, symlinks=True)
     return folder
 
 
@@ -71,7 +83,12 @@ def _build(kind: str, source: Path, folder: Path) -> Path:
 
 def _project_files() -> list[Path]:
     folders = [ROOT / folder for folder in (*ROOMS, *BESIDE)]
-    found = [path for folder in folders for path in folder.rglob("*") if path.is_file() and path.suffix != ".pyc"]
+    found = [
+        path
+        for folder in folders
+        for path in folder.rglob("*")
+        if path.is_file() and not path.is_symlink() and path.suffix != ".pyc"
+    ]
     return [*found, *(ROOT / name for name in FILES)]
 
 
@@ -80,9 +97,9 @@ def _expected_names() -> set[str]:
     found = set()
     for room in ROOMS:
         for path in (ROOT / room).rglob("*"):
-            name = path.relative_to(ROOT).as_posix()
+            name = f"{ROOMS[room]}/{path.relative_to(ROOT / room).as_posix()}"
             if path.suffix in (".py", *PAGE_SUFFIXES):
-                found.add(name.removeprefix("workflows/public/"))
+                found.add(name.removeprefix("moseg/workflows/api/") if name.endswith(FRONT) else name)
     return found
 
 
@@ -95,7 +112,6 @@ def test_the_wheel_holds_nothing_else(wheel):
     more = {name for name in wheel.names - _expected_names() if ".dist-info/" not in name}
     assert more == set()
     assert {name.partition("/")[0] for name in wheel.names} == {
-        *ROOMS,
         "moseg",
         f"moseg-{PROJECT['version']}.dist-info",
     }
@@ -120,15 +136,15 @@ def test_metadata_tell_what_it_is_and_needs(wheel):
     required = {re.split(r"[<>=]", need)[0] for need in metadata.get_all("Requires-Dist") if "extra ==" not in need}
     assert required == {re.split(r"[<>=]", need)[0] for need in PROJECT["dependencies"]}
     assert {"models", "test"} == set(metadata.get_all("Provides-Extra"))
-    assert "moseg = workflows.cli:main" in wheel.info("entry_points.txt")
+    assert "moseg = moseg.workflows.cli:main" in wheel.info("entry_points.txt")
     assert wheel.info("licenses/LICENSE") == (ROOT / "LICENSE").read_text(encoding="utf-8")
 
 
 def test_the_wheel_runs_without_the_checkout(wheel, squares, tmp_path):
-    run = "import sys; from workflows.cli import main; main(sys.argv[1:])"
+    run = "import sys; from moseg.workflows.cli import main; main(sys.argv[1:])"
     # Only what is unpacked, and the packages that it needs: the checkout's own rooms come from neither.
     environ = {"PATH": os.environ["PATH"], "HOME": str(tmp_path), "PYTHONPATH": str(wheel.folder)}
-    where = "import moseg, schemas, store, moseg_tasks, workflows; print(moseg.__file__, schemas.__file__)"
+    where = "import moseg, moseg.schemas, moseg.workflows; print(moseg.__file__, moseg.schemas.__file__)"
 
     def python(code: str, *arguments: object) -> str:
         command = [sys.executable, "-P", "-c", code, *map(str, arguments)]
@@ -144,9 +160,9 @@ def test_the_wheel_runs_without_the_checkout(wheel, squares, tmp_path):
 
 
 def test_installed_code_and_the_checkouts_are_the_same_to_a_cluster(wheel, source):
-    code = "from workflows.code_fingerprint import code_fingerprint; print(code_fingerprint())"
+    code = "from moseg.workflows.code_fingerprint import code_fingerprint; print(code_fingerprint())"
     found = set()
-    for folder in (wheel.folder, source):
+    for folder in (wheel.folder, source / EDITOR):
         environ = {"PATH": os.environ["PATH"], "PYTHONPATH": str(folder)}
         command = [sys.executable, "-P", "-c", code]
         found.add(subprocess.run(command, env=environ, capture_output=True, text=True, check=True).stdout)

@@ -8,7 +8,14 @@ from typing import NamedTuple
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-ROOMS = ("schemas", "store", "moseg_tasks", "workflows")
+PACKAGES = {
+    "schemas": "moseg.schemas",
+    "store": "moseg.store",
+    "moseg_tasks": "moseg.tasks",
+    "workflows": "moseg.workflows",
+}
+"""Rooms, and the names that they are imported by."""
+ROOMS = tuple(PACKAGES)
 SCIENCE = {"PIL", "cv2", "kmedoids", "numpy", "poselib", "pydantic", "scipy", "sklearn", "torch", "transformers"}
 OUTSIDE_WORLD = {
     "glob",
@@ -59,19 +66,34 @@ RULES = {
 
 
 def _imports(tree: ast.AST) -> set[str]:
-    """Top-level packages that a module imports, wherever in it; relative imports count as their own room's."""
+    """Packages that a module imports, wherever in it: of ours the room, of others the top level.
+
+    Relative imports count as their own room's.
+    """
     found = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
-            found |= {alias.name.partition(".")[0] for alias in node.names}
+            found |= {_package(alias.name) for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.level == 0:
-            found.add(node.module.partition(".")[0])
+            names = [f"moseg.{alias.name}" for alias in node.names] if node.module == "moseg" else [node.module]
+            found |= {_package(name) for name in names}
     return found
+
+
+def _package(module: str) -> str:
+    """The room of a module of ours, else its top-level package."""
+    first, _, rest = module.partition(".")
+    return f"moseg.{rest.partition('.')[0]}" if first == "moseg" else first
 
 
 def _forbidden_imports(room: str, source: str) -> set[str]:
     rule = RULES[room]
-    allowed = {room} | rule.rooms | rule.libraries | (sys.stdlib_module_names - rule.no_stdlib)
+    allowed = (
+        {PACKAGES[room]}
+        | {PACKAGES[other] for other in rule.rooms}
+        | rule.libraries
+        | (sys.stdlib_module_names - rule.no_stdlib)
+    )
     return _imports(ast.parse(source)) - allowed
 
 
@@ -129,15 +151,18 @@ def test_no_code_runs_what_it_reads():
 @pytest.mark.parametrize(
     ("room", "source"),
     [
-        ("schemas", "import store"),
+        ("schemas", "import moseg.store"),
         ("schemas", "def f():\n    from zarr import open_group"),
-        ("store", "import moseg_tasks.flow"),
+        ("store", "import moseg.tasks.flow"),
         ("store", "from dask import delayed"),
         ("store", "import cv2"),
         ("moseg_tasks", "from pathlib import Path"),
         ("moseg_tasks", "import os.path"),
-        ("moseg_tasks", "from workflows.resize import resize_labels"),
+        ("moseg_tasks", "from moseg.workflows.resize import resize_labels"),
         ("moseg_tasks", "import distributed"),
+        ("moseg_tasks", "import moseg"),
+        ("schemas", "from moseg import store"),
+        ("workflows", "import schemas"),
         ("workflows", "import zarr"),
     ],
 )

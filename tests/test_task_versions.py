@@ -19,9 +19,9 @@ prints = _load("task_fingerprints")
 script = _load("record_task_fingerprints")
 
 TOY = {
-    "workflows.stages.toy": """
-from moseg_tasks.toy import double
-from workflows.stages.task import Task
+    "moseg.workflows.stages.toy": """
+from moseg.tasks.toy import double
+from moseg.workflows.stages.task import Task
 
 def _run(params, inputs, rng):
     return double(inputs)
@@ -29,11 +29,11 @@ def _run(params, inputs, rng):
 TOY = Task("toy", "double", version=1, run=_run)
 OTHER = Task("toy", "other", version=1, run=len)
 """,
-    "moseg_tasks.toy": "from moseg_tasks.toy.halve import halve\nfrom moseg_tasks.toy.double import double\n",
-    "moseg_tasks.toy.double": '''
+    "moseg.tasks.toy": "from moseg.tasks.toy.halve import halve\nfrom moseg.tasks.toy.double import double\n",
+    "moseg.tasks.toy.double": '''
 """Doubling."""
 import numpy as np
-from moseg_tasks.toy import scale
+from moseg.tasks.toy import scale
 
 FACTOR = 2
 
@@ -45,10 +45,10 @@ def double(x):
 def unused(x):
     return x
 ''',
-    "moseg_tasks.toy.scale": "def apply(x):\n    return x + 0\n",
-    "moseg_tasks.toy.halve": "def halve(x):\n    return x / 2\n",
+    "moseg.tasks.toy.scale": "def apply(x):\n    return x + 0\n",
+    "moseg.tasks.toy.halve": "def halve(x):\n    return x / 2\n",
 }
-ROOT = prints.ModuleName("workflows.stages.toy", "TOY")
+ROOT = prints.ModuleName("moseg.workflows.stages.toy", "TOY")
 
 
 @pytest.fixture(scope="module")
@@ -82,17 +82,17 @@ def test_every_task_has_the_recorded_code_or_a_raised_version(current):
 @pytest.mark.parametrize(
     ("module", "old", "new"),
     [
-        ("workflows.stages.toy", "double(inputs)", "double(inputs[0])"),
-        ("moseg_tasks.toy.double", "* FACTOR", "+ FACTOR"),
-        ("moseg_tasks.toy.double", "FACTOR = 2", "FACTOR = 3"),
-        ("moseg_tasks.toy.double", "import numpy as np", "import scipy as np"),
-        ("moseg_tasks.toy.double", "FACTOR = 2", "FACTOR = 2\nprint(FACTOR)"),
-        ("moseg_tasks.toy.double", "FACTOR = 2", "FACTOR = [2]\nFACTOR[0] = 3"),
-        ("moseg_tasks.toy.scale", "x + 0", "x - 0"),
+        ("moseg.workflows.stages.toy", "double(inputs)", "double(inputs[0])"),
+        ("moseg.tasks.toy.double", "* FACTOR", "+ FACTOR"),
+        ("moseg.tasks.toy.double", "FACTOR = 2", "FACTOR = 3"),
+        ("moseg.tasks.toy.double", "import numpy as np", "import scipy as np"),
+        ("moseg.tasks.toy.double", "FACTOR = 2", "FACTOR = 2\nprint(FACTOR)"),
+        ("moseg.tasks.toy.double", "FACTOR = 2", "FACTOR = [2]\nFACTOR[0] = 3"),
+        ("moseg.tasks.toy.scale", "x + 0", "x - 0"),
         (
-            "moseg_tasks.toy",
-            "from moseg_tasks.toy.double import double",
-            "from moseg_tasks.toy.halve import halve as double",
+            "moseg.tasks.toy",
+            "from moseg.tasks.toy.double import double",
+            "from moseg.tasks.toy.halve import halve as double",
         ),
     ],
 )
@@ -103,15 +103,15 @@ def test_another_program_is_another_fingerprint(module, old, new):
 @pytest.mark.parametrize(
     ("module", "old", "new"),
     [
-        ("workflows.stages.toy", "version=1", "version=2"),
-        ("workflows.stages.toy", "run=len", "run=max"),
-        ("moseg_tasks.toy.double", "# By multiplication.", "# Not by addition."),
-        ("moseg_tasks.toy.double", '"""Twice x."""', '"""Two times x."""'),
-        ("moseg_tasks.toy.double", '"""Twice x."""', ""),
-        ("moseg_tasks.toy.double", '"""Doubling."""', ""),
-        ("moseg_tasks.toy.double", "\nFACTOR", "\n\n\nFACTOR"),
-        ("moseg_tasks.toy.double", "    return x\n", "    return -x\n"),
-        ("moseg_tasks.toy.halve", "x / 2", "x // 2"),
+        ("moseg.workflows.stages.toy", "version=1", "version=2"),
+        ("moseg.workflows.stages.toy", "run=len", "run=max"),
+        ("moseg.tasks.toy.double", "# By multiplication.", "# Not by addition."),
+        ("moseg.tasks.toy.double", '"""Twice x."""', '"""Two times x."""'),
+        ("moseg.tasks.toy.double", '"""Twice x."""', ""),
+        ("moseg.tasks.toy.double", '"""Doubling."""', ""),
+        ("moseg.tasks.toy.double", "\nFACTOR", "\n\n\nFACTOR"),
+        ("moseg.tasks.toy.double", "    return x\n", "    return -x\n"),
+        ("moseg.tasks.toy.halve", "x / 2", "x // 2"),
     ],
 )
 def test_comments_docstrings_and_neighbours_are_no_part_of_it(module, old, new):
@@ -119,7 +119,7 @@ def test_comments_docstrings_and_neighbours_are_no_part_of_it(module, old, new):
 
 
 def test_a_changed_helper_moves_the_tasks_that_reach_it_and_no_others(current):
-    module = "moseg_tasks.geometry.sampson"
+    module = "moseg.tasks.geometry.sampson"
 
     def edited(name):
         source = prints.read_source(name)

@@ -2,10 +2,10 @@
 
 from typing import NamedTuple
 
-from schemas.weights import Architecture, WeightsFile, WeightsItem
-from workflows.weights.fetch_command import fetch_command
-from workflows.weights.folder import Weights
-from workflows.weights.hub import parse_hub_url
+from moseg.schemas.weights import Architecture, WeightsFile, WeightsItem
+from moseg.workflows.weights.fetch_command import fetch_command
+from moseg.workflows.weights.folder import Weights
+from moseg.workflows.weights.hub import parse_hub_url
 
 OWN = "this project, MIT"
 OPENCV = "OpenCV, Apache-2.0"

@@ -5,10 +5,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from distributed import Client
-
-from schemas.errors import InputError
-from workflows.code_fingerprint import refuse_other_code
-from workflows.process_facts import process_facts
+from moseg.schemas.errors import InputError
+from moseg.workflows.code_fingerprint import refuse_other_code
+from moseg.workflows.process_facts import process_facts
 
 
 class ClusterCheck:

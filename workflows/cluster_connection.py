@@ -14,9 +14,8 @@ from distributed.comm.addressing import parse_host_port
 from distributed.comm.registry import get_backend
 from distributed.security import Security
 from distributed.versions import VersionMismatchWarning
-
-from schemas.errors import InputError
-from workflows.scheduler_probe import knock
+from moseg.schemas.errors import InputError
+from moseg.workflows.scheduler_probe import knock
 
 CONNECT_SEC = 10.0
 """For how long a scheduler may take to answer, and to come back when the connection breaks."""

@@ -8,10 +8,9 @@ from contextlib import contextmanager, suppress
 from distributed.client import ClosedClientError
 from distributed.comm import CommClosedError
 from distributed.scheduler import KilledWorker
-
-from schemas.errors import ClusterError, MosegError
-from workflows.clusters import Cluster
-from workflows.flight import CallError
+from moseg.schemas.errors import ClusterError, MosegError
+from moseg.workflows.clusters import Cluster
+from moseg.workflows.flight import CallError
 
 RESUME = "what was finished is kept, the same command goes on from there"
 

@@ -8,17 +8,16 @@ from typing import Protocol
 
 import dask
 from distributed import Client, LocalCluster
-
-from schemas.errors import ClusterError, MosegError
-from workflows.cluster_check import ClusterCheck
-from workflows.cluster_connection import SHORT_LOGS, TlsFiles, connect
-from workflows.code_fingerprint import code_fingerprint
-from workflows.interrupts import defer_interrupts
-from workflows.memory import allocation_environ
-from workflows.placement import ForeignGpus, ForeignWorkers, OwnGpus, OwnWorkers, Plan, set_up_workers
-from workflows.remote_calls import Setup, prepare_worker
-from workflows.threads import thread_environ
-from workflows.weights.packages import PACKAGES
+from moseg.schemas.errors import ClusterError, MosegError
+from moseg.workflows.cluster_check import ClusterCheck
+from moseg.workflows.cluster_connection import SHORT_LOGS, TlsFiles, connect
+from moseg.workflows.code_fingerprint import code_fingerprint
+from moseg.workflows.interrupts import defer_interrupts
+from moseg.workflows.memory import allocation_environ
+from moseg.workflows.placement import ForeignGpus, ForeignWorkers, OwnGpus, OwnWorkers, Plan, set_up_workers
+from moseg.workflows.remote_calls import Setup, prepare_worker
+from moseg.workflows.threads import thread_environ
+from moseg.workflows.weights.packages import PACKAGES
 
 
 class Cluster(Protocol):

@@ -5,11 +5,11 @@ from hashlib import blake2b
 from importlib.util import find_spec
 from pathlib import Path
 
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
-ROOMS = ("schemas", "store", "moseg_tasks", "workflows")
-FACADE = "public"
-"""Folder that lies in a room in the checkout only: installed, the package in it stands beside the rooms."""
+ROOMS = ("moseg.schemas", "moseg.store", "moseg.tasks", "moseg.workflows")
+FRONT = ("api", "moseg")
+"""Folder of `moseg.workflows` in the checkout only: installed, the package `moseg` stands above the rooms."""
 DIGEST_BYTES = 8
 """Short enough to be read aloud; nobody forges it, it tells versions apart."""
 
@@ -32,7 +32,7 @@ def code_fingerprint() -> str:
     for room in ROOMS:
         for folder in _folders(room):
             for path in sorted(folder.rglob("*.py"), key=lambda path: path.relative_to(folder).as_posix()):
-                if path.relative_to(folder).parts[0] == FACADE:
+                if path.relative_to(folder).parts[:2] == FRONT:
                     continue
                 content = path.read_bytes().replace(b"\r\n", b"\n")
                 name = f"{room}/{path.relative_to(folder).as_posix()}".encode()

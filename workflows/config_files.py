@@ -6,12 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.parameter_errors import parameter_error
+from moseg.workflows.parameters import Parameter, list_parameters, list_stages, stage_model, value_of
 from pydantic import BaseModel, ValidationError
-
-from schemas.configs import PipelineConfig
-from schemas.errors import InputError, MissingInputError
-from workflows.parameter_errors import parameter_error
-from workflows.parameters import Parameter, list_parameters, list_stages, stage_model, value_of
 
 MAX_BYTES = 1 << 18
 """Every parameter with its comment takes a tenth of this."""

@@ -5,21 +5,20 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.store import ArtifactStore
+from moseg.tasks.metrics import Overlaps, count_overlaps, count_point_overlaps, region_similarity
+from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.exports.atomic_write import atomic_path, blame_output
+from moseg.workflows.exports.draw_contact_sheet import draw_contact_sheet
+from moseg.workflows.exports.sheet_column import SheetFrame
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.leaves import ingest_sequences
+from moseg.workflows.resize import resize_labels
+from moseg.workflows.session import Session
+from moseg.workflows.shown_frames import annotated_frames, label_points, read_labelled_points, scored_frames, spread
+from moseg.workflows.waves import in_waves
 from PIL import Image
-
-from moseg_tasks.metrics import Overlaps, count_overlaps, count_point_overlaps, region_similarity
-from schemas.configs import PipelineConfig, Variant
-from store import ArtifactStore
-from workflows.datasets import SequenceSource
-from workflows.exports.atomic_write import atomic_path, blame_output
-from workflows.exports.draw_contact_sheet import draw_contact_sheet
-from workflows.exports.sheet_column import SheetFrame
-from workflows.graph import SequenceGraph
-from workflows.leaves import ingest_sequences
-from workflows.resize import resize_labels
-from workflows.session import Session
-from workflows.shown_frames import annotated_frames, label_points, read_labelled_points, scored_frames, spread
-from workflows.waves import in_waves
 
 
 class SoftMap(NamedTuple):

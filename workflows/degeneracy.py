@@ -8,10 +8,9 @@ from collections.abc import Mapping
 from enum import IntEnum
 
 import numpy as np
-
-from moseg_tasks.geometry import Degeneracy
-from schemas.events import DegenerateEvent
-from workflows.events import this_process
+from moseg.schemas.events import DegenerateEvent
+from moseg.tasks.geometry import Degeneracy
+from moseg.workflows.events import this_process
 
 REASONS: dict[str, type[IntEnum]] = {"fundamental": Degeneracy}
 """Meaning of the codes in a stage's ``reason``."""

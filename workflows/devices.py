@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING
 
-from schemas.errors import InputError
-from workflows.spelling import closest
+from moseg.schemas.errors import InputError
+from moseg.workflows.spelling import closest
 
 if TYPE_CHECKING:
     import torch

@@ -2,16 +2,16 @@
 
 from collections.abc import Sequence
 
-from schemas.configs import PipelineConfig, Variant
-from schemas.scores import EvaluationReport, EvaluationRow, SequenceScore, mean_score
-from store import map_reads
-from workflows.datasets import SequenceSource, find_ground_truth
-from workflows.graph import SequenceGraph
-from workflows.leaves import ingest_sequences
-from workflows.purpose import EVALUATION, Purpose, make_subject
-from workflows.reports.panels import Panels
-from workflows.session import Session
-from workflows.waves import in_waves
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.scores import EvaluationReport, EvaluationRow, SequenceScore, mean_score
+from moseg.store import map_reads
+from moseg.workflows.datasets import SequenceSource, find_ground_truth
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.leaves import ingest_sequences
+from moseg.workflows.purpose import EVALUATION, Purpose, make_subject
+from moseg.workflows.reports.panels import Panels
+from moseg.workflows.session import Session
+from moseg.workflows.waves import in_waves
 
 
 def evaluate(

@@ -2,14 +2,20 @@
 
 from collections.abc import Sequence
 
-from schemas.configs import PipelineConfig, TrajectoryVariant
-from schemas.trajectory_scores import TrajectoryReport, TrajectoryRow, TrajectoryScore, average_clips, average_seeds
-from workflows.datasets import TrajectorySource
-from workflows.graph import TrajectoryGraph
-from workflows.purpose import EVALUATION, Purpose, make_subject
-from workflows.reports.panels import Panels
-from workflows.session import Session
-from workflows.trajectory_leaves import ingest_trajectories
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
+from moseg.schemas.trajectory_scores import (
+    TrajectoryReport,
+    TrajectoryRow,
+    TrajectoryScore,
+    average_clips,
+    average_seeds,
+)
+from moseg.workflows.datasets import TrajectorySource
+from moseg.workflows.graph import TrajectoryGraph
+from moseg.workflows.purpose import EVALUATION, Purpose, make_subject
+from moseg.workflows.reports.panels import Panels
+from moseg.workflows.session import Session
+from moseg.workflows.trajectory_leaves import ingest_trajectories
 
 
 def evaluate_trajectories(

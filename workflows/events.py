@@ -9,9 +9,9 @@ from contextlib import AbstractContextManager, suppress
 from datetime import UTC, datetime
 from functools import cache
 
-from schemas.errors import StoreError
-from schemas.events import Event, EventKind, TroubleEvent, WorkEvent, write_event
-from store import ArtifactStore
+from moseg.schemas.errors import StoreError
+from moseg.schemas.events import Event, EventKind, TroubleEvent, WorkEvent, write_event
+from moseg.store import ArtifactStore
 
 LOG_SHARE = 0.01
 """Part of a call's time that may go into its log, beside what is written when it begins and when it ends."""

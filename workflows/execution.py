@@ -6,20 +6,19 @@ from contextlib import contextmanager, suppress
 from typing import NamedTuple
 
 import numpy as np
-
-from schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
-from schemas.events import EventKind
-from schemas.recipes import Recipe
-from store import PutOutcome
-from workflows.degeneracy import degenerate_event
-from workflows.events import EventLog, failed_event, note_written, work_event
-from workflows.ingest import IngestJob, open_existing, run_ingest
-from workflows.stages.array_cache import ARRAYS
-from workflows.stages.inputs import Inputs
-from workflows.stages.registry import find_task
-from workflows.stages.task import Output
-from workflows.weights.packages import require_network_packages
-from workflows.write_behind import Put, WriteBehind
+from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
+from moseg.schemas.events import EventKind
+from moseg.schemas.recipes import Recipe
+from moseg.store import PutOutcome
+from moseg.workflows.degeneracy import degenerate_event
+from moseg.workflows.events import EventLog, failed_event, note_written, work_event
+from moseg.workflows.ingest import IngestJob, open_existing, run_ingest
+from moseg.workflows.stages.array_cache import ARRAYS
+from moseg.workflows.stages.inputs import Inputs
+from moseg.workflows.stages.registry import find_task
+from moseg.workflows.stages.task import Output
+from moseg.workflows.weights.packages import require_network_packages
+from moseg.workflows.write_behind import Put, WriteBehind
 
 
 class TaskReport(NamedTuple):

@@ -10,9 +10,8 @@ from dask.highlevelgraph import HighLevelGraph, MaterializedLayer
 from dask.task_spec import Task, TaskRef
 from distributed import Client, Future, as_completed
 from distributed.client import ClosedClientError
-
-from workflows.calls import Call
-from workflows.remote_calls import Setup, run_call
+from moseg.workflows.calls import Call
+from moseg.workflows.remote_calls import Setup, run_call
 
 CALLS_PER_THREAD = 64
 """Calls in flight for each thread of the cluster: with a few brief ones among them still seconds of work."""

@@ -3,10 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-
-from schemas.configs import Variant
-from store import ArtifactStore
-from workflows.graph import SequenceGraph
+from moseg.schemas.configs import Variant
+from moseg.store import ArtifactStore
+from moseg.workflows.graph import SequenceGraph
 
 
 class FoundObjects(NamedTuple):

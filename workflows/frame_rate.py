@@ -1,6 +1,6 @@
 """Frame rates that may be asked for, and the one that counts."""
 
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
 DEFAULT_FPS = 24.0
 """Frames per second of frames that come without a rate: a folder of images, arrays."""

@@ -2,9 +2,9 @@
 
 import os
 
-from schemas.errors import MissingInputError
-from workflows.datasets import SequenceSource
-from workflows.sources import FlowFiles, open_depth, open_flow, open_masks, open_tracks
+from moseg.schemas.errors import MissingInputError
+from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.sources import FlowFiles, open_depth, open_flow, open_masks, open_tracks
 
 
 def with_given_folders(source: SequenceSource, folders: dict[str, str], max_side: int) -> SequenceSource:

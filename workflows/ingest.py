@@ -10,11 +10,10 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-
-from schemas.digests import digest_json, hash_array
-from schemas.errors import MissingArtifactError
-from schemas.recipes import Recipe, leaf_recipe
-from store import ArtifactStore, map_reads, open_store
+from moseg.schemas.digests import digest_json, hash_array
+from moseg.schemas.errors import MissingArtifactError
+from moseg.schemas.recipes import Recipe, leaf_recipe
+from moseg.store import ArtifactStore, map_reads, open_store
 
 INGEST_VERSION = 1
 

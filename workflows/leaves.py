@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 from itertools import chain
 
-from schemas.configs import PipelineConfig
-from schemas.errors import InputError
-from workflows.datasets import SequenceSource
-from workflows.graph import GIVEN_SOURCES, SequenceLeaves
-from workflows.ingest import IngestJob
-from workflows.session import Session
-from workflows.sources import SceneFrames
-from workflows.weights.needed import needed_items
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError
+from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.graph import GIVEN_SOURCES, SequenceLeaves
+from moseg.workflows.ingest import IngestJob
+from moseg.workflows.session import Session
+from moseg.workflows.sources import SceneFrames
+from moseg.workflows.weights.needed import needed_items
 
 FRAMES_PER_JOB = 16
 

@@ -1,6 +1,6 @@
 """What a user must know to read a result rightly."""
 
-from schemas.configs import PipelineConfig
+from moseg.schemas.configs import PipelineConfig
 
 
 def motions_note(config: PipelineConfig, option: str = "--motions") -> tuple[str, ...]:

@@ -2,12 +2,11 @@
 
 from typing import Any
 
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError
+from moseg.workflows.parameters import list_parameters, list_stages, stage_model
+from moseg.workflows.spelling import closest, unknown_name
 from pydantic import ValidationError
-
-from schemas.configs import PipelineConfig
-from schemas.errors import InputError
-from workflows.parameters import list_parameters, list_stages, stage_model
-from workflows.spelling import closest, unknown_name
 
 
 def parameter_error(error: ValidationError, where: object = None) -> InputError:

@@ -5,11 +5,10 @@ from functools import cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.units import Unit
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
-
-from schemas.configs import PipelineConfig
-from schemas.units import Unit
 
 _SIGNS = {"ge": ">=", "gt": ">", "le": "<=", "lt": "<"}
 

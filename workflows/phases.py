@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
-from schemas.digests import canonical_json
-from schemas.recipes import Recipe
+from moseg.schemas.digests import canonical_json
+from moseg.schemas.recipes import Recipe
 
 
 def split_phases(compute: Mapping[str, Recipe]) -> list[dict[str, Recipe]]:

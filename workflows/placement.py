@@ -6,10 +6,9 @@ from importlib import import_module
 from typing import NamedTuple, Protocol
 
 from distributed import Client, Status, WorkerPlugin
-
-from schemas.errors import InputError
-from workflows.devices import list_accelerators, set_device
-from workflows.threads import pin_threads
+from moseg.schemas.errors import InputError
+from moseg.workflows.devices import list_accelerators, set_device
+from moseg.workflows.threads import pin_threads
 
 GPU = "GPU"
 """Name of the resource; a worker of an own cluster declares it by ``dask worker --resources GPU=1``."""
@@ -70,7 +69,7 @@ class WorkerSetup(WorkerPlugin):
     async def setup(self, worker):
         pin_threads(self._threads)
         # The first call is not to wait for it.
-        import_module("workflows.execution")
+        import_module("moseg.workflows.execution")
         placement = self._plan.place(worker.name, worker.state.total_resources)
         set_device(placement.device)
         if placement.resources:

@@ -2,20 +2,20 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from schemas.configs import PipelineConfig, Variant
-from schemas.digests import digest_json
-from schemas.errors import CorruptArtifactError, MissingArtifactError, MissingInputError
-from schemas.recipes import Recipe, leaf_recipe
-from store import ArtifactStore
-from workflows.datasets import SequenceSource, find_ground_truth
-from workflows.graph import SequenceGraph
-from workflows.ingest import IngestJob, preview_ingest, recall_ingests
-from workflows.leaves import ingest_jobs, make_leaves
-from workflows.planning import make_plan
-from workflows.session import StageUse
-from workflows.weights.folder import Weights
-from workflows.weights.leaf import weights_leaf
-from workflows.weights.needed import needed_items
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.digests import digest_json
+from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError, MissingInputError
+from moseg.schemas.recipes import Recipe, leaf_recipe
+from moseg.store import ArtifactStore
+from moseg.workflows.datasets import SequenceSource, find_ground_truth
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.ingest import IngestJob, preview_ingest, recall_ingests
+from moseg.workflows.leaves import ingest_jobs, make_leaves
+from moseg.workflows.planning import make_plan
+from moseg.workflows.session import StageUse
+from moseg.workflows.weights.folder import Weights
+from moseg.workflows.weights.leaf import weights_leaf
+from moseg.workflows.weights.needed import needed_items
 
 
 class EmptyStore:

@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 
-from schemas.configs import PipelineConfig, TrajectoryVariant
-from store import ArtifactStore
-from workflows.datasets import TrajectorySource
-from workflows.evaluate_trajectories import with_seed
-from workflows.graph import TrajectoryGraph
-from workflows.plan_evaluation import EmptyStore, count_uses, foresee_ingest
-from workflows.session import StageUse
-from workflows.trajectory_leaves import make_trajectory_leaves, trajectory_jobs
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
+from moseg.store import ArtifactStore
+from moseg.workflows.datasets import TrajectorySource
+from moseg.workflows.evaluate_trajectories import with_seed
+from moseg.workflows.graph import TrajectoryGraph
+from moseg.workflows.plan_evaluation import EmptyStore, count_uses, foresee_ingest
+from moseg.workflows.session import StageUse
+from moseg.workflows.trajectory_leaves import make_trajectory_leaves, trajectory_jobs
 
 
 def plan_trajectories(

@@ -4,8 +4,8 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
-from schemas.recipes import Recipe, split_ref
-from store import ArtifactStore
+from moseg.schemas.recipes import Recipe, split_ref
+from moseg.store import ArtifactStore
 
 
 class Plan(NamedTuple):

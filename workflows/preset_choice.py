@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from schemas.presets import GEOMETRIES, PRESETS, QUALITIES
-from workflows.spelling import unknown_name
+from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES
+from moseg.workflows.spelling import unknown_name
 
 
 def choose_preset(preset: str = "weights-free", geometry: str = "default", quality: str = "default") -> dict[str, Any]:

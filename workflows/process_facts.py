@@ -9,9 +9,9 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import Any
 
-from workflows.code_fingerprint import code_fingerprint
+from moseg.workflows.code_fingerprint import code_fingerprint
 
-WORK = ("workflows.execution", "workflows.ingest")
+WORK = ("moseg.workflows.execution", "moseg.workflows.ingest")
 """Modules behind every call; they import what any call needs but for networks."""
 IMPORTED_LATER = ("kmedoids",)
 """Packages that single tasks import when they first run."""
@@ -32,7 +32,7 @@ def process_facts() -> dict[str, Any]:
     try:
         for module in WORK:
             import_module(module)
-        from store.provenance import library_versions
+        from moseg.store.provenance import library_versions
     except ImportError as error:
         return facts | {"lacks": error.name or str(error)}
     versions = library_versions() | _installed(PROTOCOL)

@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Literal, NamedTuple
 
-from schemas.configs import PipelineConfig, TrajectoryVariant, Variant
-from schemas.events import SequenceSubject, SubjectEvent
-from workflows.events import as_unicode, this_process
-from workflows.graph import SequenceLeaves, TrajectoryLeaves
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
+from moseg.schemas.events import SequenceSubject, SubjectEvent
+from moseg.workflows.events import as_unicode, this_process
+from moseg.workflows.graph import SequenceLeaves, TrajectoryLeaves
 
 
 class Purpose(NamedTuple):

@@ -9,13 +9,12 @@ from threading import Lock
 from typing import Any, NamedTuple
 
 from distributed import get_worker
-
-from schemas.errors import InputError
-from workflows.code_fingerprint import code_fingerprint, refuse_other_code
-from workflows.devices import set_device
-from workflows.placement import Plan
-from workflows.process_facts import lacking
-from workflows.threads import pin_threads
+from moseg.schemas.errors import InputError
+from moseg.workflows.code_fingerprint import code_fingerprint, refuse_other_code
+from moseg.workflows.devices import set_device
+from moseg.workflows.placement import Plan
+from moseg.workflows.process_facts import lacking
+from moseg.workflows.threads import pin_threads
 
 
 class Setup(NamedTuple):

@@ -7,8 +7,8 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from importlib.metadata import version
 
-from schemas.errors import CorruptArtifactError, StoreError
-from schemas.events import (
+from moseg.schemas.errors import CorruptArtifactError, StoreError
+from moseg.schemas.events import (
     EventKind,
     Outcome,
     PlanEvent,
@@ -19,10 +19,10 @@ from schemas.events import (
     write_event,
     write_plan,
 )
-from store import ArtifactStore
-from store.owners import process_space
-from workflows.events import EventLog, as_unicode, describe_error, failed_event, is_written, this_process
-from workflows.planning import Plan
+from moseg.store import ArtifactStore
+from moseg.store.owners import process_space
+from moseg.workflows.events import EventLog, as_unicode, describe_error, failed_event, is_written, this_process
+from moseg.workflows.planning import Plan
 
 
 class RunLog:

@@ -8,17 +8,16 @@ from typing import Any
 import dask
 from dask.callbacks import Callback
 from dask.task_spec import Task, TaskRef
-
-from schemas.errors import InputError
-from workflows.calls import Call, Runner
-from workflows.cluster_connection import TlsFiles
-from workflows.cluster_failures import as_cluster_errors
-from workflows.clusters import Cluster, ForeignCluster, LocalWorkers
-from workflows.devices import current_device, parse_device, read_device, set_device
-from workflows.flight import CALLS_PER_THREAD, MIN_IN_FLIGHT, Flight
-from workflows.memory import keep_freed_memory
-from workflows.placement import GPU
-from workflows.threads import check_bearable, pin_threads
+from moseg.schemas.errors import InputError
+from moseg.workflows.calls import Call, Runner
+from moseg.workflows.cluster_connection import TlsFiles
+from moseg.workflows.cluster_failures import as_cluster_errors
+from moseg.workflows.clusters import Cluster, ForeignCluster, LocalWorkers
+from moseg.workflows.devices import current_device, parse_device, read_device, set_device
+from moseg.workflows.flight import CALLS_PER_THREAD, MIN_IN_FLIGHT, Flight
+from moseg.workflows.memory import keep_freed_memory
+from moseg.workflows.placement import GPU
+from moseg.workflows.threads import check_bearable, pin_threads
 
 __all__ = ["Call", "DistributedRunner", "Runner", "SynchronousRunner", "TlsFiles", "open_runner"]
 

@@ -4,12 +4,12 @@ import os
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 
-from schemas.errors import InputError
-from store import open_store
-from workflows.cluster_connection import TlsFiles
-from workflows.runners import open_runner
-from workflows.session import Session
-from workflows.weights.folder import open_weights
+from moseg.schemas.errors import InputError
+from moseg.store import open_store
+from moseg.workflows.cluster_connection import TlsFiles
+from moseg.workflows.runners import open_runner
+from moseg.workflows.session import Session
+from moseg.workflows.weights.folder import open_weights
 
 
 @contextmanager

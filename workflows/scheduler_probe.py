@@ -6,7 +6,7 @@ Dask itself tries again until its time is up, whatever the reason, and waits wit
 import socket
 import ssl
 
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
 REACH_SEC = 5.0
 """For how long a host may take to accept a connection."""

@@ -1,6 +1,6 @@
 """The columns of a table of scores, on the terminal and in reports."""
 
-from schemas.scores import GroundTruth
+from moseg.schemas.scores import GroundTruth
 
 _COLUMNS = {
     "Pu": "P",

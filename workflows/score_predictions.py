@@ -5,13 +5,12 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.metrics import sample_points, score_points, score_sequence
-from schemas.scores import GroundTruth, SequenceScore
-from workflows.datasets import Dataset, SequenceSource, find_ground_truth
-from workflows.predictions import FrameList, Predictions, SequencePredictions
-from workflows.progress import StageProgress
-from workflows.sources.frame_matching import Matching, frame_stems
+from moseg.schemas.scores import GroundTruth, SequenceScore
+from moseg.tasks.metrics import sample_points, score_points, score_sequence
+from moseg.workflows.datasets import Dataset, SequenceSource, find_ground_truth
+from moseg.workflows.predictions import FrameList, Predictions, SequencePredictions
+from moseg.workflows.progress import StageProgress
+from moseg.workflows.sources.frame_matching import Matching, frame_stems
 
 _WAYS = {
     Matching.ORDER: "masks taken for the frames in order, not by name",

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from schemas.configs import SectionParams
+from moseg.schemas.configs import SectionParams
 
 
 class Section(NamedTuple):

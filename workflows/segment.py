@@ -5,17 +5,16 @@ from itertools import chain
 from typing import NamedTuple, TypeVar
 
 import numpy as np
-
-from schemas.configs import PipelineConfig, Variant
-from store import ArtifactStore
-from workflows.datasets import SequenceSource
-from workflows.found_objects import read_found_objects
-from workflows.graph import SequenceGraph
-from workflows.leaves import ingest_sequences
-from workflows.purpose import SEGMENTATION, Purpose, make_subject
-from workflows.reports.panels import Panels
-from workflows.resize import resize_labels
-from workflows.session import Session
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.store import ArtifactStore
+from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.found_objects import read_found_objects
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.leaves import ingest_sequences
+from moseg.workflows.purpose import SEGMENTATION, Purpose, make_subject
+from moseg.workflows.reports.panels import Panels
+from moseg.workflows.resize import resize_labels
+from moseg.workflows.session import Session
 
 Result = TypeVar("Result")
 

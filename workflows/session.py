@@ -8,24 +8,24 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple, TypeVar
 
-from schemas.digests import digest_json
-from schemas.errors import CorruptArtifactError, MissingArtifactError, StoreError
-from schemas.events import SubjectEvent
-from schemas.recipes import Recipe, split_ref
-from schemas.scores import StoreUse
-from store import ArtifactStore, PutOutcome
-from workflows.events import new_run_id
-from workflows.execution import execute_batches, execute_ingest, quarantine_corrupt
-from workflows.ingest import IngestJob, recall_ingests
-from workflows.phases import batch_recipes, join_brief, network_of, split_phases
-from workflows.planning import Plan, make_plan
-from workflows.progress import PATIENCE_SEC, StageProgress
-from workflows.run_log import RunLog
-from workflows.runners import Call, Runner
-from workflows.stages.registry import find_task
-from workflows.weights.folder import Weights, open_weights
-from workflows.weights.leaf import WeightsLeaf, weights_leaf
-from workflows.weights.packages import require_network_packages
+from moseg.schemas.digests import digest_json
+from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError, StoreError
+from moseg.schemas.events import SubjectEvent
+from moseg.schemas.recipes import Recipe, split_ref
+from moseg.schemas.scores import StoreUse
+from moseg.store import ArtifactStore, PutOutcome
+from moseg.workflows.events import new_run_id
+from moseg.workflows.execution import execute_batches, execute_ingest, quarantine_corrupt
+from moseg.workflows.ingest import IngestJob, recall_ingests
+from moseg.workflows.phases import batch_recipes, join_brief, network_of, split_phases
+from moseg.workflows.planning import Plan, make_plan
+from moseg.workflows.progress import PATIENCE_SEC, StageProgress
+from moseg.workflows.run_log import RunLog
+from moseg.workflows.runners import Call, Runner
+from moseg.workflows.stages.registry import find_task
+from moseg.workflows.weights.folder import Weights, open_weights
+from moseg.workflows.weights.leaf import WeightsLeaf, weights_leaf
+from moseg.workflows.weights.packages import require_network_packages
 
 MAX_REPAIRS = 1000
 """Corrupt artifacts that one run mends before it gives up: a disk that fails everywhere is not mended so."""

@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.metrics import sample_points
-from store import ArtifactStore
-from workflows.exports.draw_point_errors import PointLabels
-from workflows.graph import SequenceLeaves
-from workflows.resize import resize_labels
+from moseg.store import ArtifactStore
+from moseg.tasks.metrics import sample_points
+from moseg.workflows.exports.draw_point_errors import PointLabels
+from moseg.workflows.graph import SequenceLeaves
+from moseg.workflows.resize import resize_labels
 
 
 def spread(num_items: int, num_chosen: int) -> tuple[int, ...]:

@@ -3,7 +3,7 @@
 import difflib
 from collections.abc import Collection
 
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
 MOST_SHOWN = 12
 """Known names printed before the rest is only counted: an error is one line."""

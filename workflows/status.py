@@ -5,15 +5,14 @@ from collections.abc import Collection, Iterable, Iterator
 from datetime import UTC, datetime
 from enum import StrEnum
 
+from moseg.schemas.errors import InputError, StoreError
+from moseg.schemas.events import Event, Outcome, RunClosed, RunOpened, SubjectEvent, line_time, read_event
+from moseg.schemas.frozen import Frozen
+from moseg.store import ArtifactStore
+from moseg.store.owners import is_running
+from moseg.workflows.spelling import closest
+from moseg.workflows.status_counts import InFlight, RunCounts, StageStatus, Trouble
 from pydantic import ValidationError
-
-from schemas.errors import InputError, StoreError
-from schemas.events import Event, Outcome, RunClosed, RunOpened, SubjectEvent, line_time, read_event
-from schemas.frozen import Frozen
-from store import ArtifactStore
-from store.owners import is_running
-from workflows.spelling import closest
-from workflows.status_counts import InFlight, RunCounts, StageStatus, Trouble
 
 LATEST = "latest"
 """Stands for the run that began last."""

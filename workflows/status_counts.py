@@ -3,8 +3,8 @@
 from collections import Counter
 from datetime import datetime
 
-from schemas.events import DegenerateEvent, EventKind, PlanEvent, TroubleEvent, WorkEvent
-from schemas.frozen import Frozen
+from moseg.schemas.events import DegenerateEvent, EventKind, PlanEvent, TroubleEvent, WorkEvent
+from moseg.schemas.frozen import Frozen
 
 INGEST = "ingest"
 """Stage of the recipes that remember what sources decode to."""

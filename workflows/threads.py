@@ -7,8 +7,7 @@ import sys
 import cv2
 import dask
 import threadpoolctl
-
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
 MOST_ANYWHERE, MOST_PER_CPU = 64, 4
 """Threads or worker processes that are always taken, and how many for each CPU of this machine."""

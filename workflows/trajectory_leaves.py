@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from workflows.datasets import TrajectorySource
-from workflows.graph import TrajectoryLeaves
-from workflows.ingest import IngestJob
-from workflows.session import Session
+from moseg.workflows.datasets import TrajectorySource
+from moseg.workflows.graph import TrajectoryLeaves
+from moseg.workflows.ingest import IngestJob
+from moseg.workflows.session import Session
 
 
 def ingest_trajectories(session: Session, sources: Sequence[TrajectorySource]) -> list[TrajectoryLeaves]:

@@ -6,8 +6,8 @@ data set is planned a part at a time; what sequences share is found in the store
 
 from collections.abc import Iterator, Sequence
 
-from workflows.datasets import SequenceSource
-from workflows.session import Session
+from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.session import Session
 
 FRAMES = 4096
 """Frames of a wave at least: beside the minutes that they take, the seconds in which a wave runs out are few."""

@@ -7,12 +7,11 @@ from contextlib import AbstractContextManager
 from typing import NamedTuple
 
 import numpy as np
-
-from schemas.errors import StoreError
-from schemas.manifests import Manifest
-from schemas.recipes import Recipe
-from store import ArtifactStore, PutOutcome
-from workflows.stages.task import Output
+from moseg.schemas.errors import StoreError
+from moseg.schemas.manifests import Manifest
+from moseg.schemas.recipes import Recipe
+from moseg.store import ArtifactStore, PutOutcome
+from moseg.workflows.stages.task import Output
 
 MAX_WAITING = 2
 """Outputs that may wait to be stored: as many as keep the thread busy, and few megabytes."""

@@ -21,13 +21,12 @@ import cv2
 import numpy as np
 import torch
 from dinov2_names import official_backbone, random_state
+from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
+from moseg.tasks.depth import estimate_inverse_depth
+from moseg.tasks.networks import Checkpoint
+from moseg.tasks.networks.depth import build_dpt_dinov2
+from moseg.tasks.networks.frame_tensor import frame_tensor
 from transformers import Dinov2Config, DPTConfig, DPTForDepthEstimation
-
-from moseg_tasks.depth import estimate_inverse_depth
-from moseg_tasks.networks import Checkpoint
-from moseg_tasks.networks.depth import build_dpt_dinov2
-from moseg_tasks.networks.frame_tensor import frame_tensor
-from schemas.parameters.dpt_dinov2 import DptDinov2Params
 
 BAR = 1e-4
 LEAST_DEPTH, LARGEST_DEPTH = 0.001, 10.0

@@ -23,16 +23,15 @@ import cv2
 import numpy as np
 import torch
 import torchvision_parts
+from moseg.schemas.parameters.grounding_dino import GroundingDinoParams
+from moseg.tasks.detections import detect_objects
+from moseg.tasks.networks import Checkpoint
+from moseg.tasks.networks.frame_tensor import frame_tensor
+from moseg.tasks.networks.grounding_dino import GroundingDino, build_grounding_dino
+from moseg.workflows.weights.tiny.grounding_dino import make_grounding_dino
 from PIL import Image
 from torch.nn import init
 from transformers import BertConfig, BertModel, GroundingDinoConfig
-
-from moseg_tasks.detections import detect_objects
-from moseg_tasks.networks import Checkpoint
-from moseg_tasks.networks.frame_tensor import frame_tensor
-from moseg_tasks.networks.grounding_dino import GroundingDino, build_grounding_dino
-from schemas.parameters.grounding_dino import GroundingDinoParams
-from workflows.weights.tiny.grounding_dino import make_grounding_dino
 
 BAR = 1e-3
 NUM_LAYERS, NUM_QUERIES = 3, 100

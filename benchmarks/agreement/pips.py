@@ -17,12 +17,11 @@ from unittest import mock
 
 import numpy as np
 import torch
-
-from moseg_tasks.networks.checkpoint import Checkpoint
-from moseg_tasks.networks.pips import Pips, Resolution, build_pips
-from moseg_tasks.tracks.pips import track_points_pips
-from schemas.parameters import TrackParams
-from schemas.parameters.pips import PipsParams
+from moseg.schemas.parameters import TrackParams
+from moseg.schemas.parameters.pips import PipsParams
+from moseg.tasks.networks.checkpoint import Checkpoint
+from moseg.tasks.networks.pips import Pips, Resolution, build_pips
+from moseg.tasks.tracks.pips import track_points_pips
 
 NUM_FRAMES, HEIGHT, WIDTH, NUM_POINTS = 8, 136, 200, 200
 ITERATIONS, MAX_SIDE = 6, 152

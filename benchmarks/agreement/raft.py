@@ -14,11 +14,10 @@ from unittest import mock
 import cv2
 import numpy as np
 import torch
-
-from moseg_tasks.flow.raft import estimate_raft_flow
-from moseg_tasks.networks import Checkpoint
-from moseg_tasks.networks.raft import build_raft
-from schemas.parameters.raft import RaftParams
+from moseg.schemas.parameters.raft import RaftParams
+from moseg.tasks.flow.raft import estimate_raft_flow
+from moseg.tasks.networks import Checkpoint
+from moseg.tasks.networks.raft import build_raft
 
 BARS = {torch.float64: 1e-4, torch.float32: 1e-3}
 ITERATIONS = 12

@@ -21,13 +21,12 @@ import torch
 import torchvision_parts
 import transformers.modeling_utils
 import transformers.pytorch_utils
+from moseg.schemas.parameters.ram import RamParams
+from moseg.tasks.networks import Checkpoint
+from moseg.tasks.networks.ram import RamConfig, build_ram, build_ram_plus
+from moseg.tasks.tags import recognise_tags
 from PIL import Image
 from torch import nn
-
-from moseg_tasks.networks import Checkpoint
-from moseg_tasks.networks.ram import RamConfig, build_ram, build_ram_plus
-from moseg_tasks.tags import recognise_tags
-from schemas.parameters.ram import RamParams
 
 LARGEST_DIFFERENCE = 1e-5
 DEPTHS_REDUCED = (2, 2, 2, 2)

@@ -6,11 +6,11 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 
-MOSEG = (sys.executable, "-c", "from workflows.cli import main; main()")
+MOSEG = (sys.executable, "-c", "from moseg.workflows.cli import main; main()")
 
 LIST_MODULES = """
 import sys
-from workflows.cli.app import run
+from moseg.workflows.cli.app import run
 code = run(sys.argv[2:])
 with open(sys.argv[1], "w") as file:
     file.write(" ".join(sys.modules))

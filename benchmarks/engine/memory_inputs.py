@@ -10,7 +10,7 @@ Artifact = tuple[Mapping[str, np.ndarray], Mapping[str, Any]]
 
 
 class MemoryView:
-    """An artifact in memory, with the interface of `workflows.stages.inputs.ArtifactView`."""
+    """An artifact in memory, with the interface of `moseg.workflows.stages.inputs.ArtifactView`."""
 
     def __init__(self, artifact: Artifact):
         self._arrays, self._attributes = artifact
@@ -40,7 +40,7 @@ class MemoryView:
 
 
 class MemoryInputs:
-    """Inputs of a task in memory, with the interface of `workflows.stages.inputs.Inputs`."""
+    """Inputs of a task in memory, with the interface of `moseg.workflows.stages.inputs.Inputs`."""
 
     def __init__(self, inputs: Mapping[str, Artifact | list[Artifact]]):
         self._inputs = inputs

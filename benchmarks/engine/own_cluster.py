@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from distributed import Client
-
-from workflows.memory import allocation_environ
-from workflows.threads import thread_environ
+from moseg.workflows.memory import allocation_environ
+from moseg.workflows.threads import thread_environ
 
 START_SECONDS = 60.0
 """For how long a scheduler may take to listen, and workers to come."""

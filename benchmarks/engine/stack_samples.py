@@ -73,7 +73,11 @@ class StackSamples(threading.Thread):
         seconds: Counter[str] = Counter()
         for rank, count in self._counts.items():
             seconds[_PLACES[rank][0] if rank < len(_PLACES) else IDLE] += each * count
-        role = "worker" if "distributed.worker" in sys.modules and "workflows.cli.app" not in sys.modules else "client"
+        role = (
+            "worker"
+            if "distributed.worker" in sys.modules and "moseg.workflows.cli.app" not in sys.modules
+            else "client"
+        )
         path = Path(os.environ[FOLDER_VARIABLE]) / f"{role}-{os.getpid()}.json"
         path.write_text(json.dumps(seconds))
 

@@ -3,9 +3,9 @@
 import hashlib
 from typing import NamedTuple
 
-from schemas.errors import CorruptArtifactError, StoreChoiceError
-from schemas.manifests import Manifest
-from store import open_store
+from moseg.schemas.errors import CorruptArtifactError, StoreChoiceError
+from moseg.schemas.manifests import Manifest
+from moseg.store import open_store
 
 
 class Contents(NamedTuple):

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from schemas.manifests import Manifest
-from schemas.recipes import split_ref
+from moseg.schemas.manifests import Manifest
+from moseg.schemas.recipes import split_ref
 
 
 def _flip(content: bytes, dice: random.Random) -> bytes:

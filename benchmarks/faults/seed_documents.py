@@ -5,8 +5,8 @@ import json
 from datetime import UTC, datetime
 from pathlib import Path
 
-from schemas.configs import PipelineConfig
-from schemas.events import (
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.events import (
     DegenerateEvent,
     EventKind,
     Outcome,
@@ -19,9 +19,9 @@ from schemas.events import (
     WorkEvent,
     write_event,
 )
-from store import open_store
-from store.owners import process_space
-from workflows.config_files import write_config
+from moseg.store import open_store
+from moseg.store.owners import process_space
+from moseg.workflows.config_files import write_config
 
 RUN = "20261122T000000-aaaaaa"
 _TIME = datetime(2026, 11, 22, tzinfo=UTC)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-MOSEG = (sys.executable, "-c", "from workflows.cli import main; main()")
+MOSEG = (sys.executable, "-c", "from moseg.workflows.cli import main; main()")
 HEIGHT, WIDTH = 96, 128
 SECTIONS = ("--section-length", "4", "--set", "sections.overlap=2")
 _COUNTS = re.compile(r"(\d+) artifacts computed, (\d+) reused")

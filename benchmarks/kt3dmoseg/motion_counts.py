@@ -13,18 +13,17 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from moseg.schemas.parameters.affinity import HypothesisAffinityParams
+from moseg.schemas.parameters.clustering import MotionCountParams
+from moseg.tasks.affinity import hypothesis_affinity
+from moseg.tasks.clustering import CountEvidence, MotionTracks, count_motions
+from moseg.tasks.clustering.fusion import fill_unknown
+from moseg.tasks.clustering.num_motions import count_by_eigengap
+from moseg.tasks.clustering.spectral import embed_views
+from moseg.tasks.clustering.stability import resampled_affinities
+from moseg.tasks.synthetic.rigid_tracks import rigid_tracks
 from object_affinities import group
 from object_partitions import PARTITIONS, Case, Clip, cases, read_clips
-
-from moseg_tasks.affinity import hypothesis_affinity
-from moseg_tasks.clustering import CountEvidence, MotionTracks, count_motions
-from moseg_tasks.clustering.fusion import fill_unknown
-from moseg_tasks.clustering.num_motions import count_by_eigengap
-from moseg_tasks.clustering.spectral import embed_views
-from moseg_tasks.clustering.stability import resampled_affinities
-from moseg_tasks.synthetic.rigid_tracks import rigid_tracks
-from schemas.parameters.affinity import HypothesisAffinityParams
-from schemas.parameters.clustering import MotionCountParams
 
 METHODS = ("description_length", "geometric", "confidences", "stability", "eigengap")
 NUM_SYNTHETIC = 10

@@ -15,20 +15,19 @@ from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
+from moseg.schemas.parameters import AffinityParams, FundamentalParams
+from moseg.schemas.parameters.affinity import HypothesisAffinityParams
+from moseg.schemas.presets import GEOMETRIES
+from moseg.tasks.affinity import estimate_affinity, hypothesis_affinity
+from moseg.tasks.clustering.fusion import best_chain, unit_diagonal
+from moseg.tasks.clustering.kmeans import cluster_points
+from moseg.tasks.clustering.spectral import embed_views
+from moseg.tasks.geometry import fit_fundamentals, fundamental_residuals
+from moseg.tasks.metrics.clustering_error import clustering_error
+from moseg.tasks.synthetic.rigid_tracks import rigid_tracks
 from object_partitions import PARTITIONS, Case, cases, read_clips
 from scipy.cluster.hierarchy import cut_tree, linkage
 from scipy.spatial.distance import squareform
-
-from moseg_tasks.affinity import estimate_affinity, hypothesis_affinity
-from moseg_tasks.clustering.fusion import best_chain, unit_diagonal
-from moseg_tasks.clustering.kmeans import cluster_points
-from moseg_tasks.clustering.spectral import embed_views
-from moseg_tasks.geometry import fit_fundamentals, fundamental_residuals
-from moseg_tasks.metrics.clustering_error import clustering_error
-from moseg_tasks.synthetic.rigid_tracks import rigid_tracks
-from schemas.parameters import AffinityParams, FundamentalParams
-from schemas.parameters.affinity import HypothesisAffinityParams
-from schemas.presets import GEOMETRIES
 
 IMAGE_SHAPE = (375, 1242)
 WHOLE_FRAME = 10**6

@@ -11,10 +11,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from moseg.schemas.errors import MissingInputError
+from moseg.workflows.sources.mat_tracks import decode_mat_tracks
 from sklearn.cluster import KMeans
-
-from schemas.errors import MissingInputError
-from workflows.sources.mat_tracks import decode_mat_tracks
 
 PARTITIONS = ("one", "two", "big")
 BACKGROUND = 1

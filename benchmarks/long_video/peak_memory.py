@@ -19,11 +19,10 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-
-from workflows.exports.write_overlay import write_overlay
+from moseg.workflows.exports.write_overlay import write_overlay
 
 MIB = 2**20
-MOSEG = (sys.executable, "-c", "from workflows.cli import main; main()")
+MOSEG = (sys.executable, "-c", "from moseg.workflows.cli import main; main()")
 
 
 class Cost(NamedTuple):

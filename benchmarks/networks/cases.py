@@ -8,35 +8,34 @@ from typing import Any, NamedTuple
 import cv2
 import numpy as np
 import published
-
-from moseg_tasks.depth import estimate_inverse_depth
-from moseg_tasks.detections import detect_objects
-from moseg_tasks.flow.raft import estimate_raft_flow
-from moseg_tasks.instances.sam2 import segment_boxes_sam2
-from moseg_tasks.instances.sam_hq import segment_boxes_sam_hq
-from moseg_tasks.networks import Checkpoint
-from moseg_tasks.networks.deaot import build_deaot
-from moseg_tasks.networks.depth import build_depth_anything, build_dpt_dinov2
-from moseg_tasks.networks.grounding_dino import build_grounding_dino
-from moseg_tasks.networks.pips import build_pips
-from moseg_tasks.networks.raft import build_raft
-from moseg_tasks.networks.ram import build_ram, build_ram_plus
-from moseg_tasks.networks.sam2 import build_sam2_image, build_sam2_video
-from moseg_tasks.networks.sam_hq import build_sam_hq
-from moseg_tasks.proposals.deaot import track_masks_deaot
-from moseg_tasks.proposals.sam2 import track_masks_sam2
-from moseg_tasks.tags import recognise_tags
-from moseg_tasks.tracks.pips import track_points_pips
-from schemas.parameters import TrackParams
-from schemas.parameters.deaot import DeaotParams
-from schemas.parameters.depth_anything import DepthAnythingParams
-from schemas.parameters.dpt_dinov2 import DptDinov2Params
-from schemas.parameters.grounding_dino import GroundingDinoParams
-from schemas.parameters.pips import PipsParams
-from schemas.parameters.raft import RaftParams
-from schemas.parameters.ram import RamParams
-from schemas.parameters.sam2 import Sam2Params
-from schemas.parameters.sam_hq import SamHqParams
+from moseg.schemas.parameters import TrackParams
+from moseg.schemas.parameters.deaot import DeaotParams
+from moseg.schemas.parameters.depth_anything import DepthAnythingParams
+from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
+from moseg.schemas.parameters.grounding_dino import GroundingDinoParams
+from moseg.schemas.parameters.pips import PipsParams
+from moseg.schemas.parameters.raft import RaftParams
+from moseg.schemas.parameters.ram import RamParams
+from moseg.schemas.parameters.sam2 import Sam2Params
+from moseg.schemas.parameters.sam_hq import SamHqParams
+from moseg.tasks.depth import estimate_inverse_depth
+from moseg.tasks.detections import detect_objects
+from moseg.tasks.flow.raft import estimate_raft_flow
+from moseg.tasks.instances.sam2 import segment_boxes_sam2
+from moseg.tasks.instances.sam_hq import segment_boxes_sam_hq
+from moseg.tasks.networks import Checkpoint
+from moseg.tasks.networks.deaot import build_deaot
+from moseg.tasks.networks.depth import build_depth_anything, build_dpt_dinov2
+from moseg.tasks.networks.grounding_dino import build_grounding_dino
+from moseg.tasks.networks.pips import build_pips
+from moseg.tasks.networks.raft import build_raft
+from moseg.tasks.networks.ram import build_ram, build_ram_plus
+from moseg.tasks.networks.sam2 import build_sam2_image, build_sam2_video
+from moseg.tasks.networks.sam_hq import build_sam_hq
+from moseg.tasks.proposals.deaot import track_masks_deaot
+from moseg.tasks.proposals.sam2 import track_masks_sam2
+from moseg.tasks.tags import recognise_tags
+from moseg.tasks.tracks.pips import track_points_pips
 
 HEIGHT, WIDTH = 480, 854
 TAGS = ("person", "car", "bus", "dog", "cat", "horse", "bird", "ball", "tree", "road", "sky")

@@ -1,6 +1,14 @@
 """Networks of the published sizes with random weights, as the checkpoints that production builds them from."""
 
 import torch
+from moseg.tasks.networks import Checkpoint
+from moseg.tasks.networks.deaot import Deaot, DeaotConfig
+from moseg.tasks.networks.pips import Pips, PipsConfig
+from moseg.tasks.networks.raft import Raft
+from moseg.tasks.networks.raft.config import LARGE, SMALL
+from moseg.tasks.networks.ram import RamConfig
+from moseg.tasks.networks.ram.model import Ram, RamPlus
+from moseg.workflows.weights.tiny.grounding_dino import make_grounding_dino
 from torch.nn import init
 from transformers import (
     DepthAnythingConfig,
@@ -17,15 +25,6 @@ from transformers import (
     SamHQConfig,
     SamHQModel,
 )
-
-from moseg_tasks.networks import Checkpoint
-from moseg_tasks.networks.deaot import Deaot, DeaotConfig
-from moseg_tasks.networks.pips import Pips, PipsConfig
-from moseg_tasks.networks.raft import Raft
-from moseg_tasks.networks.raft.config import LARGE, SMALL
-from moseg_tasks.networks.ram import RamConfig
-from moseg_tasks.networks.ram.model import Ram, RamPlus
-from workflows.weights.tiny.grounding_dino import make_grounding_dino
 
 
 def ram(is_plus: bool) -> Checkpoint:

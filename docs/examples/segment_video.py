@@ -16,7 +16,7 @@ folder = Path(arguments[1] if len(arguments) > 1 else "example")
 if arguments:
     video = arguments[0]
 else:
-    from moseg_tasks.synthetic import SCENES, render_scene
+    from moseg.tasks.synthetic import SCENES, render_scene
 
     video = render_scene(SCENES["two-motions"]).images[:10]
 

@@ -1,6 +1,6 @@
 """Draw the graph of a sequence, one box a stage: ``python docs/tools/draw_graph.py`` writes docs/images/graph*.svg.
 
-Boxes and arrows are read from the recipes that `workflows.graph.SequenceGraph` writes, and not kept by hand.
+Boxes and arrows are read from the recipes that `moseg.workflows.graph.SequenceGraph` writes, and not kept by hand.
 """
 
 from itertools import pairwise
@@ -8,12 +8,11 @@ from pathlib import Path
 from xml.sax.saxutils import escape
 
 from graph_layout import Edge, Layout, lay_out
-
-from schemas.configs import PipelineConfig, Variant
-from schemas.digests import digest_bytes
-from schemas.presets import PRESETS
-from workflows.graph import SequenceGraph, SequenceLeaves
-from workflows.weights.needed import needed_items
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.digests import digest_bytes
+from moseg.schemas.presets import PRESETS
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves
+from moseg.workflows.weights.needed import needed_items
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
 DRAWINGS = {

@@ -9,19 +9,18 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.store import ArtifactStore
+from moseg.workflows.datasets import open_dataset
+from moseg.workflows.exports.colour_maps import colour_soft_map
+from moseg.workflows.exports.draw_flow import colour_flow
+from moseg.workflows.exports.draw_overlay import draw_overlay
+from moseg.workflows.exports.overlay_style import OverlayMode, OverlayStyle
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.leaves import ingest_sequences
+from moseg.workflows.reports.matrices import clustering_params, fused_kernel
+from moseg.workflows.runs import open_session
 from PIL import Image, ImageDraw, ImageFont
-
-from schemas.configs import PipelineConfig, Variant
-from store import ArtifactStore
-from workflows.datasets import open_dataset
-from workflows.exports.colour_maps import colour_soft_map
-from workflows.exports.draw_flow import colour_flow
-from workflows.exports.draw_overlay import draw_overlay
-from workflows.exports.overlay_style import OverlayMode, OverlayStyle
-from workflows.graph import SequenceGraph
-from workflows.leaves import ingest_sequences
-from workflows.reports.matrices import clustering_params, fused_kernel
-from workflows.runs import open_session
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
 STRIP = {"strong-parallax": 8, "two-motions": 12, "nonrigid": 8}

@@ -1,11 +1,10 @@
 """Motion affinity between objects from the residuals of one model over all frame pairs."""
 
 import numpy as np
-
-from moseg_tasks.affinity.ork import ork_affinity
-from moseg_tasks.affinity.residual import residual_affinity
-from schemas.errors import InputError
-from schemas.parameters import AffinityParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import AffinityParams
+from moseg.tasks.affinity.ork import ork_affinity
+from moseg.tasks.affinity.residual import residual_affinity
 
 
 def estimate_affinity(residuals: np.ndarray, params: AffinityParams, energy: np.ndarray | None = None) -> np.ndarray:

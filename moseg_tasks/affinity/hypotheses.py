@@ -8,12 +8,11 @@ own, shared by none. No fit to a single object is needed, and no scale in pixels
 from collections.abc import Sequence
 
 import numpy as np
-
-from moseg_tasks.affinity.object_samples import draw_object_samples
-from moseg_tasks.affinity.preferences import preferred_in_common
-from moseg_tasks.point_models import Correspondences, PointModel, point_model
-from schemas.errors import InputError
-from schemas.parameters.affinity import HypothesisAffinityParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.affinity import HypothesisAffinityParams
+from moseg.tasks.affinity.object_samples import draw_object_samples
+from moseg.tasks.affinity.preferences import preferred_in_common
+from moseg.tasks.point_models import Correspondences, PointModel, point_model
 
 
 def hypothesis_affinity(

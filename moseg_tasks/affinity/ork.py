@@ -1,8 +1,7 @@
 """The paper's weighted ordered-residual kernel (ORK) between objects."""
 
 import numpy as np
-
-from schemas.parameters import AffinityParams
+from moseg.schemas.parameters import AffinityParams
 
 
 def ork_affinity(residuals: np.ndarray, params: AffinityParams) -> np.ndarray:

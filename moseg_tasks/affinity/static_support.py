@@ -3,9 +3,8 @@
 import warnings
 
 import numpy as np
-
-from moseg_tasks.affinity.residual import kernel, tolerated_error
-from schemas.parameters import AffinityParams
+from moseg.schemas.parameters import AffinityParams
+from moseg.tasks.affinity.residual import kernel, tolerated_error
 
 
 def static_support(residuals: np.ndarray, params: AffinityParams, energy: np.ndarray | None = None) -> np.ndarray:

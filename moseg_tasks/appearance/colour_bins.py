@@ -2,8 +2,7 @@
 
 import cv2
 import numpy as np
-
-from schemas.parameters import AppearanceParams
+from moseg.schemas.parameters import AppearanceParams
 
 _BYTES = np.arange(256)
 _GREY = 128  # a and b of a colour without chroma, as OpenCV keeps them in a byte

@@ -3,9 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.saliency.logits import motion_logit, probability
-from schemas.parameters import AppearanceParams, ForegroundParams
+from moseg.schemas.parameters import AppearanceParams, ForegroundParams
+from moseg.tasks.saliency.logits import motion_logit, probability
 
 
 class ColourCount(NamedTuple):

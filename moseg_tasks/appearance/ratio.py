@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
+from moseg.schemas.parameters import AppearanceParams
+from moseg.tasks.appearance.histograms import ColourCount
 from scipy import ndimage
-
-from moseg_tasks.appearance.histograms import ColourCount
-from schemas.parameters import AppearanceParams
 
 
 def pool_sections(counts: Sequence[ColourCount], centres: Sequence[float], at: float, memory: float) -> ColourCount:

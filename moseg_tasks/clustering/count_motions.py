@@ -4,14 +4,13 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.clustering.confidences import combined_confidences, confidences
-from moseg_tasks.clustering.description_length import description_lengths
-from moseg_tasks.clustering.geometric_cost import geometric_costs
-from moseg_tasks.clustering.motion_tracks import MotionTracks
-from moseg_tasks.clustering.stability import stability_scores
-from schemas.errors import InputError
-from schemas.parameters.clustering import TRACK_METHODS, MotionCountParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.clustering import TRACK_METHODS, MotionCountParams
+from moseg.tasks.clustering.confidences import combined_confidences, confidences
+from moseg.tasks.clustering.description_length import description_lengths
+from moseg.tasks.clustering.geometric_cost import geometric_costs
+from moseg.tasks.clustering.motion_tracks import MotionTracks
+from moseg.tasks.clustering.stability import stability_scores
 
 
 class CountEvidence(NamedTuple):

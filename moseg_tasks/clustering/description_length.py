@@ -4,10 +4,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-
-from moseg_tasks.clustering.epipolar_distances import EpipolarDistances, MotionDistances
-from moseg_tasks.clustering.motion_tracks import MotionTracks
-from schemas.parameters.clustering import MotionCountParams
+from moseg.schemas.parameters.clustering import MotionCountParams
+from moseg.tasks.clustering.epipolar_distances import EpipolarDistances, MotionDistances
+from moseg.tasks.clustering.motion_tracks import MotionTracks
 
 _FUNDAMENTAL_DOF, _HOMOGRAPHY_DOF, _AFFINE_DOF = 7, 8, 4
 _FIRST_INLIERS, _FIRST_NOISE = 0.7, 0.2

@@ -4,15 +4,14 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.clustering.affine_epipolar import affine_epipolar_distances
-from moseg_tasks.clustering.motion_tracks import MotionTracks, check_tracks, frame_pairs
-from moseg_tasks.geometry.degeneracy import point_spread
-from moseg_tasks.geometry.homography import homography_sampson_squared
-from moseg_tasks.geometry.poselib_fundamental import poselib_fundamental
-from moseg_tasks.geometry.ransac import HOMOGRAPHY, RobustFit, ransac
-from moseg_tasks.geometry.sampson import sampson_squared
-from schemas.parameters.clustering import MotionCountParams
+from moseg.schemas.parameters.clustering import MotionCountParams
+from moseg.tasks.clustering.affine_epipolar import affine_epipolar_distances
+from moseg.tasks.clustering.motion_tracks import MotionTracks, check_tracks, frame_pairs
+from moseg.tasks.geometry.degeneracy import point_spread
+from moseg.tasks.geometry.homography import homography_sampson_squared
+from moseg.tasks.geometry.poselib_fundamental import poselib_fundamental
+from moseg.tasks.geometry.ransac import HOMOGRAPHY, RobustFit, ransac
+from moseg.tasks.geometry.sampson import sampson_squared
 
 _FUNDAMENTAL_POINTS = 8  # seven meet some fundamental matrix exactly
 _HOMOGRAPHY_POINTS = 5  # and four some homography

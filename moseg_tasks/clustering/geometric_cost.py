@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
-
-from moseg_tasks.clustering.epipolar_distances import EpipolarDistances
-from moseg_tasks.clustering.motion_tracks import MotionTracks
-from schemas.parameters.clustering import MotionCountParams
+from moseg.schemas.parameters.clustering import MotionCountParams
+from moseg.tasks.clustering.epipolar_distances import EpipolarDistances
+from moseg.tasks.clustering.motion_tracks import MotionTracks
 
 
 def geometric_costs(

@@ -3,8 +3,7 @@
 from functools import lru_cache
 
 import numpy as np
-
-from moseg_tasks.clustering.random_kmeans import cluster_many_points
+from moseg.tasks.clustering.random_kmeans import cluster_many_points
 
 MOST_EXACT = 10
 """Ten points have 115,975 partitions, which take some 20 ms; eleven have six times as many."""

@@ -3,8 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.clustering.eigenpairs import leading_eigenpairs
+from moseg.tasks.clustering.eigenpairs import leading_eigenpairs
 
 FEW_ROWS, FEW_EIGENVALUES = 200, 20
 """Of more objects or trajectories than the first only so many leading eigenvalues are kept."""

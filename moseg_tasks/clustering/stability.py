@@ -4,11 +4,10 @@ import itertools
 from collections.abc import Sequence
 
 import numpy as np
-
-from moseg_tasks.affinity import hypothesis_affinity
-from moseg_tasks.clustering.fusion import fill_unknown
-from moseg_tasks.clustering.motion_tracks import MotionTracks, check_tracks, frame_pairs
-from schemas.parameters.clustering import MotionCountParams
+from moseg.schemas.parameters.clustering import MotionCountParams
+from moseg.tasks.affinity import hypothesis_affinity
+from moseg.tasks.clustering.fusion import fill_unknown
+from moseg.tasks.clustering.motion_tracks import MotionTracks, check_tracks, frame_pairs
 
 
 def resampled_affinities(

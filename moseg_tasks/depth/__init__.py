@@ -1,5 +1,5 @@
 """Relative inverse depth of single frames."""
 
-from moseg_tasks.depth.estimate import estimate_inverse_depth
+from moseg.tasks.depth.estimate import estimate_inverse_depth
 
 __all__ = ["estimate_inverse_depth"]

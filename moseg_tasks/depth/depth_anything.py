@@ -3,12 +3,11 @@
 import cv2
 import numpy as np
 import torch
+from moseg.schemas.parameters.depth_anything import DepthAnythingParams
+from moseg.tasks.depth.pixels import PATCH
+from moseg.tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
 from torch.nn import functional
 from transformers import DepthAnythingForDepthEstimation
-
-from moseg_tasks.depth.pixels import PATCH
-from moseg_tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
-from schemas.parameters.depth_anything import DepthAnythingParams
 
 
 def predict_depth_anything(

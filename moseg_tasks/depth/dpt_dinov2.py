@@ -2,11 +2,10 @@
 
 import numpy as np
 import torch
+from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
+from moseg.tasks.depth.pixels import PATCH, resize_maps, see_frames
+from moseg.tasks.networks.depth import DptDinov2
 from torch.nn import functional
-
-from moseg_tasks.depth.pixels import PATCH, resize_maps, see_frames
-from moseg_tasks.networks.depth import DptDinov2
-from schemas.parameters.dpt_dinov2 import DptDinov2Params
 
 
 def predict_dpt_dinov2(network: DptDinov2, images: np.ndarray, params: DptDinov2Params) -> torch.Tensor:

@@ -5,11 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
-
-from moseg_tasks.detections.suppression import suppress_boxes
-from moseg_tasks.networks.frame_tensor import check_frame, frame_tensor
-from moseg_tasks.networks.grounding_dino import GroundingDino, Prompt, compose_prompts
-from schemas.parameters.grounding_dino import GroundingDinoParams
+from moseg.schemas.parameters.grounding_dino import GroundingDinoParams
+from moseg.tasks.detections.suppression import suppress_boxes
+from moseg.tasks.networks.frame_tensor import check_frame, frame_tensor
+from moseg.tasks.networks.grounding_dino import GroundingDino, Prompt, compose_prompts
 
 _LEAST_SIDE = 1.0
 # Marks between names become blanks.

@@ -1,5 +1,5 @@
 """Dense optical flow between two frames."""
 
-from moseg_tasks.flow.dis import estimate_flow
+from moseg.tasks.flow.dis import estimate_flow
 
 __all__ = ["estimate_flow"]

@@ -2,9 +2,8 @@
 
 import cv2
 import numpy as np
-
-from schemas.errors import InputError
-from schemas.parameters import FlowParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import FlowParams
 
 _PRESETS = {
     "ultrafast": cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST,

@@ -4,11 +4,10 @@ import cv2
 import numpy as np
 import torch
 import torch.nn.functional as F
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.raft import RaftParams
+from moseg.tasks.networks.raft import STRIDE, Raft
 from torch import Tensor
-
-from moseg_tasks.networks.raft import STRIDE, Raft
-from schemas.errors import InputError
-from schemas.parameters.raft import RaftParams
 
 
 def estimate_raft_flow(model: Raft, images0: np.ndarray, images1: np.ndarray, params: RaftParams) -> np.ndarray:

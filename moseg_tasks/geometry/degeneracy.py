@@ -3,10 +3,9 @@
 from enum import IntEnum
 
 import numpy as np
-
-from moseg_tasks.geometry.coordinates import hartley_transform
-from moseg_tasks.geometry.eight_point import SAMPLE_SIZE, epipolar_equations
-from schemas.parameters import FundamentalParams
+from moseg.schemas.parameters import FundamentalParams
+from moseg.tasks.geometry.coordinates import hartley_transform
+from moseg.tasks.geometry.eight_point import SAMPLE_SIZE, epipolar_equations
 
 
 class Degeneracy(IntEnum):

@@ -1,9 +1,8 @@
 """The eight-point algorithm, batched over point sets."""
 
 import numpy as np
-
-from moseg_tasks.geometry.coordinates import hartley_transform
-from moseg_tasks.geometry.null_vector import null_vector
+from moseg.tasks.geometry.coordinates import hartley_transform
+from moseg.tasks.geometry.null_vector import null_vector
 
 SAMPLE_SIZE = 8
 

@@ -4,13 +4,12 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.geometry.coordinates import normalise_points, normalising_transform, pixel_scale
-from moseg_tasks.geometry.degeneracy import Degeneracy, find_degeneracy, point_spread
-from moseg_tasks.geometry.poselib_fundamental import poselib_fundamental
-from moseg_tasks.geometry.ransac import FUNDAMENTAL, HOMOGRAPHY, RobustFit, ransac
-from schemas.errors import InputError
-from schemas.parameters import FundamentalParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import FundamentalParams
+from moseg.tasks.geometry.coordinates import normalise_points, normalising_transform, pixel_scale
+from moseg.tasks.geometry.degeneracy import Degeneracy, find_degeneracy, point_spread
+from moseg.tasks.geometry.poselib_fundamental import poselib_fundamental
+from moseg.tasks.geometry.ransac import FUNDAMENTAL, HOMOGRAPHY, RobustFit, ransac
 
 
 class ModelKind(IntEnum):

@@ -1,9 +1,8 @@
 """Homographies by the direct linear transform, and the squared Sampson distance to them."""
 
 import numpy as np
-
-from moseg_tasks.geometry.coordinates import hartley_transform, homogeneous
-from moseg_tasks.geometry.null_vector import null_vector
+from moseg.tasks.geometry.coordinates import hartley_transform, homogeneous
+from moseg.tasks.geometry.null_vector import null_vector
 
 SAMPLE_SIZE = 4
 

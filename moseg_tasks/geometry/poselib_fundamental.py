@@ -2,9 +2,8 @@
 
 import numpy as np
 import poselib
-
-from moseg_tasks.geometry.ransac import RobustFit
-from moseg_tasks.geometry.sampson import sampson_squared
+from moseg.tasks.geometry.ransac import RobustFit
+from moseg.tasks.geometry.sampson import sampson_squared
 
 
 def poselib_fundamental(

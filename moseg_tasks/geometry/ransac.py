@@ -4,9 +4,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.geometry import eight_point, homography
-from moseg_tasks.geometry.sampson import sampson_squared
+from moseg.tasks.geometry import eight_point, homography
+from moseg.tasks.geometry.sampson import sampson_squared
 
 
 class ModelFamily(NamedTuple):

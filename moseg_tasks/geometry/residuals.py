@@ -1,11 +1,10 @@
 """How well each object's two-view model explains every object's tracked points."""
 
 import numpy as np
-
-from moseg_tasks.geometry.fit import FundamentalFits, ModelKind, check_tracks
-from moseg_tasks.geometry.homography import homography_sampson_squared
-from moseg_tasks.geometry.sampson import sampson_squared
-from schemas.parameters import FundamentalParams
+from moseg.schemas.parameters import FundamentalParams
+from moseg.tasks.geometry.fit import FundamentalFits, ModelKind, check_tracks
+from moseg.tasks.geometry.homography import homography_sampson_squared
+from moseg.tasks.geometry.sampson import sampson_squared
 
 _DISTANCES = {ModelKind.FUNDAMENTAL: sampson_squared, ModelKind.HOMOGRAPHY: homography_sampson_squared}
 _STATISTICS = {"median": np.median, "mean": np.mean}

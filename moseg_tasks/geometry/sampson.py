@@ -1,8 +1,7 @@
 """Squared Sampson distance: how far, to first order, a point pair must move to obey an epipolar geometry."""
 
 import numpy as np
-
-from moseg_tasks.geometry.coordinates import homogeneous
+from moseg.tasks.geometry.coordinates import homogeneous
 
 
 def sampson_squared(F: np.ndarray, points0: np.ndarray, points1: np.ndarray) -> np.ndarray:

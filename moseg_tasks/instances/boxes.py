@@ -1,8 +1,7 @@
 """Boxes as prompts of a network that outlines what they hold."""
 
 import numpy as np
-
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
 
 def as_boxes(boxes: np.ndarray) -> np.ndarray:

@@ -3,8 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
 
 class Painted(NamedTuple):

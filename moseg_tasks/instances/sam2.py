@@ -2,13 +2,12 @@
 
 import numpy as np
 import torch
+from moseg.schemas.parameters.sam2 import Sam2Params
+from moseg.tasks.instances.boxes import as_boxes
+from moseg.tasks.networks.frame_tensor import Resizing, check_frame, frame_tensor
+from moseg.tasks.networks.sam2 import network_side
 from torch.nn import functional
 from transformers import Sam2Model
-
-from moseg_tasks.instances.boxes import as_boxes
-from moseg_tasks.networks.frame_tensor import Resizing, check_frame, frame_tensor
-from moseg_tasks.networks.sam2 import network_side
-from schemas.parameters.sam2 import Sam2Params
 
 
 def segment_boxes_sam2(

@@ -2,12 +2,11 @@
 
 import numpy as np
 import torch
+from moseg.schemas.parameters.sam_hq import SamHqParams
+from moseg.tasks.instances.boxes import as_boxes
+from moseg.tasks.networks.frame_tensor import check_frame, frame_tensor
+from moseg.tasks.networks.sam_hq import decode_boxes, encode_image
 from torch.nn import functional
-
-from moseg_tasks.instances.boxes import as_boxes
-from moseg_tasks.networks.frame_tensor import check_frame, frame_tensor
-from moseg_tasks.networks.sam_hq import decode_boxes, encode_image
-from schemas.parameters.sam_hq import SamHqParams
 
 
 def segment_boxes_sam_hq(

@@ -3,11 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.instances import SeedParams
+from moseg.tasks.proposals.linking import count_overlaps
 from scipy.optimize import linear_sum_assignment
-
-from moseg_tasks.proposals.linking import count_overlaps
-from schemas.errors import InputError
-from schemas.parameters.instances import SeedParams
 
 
 class Seeds(NamedTuple):

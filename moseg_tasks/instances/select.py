@@ -1,9 +1,8 @@
 """The best of the masks that show the same thing."""
 
 import numpy as np
-
-from schemas.errors import InputError
-from schemas.parameters.instances import InstanceParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.instances import InstanceParams
 
 
 def select_instances(masks: np.ndarray, scores: np.ndarray, params: InstanceParams) -> np.ndarray:

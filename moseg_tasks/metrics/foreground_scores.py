@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from moseg_tasks.metrics.overlaps import Overlaps
+from moseg.tasks.metrics.overlaps import Overlaps
 
 
 class ForegroundScores(NamedTuple):

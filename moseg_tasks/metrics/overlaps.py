@@ -4,8 +4,7 @@ from collections import Counter
 from collections.abc import Iterable
 
 import numpy as np
-
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
 _FEW_LABELS = 256
 

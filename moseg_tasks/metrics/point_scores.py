@@ -3,14 +3,13 @@
 from collections.abc import Collection, Iterable
 
 import numpy as np
-
-from moseg_tasks.metrics.assign_objects import assign_objects
-from moseg_tasks.metrics.foreground_scores import score_foreground
-from moseg_tasks.metrics.overlaps import Overlaps, add_overlaps, count_overlaps
-from moseg_tasks.metrics.region_similarity import region_similarity
-from moseg_tasks.tracks.labels_at import labels_at
-from schemas.errors import InputError
-from schemas.scores import SequenceScore
+from moseg.schemas.errors import InputError
+from moseg.schemas.scores import SequenceScore
+from moseg.tasks.metrics.assign_objects import assign_objects
+from moseg.tasks.metrics.foreground_scores import score_foreground
+from moseg.tasks.metrics.overlaps import Overlaps, add_overlaps, count_overlaps
+from moseg.tasks.metrics.region_similarity import region_similarity
+from moseg.tasks.tracks.labels_at import labels_at
 
 PointPairs = Iterable[tuple[np.ndarray, np.ndarray]]
 """The (predicted, true) labels of the visible points of each frame, uint16 (N,)."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection
 
-from moseg_tasks.metrics.overlaps import Overlaps
+from moseg.tasks.metrics.overlaps import Overlaps
 
 
 def region_similarity(overlaps: Overlaps, true_labels: Collection[int], predicted_labels: Collection[int]) -> float:

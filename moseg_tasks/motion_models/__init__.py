@@ -1,9 +1,9 @@
 """Parametric flow models, their least-squares fits and the residuals of each object under each fit."""
 
-from moseg_tasks.motion_models.fit import fit_from_moments, flow_energy, residuals_from_moments
-from moseg_tasks.motion_models.flow_model import FlowModel
-from moseg_tasks.motion_models.moments import Moments, flow_moments, unpack_moments
-from moseg_tasks.motion_models.registry import FLOW_MODELS, flow_model
+from moseg.tasks.motion_models.fit import fit_from_moments, flow_energy, residuals_from_moments
+from moseg.tasks.motion_models.flow_model import FlowModel
+from moseg.tasks.motion_models.moments import Moments, flow_moments, unpack_moments
+from moseg.tasks.motion_models.registry import FLOW_MODELS, flow_model
 
 __all__ = [
     "FLOW_MODELS",

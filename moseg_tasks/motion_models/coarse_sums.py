@@ -3,9 +3,8 @@
 import math
 
 import numpy as np
-
-from moseg_tasks.motion_models.monomials import Frame, evaluate_monomials, image_coordinates
-from moseg_tasks.motion_models.pixel_sums import Pixels
+from moseg.tasks.motion_models.monomials import Frame, evaluate_monomials, image_coordinates
+from moseg.tasks.motion_models.pixel_sums import Pixels
 
 _GRID_PIXELS = 512  # several dozen for each parameter; more cost time and gain nothing, the full sums correct the fit
 

@@ -1,10 +1,9 @@
 """Least-squares fits of a flow model and the errors of every object under every fit, from moments alone."""
 
 import numpy as np
-
-from moseg_tasks.motion_models.flow_model import FlowModel
-from moseg_tasks.motion_models.moments import unpack_moments
-from schemas.parameters import FlowModelParams
+from moseg.schemas.parameters import FlowModelParams
+from moseg.tasks.motion_models.flow_model import FlowModel
+from moseg.tasks.motion_models.moments import unpack_moments
 
 
 def fit_from_moments(moments: np.ndarray, model: FlowModel, params: FlowModelParams) -> tuple[np.ndarray, np.ndarray]:

@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.motion_models.monomials import MONOMIALS, evaluate_monomials
+from moseg.tasks.motion_models.monomials import MONOMIALS, evaluate_monomials
 
 
 class FlowModel(NamedTuple):

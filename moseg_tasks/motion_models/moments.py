@@ -15,13 +15,12 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-
-from moseg_tasks.motion_models.coarse_sums import sum_coarsely
-from moseg_tasks.motion_models.flow_model import FlowModel
-from moseg_tasks.motion_models.pixel_sums import Pixels, sum_pixels
-from moseg_tasks.motion_models.triangular import local_columns, reduce_to_model
-from schemas.errors import InputError
-from schemas.parameters import FlowModelParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import FlowModelParams
+from moseg.tasks.motion_models.coarse_sums import sum_coarsely
+from moseg.tasks.motion_models.flow_model import FlowModel
+from moseg.tasks.motion_models.pixel_sums import Pixels, sum_pixels
+from moseg.tasks.motion_models.triangular import local_columns, reduce_to_model
 
 
 class Moments(NamedTuple):

@@ -11,7 +11,7 @@ E. Meunier, A. Badoual and P. Bouthemy, "EM-driven unsupervised learning for eff
 IEEE TPAMI, 2023.
 """
 
-from moseg_tasks.motion_models.flow_model import FlowModel, terms_matrix
+from moseg.tasks.motion_models.flow_model import FlowModel, terms_matrix
 
 _PARAMETERS = tuple("abcdefghijkl")
 _QUADRATIC = ("1", "x", "y", "xx", "xy", "yy")

@@ -12,7 +12,7 @@ References
 H. C. Longuet-Higgins and K. Prazdny, "The interpretation of a moving retinal image", Proc. R. Soc. B 208, 1980.
 """
 
-from moseg_tasks.motion_models.flow_model import FlowModel, terms_matrix
+from moseg.tasks.motion_models.flow_model import FlowModel, terms_matrix
 
 _PARAMETERS = tuple("abcdefghk")
 

@@ -8,7 +8,7 @@ change sign between u and v and f should not: this form leaves a part of both un
 measures how much.
 """
 
-from moseg_tasks.motion_models.flow_model import FlowModel, terms_matrix
+from moseg.tasks.motion_models.flow_model import FlowModel, terms_matrix
 
 _PARAMETERS = tuple("abcdefgh")
 

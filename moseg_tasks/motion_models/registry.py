@@ -1,11 +1,11 @@
 """Flow models by name."""
 
-from moseg_tasks.motion_models.flow_model import FlowModel
-from moseg_tasks.motion_models.oc import OC
-from moseg_tasks.motion_models.oc_depth import OC_DEPTH
-from moseg_tasks.motion_models.oc_depth_paper import OC_DEPTH_PAPER
-from schemas.errors import InputError
-from schemas.parameters import FlowModelName
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import FlowModelName
+from moseg.tasks.motion_models.flow_model import FlowModel
+from moseg.tasks.motion_models.oc import OC
+from moseg.tasks.motion_models.oc_depth import OC_DEPTH
+from moseg.tasks.motion_models.oc_depth_paper import OC_DEPTH_PAPER
 
 FLOW_MODELS: dict[FlowModelName, FlowModel] = {model.name: model for model in (OC_DEPTH, OC_DEPTH_PAPER, OC)}
 

@@ -1,9 +1,8 @@
 """From sums over monomials to the triangular factor of a model's least-squares problem."""
 
 import numpy as np
-
-from moseg_tasks.motion_models.flow_model import FlowModel
-from moseg_tasks.motion_models.monomials import Frame, recentring
+from moseg.tasks.motion_models.flow_model import FlowModel
+from moseg.tasks.motion_models.monomials import Frame, recentring
 
 _GRAM_RANK = 1e-14  # eigenvalue of a Gram matrix of unit columns below which it is rounding
 

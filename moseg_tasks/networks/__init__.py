@@ -1,6 +1,6 @@
 """The trained networks: our own modules, and those of transformers, built strictly from a checkpoint's tensors."""
 
-from moseg_tasks.networks.checkpoint import Checkpoint, unwrap_state
-from moseg_tasks.networks.strict import load_strictly
+from moseg.tasks.networks.checkpoint import Checkpoint, unwrap_state
+from moseg.tasks.networks.strict import load_strictly
 
 __all__ = ["Checkpoint", "load_strictly", "unwrap_state"]

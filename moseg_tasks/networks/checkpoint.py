@@ -4,8 +4,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import torch
-
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
 WRAPPERS = ("state_dict", "model", "model_state_dict")
 """Keys under which published checkpoints keep their tensors, beside optimizers and step counts."""

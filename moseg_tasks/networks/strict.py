@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 
 import torch
-
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
 SHOWN = 3
 

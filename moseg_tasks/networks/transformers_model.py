@@ -5,12 +5,11 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 import torch
+from moseg.schemas.errors import InputError
+from moseg.tasks.networks.checkpoint import Checkpoint
+from moseg.tasks.networks.strict import SHOWN
 from transformers import PreTrainedConfig, PreTrainedModel
 from transformers.utils import logging
-
-from moseg_tasks.networks.checkpoint import Checkpoint
-from moseg_tasks.networks.strict import SHOWN
-from schemas.errors import InputError
 
 CONFIG = "config.json"
 

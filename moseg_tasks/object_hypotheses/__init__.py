@@ -1,10 +1,10 @@
 """Objects compared by the motion hypotheses that explain them: many hypotheses of the whole frame, one ranking each."""
 
-from moseg_tasks.object_hypotheses.background_cells import background_cells, split_background
-from moseg_tasks.object_hypotheses.background_scale import geometric_mean, scale_by_background
-from moseg_tasks.object_hypotheses.flow_patches import flow_patch_residuals
-from moseg_tasks.object_hypotheses.preferences import preference_kernel
-from moseg_tasks.object_hypotheses.track_samples import track_sample_residuals
+from moseg.tasks.object_hypotheses.background_cells import background_cells, split_background
+from moseg.tasks.object_hypotheses.background_scale import geometric_mean, scale_by_background
+from moseg.tasks.object_hypotheses.flow_patches import flow_patch_residuals
+from moseg.tasks.object_hypotheses.preferences import preference_kernel
+from moseg.tasks.object_hypotheses.track_samples import track_sample_residuals
 
 __all__ = [
     "background_cells",

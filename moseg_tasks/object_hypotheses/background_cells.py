@@ -1,8 +1,7 @@
 """The background cut into cells of the frame: parts that are known to move alike, about as large as objects."""
 
 import numpy as np
-
-from schemas.parameters import ObjectHypothesisParams
+from moseg.schemas.parameters import ObjectHypothesisParams
 
 
 def background_cells(image_shape: tuple[int, int], params: ObjectHypothesisParams) -> np.ndarray:

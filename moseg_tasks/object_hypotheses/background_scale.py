@@ -1,8 +1,7 @@
 """A scale for ranks: how alike the background's own parts are says what the same motion looks like."""
 
 import numpy as np
-
-from schemas.parameters import ObjectHypothesisParams
+from moseg.schemas.parameters import ObjectHypothesisParams
 
 
 def scale_by_background(kernel: np.ndarray, num_objects: int, params: ObjectHypothesisParams) -> np.ndarray:

@@ -6,11 +6,10 @@ patch, and all its pixels count.
 """
 
 import numpy as np
-
-from moseg_tasks.motion_models import FlowModel, flow_moments, unpack_moments
-from moseg_tasks.motion_models.moments import depth_gauge
-from moseg_tasks.motion_models.monomials import MONOMIALS, evaluate_monomials, image_coordinates
-from schemas.parameters import FlowModelParams, ObjectHypothesisParams
+from moseg.schemas.parameters import FlowModelParams, ObjectHypothesisParams
+from moseg.tasks.motion_models import FlowModel, flow_moments, unpack_moments
+from moseg.tasks.motion_models.moments import depth_gauge
+from moseg.tasks.motion_models.monomials import MONOMIALS, evaluate_monomials, image_coordinates
 
 _NUM = len(MONOMIALS)
 

@@ -1,9 +1,8 @@
 """The ordered residual kernel between nodes over many hypotheses: alike is what prefers the same hypotheses."""
 
 import numpy as np
-
-from moseg_tasks.affinity.preferences import share_preferences
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.affinity.preferences import share_preferences
 
 
 def preference_kernel(residuals: np.ndarray, window: float, noise_floor: float) -> np.ndarray:

@@ -1,10 +1,9 @@
 """Two-view models of minimal samples of a frame's tracks, and how well they explain every object."""
 
 import numpy as np
-
-from moseg_tasks.geometry.ransac import draw_samples
-from moseg_tasks.point_models import POINT_MODELS, Correspondences
-from schemas.parameters import ObjectHypothesisParams
+from moseg.schemas.parameters import ObjectHypothesisParams
+from moseg.tasks.geometry.ransac import draw_samples
+from moseg.tasks.point_models import POINT_MODELS, Correspondences
 
 TRACK_MODELS = ("fundamental", "homography")
 """The first is blind to motion along epipolar lines, the second to none, but takes parallax for motion."""

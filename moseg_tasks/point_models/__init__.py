@@ -1,10 +1,10 @@
 """Motion models of point correspondences behind one interface: fits, residuals and degeneracies in batches."""
 
-from moseg_tasks.point_models.correspondences import Correspondences
-from moseg_tasks.point_models.point_model import PointModel
-from moseg_tasks.point_models.registry import POINT_MODELS, point_model
-from moseg_tasks.point_models.robust import NoFit, RobustModelFit, robust_fit
-from moseg_tasks.point_models.trifocal_degeneracy import TrifocalDegeneracy
+from moseg.tasks.point_models.correspondences import Correspondences
+from moseg.tasks.point_models.point_model import PointModel
+from moseg.tasks.point_models.registry import POINT_MODELS, point_model
+from moseg.tasks.point_models.robust import NoFit, RobustModelFit, robust_fit
+from moseg.tasks.point_models.trifocal_degeneracy import TrifocalDegeneracy
 
 __all__ = [
     "POINT_MODELS",

@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
+from moseg.tasks.point_models.blocks import combine_products
+from moseg.tasks.point_models.correspondences import Correspondences, checked, checked_for_fit
+from moseg.tasks.point_models.local_coordinates import local_coordinates
 from numpy.typing import DTypeLike
-
-from moseg_tasks.point_models.blocks import combine_products
-from moseg_tasks.point_models.correspondences import Correspondences, checked, checked_for_fit
-from moseg_tasks.point_models.local_coordinates import local_coordinates
 
 _TINY = np.finfo(np.float64).tiny
 

@@ -3,9 +3,8 @@
 from typing import Protocol
 
 import numpy as np
+from moseg.tasks.point_models.correspondences import Correspondences
 from numpy.typing import DTypeLike
-
-from moseg_tasks.point_models.correspondences import Correspondences
 
 
 class PointModel(Protocol):

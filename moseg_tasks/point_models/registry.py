@@ -1,13 +1,13 @@
 """Point models by name."""
 
-from moseg_tasks.motion_models import FLOW_MODELS
-from moseg_tasks.point_models.affine import AffineModel
-from moseg_tasks.point_models.flow import FlowPointModel
-from moseg_tasks.point_models.fundamental import FundamentalModel
-from moseg_tasks.point_models.homography import HomographyModel
-from moseg_tasks.point_models.point_model import PointModel
-from moseg_tasks.point_models.trifocal import TrifocalModel
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.motion_models import FLOW_MODELS
+from moseg.tasks.point_models.affine import AffineModel
+from moseg.tasks.point_models.flow import FlowPointModel
+from moseg.tasks.point_models.fundamental import FundamentalModel
+from moseg.tasks.point_models.homography import HomographyModel
+from moseg.tasks.point_models.point_model import PointModel
+from moseg.tasks.point_models.trifocal import TrifocalModel
 
 POINT_MODELS: dict[str, PointModel] = {
     model.name: model

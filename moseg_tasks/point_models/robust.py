@@ -6,13 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 import poselib
-
-from moseg_tasks.geometry.poselib_fundamental import poselib_fundamental
-from moseg_tasks.geometry.ransac import search_model
-from moseg_tasks.point_models.correspondences import Correspondences, checked
-from moseg_tasks.point_models.local_coordinates import local_coordinates
-from moseg_tasks.point_models.point_model import PointModel
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.geometry.poselib_fundamental import poselib_fundamental
+from moseg.tasks.geometry.ransac import search_model
+from moseg.tasks.point_models.correspondences import Correspondences, checked
+from moseg.tasks.point_models.local_coordinates import local_coordinates
+from moseg.tasks.point_models.point_model import PointModel
 
 
 class NoFit(StrEnum):

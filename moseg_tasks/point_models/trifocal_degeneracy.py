@@ -3,9 +3,8 @@
 from enum import IntEnum
 
 import numpy as np
-
-from moseg_tasks.geometry.coordinates import hartley_transform
-from moseg_tasks.point_models.trifocal_tensor import SAMPLE_SIZE, epipoles, trifocal_tensor, trilinear_equations
+from moseg.tasks.geometry.coordinates import hartley_transform
+from moseg.tasks.point_models.trifocal_tensor import SAMPLE_SIZE, epipoles, trifocal_tensor, trilinear_equations
 
 
 class TrifocalDegeneracy(IntEnum):

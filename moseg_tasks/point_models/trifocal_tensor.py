@@ -1,9 +1,8 @@
 """Trifocal tensors from points: the linear equations, and a fit that is a tensor of three cameras."""
 
 import numpy as np
-
-from moseg_tasks.geometry.coordinates import hartley_transform, homogeneous
-from moseg_tasks.point_models.inverse_iteration import least_vector
+from moseg.tasks.geometry.coordinates import hartley_transform, homogeneous
+from moseg.tasks.point_models.inverse_iteration import least_vector
 
 SAMPLE_SIZE = 7
 _ALL_ENTRIES = tuple(np.indices((3, 3)).reshape(2, 9))

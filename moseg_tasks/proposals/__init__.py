@@ -1,11 +1,11 @@
 """Object proposals without any learned weights, and their identities across sections."""
 
-from moseg_tasks.proposals.boxes import object_boxes
-from moseg_tasks.proposals.components import Components, keep_best, label_components
-from moseg_tasks.proposals.linking import count_overlaps, link_sections
-from moseg_tasks.proposals.refinement import refine_outlines
-from moseg_tasks.proposals.rejoining import rejoin_components
-from moseg_tasks.proposals.splitting import split_touching
+from moseg.tasks.proposals.boxes import object_boxes
+from moseg.tasks.proposals.components import Components, keep_best, label_components
+from moseg.tasks.proposals.linking import count_overlaps, link_sections
+from moseg.tasks.proposals.refinement import refine_outlines
+from moseg.tasks.proposals.rejoining import rejoin_components
+from moseg.tasks.proposals.splitting import split_touching
 
 __all__ = [
     "Components",

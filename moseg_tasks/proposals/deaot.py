@@ -6,12 +6,11 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 import torch
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.deaot import DeaotParams
+from moseg.tasks.networks.deaot import STRIDE, Deaot, extend_memory
+from moseg.tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
 from torch.nn import functional as F
-
-from moseg_tasks.networks.deaot import STRIDE, Deaot, extend_memory
-from moseg_tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
-from schemas.errors import InputError
-from schemas.parameters.deaot import DeaotParams
 
 # Probabilities are kept this far from 0 and 1 where groups are merged, as in the authors' engine.
 _MARGIN = 1e-5

@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.linking import LinkingParams
 from scipy.optimize import linear_sum_assignment
-
-from schemas.errors import InputError
-from schemas.parameters.linking import LinkingParams
 
 
 def count_overlaps(masks0: np.ndarray, masks1: np.ndarray, num_objects0: int, num_objects1: int) -> np.ndarray:

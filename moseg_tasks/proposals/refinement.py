@@ -2,11 +2,10 @@
 
 import cv2
 import numpy as np
-
-from moseg_tasks.proposals.components import FOREGROUND
-from moseg_tasks.proposals.guided_filter import apply_coefficients, guided_coefficients
-from moseg_tasks.saliency.grid import reduce_frame
-from schemas.parameters import RefinementParams
+from moseg.schemas.parameters import RefinementParams
+from moseg.tasks.proposals.components import FOREGROUND
+from moseg.tasks.proposals.guided_filter import apply_coefficients, guided_coefficients
+from moseg.tasks.saliency.grid import reduce_frame
 
 _MARGIN = 4  # cells around the objects that are looked at, beside the filter's two windows
 

@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from scipy import ndimage
-
-from moseg_tasks.proposals.motion_layers import (
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.identity import IdentityParams
+from moseg.tasks.proposals.motion_layers import (
     CAP,
     TwoMotions,
     VelocitySamples,
@@ -19,8 +19,7 @@ from moseg_tasks.proposals.motion_layers import (
     own_deviation,
     sample_velocity,
 )
-from schemas.errors import InputError
-from schemas.parameters.identity import IdentityParams
+from scipy import ndimage
 
 _FEWEST_SAMPLES = 12
 

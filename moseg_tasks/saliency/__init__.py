@@ -1,13 +1,13 @@
 """What moves in a video, without any learned weights: from the flow of frame pairs to a probability of every pixel."""
 
-from moseg_tasks.saliency.accumulation import accumulate, memory_weight
-from moseg_tasks.saliency.choice import BackgroundChoice, choose_background
-from moseg_tasks.saliency.consistency import flow_consistency
-from moseg_tasks.saliency.foreground import foreground_probability
-from moseg_tasks.saliency.frame import FrameSaliency, estimate_saliency
-from moseg_tasks.saliency.grid import reduce_flow, reduce_frame, working_shape
-from moseg_tasks.saliency.logits import motion_logit, probability
-from moseg_tasks.saliency.own_motion import own_motion_misfit
+from moseg.tasks.saliency.accumulation import accumulate, memory_weight
+from moseg.tasks.saliency.choice import BackgroundChoice, choose_background
+from moseg.tasks.saliency.consistency import flow_consistency
+from moseg.tasks.saliency.foreground import foreground_probability
+from moseg.tasks.saliency.frame import FrameSaliency, estimate_saliency
+from moseg.tasks.saliency.grid import reduce_flow, reduce_frame, working_shape
+from moseg.tasks.saliency.logits import motion_logit, probability
+from moseg.tasks.saliency.own_motion import own_motion_misfit
 
 __all__ = [
     "BackgroundChoice",

@@ -4,10 +4,9 @@ from collections.abc import Iterable
 
 import cv2
 import numpy as np
-
-from moseg_tasks.half_floats import narrow, widen
-from moseg_tasks.saliency.grid import pixel_grid
-from schemas.parameters import AccumulationParams
+from moseg.schemas.parameters import AccumulationParams
+from moseg.tasks.half_floats import narrow, widen
+from moseg.tasks.saliency.grid import pixel_grid
 
 
 def accumulate(

@@ -5,9 +5,8 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 import poselib
-
-from moseg_tasks.saliency.grid import pixel_grid
-from schemas.parameters import SaliencyParams
+from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.saliency.grid import pixel_grid
 
 _MINIMAL_SAMPLE = 4
 MAD_TO_SIGMA = 1.4826  # median of |x| of a unit Gaussian, inverted

@@ -4,9 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 import poselib
-
-from moseg_tasks.saliency.background import sample_flow
-from schemas.parameters import SaliencyParams
+from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.saliency.background import sample_flow
 
 _MINIMAL_SAMPLE = 5
 _PARALLAX_FLOOR = 1e-6  # px; only keeps the epipole itself from dividing by zero

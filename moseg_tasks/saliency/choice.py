@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
-
-from moseg_tasks.saliency.camera import fit_camera_motion, split_flow
-from moseg_tasks.saliency.gric import gric
-from moseg_tasks.saliency.ground import Ground, fit_ground
-from moseg_tasks.saliency.layers import fit_layers
-from schemas.parameters import SaliencyParams
+from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.saliency.camera import fit_camera_motion, split_flow
+from moseg.tasks.saliency.gric import gric
+from moseg.tasks.saliency.ground import Ground, fit_ground
+from moseg.tasks.saliency.layers import fit_layers
 
 _TWO_FLOW_LAYERS = {"dimension": 2, "num_parameters": 12}
 _RIGID_SCENE = {"dimension": 3, "num_parameters": 5}

@@ -4,9 +4,8 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-
-from moseg_tasks.saliency.grid import pixel_grid
-from schemas.parameters import AccumulationParams
+from moseg.schemas.parameters import AccumulationParams
+from moseg.tasks.saliency.grid import pixel_grid
 
 PREVIOUS, NEXT = 0, 1
 

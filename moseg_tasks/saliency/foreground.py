@@ -1,9 +1,8 @@
 """Probability of each pixel to move on its own: evidence of motion, of colour and of coherence."""
 
 import numpy as np
-
-from moseg_tasks.saliency.logits import motion_logit, probability
-from schemas.parameters import ForegroundParams
+from moseg.schemas.parameters import ForegroundParams
+from moseg.tasks.saliency.logits import motion_logit, probability
 
 
 def foreground_probability(

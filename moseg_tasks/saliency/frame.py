@@ -3,17 +3,16 @@
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.half_floats import narrow
-from moseg_tasks.saliency.camera import fit_camera_motion
-from moseg_tasks.saliency.choice import LAYERS, BackgroundChoice
-from moseg_tasks.saliency.grid import reduce_flow, reduce_frame, vector_length, working_shape
-from moseg_tasks.saliency.layers import Background, fit_layers
-from moseg_tasks.saliency.photometric import blur_error, colour_error, photometric_gate
-from moseg_tasks.saliency.rigid import explain_rigidly
-from moseg_tasks.saliency.soft_map import soft_map
-from schemas.errors import InputError
-from schemas.parameters import SaliencyParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.half_floats import narrow
+from moseg.tasks.saliency.camera import fit_camera_motion
+from moseg.tasks.saliency.choice import LAYERS, BackgroundChoice
+from moseg.tasks.saliency.grid import reduce_flow, reduce_frame, vector_length, working_shape
+from moseg.tasks.saliency.layers import Background, fit_layers
+from moseg.tasks.saliency.photometric import blur_error, colour_error, photometric_gate
+from moseg.tasks.saliency.rigid import explain_rigidly
+from moseg.tasks.saliency.soft_map import soft_map
 
 
 class FrameSaliency(NamedTuple):

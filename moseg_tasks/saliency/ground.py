@@ -3,8 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-
-from schemas.parameters import SaliencyParams
+from moseg.schemas.parameters import SaliencyParams
 
 _MINIMAL_SAMPLE = 3
 

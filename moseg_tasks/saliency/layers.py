@@ -4,11 +4,10 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-
-from moseg_tasks.saliency.background import AffineMotion, affine_flow, fit_background
-from moseg_tasks.saliency.grid import vector_length
-from moseg_tasks.saliency.typical import typical_residual
-from schemas.parameters import SaliencyParams
+from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.saliency.background import AffineMotion, affine_flow, fit_background
+from moseg.tasks.saliency.grid import vector_length
+from moseg.tasks.saliency.typical import typical_residual
 
 
 class Background(NamedTuple):

@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
-
-from moseg_tasks.saliency.background import MAD_TO_SIGMA, AffineMotion, affine_flow
-from moseg_tasks.saliency.grid import vector_length
-from schemas.parameters import OwnMotionParams
+from moseg.schemas.parameters import OwnMotionParams
+from moseg.tasks.saliency.background import MAD_TO_SIGMA, AffineMotion, affine_flow
+from moseg.tasks.saliency.grid import vector_length
 
 _RIDGE = 1e-6  # keeps the fit solvable where Tukey's weights are all 0
 

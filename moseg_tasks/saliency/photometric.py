@@ -2,8 +2,7 @@
 
 import cv2
 import numpy as np
-
-from moseg_tasks.saliency.grid import pixel_grid
+from moseg.tasks.saliency.grid import pixel_grid
 
 
 def colour_error(frame: np.ndarray, other: np.ndarray, flow: np.ndarray) -> np.ndarray:

@@ -2,12 +2,11 @@
 
 import cv2
 import numpy as np
-
-from moseg_tasks.saliency.camera import CameraMotion, EpipolarFlow, split_flow
-from moseg_tasks.saliency.ground import fit_ground
-from moseg_tasks.saliency.layers import Background
-from moseg_tasks.saliency.support import unsupported_parallax
-from schemas.parameters import SaliencyParams
+from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.saliency.camera import CameraMotion, EpipolarFlow, split_flow
+from moseg.tasks.saliency.ground import fit_ground
+from moseg.tasks.saliency.layers import Background
+from moseg.tasks.saliency.support import unsupported_parallax
 
 
 def explain_rigidly(flow: np.ndarray, motion: CameraMotion, params: SaliencyParams) -> Background:

@@ -2,9 +2,8 @@
 
 import cv2
 import numpy as np
-
-from moseg_tasks.saliency.typical import typical_residual
-from schemas.parameters import SaliencyParams
+from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.saliency.typical import typical_residual
 
 
 def soft_map(residual: np.ndarray, background_speed: np.ndarray, params: SaliencyParams, is_rigid: bool) -> np.ndarray:

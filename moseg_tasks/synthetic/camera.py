@@ -2,8 +2,8 @@
 
 from typing import NamedTuple
 
-from moseg_tasks.synthetic.paths import Pose, pose_of
-from moseg_tasks.synthetic.scene import CameraPath
+from moseg.tasks.synthetic.paths import Pose, pose_of
+from moseg.tasks.synthetic.scene import CameraPath
 
 
 class Camera(NamedTuple):

@@ -3,10 +3,10 @@
 The ground is the plane y = 0. Props stand on it at (x, z); ``velocity`` is (x, z) in metres per frame.
 """
 
-from moseg_tasks.synthetic.paths import Path, Sway, Vector
-from moseg_tasks.synthetic.scene import Part, Thing
-from moseg_tasks.synthetic.shapes import Billboard, Box, Ellipsoid, Plane
-from moseg_tasks.synthetic.texture import Texture
+from moseg.tasks.synthetic.paths import Path, Sway, Vector
+from moseg.tasks.synthetic.scene import Part, Thing
+from moseg.tasks.synthetic.shapes import Billboard, Box, Ellipsoid, Plane
+from moseg.tasks.synthetic.texture import Texture
 
 PALETTES = {
     "asphalt": ((70, 72, 78), (128, 126, 122), (190, 188, 180)),

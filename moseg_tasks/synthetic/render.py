@@ -9,14 +9,13 @@ and numpy may change its generators' streams between versions, and with them tex
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.synthetic.scene import Scene
-from moseg_tasks.synthetic.shade import shade_frame
-from moseg_tasks.synthetic.texture import paint_texture
-from moseg_tasks.synthetic.trace import Hits, trace_frame
-from moseg_tasks.synthetic.tracks import track_points
-from moseg_tasks.synthetic.view import View, material_points, object_of_parts, project_points, view_at
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.synthetic.scene import Scene
+from moseg.tasks.synthetic.shade import shade_frame
+from moseg.tasks.synthetic.texture import paint_texture
+from moseg.tasks.synthetic.trace import Hits, trace_frame
+from moseg.tasks.synthetic.tracks import track_points
+from moseg.tasks.synthetic.view import View, material_points, object_of_parts, project_points, view_at
 
 
 class RenderedScene(NamedTuple):

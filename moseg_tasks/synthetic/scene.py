@@ -1,11 +1,10 @@
 """What a scene is: a backdrop, objects made of parts, and a moving camera, all declared as data."""
 
+from moseg.schemas.frozen import Frozen
+from moseg.tasks.synthetic.paths import STILL, Path, Vector
+from moseg.tasks.synthetic.shapes import Billboard, Shape
+from moseg.tasks.synthetic.texture import Texture
 from pydantic import Field, field_validator
-
-from moseg_tasks.synthetic.paths import STILL, Path, Vector
-from moseg_tasks.synthetic.shapes import Billboard, Shape
-from moseg_tasks.synthetic.texture import Texture
-from schemas.frozen import Frozen
 
 
 class Part(Frozen):

@@ -1,7 +1,7 @@
 """The sequences of the ``synthetic`` data set, by name."""
 
-from moseg_tasks.synthetic import scenes_camera, scenes_objects
-from moseg_tasks.synthetic.scene import Scene
+from moseg.tasks.synthetic import scenes_camera, scenes_objects
+from moseg.tasks.synthetic.scene import Scene
 
 SCENES: dict[str, Scene] = {
     "brightness-change": scenes_camera.BRIGHTNESS_CHANGE,

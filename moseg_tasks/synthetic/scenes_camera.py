@@ -1,8 +1,8 @@
 """Scenes whose difficulty lies in the camera: how it moves, zooms and exposes."""
 
-from moseg_tasks.synthetic.paths import Path, Sway
-from moseg_tasks.synthetic.props import ball, bush, car, crate, room, street, texture, walker, yard
-from moseg_tasks.synthetic.scene import CameraPath, Scene
+from moseg.tasks.synthetic.paths import Path, Sway
+from moseg.tasks.synthetic.props import ball, bush, car, crate, room, street, texture, walker, yard
+from moseg.tasks.synthetic.scene import CameraPath, Scene
 
 PAN = Scene(
     description="The camera pans and drifts; a walker crosses against the pan.",

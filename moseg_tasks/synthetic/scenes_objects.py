@@ -1,9 +1,9 @@
 """Scenes whose difficulty lies in the objects: how many move, how, when and behind what."""
 
-from moseg_tasks.synthetic.paths import Path, Sway
-from moseg_tasks.synthetic.props import ball, bush, car, crate, moving_from, room, street, texture, walker, yard
-from moseg_tasks.synthetic.scene import CameraPath, Part, Scene, Thing
-from moseg_tasks.synthetic.shapes import Billboard
+from moseg.tasks.synthetic.paths import Path, Sway
+from moseg.tasks.synthetic.props import ball, bush, car, crate, moving_from, room, street, texture, walker, yard
+from moseg.tasks.synthetic.scene import CameraPath, Part, Scene, Thing
+from moseg.tasks.synthetic.shapes import Billboard
 
 
 def _drifting(x: float = 0.02, z: float = 0.0, *, height: float = 1.4) -> CameraPath:

@@ -1,10 +1,9 @@
 """Colours of the pixels of a frame: filtered textures, and more rays where the outlines of surfaces pass."""
 
 import numpy as np
-
-from moseg_tasks.synthetic.texture import MipMap, sample_texture
-from moseg_tasks.synthetic.trace import Hits, trace_points
-from moseg_tasks.synthetic.view import View, material_points, rays_at
+from moseg.tasks.synthetic.texture import MipMap, sample_texture
+from moseg.tasks.synthetic.trace import Hits, trace_points
+from moseg.tasks.synthetic.view import View, material_points, rays_at
 
 SUBPIXELS = ((-0.125, -0.375), (0.375, -0.125), (0.125, 0.375), (-0.375, 0.125))
 """Places of the rays of a pixel on an outline: the rotated grid, px from the pixel's centre."""

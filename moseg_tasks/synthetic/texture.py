@@ -3,9 +3,8 @@
 from typing import Literal, NamedTuple
 
 import numpy as np
+from moseg.schemas.frozen import Frozen
 from pydantic import Field
-
-from schemas.frozen import Frozen
 
 SIZE = 512
 """Texels along each side of a texture, a power of two; textures repeat beyond it."""

@@ -4,9 +4,8 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.synthetic.shapes import NEAREST_DEPTH, Billboard
-from moseg_tasks.synthetic.view import View, rays_at
+from moseg.tasks.synthetic.shapes import NEAREST_DEPTH, Billboard
+from moseg.tasks.synthetic.view import View, rays_at
 
 
 class Hits(NamedTuple):

@@ -3,11 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.synthetic.scene import Scene
-from moseg_tasks.synthetic.shapes import NEAREST_DEPTH
-from moseg_tasks.synthetic.trace import Hits, trace_points
-from moseg_tasks.synthetic.view import View, material_points, object_of_parts, project_points
+from moseg.tasks.synthetic.scene import Scene
+from moseg.tasks.synthetic.shapes import NEAREST_DEPTH
+from moseg.tasks.synthetic.trace import Hits, trace_points
+from moseg.tasks.synthetic.view import View, material_points, object_of_parts, project_points
 
 _SAME_DEPTH = 1e-6
 """Relative difference of depth within which a ray has met the point itself: far above float64 rounding."""

@@ -3,11 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.synthetic.camera import Camera, camera_at
-from moseg_tasks.synthetic.paths import Pose, Vector, compose, inverse, pose_of
-from moseg_tasks.synthetic.scene import Part, Scene
-from moseg_tasks.synthetic.shapes import NEAREST_DEPTH, Billboard, Rays
+from moseg.tasks.synthetic.camera import Camera, camera_at
+from moseg.tasks.synthetic.paths import Pose, Vector, compose, inverse, pose_of
+from moseg.tasks.synthetic.scene import Part, Scene
+from moseg.tasks.synthetic.shapes import NEAREST_DEPTH, Billboard, Rays
 
 
 class View(NamedTuple):

@@ -1,5 +1,5 @@
 """Tags: what is in a frame, in words."""
 
-from moseg_tasks.tags.recognise import Tags, recognise_tags
+from moseg.tasks.tags.recognise import Tags, recognise_tags
 
 __all__ = ["Tags", "recognise_tags"]

@@ -4,12 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.ram import RamParams
+from moseg.tasks.networks.frame_tensor import frame_tensor
+from moseg.tasks.networks.ram import Tagger
 from scipy.special import expit
-
-from moseg_tasks.networks.frame_tensor import frame_tensor
-from moseg_tasks.networks.ram import Tagger
-from schemas.errors import InputError
-from schemas.parameters.ram import RamParams
 
 
 class Tags(NamedTuple):

@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.tracks.front import Front
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.tracks.front import Front
 
 
 class Tracks(NamedTuple):

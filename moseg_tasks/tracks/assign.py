@@ -1,9 +1,8 @@
 """Objects of tracks that come without one."""
 
 import numpy as np
-
-from moseg_tasks.tracks.labels_at import OUTSIDE, labels_at
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.tracks.labels_at import OUTSIDE, labels_at
 
 
 def assign_tracks(points: np.ndarray, visible: np.ndarray, masks: np.ndarray) -> np.ndarray:

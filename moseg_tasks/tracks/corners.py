@@ -2,8 +2,7 @@
 
 import cv2
 import numpy as np
-
-from moseg_tasks.tracks.spacing import spaced_subset
+from moseg.tasks.tracks.spacing import spaced_subset
 
 BLOCK_SIZE = 5
 """Side of the window of the structure tensor, px: between OpenCV's default of 3 and the tracker's window."""

@@ -4,12 +4,11 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-
-from moseg_tasks.tracks.corners import texture_strength
-from moseg_tasks.tracks.labels_at import labels_at
-from moseg_tasks.tracks.sampling import sample_points
-from schemas.errors import InputError
-from schemas.parameters import TrackParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import TrackParams
+from moseg.tasks.tracks.corners import texture_strength
+from moseg.tasks.tracks.labels_at import labels_at
+from moseg.tasks.tracks.sampling import sample_points
 
 BACKGROUND = 0
 

@@ -2,8 +2,7 @@
 
 import cv2
 import numpy as np
-
-from schemas.parameters import TrackParams
+from moseg.schemas.parameters import TrackParams
 
 _STOP = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 30, 0.01)
 """OpenCV's default: 30 iterations or a step below 0.01 px."""

@@ -5,15 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
-
-from moseg_tasks.networks.pips import Pips, Resolution
-from moseg_tasks.tracks.assemble import Tracks, assemble_tracks
-from moseg_tasks.tracks.front import NO_TRACKS, Front, check_front
-from moseg_tasks.tracks.lucas_kanade import inside_border
-from moseg_tasks.tracks.windows import overlapping_windows
-from schemas.errors import InputError
-from schemas.parameters import TrackParams
-from schemas.parameters.pips import PipsParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import TrackParams
+from moseg.schemas.parameters.pips import PipsParams
+from moseg.tasks.networks.pips import Pips, Resolution
+from moseg.tasks.tracks.assemble import Tracks, assemble_tracks
+from moseg.tasks.tracks.front import NO_TRACKS, Front, check_front
+from moseg.tasks.tracks.lucas_kanade import inside_border
+from moseg.tasks.tracks.windows import overlapping_windows
 
 
 class _EncodedFrame(NamedTuple):

@@ -2,10 +2,9 @@
 
 import cv2
 import numpy as np
-
-from moseg_tasks.tracks.corners import strongest_corners
-from moseg_tasks.tracks.medoids import covering_medoids
-from schemas.parameters import TrackParams
+from moseg.schemas.parameters import TrackParams
+from moseg.tasks.tracks.corners import strongest_corners
+from moseg.tasks.tracks.medoids import covering_medoids
 
 
 def sample_points(

@@ -4,11 +4,10 @@ from collections.abc import Iterable, Sequence
 
 import cv2
 import numpy as np
-
-from moseg_tasks.tracks.assemble import Tracks, assemble_tracks
-from moseg_tasks.tracks.front import NO_TRACKS, Front, check_front
-from moseg_tasks.tracks.lucas_kanade import follow_points
-from schemas.parameters import TrackParams
+from moseg.schemas.parameters import TrackParams
+from moseg.tasks.tracks.assemble import Tracks, assemble_tracks
+from moseg.tasks.tracks.front import NO_TRACKS, Front, check_front
+from moseg.tasks.tracks.lucas_kanade import follow_points
 
 
 def track_points(

@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.clustering.eigenpairs import leading_eigenpairs
-from moseg_tasks.clustering.random_kmeans import cluster_many_points
-from moseg_tasks.clustering.spectral import normalise_affinity, unit_rows
-from moseg_tasks.trajectories.pieces import link_pieces, piece_affinity
-from schemas.parameters import TrajectoryClusteringParams
+from moseg.schemas.parameters import TrajectoryClusteringParams
+from moseg.tasks.clustering.eigenpairs import leading_eigenpairs
+from moseg.tasks.clustering.random_kmeans import cluster_many_points
+from moseg.tasks.clustering.spectral import normalise_affinity, unit_rows
+from moseg.tasks.trajectories.pieces import link_pieces, piece_affinity
 
 
 class View(NamedTuple):

@@ -4,18 +4,17 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.clustering.count_motions import CountEvidence, count_motions
-from moseg_tasks.clustering.motion_tracks import MotionTracks
-from moseg_tasks.clustering.num_motions import count_by_eigengap
-from moseg_tasks.clustering.random_kmeans import cluster_many_points
-from moseg_tasks.clustering.spectral import embed_views
-from moseg_tasks.trajectories.apart import separate_objects
-from moseg_tasks.trajectories.candidates import Candidates, View, in_order
-from moseg_tasks.trajectories.energy import Energy, Grouping
-from moseg_tasks.trajectories.merging import merge_by_energy
-from schemas.errors import InputError
-from schemas.parameters import TrajectoryClusteringParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import TrajectoryClusteringParams
+from moseg.tasks.clustering.count_motions import CountEvidence, count_motions
+from moseg.tasks.clustering.motion_tracks import MotionTracks
+from moseg.tasks.clustering.num_motions import count_by_eigengap
+from moseg.tasks.clustering.random_kmeans import cluster_many_points
+from moseg.tasks.clustering.spectral import embed_views
+from moseg.tasks.trajectories.apart import separate_objects
+from moseg.tasks.trajectories.candidates import Candidates, View, in_order
+from moseg.tasks.trajectories.energy import Energy, Grouping
+from moseg.tasks.trajectories.merging import merge_by_energy
 
 
 class TrajectoryClustering(NamedTuple):

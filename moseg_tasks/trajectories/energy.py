@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.trajectories.epipolar_cost import EpipolarCost
-from schemas.parameters import EnergyParams
+from moseg.schemas.parameters import EnergyParams
+from moseg.tasks.trajectories.epipolar_cost import EpipolarCost
 
 
 class Grouping(NamedTuple):

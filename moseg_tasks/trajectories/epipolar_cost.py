@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.geometry.eight_point import SAMPLE_SIZE, epipolar_equations, nearest_rank_two
-from schemas.parameters import EnergyParams
+from moseg.schemas.parameters import EnergyParams
+from moseg.tasks.geometry.eight_point import SAMPLE_SIZE, epipolar_equations, nearest_rank_two
 
 _LAST_ROUNDS = 2
 """Rounds with the final threshold."""

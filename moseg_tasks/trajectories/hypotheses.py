@@ -3,10 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-
-from moseg_tasks.point_models import Correspondences, PointModel
-from schemas.errors import InputError
-from schemas.parameters import HypothesisParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import HypothesisParams
+from moseg.tasks.point_models import Correspondences, PointModel
 
 _LARGEST = float(np.finfo(np.float16).max)
 

@@ -1,8 +1,7 @@
 """The ordered residual kernel between trajectories, and which of its entries are kept."""
 
 import numpy as np
-
-from schemas.parameters import KernelParams
+from moseg.schemas.parameters import KernelParams
 
 
 def trajectory_kernel(residuals: np.ndarray, params: KernelParams) -> np.ndarray:

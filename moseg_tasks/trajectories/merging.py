@@ -3,8 +3,7 @@
 from itertools import combinations
 
 import numpy as np
-
-from moseg_tasks.trajectories.energy import Energy
+from moseg.tasks.trajectories.energy import Energy
 
 
 def merge_by_energy(pieces: np.ndarray, energy: Energy, num_tried: int) -> dict[int, np.ndarray]:

@@ -1,34 +1,34 @@
 """Parameters of every stage, one file a stage."""
 
-from schemas.parameters.accumulation import AccumulationParams
-from schemas.parameters.affinity import AffinityParams, HypothesisAffinityParams
-from schemas.parameters.appearance import AppearanceParams
-from schemas.parameters.clustering import ClusteringParams, MotionCountParams
-from schemas.parameters.components import ComponentParams
-from schemas.parameters.deaot import DeaotParams
-from schemas.parameters.depth import DepthParams
-from schemas.parameters.depth_anything import DepthAnythingParams
-from schemas.parameters.detections import DetectionParams
-from schemas.parameters.dpt_dinov2 import DptDinov2Params
-from schemas.parameters.flow import FlowParams
-from schemas.parameters.flow_models import FlowModelName, FlowModelParams
-from schemas.parameters.foreground import ForegroundParams
-from schemas.parameters.fundamental import FundamentalParams
-from schemas.parameters.grounding_dino import GroundingDinoParams
-from schemas.parameters.identity import IdentityParams
-from schemas.parameters.instances import InstanceParams, SeedParams
-from schemas.parameters.linking import LinkingParams
-from schemas.parameters.object_hypotheses import ObjectHypothesisParams
-from schemas.parameters.own_motion import OwnMotionParams
-from schemas.parameters.pips import PipsParams
-from schemas.parameters.raft import RaftParams
-from schemas.parameters.ram import RamParams
-from schemas.parameters.refinement import RefinementParams
-from schemas.parameters.saliency import SaliencyParams
-from schemas.parameters.sam2 import Sam2Params
-from schemas.parameters.sam_hq import SamHqParams
-from schemas.parameters.tracks import TrackParams
-from schemas.parameters.trajectories import (
+from moseg.schemas.parameters.accumulation import AccumulationParams
+from moseg.schemas.parameters.affinity import AffinityParams, HypothesisAffinityParams
+from moseg.schemas.parameters.appearance import AppearanceParams
+from moseg.schemas.parameters.clustering import ClusteringParams, MotionCountParams
+from moseg.schemas.parameters.components import ComponentParams
+from moseg.schemas.parameters.deaot import DeaotParams
+from moseg.schemas.parameters.depth import DepthParams
+from moseg.schemas.parameters.depth_anything import DepthAnythingParams
+from moseg.schemas.parameters.detections import DetectionParams
+from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
+from moseg.schemas.parameters.flow import FlowParams
+from moseg.schemas.parameters.flow_models import FlowModelName, FlowModelParams
+from moseg.schemas.parameters.foreground import ForegroundParams
+from moseg.schemas.parameters.fundamental import FundamentalParams
+from moseg.schemas.parameters.grounding_dino import GroundingDinoParams
+from moseg.schemas.parameters.identity import IdentityParams
+from moseg.schemas.parameters.instances import InstanceParams, SeedParams
+from moseg.schemas.parameters.linking import LinkingParams
+from moseg.schemas.parameters.object_hypotheses import ObjectHypothesisParams
+from moseg.schemas.parameters.own_motion import OwnMotionParams
+from moseg.schemas.parameters.pips import PipsParams
+from moseg.schemas.parameters.raft import RaftParams
+from moseg.schemas.parameters.ram import RamParams
+from moseg.schemas.parameters.refinement import RefinementParams
+from moseg.schemas.parameters.saliency import SaliencyParams
+from moseg.schemas.parameters.sam2 import Sam2Params
+from moseg.schemas.parameters.sam_hq import SamHqParams
+from moseg.schemas.parameters.tracks import TrackParams
+from moseg.schemas.parameters.trajectories import (
     EnergyParams,
     HypothesisParams,
     KernelParams,

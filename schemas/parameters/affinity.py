@@ -2,10 +2,9 @@
 
 from typing import Annotated, Literal
 
+from moseg.schemas.frozen import Frozen
+from moseg.schemas.units import Unit
 from pydantic import Field
-
-from schemas.frozen import Frozen
-from schemas.units import Unit
 
 
 class AffinityParams(Frozen):

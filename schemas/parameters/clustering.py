@@ -2,11 +2,10 @@
 
 from typing import Annotated, Literal
 
+from moseg.schemas.frozen import Frozen
+from moseg.schemas.parameters.affinity import HypothesisAffinityParams
+from moseg.schemas.units import Unit
 from pydantic import Field
-
-from schemas.frozen import Frozen
-from schemas.parameters.affinity import HypothesisAffinityParams
-from schemas.units import Unit
 
 TRACK_METHODS = ("description_length", "geometric")
 """Ways to find the number of motions that compare how well each explains the tracks."""

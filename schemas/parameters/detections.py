@@ -2,9 +2,8 @@
 
 from typing import Literal
 
+from moseg.schemas.frozen import Frozen
 from pydantic import Field, field_validator
-
-from schemas.frozen import Frozen
 
 
 class DetectionParams(Frozen):

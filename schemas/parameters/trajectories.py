@@ -2,11 +2,10 @@
 
 from typing import Annotated, Literal
 
+from moseg.schemas.frozen import Frozen
+from moseg.schemas.parameters.clustering import MotionCountParams
+from moseg.schemas.units import Unit
 from pydantic import Field, PositiveInt, field_validator
-
-from schemas.frozen import Frozen
-from schemas.parameters.clustering import MotionCountParams
-from schemas.units import Unit
 
 
 class HypothesisParams(Frozen):

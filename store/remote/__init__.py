@@ -1,5 +1,5 @@
 """Artifacts on object stores: Amazon S3 and servers that speak its protocol, Google Cloud Storage, Azure Blob."""
 
-from store.remote.remote_store import RemoteStore
+from moseg.store.remote.remote_store import RemoteStore
 
 __all__ = ["RemoteStore"]

@@ -16,7 +16,7 @@ one put by one process. The manifest names it, so two writers at the same time n
 leaves behind when it is killed or comes second is nobody's.
 """
 
-from store.names import MANIFEST, is_key_in, slot
+from moseg.store.names import MANIFEST, is_key_in, slot
 
 OBJECTS, PAYLOADS, ASIDE, QUARANTINE, LOGS = "objects", "payloads", "aside", "quarantine", "logs"
 

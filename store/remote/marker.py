@@ -1,8 +1,8 @@
 """The marker that makes the objects below a URL a store."""
 
-from schemas.errors import MissingStoreError, StoreChoiceError, StoreError
-from store.marker import CONTENT, MARKER, check_marker
-from store.remote.requests import Requests
+from moseg.schemas.errors import MissingStoreError, StoreChoiceError, StoreError
+from moseg.store.marker import CONTENT, MARKER, check_marker
+from moseg.store.remote.requests import Requests
 
 
 def open_prefix(requests: Requests, *, create: bool) -> None:

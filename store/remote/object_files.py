@@ -1,25 +1,25 @@
 """The medium of an object store: the manifest, put last, is the commit.
 
-Nothing is ever changed in place but pins. A put writes files under a name of its own (see `store.remote.layout`) and
-then the manifest, on the condition that there is none: the first of several writers wins, the others delete their own
-files. On a server that ignores the condition the last one wins. Its manifest then names its own files, and those of the
-first are leftovers, so that also there no reader ever sees bytes of both.
+Nothing is ever changed in place but pins. A put writes files under a name of its own (see
+`moseg.store.remote.layout`) and then the manifest, on the condition that there is none: the first of several writers
+wins, the others delete their own files. On a server that ignores the condition the last one wins. Its manifest then
+names its own files, and those of the first are leftovers, so that also there no reader ever sees bytes of both.
 """
 
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 
-from schemas.digests import digest_bytes
-from schemas.errors import CorruptArtifactError, MissingArtifactError, StoreError
-from schemas.recipes import split_ref
-from store.names import MANIFEST
-from store.outcomes import PutOutcome
-from store.owners import is_owned_name, owned_name
-from store.quarantine import REASON
-from store.reading import check_seal
-from store.remote import object_logs
-from store.remote.layout import (
+from moseg.schemas.digests import digest_bytes
+from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError, StoreError
+from moseg.schemas.recipes import split_ref
+from moseg.store.names import MANIFEST
+from moseg.store.outcomes import PutOutcome
+from moseg.store.owners import is_owned_name, owned_name
+from moseg.store.quarantine import REASON
+from moseg.store.reading import check_seal
+from moseg.store.remote import object_logs
+from moseg.store.remote.layout import (
     OBJECTS,
     PAYLOADS,
     QUARANTINE,
@@ -28,16 +28,16 @@ from store.remote.layout import (
     ref_of_manifest,
     ref_of_payload,
 )
-from store.remote.object_leftovers import find_leftovers
-from store.remote.object_trash import ObjectTrash
-from store.remote.requests import Requests
+from moseg.store.remote.object_leftovers import find_leftovers
+from moseg.store.remote.object_trash import ObjectTrash
+from moseg.store.remote.requests import Requests
 
 _PAUSES = (0.0, 0.1, 0.5)
 """Seconds before each time that a manifest is put, where before somebody else's was there and then gone."""
 
 
 class ObjectFiles:
-    """Artifacts whose manifests are objects of known names; see `store.medium.Medium`."""
+    """Artifacts whose manifests are objects of known names; see `moseg.store.medium.Medium`."""
 
     def __init__(self, requests: Requests):
         self._requests = requests

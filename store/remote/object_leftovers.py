@@ -4,8 +4,8 @@ from collections import Counter
 from collections.abc import Collection
 from typing import NamedTuple
 
-from store.owners import is_abandoned
-from store.remote.layout import (
+from moseg.store.owners import is_abandoned
+from moseg.store.remote.layout import (
     ASIDE,
     OBJECTS,
     PAYLOADS,
@@ -16,8 +16,8 @@ from store.remote.layout import (
     ref_of_manifest,
     ref_of_payload,
 )
-from store.remote.object_trash import read_aside
-from store.remote.requests import Found, Requests
+from moseg.store.remote.object_trash import read_aside
+from moseg.store.remote.requests import Found, Requests
 
 
 class Attempt(NamedTuple):

@@ -8,10 +8,10 @@ import itertools
 import os
 import uuid
 
-from store.names import check_run_id
-from store.owners import process_space
-from store.remote.layout import LOGS
-from store.remote.requests import Requests
+from moseg.store.names import check_run_id
+from moseg.store.owners import process_space
+from moseg.store.remote.layout import LOGS
+from moseg.store.remote.requests import Requests
 
 _counter = itertools.count()
 _writers: dict[int, str] = {}

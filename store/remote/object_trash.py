@@ -9,11 +9,11 @@ next collection finds both.
 from collections.abc import Collection, Iterable
 from typing import NamedTuple
 
-from schemas.errors import CorruptArtifactError
-from store.owners import is_abandoned, owned_name
-from store.reading import check_seal
-from store.remote.layout import aside_name, manifest_name, payload_folder
-from store.remote.requests import Requests
+from moseg.schemas.errors import CorruptArtifactError
+from moseg.store.owners import is_abandoned, owned_name
+from moseg.store.reading import check_seal
+from moseg.store.remote.layout import aside_name, manifest_name, payload_folder
+from moseg.store.remote.requests import Requests
 
 
 class Aside(NamedTuple):
@@ -30,7 +30,7 @@ def read_aside(content: bytes) -> Aside:
 
 
 class ObjectTrash:
-    """Manifests under ``aside/`` that this process owns; see `store.medium.Trash`."""
+    """Manifests under ``aside/`` that this process owns; see `moseg.store.medium.Trash`."""
 
     def __init__(self, requests: Requests):
         self.taken: set[str] = set()

@@ -1,13 +1,15 @@
 """The store on an object store."""
 
-from store.medium_store import MediumStore
-from store.remote.marker import open_prefix
-from store.remote.object_files import ObjectFiles
-from store.remote.requests import requests_for
+from moseg.store.medium_store import MediumStore
+from moseg.store.remote.marker import open_prefix
+from moseg.store.remote.object_files import ObjectFiles
+from moseg.store.remote.requests import requests_for
 
 
 class RemoteStore(MediumStore):
-    """Artifacts below a URL of an object store; see `store.remote.connection` for what the environment has to say.
+    """Artifacts below a URL of an object store.
+
+    `moseg.store.remote.connection` says what the environment must provide.
 
     Parameters
     ----------

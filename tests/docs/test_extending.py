@@ -16,6 +16,8 @@ import pytest
 from scipy.io import savemat
 
 ROOT = Path(__file__).resolve().parents[2]
+EDITOR = "docs/editor"
+"""Links to the packages, by which the copy is imported."""
 PAGE = ROOT / "docs" / "extending.md"
 PACKAGES = ("schemas", "store", "moseg_tasks", "workflows")
 RUN_AS_SHOWN = (
@@ -34,7 +36,7 @@ RUN_ON_LESS = (
 # Runs lines of a command's words until there are no more, and answers each with its exit code and output.
 SERVE = """
 import contextlib, io, json, sys
-from workflows.cli.app import run
+from moseg.workflows.cli.app import run
 
 for line in sys.stdin:
     out, err = io.StringIO(), io.StringIO()
@@ -81,6 +83,7 @@ def extended(tmp_path_factory):
     root = tmp_path_factory.mktemp("extended")
     for name in PACKAGES:
         shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT / EDITOR, root / EDITOR, symlinks=True)
     for step in read_steps(PAGE.read_text(encoding="utf-8")):
         apply(step, root)
     return root
@@ -105,7 +108,7 @@ def run(extended):
 
 def _environ(extended: Path) -> dict[str, str]:
     """Where Python finds the copy in place of the project."""
-    return {**os.environ, "PYTHONPATH": str(extended), "PYTHONWARNINGS": "ignore"}
+    return {**os.environ, "PYTHONPATH": str(extended / EDITOR), "PYTHONWARNINGS": "ignore"}
 
 
 @pytest.fixture(scope="module")

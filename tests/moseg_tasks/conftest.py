@@ -13,9 +13,8 @@ import pytest
 @pytest.fixture(scope="session")
 def read_tiny() -> Callable:
     """Makes a Checkpoint of a TinyCheckpoint with safetensors."""
+    from moseg.tasks.networks import Checkpoint
     from safetensors.torch import load
-
-    from moseg_tasks.networks import Checkpoint
 
     def read(tiny):
         documents = {name: text.decode() for name, text in tiny.files.items() if name != "model.safetensors"}
@@ -26,28 +25,28 @@ def read_tiny() -> Callable:
 
 @pytest.fixture(scope="session")
 def grounding_dino_checkpoint(read_tiny):
-    from workflows.weights.tiny.grounding_dino import make_grounding_dino
+    from moseg.workflows.weights.tiny.grounding_dino import make_grounding_dino
 
     return read_tiny(make_grounding_dino(0))
 
 
 @pytest.fixture(scope="session")
 def sam_hq_checkpoint(read_tiny):
-    from workflows.weights.tiny.sam_hq import make_sam_hq
+    from moseg.workflows.weights.tiny.sam_hq import make_sam_hq
 
     return read_tiny(make_sam_hq(0))
 
 
 @pytest.fixture(scope="session")
 def detector(grounding_dino_checkpoint):
-    from moseg_tasks.networks.grounding_dino import build_grounding_dino
+    from moseg.tasks.networks.grounding_dino import build_grounding_dino
 
     return build_grounding_dino(grounding_dino_checkpoint)
 
 
 @pytest.fixture(scope="session")
 def sam_hq(sam_hq_checkpoint):
-    from moseg_tasks.networks.sam_hq import build_sam_hq
+    from moseg.tasks.networks.sam_hq import build_sam_hq
 
     return build_sam_hq(sam_hq_checkpoint)
 

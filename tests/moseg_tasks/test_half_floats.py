@@ -3,8 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
-
-from moseg_tasks.half_floats import narrow, widen
+from moseg.tasks.half_floats import narrow, widen
 
 
 def test_every_half_is_widened_to_itself():

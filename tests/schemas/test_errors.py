@@ -2,7 +2,7 @@
 
 import pickle
 
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
 
 def test_control_characters_of_a_file_are_written_out():

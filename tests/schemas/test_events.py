@@ -4,9 +4,7 @@ import json
 from datetime import UTC, datetime, timedelta
 
 import pytest
-from pydantic import ValidationError
-
-from schemas.events import (
+from moseg.schemas.events import (
     DegenerateEvent,
     EventKind,
     Outcome,
@@ -22,6 +20,7 @@ from schemas.events import (
     write_event,
     write_plan,
 )
+from pydantic import ValidationError
 
 REF = f"flow/{'ab' * 32}"
 TIME = datetime(2026, 11, 22, 0, 43, 18, 123456, tzinfo=UTC)

@@ -1,9 +1,8 @@
 """Parameters as a recipe names them."""
 
 import pytest
-
-from schemas.errors import UnnamedParameterError
-from schemas.parameters import ClusteringParams
+from moseg.schemas.errors import UnnamedParameterError
+from moseg.schemas.parameters import ClusteringParams
 
 
 def test_what_the_recipe_names_is_read_and_nothing_else():

@@ -13,9 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-
-from schemas.recipes import Recipe
-from store import LocalStore
+from moseg.schemas.recipes import Recipe
+from moseg.store import LocalStore
 
 BUCKET = "moseg-tests"
 START_SECONDS = 600

@@ -1,8 +1,7 @@
 """Reading many artifacts at the same time."""
 
 import pytest
-
-from store.ahead import map_ahead
+from moseg.store.ahead import map_ahead
 
 
 def test_a_map_ahead_keeps_the_order_and_begins_few():

@@ -9,9 +9,8 @@ import zarr
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
-
-from schemas.manifests import ArrayEntry
-from store.codec import DTYPES, array_files, chunk_shape, decode_array, encode_group
+from moseg.schemas.manifests import ArrayEntry
+from moseg.store.codec import DTYPES, array_files, chunk_shape, decode_array, encode_group
 
 SHAPES = npst.array_shapes(min_dims=0, max_dims=4, min_side=0, max_side=4)
 AXES = st.sampled_from([("frame", "y", "x", "uv"), ("pair", "y", "x", "uv"), ("a", "b", "c", "d")])

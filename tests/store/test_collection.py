@@ -9,10 +9,9 @@ import time
 from pathlib import Path
 
 import pytest
-
-from schemas.errors import InputError, StoreError
-from store import LocalStore, collection, pins
-from store.owners import is_running, process_space
+from moseg.schemas.errors import InputError, StoreError
+from moseg.store import LocalStore, collection, pins
+from moseg.store.owners import is_running, process_space
 
 DAY = 86_400.0
 
@@ -97,7 +96,7 @@ def test_a_lease_ends(store, chain, monkeypatch):
 
 def test_a_lease_ends_with_its_process_and_a_plain_pin_does_not(store, chain):
     code = (
-        "import sys; from store import LocalStore; store = LocalStore(sys.argv[1])\n"
+        "import sys; from moseg.store import LocalStore; store = LocalStore(sys.argv[1])\n"
         "store.pin('live', [sys.argv[2]], lease_seconds=1e6)\n"
         "store.pin('kept', [sys.argv[2]])"
     )

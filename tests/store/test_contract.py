@@ -9,14 +9,13 @@ from typing import ClassVar
 import numpy as np
 import obstore
 import pytest
-
-from schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
-from schemas.manifests import FileEntry
-from schemas.recipes import Recipe
-from store import ArtifactStore, LocalStore, PutOutcome, collection, open_store
-from store.names import MANIFEST, slot
-from store.remote.connection import connect
-from store.remote.layout import manifest_name, payload_folder
+from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
+from moseg.schemas.manifests import FileEntry
+from moseg.schemas.recipes import Recipe
+from moseg.store import ArtifactStore, LocalStore, PutOutcome, collection, open_store
+from moseg.store.names import MANIFEST, slot
+from moseg.store.remote.connection import connect
+from moseg.store.remote.layout import manifest_name, payload_folder
 
 RECIPE = Recipe(task="toy", version=2, params={"gap": 3}, inputs={"frame": "frame/" + "0" * 64})
 MASKS = np.arange(4 * 5 * 6, dtype=np.uint16).reshape(4, 5, 6)

@@ -7,11 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import zarr
-
-from schemas.digests import digest_array, hash_array
-from schemas.errors import CorruptArtifactError, MissingArtifactError
-from schemas.recipes import Recipe, split_ref
-from store import LocalStore
+from moseg.schemas.digests import digest_array, hash_array
+from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError
+from moseg.schemas.recipes import Recipe, split_ref
+from moseg.store import LocalStore
 
 RECIPE = Recipe(task="toy", version=1, params={"threshold": 0.5})
 ARRAY = np.arange(2 * 3 * 2, dtype=np.int16).reshape(2, 3, 2)
@@ -141,9 +140,9 @@ def test_a_vanished_artifact_is_missing_not_corrupt(store, folder):
 
 
 def test_arrays_digested_by_an_earlier_version_are_verified(store, put_toy, monkeypatch):
-    monkeypatch.setattr("store.codec.hash_array", lambda array: digest_array("array", array))
+    monkeypatch.setattr("moseg.store.codec.hash_array", lambda array: digest_array("array", array))
     ref = put_toy(store)
-    monkeypatch.setattr("store.codec.hash_array", lambda array: digest_array("other", array))
+    monkeypatch.setattr("moseg.store.codec.hash_array", lambda array: digest_array("other", array))
     wrong = put_toy(store, 1)
     assert [result.is_intact for result in store.verify([ref, wrong])] == [True, False]
 

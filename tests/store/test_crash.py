@@ -9,15 +9,14 @@ import sys
 
 import numpy as np
 import pytest
-
-from schemas.recipes import Recipe
-from store import LocalStore, PutOutcome
+from moseg.schemas.recipes import Recipe
+from moseg.store import LocalStore, PutOutcome
 
 VICTIMS = """
 import json, os, random, signal, sys, time
 import numpy as np
-from schemas.recipes import Recipe
-from store import LocalStore
+from moseg.schemas.recipes import Recipe
+from moseg.store import LocalStore
 
 root, mode = sys.argv[1:]
 store = LocalStore(root)

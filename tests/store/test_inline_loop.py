@@ -4,8 +4,7 @@ import asyncio
 import threading
 
 import pytest
-
-from store.inline_loop import run_inline
+from moseg.store.inline_loop import run_inline
 
 
 async def thread_of_work() -> threading.Thread:

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 import zarr
-
-from store.lineage import State, ancestry, descendants
+from moseg.store.lineage import State, ancestry, descendants
 
 
 @pytest.fixture

@@ -4,9 +4,8 @@ import resource
 from pathlib import Path
 
 import pytest
-
-from schemas.errors import StoreError
-from store import LocalStore, logs
+from moseg.schemas.errors import StoreError
+from moseg.store import LocalStore, logs
 
 LINE = b"x" * 99 + b"\n"
 

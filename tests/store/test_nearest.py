@@ -1,9 +1,8 @@
 """Explaining a miss."""
 
 import pytest
-
-from schemas.recipes import Recipe
-from store import FieldDifference, nearest
+from moseg.schemas.recipes import Recipe
+from moseg.store import FieldDifference, nearest
 
 FRAMES = [f"frame/{digit * 64}" for digit in "0123"]
 

@@ -9,10 +9,9 @@ from urllib.parse import quote
 
 import numpy as np
 import pytest
-
-from schemas.errors import InputError, StoreError
-from schemas.recipes import Recipe
-from store import LocalStore, PutOutcome, commit, open_store
+from moseg.schemas.errors import InputError, StoreError
+from moseg.schemas.recipes import Recipe
+from moseg.store import LocalStore, PutOutcome, commit, open_store
 
 NOBODY = 65534
 

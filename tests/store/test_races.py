@@ -8,15 +8,14 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-
-from schemas.recipes import Recipe
-from store import LocalStore, PutOutcome
+from moseg.schemas.recipes import Recipe
+from moseg.store import LocalStore, PutOutcome
 
 WRITERS = """
 import os, sys
 import numpy as np
-from schemas.recipes import Recipe
-from store import LocalStore
+from moseg.schemas.recipes import Recipe
+from moseg.store import LocalStore
 
 root = sys.argv[1]
 LocalStore(root + "-warm").put(Recipe(task="toy", version=1), {"x": np.zeros(1)}, dims={"x": ("object",)})
@@ -67,7 +66,7 @@ def test_store_works_under_a_running_event_loop(store, put_toy):
 
 
 def test_an_error_inside_a_task_reaches_the_caller(store, monkeypatch):
-    monkeypatch.setattr("store.codec.hash_array", lambda array: 1 // 0)
+    monkeypatch.setattr("moseg.store.codec.hash_array", lambda array: 1 // 0)
     recipe = Recipe(task="toy", version=1)
     with pytest.raises(ZeroDivisionError):
         store.put(recipe, {"x": np.zeros(2)}, dims={"x": ("object",)})

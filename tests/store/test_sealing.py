@@ -3,11 +3,10 @@
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from schemas.digests import digest_bytes
-from schemas.manifests import Manifest
-from schemas.recipes import Recipe
-from store.sealing import digest_metadata, seal, unseal
+from moseg.schemas.digests import digest_bytes
+from moseg.schemas.manifests import Manifest
+from moseg.schemas.recipes import Recipe
+from moseg.store.sealing import digest_metadata, seal, unseal
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(max_size=8),

@@ -10,16 +10,15 @@ import sys
 import numpy as np
 import pytest
 import zarr
-
-from schemas.errors import StoreError
-from store import LocalStore, open_store
-from store.remote.connection import connect
-from store.transfer import is_same_store, keep, kept_meanwhile, plan_transfer, select, transfer
+from moseg.schemas.errors import StoreError
+from moseg.store import LocalStore, open_store
+from moseg.store.remote.connection import connect
+from moseg.store.transfer import is_same_store, keep, kept_meanwhile, plan_transfer, select, transfer
 
 DIES = """
 import os, signal, sys
-from store import LocalStore
-from store.transfer import plan_transfer, select, transfer
+from moseg.store import LocalStore
+from moseg.store.transfer import plan_transfer, select, transfer
 
 source, target = map(LocalStore, sys.argv[1:])
 done = []

@@ -7,8 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-
-from workflows.reports import write
+from moseg.workflows.reports import write
 
 STRIKES = """
 import os, signal, sys
@@ -37,7 +36,7 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stab
 @pytest.fixture(scope="session")
 def evaluated_by_workers(evaluated, tmp_path_factory):
     """The squares evaluated by two worker processes; their store is for reading."""
-    from workflows.cli.app import run
+    from moseg.workflows.cli.app import run
 
     folder = tmp_path_factory.mktemp("evaluated-by-workers")
     outputs = ("--store", str(folder / "store"), "--json", str(folder / "report.json"))

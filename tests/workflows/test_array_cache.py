@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-
-from schemas.recipes import Recipe
-from store import open_store
-from workflows.execution import execute_batches
-from workflows.stages.array_cache import ArrayCache
-from workflows.stages.inputs import ArtifactView, Inputs
-from workflows.stages.task import Output, Task
+from moseg.schemas.recipes import Recipe
+from moseg.store import open_store
+from moseg.workflows.execution import execute_batches
+from moseg.workflows.stages.array_cache import ArrayCache
+from moseg.workflows.stages.inputs import ArtifactView, Inputs
+from moseg.workflows.stages.task import Output, Task
 
 
 @pytest.fixture
@@ -52,10 +51,10 @@ def test_stores_do_not_share_arrays(store, tmp_path):
 def test_what_was_just_computed_is_not_read_back(store, monkeypatch):
     made = np.arange(24, dtype=np.uint16).reshape(2, 3, 4)
     task = Task("segmentation", "toy", version=1, run=lambda params, inputs, rng: Output({"labels": made}))
-    monkeypatch.setattr("workflows.execution.find_task", lambda *_: task)
+    monkeypatch.setattr("moseg.workflows.execution.find_task", lambda *_: task)
     recipe = Recipe(task="segmentation", version=1, params={"method": "toy"})
     execute_batches(str(store.root), [[recipe]])
-    monkeypatch.setattr("store.reading.decode_array", lambda *_: 1 // 0)
+    monkeypatch.setattr("moseg.store.reading.decode_array", lambda *_: 1 // 0)
     view = Inputs(store, Recipe(task="score", version=1, inputs={"labels": recipe.ref}))["labels"]
     assert np.array_equal(view.array("labels"), made)
     assert np.array_equal(view.rows("labels", 1, 2), made[1:])

@@ -4,15 +4,14 @@ import json
 from typing import get_args
 
 import pytest
-
-from schemas.configs import PipelineConfig
-from schemas.parameters import DepthParams, FlowParams, TrackParams
-from schemas.parameters.detections import DetectionParams
-from schemas.weights import Architecture
-from workflows.backends import BACKENDS, describe_pin, weights_rows
-from workflows.stages.registry import TASKS
-from workflows.weights.folder import open_weights
-from workflows.weights.needed import needed_items
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.parameters import DepthParams, FlowParams, TrackParams
+from moseg.schemas.parameters.detections import DetectionParams
+from moseg.schemas.weights import Architecture
+from moseg.workflows.backends import BACKENDS, describe_pin, weights_rows
+from moseg.workflows.stages.registry import TASKS
+from moseg.workflows.weights.folder import open_weights
+from moseg.workflows.weights.needed import needed_items
 
 CHOICES = {
     "flow": (FlowParams, "method"),

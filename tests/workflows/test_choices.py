@@ -1,10 +1,9 @@
 """Presets of networks and of geometry: what each sets, and that they do not get in each other's way."""
 
 import pytest
-
-from schemas.configs import PipelineConfig
-from schemas.presets import GEOMETRIES, PRESETS
-from workflows.cli.pipeline_options import PipelineOptions
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.presets import GEOMETRIES, PRESETS
+from moseg.workflows.cli.pipeline_options import PipelineOptions
 
 
 def test_presets_and_geometries_set_different_stages():

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.geometry import Degeneracy
-from workflows.degeneracy import REASONS, degenerate_event
-from workflows.stages.fundamental import RANSAC_FIT
+from moseg.tasks.geometry import Degeneracy
+from moseg.workflows.degeneracy import REASONS, degenerate_event
+from moseg.workflows.stages.fundamental import RANSAC_FIT
 
 REF = f"fundamental/{'0' * 64}"
 VALID = np.array([[True, False], [False, False]])

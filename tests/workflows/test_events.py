@@ -5,12 +5,11 @@ import pickle
 from datetime import UTC, datetime, timedelta
 
 import pytest
-
-from schemas.errors import InputError, StoreError
-from schemas.events import EventKind, PlanEvent, read_event, write_plan
-from store import open_store
-from workflows import events
-from workflows.events import (
+from moseg.schemas.errors import InputError, StoreError
+from moseg.schemas.events import EventKind, PlanEvent, read_event, write_plan
+from moseg.store import open_store
+from moseg.workflows import events
+from moseg.workflows.events import (
     EventLog,
     as_unicode,
     describe_error,

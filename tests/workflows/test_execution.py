@@ -1,12 +1,11 @@
 """What a task meets on a machine that lacks something becomes one line for the user."""
 
 import pytest
-
-from schemas.errors import InputError
-from schemas.recipes import Recipe
-from store import LocalStore
-from workflows.execution import execute_batches
-from workflows.stages.task import Task
+from moseg.schemas.errors import InputError
+from moseg.schemas.recipes import Recipe
+from moseg.store import LocalStore
+from moseg.workflows.execution import execute_batches
+from moseg.workflows.stages.task import Task
 
 
 class OutOfMemoryError(RuntimeError):
@@ -21,7 +20,7 @@ def execute(tmp_path, monkeypatch):
         def run(params, inputs, rng):
             raise error
 
-        monkeypatch.setattr("workflows.execution.find_task", lambda *_: Task("flow", "raft", version=1, run=run))
+        monkeypatch.setattr("moseg.workflows.execution.find_task", lambda *_: Task("flow", "raft", version=1, run=run))
         LocalStore(tmp_path / "store")
         return execute_batches(str(tmp_path / "store"), [[Recipe(task="flow", version=1, params={"method": "raft"})]])
 
@@ -34,7 +33,7 @@ def test_a_gpu_that_is_too_small_is_told_with_what_helps(execute):
 
 
 def test_a_worker_without_the_networks_libraries_is_told_how_to_get_them(execute, monkeypatch):
-    monkeypatch.setattr("workflows.weights.packages.find_spec", lambda name: None)
+    monkeypatch.setattr("moseg.workflows.weights.packages.find_spec", lambda name: None)
     with pytest.raises(InputError, match="networks need torch"):
         execute(ModuleNotFoundError("No module named 'torch'", name="torch"))
 

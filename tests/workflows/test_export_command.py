@@ -8,11 +8,10 @@ from typing import get_args, get_type_hints
 import av
 import numpy as np
 import pytest
+from moseg.workflows.cli.overlay_options import OverlayOptions
+from moseg.workflows.exports import OverlayMode
 from PIL import Image
 from pycocotools.coco import COCO
-
-from workflows.cli.overlay_options import OverlayOptions
-from workflows.exports import OverlayMode
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 
@@ -22,7 +21,7 @@ OPTIONS = ("--variant", "base", "--quiet")
 @pytest.fixture(scope="module")
 def squares_out(squares, tmp_path_factory):
     """The squares segmented, each given mask an object, with everything that `--export` offers, and the store."""
-    from workflows.cli.app import run
+    from moseg.workflows.cli.app import run
 
     folder = tmp_path_factory.mktemp("segmented")
     # A name that the data set's sequence has too, with a space and letters beyond ASCII.

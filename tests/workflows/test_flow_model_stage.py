@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.motion_models import unpack_moments
-from schemas.parameters import FlowModelParams
-from schemas.recipes import Recipe
-from store import open_store
-from workflows.stages.flow_models import LEAST_SQUARES_FIT
-from workflows.stages.inputs import Inputs
+from moseg.schemas.parameters import FlowModelParams
+from moseg.schemas.recipes import Recipe
+from moseg.store import open_store
+from moseg.tasks.motion_models import unpack_moments
+from moseg.workflows.stages.flow_models import LEAST_SQUARES_FIT
+from moseg.workflows.stages.inputs import Inputs
 
 HEIGHT, WIDTH = 24, 32
 

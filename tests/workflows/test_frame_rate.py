@@ -8,9 +8,8 @@ import cv2
 import moseg as python
 import numpy as np
 import pytest
-
-from workflows.exports.output_names import MOTION, OVERLAY
-from workflows.exports.write_overlay import write_overlay
+from moseg.workflows.exports.output_names import MOTION, OVERLAY
+from moseg.workflows.exports.write_overlay import write_overlay
 
 OWN = 10
 

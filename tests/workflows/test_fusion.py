@@ -2,7 +2,7 @@
 
 import json
 
-from workflows.cli.app import run
+from moseg.workflows.cli.app import run
 
 FAILING = {"trajs": "forward-drive-epipolar-car", "oc-depth": "slow-mover", "oc": "nothing-moves"}
 """A scene for each view that is blind to it."""

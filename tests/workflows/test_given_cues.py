@@ -6,11 +6,10 @@ from itertools import pairwise
 import cv2
 import numpy as np
 import pytest
+from moseg.schemas.parameters import FlowParams
+from moseg.store import open_store
+from moseg.tasks.flow import estimate_flow
 from PIL import Image
-
-from moseg_tasks.flow import estimate_flow
-from schemas.parameters import FlowParams
-from store import open_store
 
 SECTIONS = ("--section-length", "4", "--set", "sections.overlap=2")
 NUM_FRAMES, HEIGHT, WIDTH = 10, 96, 128

@@ -1,13 +1,12 @@
 """What stands in the recipes of a sequence's graph, and so what an option recomputes."""
 
 import pytest
-
-from schemas.configs import PipelineConfig, Variant
-from schemas.digests import digest_bytes
-from schemas.errors import InputError
-from workflows.execution import seeded_generator
-from workflows.graph import SequenceGraph, SequenceLeaves
-from workflows.stages.registry import TASKS
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.digests import digest_bytes
+from moseg.schemas.errors import InputError
+from moseg.workflows.execution import seeded_generator
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves
+from moseg.workflows.stages.registry import TASKS
 
 OBJECTS = {"components", "proposals", "linking", "tracks"}
 FOREGROUND = {"accumulation", "own_motion", "coherence", "appearance", "foreground"} | OBJECTS

@@ -6,12 +6,11 @@ import shutil
 import cv2
 import numpy as np
 import pytest
-
-from store import open_store
-from workflows.ingest import IngestJob, preview_ingest
-from workflows.runners import SynchronousRunner
-from workflows.session import Session
-from workflows.sources import open_frames, open_masks
+from moseg.store import open_store
+from moseg.workflows.ingest import IngestJob, preview_ingest
+from moseg.workflows.runners import SynchronousRunner
+from moseg.workflows.session import Session
+from moseg.workflows.sources import open_frames, open_masks
 
 
 @pytest.fixture

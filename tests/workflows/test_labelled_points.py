@@ -7,12 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from moseg.tasks.synthetic import SCENES, RenderedScene, render_scene
+from moseg.workflows import contact_sheets
+from moseg.workflows.exports.draw_contact_sheet import draw_contact_sheet
 from PIL import Image
 from scipy.io import savemat
-
-from moseg_tasks.synthetic import SCENES, RenderedScene, render_scene
-from workflows import contact_sheets
-from workflows.exports.draw_contact_sheet import draw_contact_sheet
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 

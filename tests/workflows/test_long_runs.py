@@ -2,7 +2,7 @@
 
 import tracemalloc
 
-from workflows.runners import Call, SynchronousRunner
+from moseg.workflows.runners import Call, SynchronousRunner
 
 
 def _peak(num_calls):

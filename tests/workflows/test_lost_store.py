@@ -4,15 +4,14 @@ import shutil
 
 import numpy as np
 import pytest
-
-from schemas.errors import CorruptArtifactError, MissingStoreError, StoreError
-from schemas.recipes import Recipe
-from store import LocalStore, open_store
-from workflows.execution import execute_batches, execute_ingest, quarantine_corrupt
-from workflows.ingest import IngestJob
-from workflows.run_log import RunLog
-from workflows.sources import SceneFrames
-from workflows.stages.task import Task
+from moseg.schemas.errors import CorruptArtifactError, MissingStoreError, StoreError
+from moseg.schemas.recipes import Recipe
+from moseg.store import LocalStore, open_store
+from moseg.workflows.execution import execute_batches, execute_ingest, quarantine_corrupt
+from moseg.workflows.ingest import IngestJob
+from moseg.workflows.run_log import RunLog
+from moseg.workflows.sources import SceneFrames
+from moseg.workflows.stages.task import Task
 
 RECIPE = Recipe(task="flow", version=1, params={"method": "raft"})
 RUN = "20260101T000000-00000000"
@@ -63,7 +62,7 @@ def test_a_store_that_vanishes_under_a_task_is_not_begun_anew(tmp_path, monkeypa
         shutil.rmtree(tmp_path / "store")
         raise RuntimeError("nothing left to read")
 
-    monkeypatch.setattr("workflows.execution.find_task", lambda *_: Task("flow", "raft", version=1, run=run))
+    monkeypatch.setattr("moseg.workflows.execution.find_task", lambda *_: Task("flow", "raft", version=1, run=run))
     LocalStore(tmp_path / "store")
     with pytest.raises(RuntimeError, match="nothing left to read"):
         _execute(str(tmp_path / "store"))

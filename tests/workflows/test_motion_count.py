@@ -1,11 +1,10 @@
 """What the recipe of a clustering reads where the number of motions is to be found."""
 
 import pytest
-
-from schemas.configs import PipelineConfig, Variant
-from schemas.digests import digest_bytes
-from schemas.parameters.clustering import COUNT_READS, READ_TRACKS
-from workflows.graph import SequenceGraph, SequenceLeaves
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.digests import digest_bytes
+from moseg.schemas.parameters.clustering import COUNT_READS, READ_TRACKS
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 
 
 def _clustering(**clustering):

@@ -1,13 +1,12 @@
 """The graph of pipelines with networks: which weights and parameters stand in which keys."""
 
 import pytest
-
-from schemas.configs import PipelineConfig, Variant
-from schemas.digests import digest_bytes
-from schemas.presets import PRESETS
-from workflows.graph import SequenceGraph, SequenceLeaves
-from workflows.stages.registry import TASKS
-from workflows.weights.needed import items_of_preset, needed_items
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.digests import digest_bytes
+from moseg.schemas.presets import PRESETS
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves
+from moseg.workflows.stages.registry import TASKS
+from moseg.workflows.weights.needed import items_of_preset, needed_items
 
 AFTER_PROPOSALS = {"linking", "tracks", "fundamental", "fundamental_residual", "flow_model", "flow_residual"}
 GROUPS = {"affinity", "clustering", "segmentation"}

@@ -4,16 +4,15 @@ import json
 
 import numpy as np
 import pytest
-
-from schemas.configs import PipelineConfig, Variant
-from schemas.digests import digest_bytes
-from schemas.parameters import FlowModelParams, ObjectHypothesisParams
-from schemas.recipes import Recipe
-from store import open_store
-from workflows.cli.app import run
-from workflows.graph import SequenceGraph, SequenceLeaves
-from workflows.stages.hypotheses import FLOW_PATCHES, TRACK_SAMPLES
-from workflows.stages.inputs import Inputs
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.digests import digest_bytes
+from moseg.schemas.parameters import FlowModelParams, ObjectHypothesisParams
+from moseg.schemas.recipes import Recipe
+from moseg.store import open_store
+from moseg.workflows.cli.app import run
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves
+from moseg.workflows.stages.hypotheses import FLOW_PATCHES, TRACK_SAMPLES
+from moseg.workflows.stages.inputs import Inputs
 
 END = {"affinity", "clustering", "segmentation", "score"}
 

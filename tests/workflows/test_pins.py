@@ -8,22 +8,21 @@ import sys
 from contextlib import closing
 
 import pytest
-
-from schemas.configs import PipelineConfig, Variant
-from schemas.recipes import split_ref
-from store import open_store
-from workflows.datasets import open_dataset
-from workflows.evaluate import evaluate
-from workflows.runners import SynchronousRunner
-from workflows.session import Session
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.recipes import split_ref
+from moseg.store import open_store
+from moseg.workflows.datasets import open_dataset
+from moseg.workflows.evaluate import evaluate
+from moseg.workflows.runners import SynchronousRunner
+from moseg.workflows.session import Session
 
 LEAVES = {"frame", "annotation", "ingest"}
 CONFIG = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2}})
 
 DIES_AT_WORK = """
 import os, signal, sys
-from workflows import runners
-from workflows.cli.app import run
+from moseg.workflows import runners
+from moseg.workflows.cli.app import run
 
 def die(self, calls, on_done):
     if calls:

@@ -4,9 +4,8 @@ from types import SimpleNamespace
 
 from hypothesis import given
 from hypothesis import strategies as st
-
-from schemas.recipes import Recipe
-from workflows.planning import make_plan
+from moseg.schemas.recipes import Recipe
+from moseg.workflows.planning import make_plan
 
 LEAF = f"frame/{'0' * 64}"
 

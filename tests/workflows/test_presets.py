@@ -7,12 +7,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.presets import PRESETS
+from moseg.store import open_store
+from moseg.workflows.weights.needed import needed_items
 from PIL import Image
-
-from schemas.configs import PipelineConfig
-from schemas.presets import PRESETS
-from store import open_store
-from workflows.weights.needed import needed_items
 
 NUM_FRAMES = 12
 SECTIONS = ("--section-length", "6")
@@ -22,7 +21,7 @@ STAGES = {"tags", "detections", "instances", "seeds", "proposals", "flow", "dept
 @pytest.fixture(scope="module")
 def tiny(tmp_path_factory):
     """A folder of tiny checkpoints of every network, made by the command that the documentation names."""
-    from workflows.cli.app import run
+    from moseg.workflows.cli.app import run
 
     folder = tmp_path_factory.mktemp("tiny")
     assert run(["weights", "tiny", str(folder)]) == 0
@@ -38,7 +37,7 @@ def video(tmp_path_factory, write_squares):
 @pytest.fixture(scope="module")
 def left_by(tiny, video, tmp_path_factory):
     """Folder with the store and the masks that `moseg segment` leaves with a preset, which runs once."""
-    from workflows.cli.app import run
+    from moseg.workflows.cli.app import run
 
     @cache
     def segment_once(preset):
@@ -249,7 +248,7 @@ def test_what_was_made_with_other_weights_is_explained_by_the_file(segment, mose
 
 
 def test_networks_without_their_libraries_are_one_line(segment, monkeypatch):
-    monkeypatch.setattr("workflows.weights.packages.find_spec", lambda name: None if name == "torch" else name)
+    monkeypatch.setattr("moseg.workflows.weights.packages.find_spec", lambda name: None if name == "torch" else name)
     assert segment()[1].code == 0
     _, ran = segment("--flow", "raft")
     assert ran.code == 2

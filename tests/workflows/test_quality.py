@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.flow import estimate_flow
-from schemas.configs import PipelineConfig
-from schemas.errors import InputError
-from schemas.parameters import FlowParams
-from schemas.presets import GEOMETRIES, PRESETS, QUALITIES
-from workflows.cli.pipeline_options import PipelineOptions
-from workflows.preset_choice import choose_preset
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import FlowParams
+from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES
+from moseg.tasks.flow import estimate_flow
+from moseg.workflows.cli.pipeline_options import PipelineOptions
+from moseg.workflows.preset_choice import choose_preset
 
 
 @pytest.mark.parametrize("preset", PRESETS)

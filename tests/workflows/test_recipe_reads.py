@@ -8,17 +8,16 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
-from schemas.configs import PipelineConfig, TrajectoryVariant, Variant
-from schemas.digests import digest_bytes
-from schemas.errors import UnnamedParameterError
-from schemas.parameters import ClusteringParams, TrajectoryClusteringParams
-from schemas.recipes import Recipe
-from workflows import stages
-from workflows.graph import SequenceGraph, SequenceLeaves
-from workflows.graph.trajectory_graph import TrajectoryGraph
-from workflows.graph.trajectory_leaves import TrajectoryLeaves
-from workflows.stages.registry import find_task
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
+from moseg.schemas.digests import digest_bytes
+from moseg.schemas.errors import UnnamedParameterError
+from moseg.schemas.parameters import ClusteringParams, TrajectoryClusteringParams
+from moseg.schemas.recipes import Recipe
+from moseg.workflows import stages
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves
+from moseg.workflows.graph.trajectory_graph import TrajectoryGraph
+from moseg.workflows.graph.trajectory_leaves import TrajectoryLeaves
+from moseg.workflows.stages.registry import find_task
 
 NUM_OBJECTS, NUM_FRAMES = 4, 6
 BY_METHOD = {"proposal_source", "flow.method", "depth.method", "tracks.method"}

@@ -10,19 +10,18 @@ from contextlib import closing
 
 import numpy as np
 import pytest
-
-from schemas.configs import PipelineConfig, Variant
-from schemas.events import EventKind
-from schemas.recipes import Recipe, split_ref
-from store import PutOutcome, open_store
-from workflows import execution
-from workflows.datasets import open_dataset
-from workflows.evaluate import evaluate
-from workflows.execution import execute_batches
-from workflows.runners import SynchronousRunner
-from workflows.session import Session
-from workflows.stages.task import Output, Task
-from workflows.status import RunState, list_runs, read_events, read_status
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.events import EventKind
+from moseg.schemas.recipes import Recipe, split_ref
+from moseg.store import PutOutcome, open_store
+from moseg.workflows import execution
+from moseg.workflows.datasets import open_dataset
+from moseg.workflows.evaluate import evaluate
+from moseg.workflows.execution import execute_batches
+from moseg.workflows.runners import SynchronousRunner
+from moseg.workflows.session import Session
+from moseg.workflows.stages.task import Output, Task
+from moseg.workflows.status import RunState, list_runs, read_events, read_status
 
 CONFIG = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2}})
 LEAVES = {"frame", "annotation"}
@@ -30,8 +29,8 @@ COMPUTED = [EventKind.PLANNED, EventKind.STARTED, EventKind.COMPUTED, EventKind.
 
 DIES_AT = """
 import os, signal, sys
-from workflows import execution
-from workflows.cli.app import run
+from moseg.workflows import execution
+from moseg.workflows.cli.app import run
 
 compute = execution._run
 

@@ -9,10 +9,9 @@ import time
 
 import pytest
 from distributed import Client, LocalCluster
+from moseg.store import open_store
 
-from store import open_store
-
-MOSEG = [sys.executable, "-c", "from workflows.cli import main; main()"]
+MOSEG = [sys.executable, "-c", "from moseg.workflows.cli import main; main()"]
 DEADLINE_SEC = 600
 CTRL_C = "os.killpg(0, signal.SIGINT)"
 

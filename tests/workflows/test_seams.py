@@ -6,13 +6,12 @@ from itertools import pairwise
 import cv2
 import numpy as np
 import pytest
-
-from schemas.configs import PipelineConfig, Variant
-from workflows.datasets import SequenceSource
-from workflows.graph import SequenceGraph
-from workflows.leaves import ingest_sequences
-from workflows.runs import open_session
-from workflows.sources import open_frames
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.leaves import ingest_sequences
+from moseg.workflows.runs import open_session
+from moseg.workflows.sources import open_frames
 
 NUM_FRAMES, HEIGHT, WIDTH, SIDE = 24, 120, 192, 56
 SHORT, WHOLE = 8, NUM_FRAMES

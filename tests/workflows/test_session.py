@@ -6,16 +6,15 @@ import subprocess
 import sys
 
 import pytest
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.recipes import split_ref
+from moseg.store import open_store
+from moseg.workflows.datasets import open_dataset
+from moseg.workflows.evaluate import evaluate
+from moseg.workflows.runners import SynchronousRunner
+from moseg.workflows.session import Session
 
-from schemas.configs import PipelineConfig, Variant
-from schemas.recipes import split_ref
-from store import open_store
-from workflows.datasets import open_dataset
-from workflows.evaluate import evaluate
-from workflows.runners import SynchronousRunner
-from workflows.session import Session
-
-MOSEG = [sys.executable, "-c", "from workflows.cli import main; main()"]
+MOSEG = [sys.executable, "-c", "from moseg.workflows.cli import main; main()"]
 DEADLINE_SEC = 600
 
 

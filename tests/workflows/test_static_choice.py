@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-
-from schemas.configs import PipelineConfig, Variant
-from schemas.digests import digest_bytes
-from schemas.parameters import ClusteringParams
-from schemas.presets import GEOMETRIES
-from workflows.graph import SequenceGraph, SequenceLeaves
-from workflows.stages.clustering import MOTION_GROUPS
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.digests import digest_bytes
+from moseg.schemas.parameters import ClusteringParams
+from moseg.schemas.presets import GEOMETRIES
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves
+from moseg.workflows.stages.clustering import MOTION_GROUPS
 
 
 def _refs(task, count):

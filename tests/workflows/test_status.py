@@ -7,10 +7,9 @@ from contextlib import closing
 from datetime import UTC, datetime, timedelta
 
 import pytest
-
-from schemas.configs import PipelineConfig, Variant
-from schemas.errors import InputError, StoreError
-from schemas.events import (
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.errors import InputError, StoreError
+from moseg.schemas.events import (
     DegenerateEvent,
     EventKind,
     Outcome,
@@ -21,14 +20,14 @@ from schemas.events import (
     WorkEvent,
     write_event,
 )
-from store import open_store
-from store.owners import process_space
-from workflows.cli import status as command
-from workflows.datasets import open_dataset
-from workflows.evaluate import evaluate
-from workflows.runners import SynchronousRunner
-from workflows.session import Session
-from workflows.status import RunState, find_run, list_runs, old_logs, read_status, summarise
+from moseg.store import open_store
+from moseg.store.owners import process_space
+from moseg.workflows.cli import status as command
+from moseg.workflows.datasets import open_dataset
+from moseg.workflows.evaluate import evaluate
+from moseg.workflows.runners import SynchronousRunner
+from moseg.workflows.session import Session
+from moseg.workflows.status import RunState, find_run, list_runs, old_logs, read_status, summarise
 
 START = datetime(2026, 11, 22, tzinfo=UTC)
 RUN = "20261122T000000-aaaaaa"

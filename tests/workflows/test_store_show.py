@@ -5,8 +5,7 @@ import json
 import numpy as np
 import pytest
 import zarr
-
-from store import open_store
+from moseg.store import open_store
 
 
 @pytest.fixture

@@ -3,8 +3,7 @@
 import json
 
 import pytest
-
-from store import open_store, transfer
+from moseg.store import open_store, transfer
 
 
 @pytest.fixture

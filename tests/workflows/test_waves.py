@@ -5,9 +5,8 @@ from types import SimpleNamespace
 
 from hypothesis import given
 from hypothesis import strategies as st
-
-from workflows import waves
-from workflows.waves import cut_waves
+from moseg.workflows import waves
+from moseg.workflows.waves import cut_waves
 
 
 def _sources(counts):

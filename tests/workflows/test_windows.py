@@ -4,9 +4,8 @@ from itertools import count
 
 import pytest
 from distributed import Client
-
-from workflows import runners
-from workflows.runners import Call, open_runner
+from moseg.workflows import runners
+from moseg.workflows.runners import Call, open_runner
 
 WINDOW = 32
 
@@ -67,7 +66,7 @@ def test_an_endless_run_ends_with_its_first_error(runner):
 
 
 def test_no_calls_start_no_workers(monkeypatch):
-    monkeypatch.setattr("workflows.clusters.LocalCluster", None)
+    monkeypatch.setattr("moseg.workflows.clusters.LocalCluster", None)
     with open_runner(workers=2) as runner:
         runner.run([], lambda name, result: None)
         runner.run(iter(()), lambda name, result: None)

@@ -4,13 +4,12 @@ import threading
 
 import numpy as np
 import pytest
-
-from schemas.errors import StoreError
-from schemas.recipes import Recipe
-from store import LocalStore, PutOutcome
-from workflows.stages.inputs import ArtifactView
-from workflows.stages.task import Output
-from workflows.write_behind import MAX_WAITING, WriteBehind
+from moseg.schemas.errors import StoreError
+from moseg.schemas.recipes import Recipe
+from moseg.store import LocalStore, PutOutcome
+from moseg.workflows.stages.inputs import ArtifactView
+from moseg.workflows.stages.task import Output
+from moseg.workflows.write_behind import MAX_WAITING, WriteBehind
 
 FLOW = np.arange(24, dtype=np.float32).reshape(3, 4, 2)
 

@@ -8,10 +8,9 @@ from enum import Enum
 from numbers import Integral, Real
 
 import numpy as np
-
-from schemas.errors import InputError, MosegError
-from workflows import frame_rate
-from workflows.exports import OverlayStyle
+from moseg.schemas.errors import InputError, MosegError
+from moseg.workflows import frame_rate
+from moseg.workflows.exports import OverlayStyle
 
 MOST_NAME_BYTES = 200
 """Of a name in UTF-8: files are called after it, with a suffix."""

@@ -4,14 +4,13 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError
+from moseg.workflows.api.arguments import Kind, check_kinds, named_as_arguments
+from moseg.workflows.config_files import read_config_file
+from moseg.workflows.parameter_errors import parameter_error
+from moseg.workflows.preset_choice import choose_preset
 from pydantic import ValidationError
-
-from schemas.configs import PipelineConfig
-from schemas.errors import InputError
-from workflows.api.arguments import Kind, check_kinds, named_as_arguments
-from workflows.config_files import read_config_file
-from workflows.parameter_errors import parameter_error
-from workflows.preset_choice import choose_preset
 
 ConfigLike = PipelineConfig | Mapping[str, Any] | str | os.PathLike
 """A whole configuration; parameters that differ from the preset's, as ``{"sections.length": 20}`` or ``{"sections":

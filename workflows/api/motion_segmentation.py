@@ -7,11 +7,9 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
-
-from schemas.scores import StoreUse
-from store import ArtifactStore
-from workflows.api.arguments import (
+from moseg.schemas.scores import StoreUse
+from moseg.store import ArtifactStore
+from moseg.workflows.api.arguments import (
     Kind,
     check_kinds,
     check_least,
@@ -19,19 +17,20 @@ from workflows.api.arguments import (
     named_as_arguments,
     read_names,
 )
-from workflows.api.moving_object import MovingObject
-from workflows.api.notebook import draw_html
-from workflows.api.strip import draw_strip, spread_frames
-from workflows.events import as_unicode
-from workflows.exports import OverlayStyle
-from workflows.exports.check_outputs import check_outputs
-from workflows.exports.draw_overlay import draw_overlay
-from workflows.exports.formats import check_exports, choose_formats, export
-from workflows.exports.output_names import MASKS, MOTION, OVERLAY, mask_name
-from workflows.exports.overlay_style import DEFAULT_STYLE
-from workflows.exports.saved_segmentation import open_segmentation
-from workflows.exports.write_segmentation import write_segmentation
-from workflows.segment import StoredSegmentation
+from moseg.workflows.api.moving_object import MovingObject
+from moseg.workflows.api.notebook import draw_html
+from moseg.workflows.api.strip import draw_strip, spread_frames
+from moseg.workflows.events import as_unicode
+from moseg.workflows.exports import OverlayStyle
+from moseg.workflows.exports.check_outputs import check_outputs
+from moseg.workflows.exports.draw_overlay import draw_overlay
+from moseg.workflows.exports.formats import check_exports, choose_formats, export
+from moseg.workflows.exports.output_names import MASKS, MOTION, OVERLAY, mask_name
+from moseg.workflows.exports.overlay_style import DEFAULT_STYLE
+from moseg.workflows.exports.saved_segmentation import open_segmentation
+from moseg.workflows.exports.write_segmentation import write_segmentation
+from moseg.workflows.segment import StoredSegmentation
+from PIL import Image
 
 
 @dataclass(frozen=True, eq=False, repr=False)

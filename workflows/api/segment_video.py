@@ -3,11 +3,10 @@
 import os
 
 import numpy as np
-
-from schemas.configs import Variant
-from schemas.errors import InputError
-from store import ArtifactStore
-from workflows.api.arguments import (
+from moseg.schemas.configs import Variant
+from moseg.schemas.errors import InputError
+from moseg.store import ArtifactStore
+from moseg.workflows.api.arguments import (
     Kind,
     check_fps,
     check_kinds,
@@ -15,20 +14,20 @@ from workflows.api.arguments import (
     check_name,
     named_as_arguments,
 )
-from workflows.api.configuration import CUES, ConfigLike, load_config, with_given_cues
-from workflows.api.motion_segmentation import MotionSegmentation
-from workflows.api.moving_object import MovingObject
-from workflows.api.process_settings import kept_process_settings
-from workflows.api.video_source import VideoLike, open_video
-from workflows.exports import summarise_sequence
-from workflows.exports.motion_json import frame_names
-from workflows.frame_rate import choose_fps
-from workflows.given_folders import with_given_folders
-from workflows.notes import motions_note
-from workflows.purpose import Purpose
-from workflows.reports.run_report import RunReport
-from workflows.runs import open_session
-from workflows.segment import StoredSegmentation, segment
+from moseg.workflows.api.configuration import CUES, ConfigLike, load_config, with_given_cues
+from moseg.workflows.api.motion_segmentation import MotionSegmentation
+from moseg.workflows.api.moving_object import MovingObject
+from moseg.workflows.api.process_settings import kept_process_settings
+from moseg.workflows.api.video_source import VideoLike, open_video
+from moseg.workflows.exports import summarise_sequence
+from moseg.workflows.exports.motion_json import frame_names
+from moseg.workflows.frame_rate import choose_fps
+from moseg.workflows.given_folders import with_given_folders
+from moseg.workflows.notes import motions_note
+from moseg.workflows.purpose import Purpose
+from moseg.workflows.reports.run_report import RunReport
+from moseg.workflows.runs import open_session
+from moseg.workflows.segment import StoredSegmentation, segment
 
 
 @named_as_arguments()

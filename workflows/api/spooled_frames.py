@@ -7,10 +7,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
-
-from schemas.digests import digest_json, hash_array
-from schemas.errors import InputError, StoreError
-from workflows.sources.frames import FrameDescription, shrink_to, working_size
+from moseg.schemas.digests import digest_json, hash_array
+from moseg.schemas.errors import InputError, StoreError
+from moseg.workflows.sources.frames import FrameDescription, shrink_to, working_size
 
 READING_VERSION = 1
 """Raised when `SpooledFrames.read` starts to yield other pixels for the same arrays."""

@@ -6,11 +6,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-
-from schemas.errors import InputError
-from workflows.api.spooled_frames import spool_frames
-from workflows.datasets import SequenceSource
-from workflows.sources import open_frames
+from moseg.schemas.errors import InputError
+from moseg.workflows.api.spooled_frames import spool_frames
+from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.sources import open_frames
 
 VideoLike = str | os.PathLike | np.ndarray | Iterable[np.ndarray]
 """Path of a video file or of a folder of frames; array uint8 (frame, y, x, 3) RGB or (frame, y, x) grey; or frames one

@@ -1,5 +1,5 @@
 """The command line, `moseg`."""
 
-from workflows.cli.entry import main
+from moseg.workflows.cli.entry import main
 
 __all__ = ["main"]

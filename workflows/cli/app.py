@@ -7,18 +7,17 @@ from functools import cache
 from typing import Annotated, Any
 
 import typer
+from moseg.schemas.errors import ClusterError, InputError, StoreError
+from moseg.workflows.cli import contact_sheet, evaluate, export, inspect, report, score, segment, status
+from moseg.workflows.cli.config import config_app
+from moseg.workflows.cli.datasets import datasets_app
+from moseg.workflows.cli.entry import EXIT_FAULT, EXIT_INTERRUPTED, INTERRUPTED
+from moseg.workflows.cli.help_texts import with_readable_help
+from moseg.workflows.cli.store import store_app
+from moseg.workflows.cli.usage_errors import describe_usage_error
+from moseg.workflows.cli.weights import weights_app
 from typer.exceptions import TyperException
 from typer.main import get_command
-
-from schemas.errors import ClusterError, InputError, StoreError
-from workflows.cli import contact_sheet, evaluate, export, inspect, report, score, segment, status
-from workflows.cli.config import config_app
-from workflows.cli.datasets import datasets_app
-from workflows.cli.entry import EXIT_FAULT, EXIT_INTERRUPTED, INTERRUPTED
-from workflows.cli.help_texts import with_readable_help
-from workflows.cli.store import store_app
-from workflows.cli.usage_errors import describe_usage_error
-from workflows.cli.weights import weights_app
 
 EXIT_BAD_INPUT = 2
 FULL = (errno.ENOSPC, errno.EDQUOT)

@@ -7,9 +7,8 @@ import os
 from collections.abc import Callable, Iterable
 
 import typer
-
-from schemas.errors import MosegError
-from schemas.presets import GEOMETRIES, PRESETS, QUALITIES
+from moseg.schemas.errors import MosegError
+from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES
 
 Completer = Callable[[typer.Context, str], list[str]]
 MOST_RUNS = 30
@@ -31,7 +30,7 @@ def offer(find: Callable[[typer.Context], Iterable[str]], *, is_list: bool = Fal
 
 def _choices(parameter: str) -> Completer:
     def find(context: typer.Context) -> Iterable[str]:
-        from workflows.parameters import list_parameters
+        from moseg.workflows.parameters import list_parameters
 
         # What follows folder: is a path, which the shell itself would complete.
         return [f"{name}:" if name == "folder" else name for name in list_parameters()[parameter].choices]
@@ -40,14 +39,14 @@ def _choices(parameter: str) -> Completer:
 
 
 def _datasets(context: typer.Context) -> Iterable[str]:
-    from workflows.datasets.registry import DATASETS
+    from moseg.workflows.datasets.registry import DATASETS
 
     return DATASETS
 
 
 def _sequences(context: typer.Context) -> Iterable[str]:
-    from schemas.configs import PipelineConfig
-    from workflows.datasets import open_dataset
+    from moseg.schemas.configs import PipelineConfig
+    from moseg.workflows.datasets import open_dataset
 
     given = context.params
     name = given.get("dataset") or "synthetic"
@@ -56,9 +55,9 @@ def _sequences(context: typer.Context) -> Iterable[str]:
 
 
 def _runs(context: typer.Context) -> Iterable[str]:
-    from store import open_store
-    from workflows.cli.options import DEFAULT_STORE
-    from workflows.status import LATEST, list_runs
+    from moseg.store import open_store
+    from moseg.workflows.cli.options import DEFAULT_STORE
+    from moseg.workflows.status import LATEST, list_runs
 
     url = context.params.get("store") or DEFAULT_STORE
     # Behind a network a listing takes longer than anybody waits for a word.
@@ -68,13 +67,13 @@ def _runs(context: typer.Context) -> Iterable[str]:
 
 
 def _weights(context: typer.Context) -> Iterable[str]:
-    from workflows.weights.folder import open_weights
+    from moseg.workflows.weights.folder import open_weights
 
     return open_weights(os.environ).items
 
 
 def _settings(context: typer.Context) -> Iterable[str]:
-    from workflows.parameters import list_parameters
+    from moseg.workflows.parameters import list_parameters
 
     for name, parameter in list_parameters().items():
         yield f"{name}="
@@ -82,7 +81,7 @@ def _settings(context: typer.Context) -> Iterable[str]:
 
 
 def _stages(context: typer.Context) -> Iterable[str]:
-    from workflows.parameters import list_parameters, list_stages
+    from moseg.workflows.parameters import list_parameters, list_stages
 
     return [*list_stages(), *list_parameters()]
 

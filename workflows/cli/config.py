@@ -4,10 +4,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-
-from workflows.cli import completion
-from workflows.cli.option_groups import with_option_groups
-from workflows.cli.pipeline_options import PipelineOptions
+from moseg.workflows.cli import completion
+from moseg.workflows.cli.option_groups import with_option_groups
+from moseg.workflows.cli.pipeline_options import PipelineOptions
 
 config_app = typer.Typer(
     help="""Parameters of the pipeline: what each means, and files of them for --config.
@@ -41,7 +40,7 @@ def show(
     moseg config show tracks
     moseg config show clustering.count.gap
     """
-    from workflows.cli.parameter_tables import choose_parameters, markdown_tables, print_parameters
+    from moseg.workflows.cli.parameter_tables import choose_parameters, markdown_tables, print_parameters
 
     chosen = choose_parameters(name)
     if markdown:
@@ -69,8 +68,8 @@ def dump(
     moseg config dump --preset paper --geometry paper --out paper.yaml
     moseg config dump --config my-config.yaml --set tracks.border=8 --changed
     """
-    from workflows.config_files import write_config
-    from workflows.exports import check_writable, write_text
+    from moseg.workflows.config_files import write_config
+    from moseg.workflows.exports import check_writable, write_text
 
     if out is not None:
         check_writable(Path(out))

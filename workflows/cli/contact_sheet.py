@@ -4,12 +4,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-
-from schemas.configs import Variant
-from workflows.cli.option_groups import with_option_groups
-from workflows.cli.options import DataOptions, RunOptions
-from workflows.cli.pipeline_options import PipelineOptions
-from workflows.notes import motions_note
+from moseg.schemas.configs import Variant
+from moseg.workflows.cli.option_groups import with_option_groups
+from moseg.workflows.cli.options import DataOptions, RunOptions
+from moseg.workflows.cli.pipeline_options import PipelineOptions
+from moseg.workflows.notes import motions_note
 
 
 @with_option_groups
@@ -38,9 +37,9 @@ def contact_sheet(
     moseg contact-sheet --dataset synthetic --out sheets
     moseg contact-sheet --dataset davis16 --root DAVIS --sequences dog --frames 5
     """
-    from workflows.contact_sheets import write_contact_sheets
-    from workflows.exports import check_folder
-    from workflows.given_folders import with_given_folders
+    from moseg.workflows.contact_sheets import write_contact_sheets
+    from moseg.workflows.exports import check_folder
+    from moseg.workflows.given_folders import with_given_folders
 
     config, folders = pipeline.read()
     check_folder(Path(out))

@@ -4,8 +4,7 @@ import os
 from typing import Annotated
 
 import typer
-
-from workflows.cli.completion import complete_dataset
+from moseg.workflows.cli.completion import complete_dataset
 
 datasets_app = typer.Typer()
 
@@ -19,7 +18,7 @@ def datasets(context: typer.Context) -> None:
     moseg datasets
     moseg datasets show davis16
     """
-    from workflows.datasets import describe_datasets
+    from moseg.workflows.datasets import describe_datasets
 
     if context.invoked_subcommand is not None:
         return
@@ -42,7 +41,7 @@ def show(
     moseg datasets show kt3dinsmoseg
     moseg datasets show davis16 --root DAVIS
     """
-    from workflows.datasets import describe_dataset
+    from moseg.workflows.datasets import describe_dataset
 
     row = describe_dataset(name, root, os.environ)
     _print_row(row)

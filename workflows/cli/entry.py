@@ -12,7 +12,7 @@ def main(arguments: list[str] | None = None) -> None:
     """Run `moseg`: exit code 0 when done, 2 for bad use or input, 1 for a fault, 130 when interrupted."""
     try:
         # Within reach of an interruption: it takes a third of a second.
-        from workflows.cli.app import run
+        from moseg.workflows.cli.app import run
 
         code = run(sys.argv[1:] if arguments is None else arguments)
     except KeyboardInterrupt:

@@ -3,11 +3,11 @@
 import os
 from typing import Literal
 
-from schemas.configs import PipelineConfig, TrajectoryVariant, Variant
-from schemas.errors import MissingStoreError
-from schemas.trajectory_scores import TrajectoryReport
-from workflows.cli.option_groups import with_option_groups
-from workflows.cli.options import (
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
+from moseg.schemas.errors import MissingStoreError
+from moseg.schemas.trajectory_scores import TrajectoryReport
+from moseg.workflows.cli.option_groups import with_option_groups
+from moseg.workflows.cli.options import (
     DEFAULT_STORE,
     DataOptions,
     JsonOption,
@@ -18,9 +18,9 @@ from workflows.cli.options import (
     VariantsOption,
     read_variants,
 )
-from workflows.cli.pipeline_options import PipelineOptions
-from workflows.cli.trajectory_options import TrajectoryOptions
-from workflows.notes import motions_note
+from moseg.workflows.cli.pipeline_options import PipelineOptions
+from moseg.workflows.cli.trajectory_options import TrajectoryOptions
+from moseg.workflows.notes import motions_note
 
 
 @with_option_groups
@@ -44,9 +44,9 @@ def evaluate(
     """
     report, _, notes, lines = _evaluate(data, pipeline, trajectories, run, variant, json, page)
     if isinstance(report, TrajectoryReport):
-        from workflows.cli.trajectory_tables import print_trajectory_report as print_report
+        from moseg.workflows.cli.trajectory_tables import print_trajectory_report as print_report
     else:
-        from workflows.cli.tables import print_report
+        from moseg.workflows.cli.tables import print_report
 
     print_report(report, notes)
     for line in lines:
@@ -71,13 +71,13 @@ def ablate(
     moseg ablate --dataset synthetic --proposals groundtruth --depth groundtruth
     moseg ablate --dataset kt3dmoseg --motions gt
     """
-    from workflows.cli.tables import print_stages
+    from moseg.workflows.cli.tables import print_stages
 
     report, stages, notes, lines = _evaluate(data, pipeline, trajectories, run, "all", json, page)
     if isinstance(report, TrajectoryReport):
-        from workflows.cli.trajectory_tables import print_trajectory_ablation as print_ablation
+        from moseg.workflows.cli.trajectory_tables import print_trajectory_ablation as print_ablation
     else:
-        from workflows.cli.tables import print_ablation
+        from moseg.workflows.cli.tables import print_ablation
 
     print_ablation(report, notes)
     print_stages(stages)
@@ -101,13 +101,13 @@ def plan(
     moseg plan --dataset davis16 --root DAVIS --variant fused --variant oc
     moseg plan --preset paper
     """
-    from store import open_store
-    from workflows.cli.tables import print_stages
-    from workflows.plan_evaluation import EmptyStore, plan_evaluation
-    from workflows.plan_trajectories import plan_trajectories
-    from workflows.weights.fetch_command import fetch_command
-    from workflows.weights.folder import open_weights
-    from workflows.weights.needed import needed_items
+    from moseg.store import open_store
+    from moseg.workflows.cli.tables import print_stages
+    from moseg.workflows.plan_evaluation import EmptyStore, plan_evaluation
+    from moseg.workflows.plan_trajectories import plan_trajectories
+    from moseg.workflows.weights.fetch_command import fetch_command
+    from moseg.workflows.weights.folder import open_weights
+    from moseg.workflows.weights.needed import needed_items
 
     config, folders = pipeline.read()
     dataset = data.open(config.max_side)
@@ -145,12 +145,12 @@ def _evaluate(
 ):
     """The result, written to `json` and shown on `page` where asked, the use of the store by stage, what a reader must
     know, and the lines that name the files beside `json`."""
-    from workflows.cli.trajectory_runs import evaluate_clips
-    from workflows.evaluate import evaluate as run_evaluation
-    from workflows.exports import check_writable, write_text
-    from workflows.purpose import Purpose
-    from workflows.reports.build import tables_of
-    from workflows.reports.run_report import RunReport
+    from moseg.workflows.cli.trajectory_runs import evaluate_clips
+    from moseg.workflows.evaluate import evaluate as run_evaluation
+    from moseg.workflows.exports import check_writable, write_text
+    from moseg.workflows.purpose import Purpose
+    from moseg.workflows.reports.build import tables_of
+    from moseg.workflows.reports.run_report import RunReport
 
     config, folders = pipeline.read()
     if json is not None:
@@ -179,7 +179,7 @@ def _evaluate(
 
 def _open(dataset, config: PipelineConfig, folders: dict[str, str]):
     """The sources of a data set's sequences, given cues included."""
-    from workflows.given_folders import with_given_folders
+    from moseg.workflows.given_folders import with_given_folders
 
     return [with_given_folders(dataset.sequence(name), folders, config.max_side) for name in dataset.names]
 

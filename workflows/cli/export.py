@@ -4,9 +4,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-
-from schemas.errors import InputError
-from workflows.cli.export_options import EXPORT_FORMATS
+from moseg.schemas.errors import InputError
+from moseg.workflows.cli.export_options import EXPORT_FORMATS
 
 
 def export(
@@ -35,10 +34,10 @@ def export(
     --------
     moseg export holiday --to colmap --images holiday-frames
     """
-    from workflows.exports import check_folder
-    from workflows.exports.formats import choose_formats
-    from workflows.exports.formats import export as export_saved
-    from workflows.exports.saved_segmentation import open_segmentation
+    from moseg.workflows.exports import check_folder
+    from moseg.workflows.exports.formats import choose_formats
+    from moseg.workflows.exports.formats import export as export_saved
+    from moseg.workflows.exports.saved_segmentation import open_segmentation
 
     if not to:
         raise InputError("no format named", where="--to", expected=EXPORT_FORMATS)

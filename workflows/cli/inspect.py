@@ -10,12 +10,11 @@ def backends() -> None:
     --------
     moseg backends
     """
+    from moseg.workflows.backends import BACKENDS, weights_rows
+    from moseg.workflows.cli.tables import console
+    from moseg.workflows.weights.folder import open_weights
+    from moseg.workflows.weights.progress import describe_size
     from rich.table import Table
-
-    from workflows.backends import BACKENDS, weights_rows
-    from workflows.cli.tables import console
-    from workflows.weights.folder import open_weights
-    from workflows.weights.progress import describe_size
 
     weights = open_weights(os.environ)
     methods = Table(title="backends")

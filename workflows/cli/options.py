@@ -5,11 +5,10 @@ from enum import StrEnum
 from typing import Annotated, ClassVar, TypeVar
 
 import typer
-
-from schemas.configs import TrajectoryVariant, Variant
-from schemas.errors import InputError
-from workflows.cli import completion
-from workflows.spelling import unknown_name
+from moseg.schemas.configs import TrajectoryVariant, Variant
+from moseg.schemas.errors import InputError
+from moseg.workflows.cli import completion
+from moseg.workflows.spelling import unknown_name
 
 DEFAULT_STORE = ".moseg/store"
 
@@ -84,7 +83,7 @@ class DataOptions:
 
     def open(self, max_side: int):
         """The data set; raises InputError where it is not there or has no such sequence."""
-        from workflows.datasets import open_dataset
+        from moseg.workflows.datasets import open_dataset
 
         return open_dataset(self.dataset, self.root, sequence_names(self.sequences), self.list_file, max_side=max_side)
 
@@ -142,8 +141,8 @@ class RunOptions:
 
     def open(self):
         """A session, as a context manager."""
-        from workflows.cluster_connection import TlsFiles
-        from workflows.runs import open_session
+        from moseg.workflows.cluster_connection import TlsFiles
+        from moseg.workflows.runs import open_session
 
         return open_session(
             self.store,

@@ -5,14 +5,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import typer
-
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
 if TYPE_CHECKING:
     import numpy as np
-
-    from workflows.exports import OverlayStyle
-    from workflows.sources import ImageFiles, VideoFile
+    from moseg.workflows.exports import OverlayStyle
+    from moseg.workflows.sources import ImageFiles, VideoFile
 
 
 @dataclass(frozen=True)
@@ -52,8 +50,8 @@ class OverlayOptions:
 
     def read(self) -> "OverlayStyle | None":
         """The style, None where there is to be no overlay; raises InputError on an option without a meaning in it."""
-        from workflows.exports import OverlayMode, OverlayStyle
-        from workflows.exports.overlay_style import LINED, TINTED
+        from moseg.workflows.exports import OverlayMode, OverlayStyle
+        from moseg.workflows.exports.overlay_style import LINED, TINTED
 
         mode = None if self.overlay == "none" else OverlayMode(self.overlay)
         given = (

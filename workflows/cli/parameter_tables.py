@@ -3,13 +3,12 @@
 from collections.abc import Sequence
 from itertools import groupby
 
+from moseg.workflows.cli.tables import console
+from moseg.workflows.config_files import spell_value
+from moseg.workflows.parameter_errors import unknown_parameter
+from moseg.workflows.parameters import Parameter, list_parameters, list_stages
 from rich.table import Table
 from rich.text import Text
-
-from workflows.cli.tables import console
-from workflows.config_files import spell_value
-from workflows.parameter_errors import unknown_parameter
-from workflows.parameters import Parameter, list_parameters, list_stages
 
 _TITLE = """# Parameters
 

@@ -4,9 +4,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-
-from workflows.cli.completion import complete_run
-from workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption, sequence_names
+from moseg.workflows.cli.completion import complete_run
+from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption, sequence_names
 
 
 def report(
@@ -32,10 +31,10 @@ def report(
     --------
     moseg report latest -o report.html
     """
-    from store import open_store
-    from workflows.exports import check_writable
-    from workflows.reports.from_log import report_run
-    from workflows.reports.write import write_report
+    from moseg.store import open_store
+    from moseg.workflows.exports import check_writable
+    from moseg.workflows.reports.from_log import report_run
+    from moseg.workflows.reports.write import write_report
 
     check_writable(out)
     names = sequence_names(sequences)

@@ -4,9 +4,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-
-from workflows.cli.option_groups import with_option_groups
-from workflows.cli.options import DataOptions, JsonOption, QuietOption
+from moseg.workflows.cli.option_groups import with_option_groups
+from moseg.workflows.cli.options import DataOptions, JsonOption, QuietOption
 
 
 @with_option_groups
@@ -32,12 +31,12 @@ def score(
     """
     import time
 
-    from schemas.configs import PipelineConfig
-    from schemas.scores import EvaluationReport, EvaluationRow, StoreUse, mean_score
-    from workflows.cli.tables import print_report
-    from workflows.exports import check_writable, write_text
-    from workflows.predictions import open_predictions
-    from workflows.score_predictions import score_predictions
+    from moseg.schemas.configs import PipelineConfig
+    from moseg.schemas.scores import EvaluationReport, EvaluationRow, StoreUse, mean_score
+    from moseg.workflows.cli.tables import print_report
+    from moseg.workflows.exports import check_writable, write_text
+    from moseg.workflows.predictions import open_predictions
+    from moseg.workflows.score_predictions import score_predictions
 
     started = time.perf_counter()
     if json is not None:

@@ -4,16 +4,15 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-
-from schemas.configs import Variant
-from schemas.errors import InputError
-from workflows.cli.export_options import ExportsOption
-from workflows.cli.option_groups import with_option_groups
-from workflows.cli.options import ReportOption, RunOptions
-from workflows.cli.overlay_options import OverlayOptions
-from workflows.cli.pipeline_options import PipelineOptions
-from workflows.frame_rate import FASTEST_FPS, SLOWEST_FPS, check_fps, choose_fps
-from workflows.notes import motions_note
+from moseg.schemas.configs import Variant
+from moseg.schemas.errors import InputError
+from moseg.workflows.cli.export_options import ExportsOption
+from moseg.workflows.cli.option_groups import with_option_groups
+from moseg.workflows.cli.options import ReportOption, RunOptions
+from moseg.workflows.cli.overlay_options import OverlayOptions
+from moseg.workflows.cli.pipeline_options import PipelineOptions
+from moseg.workflows.frame_rate import FASTEST_FPS, SLOWEST_FPS, check_fps, choose_fps
+from moseg.workflows.notes import motions_note
 
 
 @with_option_groups
@@ -52,20 +51,20 @@ def segment(
     moseg segment holiday.mp4 --preset paper --device cuda
     moseg segment holiday.mp4 --overlay cutout --side-by-side --export coco
     """
-    from workflows.datasets import SequenceSource
-    from workflows.events import as_unicode
-    from workflows.exports.check_outputs import check_outputs
-    from workflows.exports.formats import check_exports, choose_formats
-    from workflows.exports.formats import export as export_saved
-    from workflows.exports.motion_json import frame_names
-    from workflows.exports.output_names import MASKS, MOTION, OVERLAY, mask_name
-    from workflows.exports.saved_segmentation import open_segmentation
-    from workflows.exports.write_segmentation import write_segmentation
-    from workflows.given_folders import with_given_folders
-    from workflows.purpose import Purpose
-    from workflows.reports.run_report import RunReport
-    from workflows.segment import segment as run_segmentation
-    from workflows.sources import open_frames
+    from moseg.workflows.datasets import SequenceSource
+    from moseg.workflows.events import as_unicode
+    from moseg.workflows.exports.check_outputs import check_outputs
+    from moseg.workflows.exports.formats import check_exports, choose_formats
+    from moseg.workflows.exports.formats import export as export_saved
+    from moseg.workflows.exports.motion_json import frame_names
+    from moseg.workflows.exports.output_names import MASKS, MOTION, OVERLAY, mask_name
+    from moseg.workflows.exports.saved_segmentation import open_segmentation
+    from moseg.workflows.exports.write_segmentation import write_segmentation
+    from moseg.workflows.given_folders import with_given_folders
+    from moseg.workflows.purpose import Purpose
+    from moseg.workflows.reports.run_report import RunReport
+    from moseg.workflows.segment import segment as run_segmentation
+    from moseg.workflows.sources import open_frames
 
     if not video.strip():
         raise InputError("no video named", got=repr(video), expected="a video file, or a folder of frames")

@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-
-from workflows.cli.completion import complete_run
-from workflows.cli.options import DEFAULT_STORE, JsonOption, StoreOption
+from moseg.workflows.cli.completion import complete_run
+from moseg.workflows.cli.options import DEFAULT_STORE, JsonOption, StoreOption
 
 REFRESH_SECONDS = 1.0
 READING_SHARE = 0.1
@@ -38,9 +37,9 @@ def status(
     moseg status latest --follow
     moseg status latest --json run.json
     """
-    from store import open_store
-    from workflows.exports import check_writable, write_text
-    from workflows.status import LATEST, find_run, list_runs
+    from moseg.store import open_store
+    from moseg.workflows.exports import check_writable, write_text
+    from moseg.workflows.status import LATEST, find_run, list_runs
 
     if json is not None:
         check_writable(Path(json))
@@ -56,12 +55,11 @@ def status(
 
 def _print_runs(store, run_ids: list[str], num_earlier: int) -> str:
     """Print a list of runs, those whose logs cannot be read last; the others' statuses as JSON."""
+    from moseg.schemas.errors import StoreError
+    from moseg.workflows.cli.status_tables import runs_view
+    from moseg.workflows.cli.tables import console
+    from moseg.workflows.status import RunStatus, read_status
     from pydantic import TypeAdapter
-
-    from schemas.errors import StoreError
-    from workflows.cli.status_tables import runs_view
-    from workflows.cli.tables import console
-    from workflows.status import RunStatus, read_status
 
     runs, unreadable = [], []
     for run_id in run_ids:
@@ -82,11 +80,10 @@ def _print_runs(store, run_ids: list[str], num_earlier: int) -> str:
 
 def _show(store, run_id: str, follow: bool) -> str:
     """Print a run's status, or show it until the run ends; the last one as JSON."""
+    from moseg.workflows.cli.status_tables import status_view
+    from moseg.workflows.cli.tables import console
+    from moseg.workflows.status import RunState, read_status
     from rich.live import Live
-
-    from workflows.cli.status_tables import status_view
-    from workflows.cli.tables import console
-    from workflows.status import RunState, read_status
 
     found = read_status(store, run_id)
     if not follow:

@@ -1,8 +1,7 @@
 """`moseg store`: what lies in the artifact store, whether it is sound, how to make room, and how to copy it."""
 
 import typer
-
-from workflows.cli.store_commands import explaining, listing, showing, transferring, upkeep
+from moseg.workflows.cli.store_commands import explaining, listing, showing, transferring, upkeep
 
 store_app = typer.Typer(
     help="""The artifact store: list, trace, explain, check, collect, copy.

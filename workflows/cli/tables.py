@@ -1,12 +1,11 @@
 """Tables on the terminal."""
 
+from moseg.schemas.scores import EvaluationReport, GroundTruth, SequenceScore
+from moseg.workflows.published_scores import PAPER_COLUMNS, PAPER_ROWS
+from moseg.workflows.score_columns import score_columns
+from moseg.workflows.session import StageUse
 from rich.console import Console
 from rich.table import Table
-
-from schemas.scores import EvaluationReport, GroundTruth, SequenceScore
-from workflows.published_scores import PAPER_COLUMNS, PAPER_ROWS
-from workflows.score_columns import score_columns
-from workflows.session import StageUse
 
 
 def console() -> Console:

@@ -4,11 +4,10 @@ from dataclasses import dataclass, fields
 from typing import Annotated, ClassVar
 
 import typer
-
-from schemas.configs import PipelineConfig
-from schemas.errors import InputError
-from workflows.cli.pipeline_options import PipelineOptions
-from workflows.parameters import list_parameters, value_of
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError
+from moseg.workflows.cli.pipeline_options import PipelineOptions
+from moseg.workflows.parameters import list_parameters, value_of
 
 READ_PARAMETERS = ("fused_point_models", "clustering.motions", "hypotheses.", "kernel.", "trajectory_clustering.")
 """Parameters, and stages of parameters, that trajectories without images read."""
@@ -50,7 +49,7 @@ class TrajectoryOptions:
 
     def apply(self, pipeline: PipelineOptions, config: PipelineConfig, dataset: str) -> PipelineConfig:
         """The configuration with these options; raises InputError where another option needs images."""
-        from moseg_tasks.point_models import POINT_MODELS
+        from moseg.tasks.point_models import POINT_MODELS
 
         _refuse_images(pipeline, dataset)
         if self.seed is not None and self.seeds is not None:

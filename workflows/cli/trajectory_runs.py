@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from schemas.configs import PipelineConfig, TrajectoryVariant
-from workflows.cli.options import RunOptions
-from workflows.datasets import Dataset
-from workflows.purpose import Purpose
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
+from moseg.workflows.cli.options import RunOptions
+from moseg.workflows.datasets import Dataset
+from moseg.workflows.purpose import Purpose
 
 
 def evaluate_clips(
@@ -20,10 +20,10 @@ def evaluate_clips(
 ):
     """The result, written to `json` and shown on `page` where asked, the use of the store by stage, what a reader must
     know, and the lines that name the files beside `json`."""
-    from workflows.evaluate_trajectories import evaluate_trajectories
-    from workflows.exports import write_text
-    from workflows.reports.clip_tables import clip_tables
-    from workflows.reports.run_report import RunReport
+    from moseg.workflows.evaluate_trajectories import evaluate_trajectories
+    from moseg.workflows.exports import write_text
+    from moseg.workflows.reports.clip_tables import clip_tables
+    from moseg.workflows.reports.run_report import RunReport
 
     sources = [dataset.trajectories(name) for name in dataset.names]
     notes = _notes(dataset, config, variants, seeds)

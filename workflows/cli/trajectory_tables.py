@@ -1,11 +1,10 @@
 """Tables of evaluations on labelled trajectories."""
 
+from moseg.schemas.trajectory_scores import TrajectoryReport, TrajectoryRow
+from moseg.workflows.cli.tables import console
+from moseg.workflows.published_scores import ONE_MOTION_ERROR, PUBLISHED_CLIPS, PUBLISHED_ERRORS
 from rich.console import Console
 from rich.table import Table
-
-from schemas.trajectory_scores import TrajectoryReport, TrajectoryRow
-from workflows.cli.tables import console
-from workflows.published_scores import ONE_MOTION_ERROR, PUBLISHED_CLIPS, PUBLISHED_ERRORS
 
 
 def print_trajectory_report(report: TrajectoryReport, notes: tuple[str, ...] = ()) -> None:

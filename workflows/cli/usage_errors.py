@@ -3,10 +3,9 @@
 import re
 from typing import Any
 
+from moseg.workflows.cli.help_texts import examples_of
+from moseg.workflows.spelling import closest
 from typer.core import TyperGroup
-
-from workflows.cli.help_texts import examples_of
-from workflows.spelling import closest
 
 _NOT_ONE_OF = re.compile(r"'([^']*)' is not one of (.*)$")
 

@@ -5,12 +5,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-
-from schemas.errors import InputError
-from workflows.cli import completion
-from workflows.cli.options import NonCommercialOption, QuietOption
-from workflows.preset_choice import choose_preset
-from workflows.progress import PATIENCE_SEC, StageProgress
+from moseg.schemas.errors import InputError
+from moseg.workflows.cli import completion
+from moseg.workflows.cli.options import NonCommercialOption, QuietOption
+from moseg.workflows.preset_choice import choose_preset
+from moseg.workflows.progress import PATIENCE_SEC, StageProgress
 
 weights_app = typer.Typer(
     help="""The networks' weights: fetch, verify, make tiny ones. `moseg backends` lists them.
@@ -57,7 +56,7 @@ def fetch(
     moseg weights fetch --preset paper
     moseg weights fetch raft-large pips
     """
-    from workflows.weights.folder import open_weights
+    from moseg.workflows.weights.folder import open_weights
 
     # Asked for by name: what keeps runs from the network is not meant.
     env = {name: value for name, value in os.environ.items() if name != "MOSEG_OFFLINE"}
@@ -94,7 +93,7 @@ def verify(
     moseg weights verify
     moseg weights verify raft-large
     """
-    from workflows.weights.folder import open_weights
+    from moseg.workflows.weights.folder import open_weights
 
     weights = open_weights(os.environ)
     chosen = [weights.item(name) for name in items] if items else list(weights.items.values())
@@ -134,10 +133,10 @@ def tiny(
     moseg weights tiny tiny-weights
     moseg weights tiny tiny-weights --only raft-large,pips
     """
-    from schemas.presets import PRESETS
-    from workflows.weights.catalogue import CATALOGUE
-    from workflows.weights.folder import Weights
-    from workflows.weights.tiny.make_tiny import make_tiny
+    from moseg.schemas.presets import PRESETS
+    from moseg.workflows.weights.catalogue import CATALOGUE
+    from moseg.workflows.weights.folder import Weights
+    from moseg.workflows.weights.tiny.make_tiny import make_tiny
 
     names = [name.strip() for name in (only or "").split(",") if name.strip()]
     if only is not None and not names:
@@ -150,7 +149,7 @@ def tiny(
 
 
 def _items_of(preset: str | None) -> tuple[str, ...]:
-    from workflows.weights.needed import items_of_preset
+    from moseg.workflows.weights.needed import items_of_preset
 
     if preset is None:
         return ()

@@ -2,10 +2,10 @@
 
 import os
 
-from schemas.errors import InputError, MissingInputError
-from workflows.datasets.dataset import SequenceSource
-from workflows.sources import MaskKind, open_frames, open_masks
-from workflows.sources.mask_files import find_mask_kind
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.datasets.dataset import SequenceSource
+from moseg.workflows.sources import MaskKind, open_frames, open_masks
+from moseg.workflows.sources.mask_files import find_mask_kind
 
 
 def annotated_sequence(

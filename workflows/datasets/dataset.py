@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, runtime_checkable
 
-from schemas.errors import InputError
-from workflows.sources import (
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources import (
     DepthFiles,
     FlowFiles,
     FrameSource,
@@ -17,7 +17,7 @@ from workflows.sources import (
     TrajectoryFile,
     TrajectoryLabels,
 )
-from workflows.spelling import unknown_name
+from moseg.workflows.spelling import unknown_name
 
 
 class SequenceSource(NamedTuple):

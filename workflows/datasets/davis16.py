@@ -1,6 +1,6 @@
 """DAVIS-2016 (Perazzi et al. 2016): one foreground a sequence, binary."""
 
-from workflows.datasets.two_trees import TwoTrees
+from moseg.workflows.datasets.two_trees import TwoTrees
 
 VALIDATION = """
 blackswan bmx-trees breakdance camel car-roundabout car-shadow cows dance-twirl dog drift-chicane drift-straight goat

@@ -1,6 +1,6 @@
 """DAVIS-Moving (Dave et al. 2019): sequences of DAVIS-2017 in which every labelled object moves and no other does."""
 
-from workflows.datasets.two_trees import TwoTrees
+from moseg.workflows.datasets.two_trees import TwoTrees
 
 VALIDATION = """
 bike-packing blackswan bmx-trees car-shadow cows dance-twirl dog dogs-jump drift-chicane drift-straight goat

@@ -3,10 +3,10 @@
 import os
 from dataclasses import dataclass
 
-from schemas.errors import MissingInputError
-from workflows.datasets.dataset import SequenceSource
-from workflows.datasets.sequence_folders import find_frames, holds_images, list_sequences
-from workflows.sources import open_frames, open_masks
+from moseg.schemas.errors import MissingInputError
+from moseg.workflows.datasets.dataset import SequenceSource
+from moseg.workflows.datasets.sequence_folders import find_frames, holds_images, list_sequences
+from moseg.workflows.sources import open_frames, open_masks
 
 FRAME_FOLDERS = ("frames",)
 

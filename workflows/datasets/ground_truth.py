@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from schemas.errors import InputError
-from schemas.scores import GroundTruth
-from workflows.datasets.dataset import SequenceSource
+from moseg.schemas.errors import InputError
+from moseg.schemas.scores import GroundTruth
+from moseg.workflows.datasets.dataset import SequenceSource
 
 
 def find_ground_truth(sources: Sequence[SequenceSource]) -> GroundTruth:

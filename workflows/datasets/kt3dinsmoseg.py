@@ -7,12 +7,12 @@ the labelled points.
 import os
 from dataclasses import dataclass
 
-from schemas.errors import InputError, MissingInputError
-from workflows.datasets.annotated import annotated_sequence
-from workflows.datasets.dataset import SequenceSource
-from workflows.datasets.sequence_folders import find_frames, holds_images, list_sequences
-from workflows.sources import LabelledPointFile, open_frames
-from workflows.sources.files import unreadable
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.datasets.annotated import annotated_sequence
+from moseg.workflows.datasets.dataset import SequenceSource
+from moseg.workflows.datasets.sequence_folders import find_frames, holds_images, list_sequences
+from moseg.workflows.sources import LabelledPointFile, open_frames
+from moseg.workflows.sources.files import unreadable
 
 FRAME_FOLDERS = ("images", "image_02/data", "image_02", "frames")
 """Where a clip's frames may lie, first found first; ``image_02/data`` is KITTI raw's own."""

@@ -3,10 +3,10 @@
 import os
 from dataclasses import dataclass
 
-from workflows.datasets.dataset import TrajectorySource
-from workflows.datasets.kt3dinsmoseg import CLIPS
-from workflows.sources import TrajectoryFile, TrajectoryLabels
-from workflows.sources.files import natural_key, unreadable
+from moseg.workflows.datasets.dataset import TrajectorySource
+from moseg.workflows.datasets.kt3dinsmoseg import CLIPS
+from moseg.workflows.sources import TrajectoryFile, TrajectoryLabels
+from moseg.workflows.sources.files import natural_key, unreadable
 
 SUFFIX = "_Tracks.mat"
 

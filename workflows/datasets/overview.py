@@ -4,12 +4,12 @@ import os
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from schemas.errors import InputError
-from workflows.datasets.dataset import DatasetLayout
-from workflows.datasets.registry import DATASETS
-from workflows.datasets.roots import default_root
-from workflows.datasets.selection import select_sequences
-from workflows.spelling import unknown_name
+from moseg.schemas.errors import InputError
+from moseg.workflows.datasets.dataset import DatasetLayout
+from moseg.workflows.datasets.registry import DATASETS
+from moseg.workflows.datasets.roots import default_root
+from moseg.workflows.datasets.selection import select_sequences
+from moseg.workflows.spelling import unknown_name
 
 
 class DatasetRow(NamedTuple):

@@ -3,8 +3,8 @@
 import os
 from collections.abc import Mapping
 
-from schemas.errors import InputError, MissingInputError
-from workflows.datasets.dataset import DatasetLayout
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.datasets.dataset import DatasetLayout
 
 DATA_VARIABLE = "MOSEG_DATA"
 """Environment variable: folder of all data sets, each in a subfolder of its name."""

@@ -3,10 +3,10 @@
 import os
 from typing import NamedTuple
 
-from schemas.errors import InputError, MissingInputError
-from workflows.datasets.dataset import DatasetLayout
-from workflows.sources.files import read_bytes
-from workflows.spelling import unknown_name
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.datasets.dataset import DatasetLayout
+from moseg.workflows.sources.files import read_bytes
+from moseg.workflows.spelling import unknown_name
 
 
 class Selection(NamedTuple):

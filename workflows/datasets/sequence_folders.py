@@ -2,8 +2,8 @@
 
 import os
 
-from workflows.sources.files import natural_key, unreadable
-from workflows.sources.image_files import IMAGE_SUFFIXES
+from moseg.workflows.sources.files import natural_key, unreadable
+from moseg.workflows.sources.image_files import IMAGE_SUFFIXES
 
 
 def list_sequences(root: str, subfolders: tuple[str, ...]) -> tuple[str, ...]:

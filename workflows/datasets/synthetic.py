@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-from moseg_tasks.synthetic import SCENES
-from workflows.datasets.dataset import SequenceSource
-from workflows.sources import SceneDepth, SceneFlow, SceneFrames, SceneMasks, SceneTracks
-from workflows.sources.scenes import find_scene
+from moseg.tasks.synthetic import SCENES
+from moseg.workflows.datasets.dataset import SequenceSource
+from moseg.workflows.sources import SceneDepth, SceneFlow, SceneFrames, SceneMasks, SceneTracks
+from moseg.workflows.sources.scenes import find_scene
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,11 @@
 import os
 from dataclasses import dataclass
 
-from schemas.errors import MissingInputError
-from workflows.datasets.annotated import annotated_sequence
-from workflows.datasets.dataset import SequenceSource
-from workflows.datasets.sequence_folders import list_sequences
-from workflows.sources import MaskKind
+from moseg.schemas.errors import MissingInputError
+from moseg.workflows.datasets.annotated import annotated_sequence
+from moseg.workflows.datasets.dataset import SequenceSource
+from moseg.workflows.datasets.sequence_folders import list_sequences
+from moseg.workflows.sources import MaskKind
 
 
 @dataclass(frozen=True)

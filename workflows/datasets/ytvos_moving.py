@@ -4,7 +4,7 @@ The 101 validation sequences are drawn from YouTube-VOS's training part. Their l
 by the user.
 """
 
-from workflows.datasets.two_trees import TwoTrees
+from moseg.workflows.datasets.two_trees import TwoTrees
 
 YTVOS_MOVING = TwoTrees(
     name="ytvos-moving",

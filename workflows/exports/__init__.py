@@ -1,12 +1,12 @@
 """Files that commands leave behind: masks, an overlay video, a summary of the motions, tables."""
 
-from workflows.exports.draw_labels import draw_labels
-from workflows.exports.motion_json import ObjectSummary, SequenceSummary, summarise_sequence, write_motion
-from workflows.exports.overlay_style import OverlayMode, OverlayStyle
-from workflows.exports.palette import davis_palette, identity_colours
-from workflows.exports.write_masks import write_masks
-from workflows.exports.write_overlay import encode_overlay, write_overlay
-from workflows.exports.write_text import check_folder, check_writable, write_text
+from moseg.workflows.exports.draw_labels import draw_labels
+from moseg.workflows.exports.motion_json import ObjectSummary, SequenceSummary, summarise_sequence, write_motion
+from moseg.workflows.exports.overlay_style import OverlayMode, OverlayStyle
+from moseg.workflows.exports.palette import davis_palette, identity_colours
+from moseg.workflows.exports.write_masks import write_masks
+from moseg.workflows.exports.write_overlay import encode_overlay, write_overlay
+from moseg.workflows.exports.write_text import check_folder, check_writable, write_text
 
 __all__ = [
     "ObjectSummary",

@@ -3,9 +3,9 @@
 import json
 from pathlib import Path
 
-from workflows.exports.motion_json import SequenceSummary
-from workflows.exports.ownership import ANNOTATIONS_INFO, OwnedFile
-from workflows.exports.write_text import write_text
+from moseg.workflows.exports.motion_json import SequenceSummary
+from moseg.workflows.exports.ownership import ANNOTATIONS_INFO, OwnedFile
+from moseg.workflows.exports.write_text import write_text
 
 
 def write_annotations(target: OwnedFile, summary: SequenceSummary, **parts: list[dict]) -> Path:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
 _PART = re.compile(r"\.[0-9a-f]{32}\.part")
 """Names of files half written, as short as they can be: that of the file itself may be as long as the system allows."""

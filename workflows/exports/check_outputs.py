@@ -3,11 +3,11 @@
 import os
 from pathlib import Path
 
-from schemas.errors import InputError
-from workflows.exports.atomic_write import blame_output
-from workflows.exports.output_names import MASKS, MOTION, OVERLAY, OWN_MASK
-from workflows.exports.ownership import OwnedFile, is_own_mask, is_own_overlay, is_own_summary
-from workflows.exports.write_text import check_folder, check_writable
+from moseg.schemas.errors import InputError
+from moseg.workflows.exports.atomic_write import blame_output
+from moseg.workflows.exports.output_names import MASKS, MOTION, OVERLAY, OWN_MASK
+from moseg.workflows.exports.ownership import OwnedFile, is_own_mask, is_own_overlay, is_own_summary
+from moseg.workflows.exports.write_text import check_folder, check_writable
 
 
 def check_outputs(folder: str, video: str | None, has_overlay: bool = True, argument: str = "--out") -> None:

@@ -2,9 +2,8 @@
 
 import cv2
 import numpy as np
-
-from workflows.exports.overlay_style import DEFAULT_STYLE, LINED, TINTED, OverlayMode, OverlayStyle
-from workflows.exports.palette import identity_colours
+from moseg.workflows.exports.overlay_style import DEFAULT_STYLE, LINED, TINTED, OverlayMode, OverlayStyle
+from moseg.workflows.exports.palette import identity_colours
 
 CUTOUT_DIMMING = 0.35
 """Share of the brightness that is left around what is cut out: the scene is still known by it."""

@@ -3,10 +3,9 @@
 from functools import cache
 
 import numpy as np
+from moseg.workflows.exports.draw_labels import draw_labels
+from moseg.workflows.exports.overlay_style import OverlayStyle
 from PIL import Image, ImageDraw, ImageFont
-
-from workflows.exports.draw_labels import draw_labels
-from workflows.exports.overlay_style import OverlayStyle
 
 # Of the frame's height, and the least height in px that is read.
 _TEXT_SHARE, _LEAST_TEXT = 1 / 18, 12

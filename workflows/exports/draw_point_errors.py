@@ -4,8 +4,7 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-
-from workflows.exports.draw_errors import ERROR_COLOURS, draw_errors, sort_errors
+from moseg.workflows.exports.draw_errors import ERROR_COLOURS, draw_errors, sort_errors
 
 POINT_RADIUS = 2
 """Of a point's dot, px of the picture: larger ones would hide each other where hundreds lie on one car."""

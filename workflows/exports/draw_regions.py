@@ -4,9 +4,8 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+from moseg.workflows.resize import resize_labels
 from PIL import Image, ImageDraw, ImageFont
-
-from workflows.resize import resize_labels
 
 LINE = 2
 """Usual width of a region's border, px, half of it to either side."""

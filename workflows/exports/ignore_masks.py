@@ -5,12 +5,11 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+from moseg.schemas.errors import InputError
+from moseg.workflows.exports.atomic_write import atomic_path, blame_output
+from moseg.workflows.exports.owned_folder import OwnedFolder
+from moseg.workflows.exports.saved_segmentation import SavedSegmentation
 from PIL import Image
-
-from schemas.errors import InputError
-from workflows.exports.atomic_write import atomic_path, blame_output
-from workflows.exports.owned_folder import OwnedFolder
-from workflows.exports.saved_segmentation import SavedSegmentation
 
 DEFAULT_DILATION = 5
 """Px. Features are found on the borders of moving objects, and masks are a few pixels off there."""

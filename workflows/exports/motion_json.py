@@ -4,14 +4,13 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
+from moseg.schemas.errors import InputError
+from moseg.schemas.frozen import Frozen
+from moseg.workflows.events import as_unicode
+from moseg.workflows.exports.write_text import write_text
+from moseg.workflows.sources import FrameSource, ImageFiles
+from moseg.workflows.sources.files import read_bytes
 from pydantic import Field, ValidationError
-
-from schemas.errors import InputError
-from schemas.frozen import Frozen
-from workflows.events import as_unicode
-from workflows.exports.write_text import write_text
-from workflows.sources import FrameSource, ImageFiles
-from workflows.sources.files import read_bytes
 
 
 class ObjectSummary(Frozen):

@@ -2,9 +2,8 @@
 
 from enum import StrEnum
 
+from moseg.schemas.frozen import Frozen
 from pydantic import Field
-
-from schemas.frozen import Frozen
 
 DEFAULT_OPACITY = 0.45
 """Seen on foliage, with the texture still visible."""

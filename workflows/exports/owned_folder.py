@@ -4,10 +4,10 @@ import json
 from collections.abc import Iterable
 from pathlib import Path
 
-from schemas.errors import InputError
-from workflows.exports.atomic_write import blame_output, sweep_leftovers
-from workflows.exports.ownership import OwnedFile
-from workflows.exports.write_text import write_text
+from moseg.schemas.errors import InputError
+from moseg.workflows.exports.atomic_write import blame_output, sweep_leftovers
+from moseg.workflows.exports.ownership import OwnedFile
+from moseg.workflows.exports.write_text import write_text
 
 LISTING = ".moseg-export.json"
 """Names of the files that an export wrote, beside them."""

@@ -7,13 +7,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 import av
-
-from schemas.errors import InputError
-from workflows.exports.atomic_write import blame_output
-from workflows.exports.motion_json import read_motion
-from workflows.sources.numpy_file import ARCHIVE_ERRORS
-from workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
-from workflows.sources.video_file import METADATA_ERRORS
+from moseg.schemas.errors import InputError
+from moseg.workflows.exports.atomic_write import blame_output
+from moseg.workflows.exports.motion_json import read_motion
+from moseg.workflows.sources.numpy_file import ARCHIVE_ERRORS
+from moseg.workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
+from moseg.workflows.sources.video_file import METADATA_ERRORS
 
 MARK = "moseg"
 """The ``Software`` text of a mask, the ``comment`` of an overlay, the comment of an archive."""

@@ -4,13 +4,12 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
+from moseg.workflows.exports.atomic_write import atomic_path, blame_output, sweep_leftovers
+from moseg.workflows.exports.output_names import OWN_MASK, mask_name
+from moseg.workflows.exports.ownership import MARK, is_own_mask
+from moseg.workflows.exports.palette import davis_palette
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
-
-from workflows.exports.atomic_write import atomic_path, blame_output, sweep_leftovers
-from workflows.exports.output_names import OWN_MASK, mask_name
-from workflows.exports.ownership import MARK, is_own_mask
-from workflows.exports.palette import davis_palette
 
 LAST_PALETTE_IDENTITY = 254
 """A palette ends at 255, which is "void" to the tools of DAVIS and YouTube-VOS."""

@@ -10,15 +10,14 @@ from pathlib import Path
 import av
 import numpy as np
 from av.video.reformatter import ColorRange, Colorspace
-
-from schemas.errors import InputError
-from workflows.exports.atomic_write import atomic_path, blame_output
-from workflows.exports.draw_overlay import draw_overlay
-from workflows.exports.overlay_style import DEFAULT_STYLE, OverlayStyle
-from workflows.exports.ownership import MARK
-from workflows.frame_rate import FASTEST_FPS
-from workflows.resize import resize_labels
-from workflows.sources.frames import shrink_to, working_size
+from moseg.schemas.errors import InputError
+from moseg.workflows.exports.atomic_write import atomic_path, blame_output
+from moseg.workflows.exports.draw_overlay import draw_overlay
+from moseg.workflows.exports.overlay_style import DEFAULT_STYLE, OverlayStyle
+from moseg.workflows.exports.ownership import MARK
+from moseg.workflows.frame_rate import FASTEST_FPS
+from moseg.workflows.resize import resize_labels
+from moseg.workflows.sources.frames import shrink_to, working_size
 
 _ENCODER = "libx264"
 VISUALLY_LOSSLESS = 18

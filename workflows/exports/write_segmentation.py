@@ -4,17 +4,16 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
-
-from store import ArtifactStore
-from workflows.exports.atomic_write import blame_output, sweep_leftovers
-from workflows.exports.motion_json import SequenceSummary, summarise_sequence, write_motion
-from workflows.exports.output_names import MASKS, MOTION, OVERLAY
-from workflows.exports.overlay_style import DEFAULT_STYLE, OverlayStyle
-from workflows.exports.ownership import is_own_overlay
-from workflows.exports.write_masks import write_masks
-from workflows.exports.write_overlay import write_overlay
-from workflows.progress import PATIENCE_SEC, StageProgress
-from workflows.segment import StoredSegmentation
+from moseg.store import ArtifactStore
+from moseg.workflows.exports.atomic_write import blame_output, sweep_leftovers
+from moseg.workflows.exports.motion_json import SequenceSummary, summarise_sequence, write_motion
+from moseg.workflows.exports.output_names import MASKS, MOTION, OVERLAY
+from moseg.workflows.exports.overlay_style import DEFAULT_STYLE, OverlayStyle
+from moseg.workflows.exports.ownership import is_own_overlay
+from moseg.workflows.exports.write_masks import write_masks
+from moseg.workflows.exports.write_overlay import write_overlay
+from moseg.workflows.progress import PATIENCE_SEC, StageProgress
+from moseg.workflows.segment import StoredSegmentation
 
 
 def write_segmentation(

@@ -3,8 +3,8 @@
 import tempfile
 from pathlib import Path
 
-from schemas.errors import InputError
-from workflows.exports.atomic_write import atomic_path, blame_output
+from moseg.schemas.errors import InputError
+from moseg.workflows.exports.atomic_write import atomic_path, blame_output
 
 
 def check_writable(path: Path) -> None:

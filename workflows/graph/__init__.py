@@ -1,8 +1,8 @@
 """The graph of a sequence, or of a clip of trajectories: from a sink back to what was decoded, every node a recipe."""
 
-from workflows.graph.sequence_graph import SequenceGraph
-from workflows.graph.sequence_leaves import GIVEN_SOURCES, SequenceLeaves
-from workflows.graph.trajectory_graph import TrajectoryGraph
-from workflows.graph.trajectory_leaves import TrajectoryLeaves
+from moseg.workflows.graph.sequence_graph import SequenceGraph
+from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES, SequenceLeaves
+from moseg.workflows.graph.trajectory_graph import TrajectoryGraph
+from moseg.workflows.graph.trajectory_leaves import TrajectoryLeaves
 
 __all__ = ["GIVEN_SOURCES", "SequenceGraph", "SequenceLeaves", "TrajectoryGraph", "TrajectoryLeaves"]

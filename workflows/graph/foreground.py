@@ -1,10 +1,10 @@
 """What moves, without learned weights: from the saliency of frames to the objects of sections on the working grid."""
 
-from workflows.graph.frame_cues import FrameCues
-from workflows.graph.nodes import Nodes
-from workflows.graph.once import once
-from workflows.sections import Section
-from workflows.stages.accumulation import PASSES
+from moseg.workflows.graph.frame_cues import FrameCues
+from moseg.workflows.graph.nodes import Nodes
+from moseg.workflows.graph.once import once
+from moseg.workflows.sections import Section
+from moseg.workflows.stages.accumulation import PASSES
 
 
 class Foreground:

@@ -1,9 +1,9 @@
 """Cues of frames and frame pairs: flow, inverse depth, motion saliency."""
 
-from schemas.recipes import Recipe
-from workflows.graph.nodes import Nodes
-from workflows.graph.once import once
-from workflows.graph.sequence_leaves import GIVEN_SOURCES
+from moseg.schemas.recipes import Recipe
+from moseg.workflows.graph.nodes import Nodes
+from moseg.workflows.graph.once import once
+from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES
 
 PAIRS_PARAMS = frozenset({"selection_length", "selection_step"})
 """They only say which flows the selection of the background's model reads."""

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator, Set
 
-from workflows.graph.frame_cues import FrameCues
-from workflows.graph.nodes import Nodes
-from workflows.graph.objects import Objects
-from workflows.graph.once import once
-from workflows.graph.sequence_leaves import GIVEN_SOURCES
-from workflows.sections import Section
+from moseg.workflows.graph.frame_cues import FrameCues
+from moseg.workflows.graph.nodes import Nodes
+from moseg.workflows.graph.objects import Objects
+from moseg.workflows.graph.once import once
+from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES
+from moseg.workflows.sections import Section
 
 LUCAS_KANADE_PARAMS = {"window", "pyramid_levels", "forward_backward"}
 BY_HYPOTHESES = ("hypotheses", "combined")

@@ -2,13 +2,13 @@
 
 from collections.abc import Set
 
-from schemas.configs import PipelineConfig
-from schemas.errors import InputError
-from schemas.frozen import Frozen
-from schemas.recipes import Recipe
-from workflows.graph.sequence_leaves import SequenceLeaves
-from workflows.graph.trajectory_leaves import TrajectoryLeaves
-from workflows.stages.registry import find_task
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError
+from moseg.schemas.frozen import Frozen
+from moseg.schemas.recipes import Recipe
+from moseg.workflows.graph.sequence_leaves import SequenceLeaves
+from moseg.workflows.graph.trajectory_leaves import TrajectoryLeaves
+from moseg.workflows.stages.registry import find_task
 
 
 class Nodes:

@@ -1,11 +1,11 @@
 """Objects: proposed in every section, with identities that last through the sequence."""
 
-from workflows.graph.foreground import Foreground
-from workflows.graph.nodes import Nodes
-from workflows.graph.once import once
-from workflows.graph.sequence_leaves import GIVEN_SOURCES
-from workflows.sections import Section
-from workflows.weights.needed import tagger_item
+from moseg.workflows.graph.foreground import Foreground
+from moseg.workflows.graph.nodes import Nodes
+from moseg.workflows.graph.once import once
+from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES
+from moseg.workflows.sections import Section
+from moseg.workflows.weights.needed import tagger_item
 
 
 class Objects:

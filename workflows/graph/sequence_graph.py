@@ -4,17 +4,17 @@ A `SequenceGraph` only writes recipes; it neither looks into the store nor compu
 the same recipe, whichever variant or run asks.
 """
 
-from schemas.configs import PipelineConfig, Variant
-from schemas.errors import InputError
-from schemas.parameters.clustering import COUNT_READS, READ_TRACKS
-from schemas.recipes import Recipe
-from workflows.graph.foreground import Foreground
-from workflows.graph.frame_cues import FrameCues
-from workflows.graph.motions import Motions
-from workflows.graph.nodes import Nodes
-from workflows.graph.objects import Objects
-from workflows.graph.sequence_leaves import SequenceLeaves
-from workflows.sections import cut_sections
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.clustering import COUNT_READS, READ_TRACKS
+from moseg.schemas.recipes import Recipe
+from moseg.workflows.graph.foreground import Foreground
+from moseg.workflows.graph.frame_cues import FrameCues
+from moseg.workflows.graph.motions import Motions
+from moseg.workflows.graph.nodes import Nodes
+from moseg.workflows.graph.objects import Objects
+from moseg.workflows.graph.sequence_leaves import SequenceLeaves
+from moseg.workflows.sections import cut_sections
 
 
 class SequenceGraph:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from schemas.recipes import Ref
+from moseg.schemas.recipes import Ref
 
 GIVEN_SOURCES = ("groundtruth", "folder")
 """Methods of a stage that compute nothing: the data set or the user gives its result."""

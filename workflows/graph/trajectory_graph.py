@@ -4,12 +4,12 @@ Like a `SequenceGraph` it only writes recipes. One artifact holds what a model g
 frames stacked, for storing a pair alone would take longer than computing it.
 """
 
-from moseg_tasks.point_models import POINT_MODELS
-from schemas.configs import PipelineConfig, TrajectoryVariant
-from schemas.parameters.clustering import COUNT_READS
-from schemas.recipes import Recipe
-from workflows.graph.nodes import Nodes
-from workflows.graph.trajectory_leaves import TrajectoryLeaves
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
+from moseg.schemas.parameters.clustering import COUNT_READS
+from moseg.schemas.recipes import Recipe
+from moseg.tasks.point_models import POINT_MODELS
+from moseg.workflows.graph.nodes import Nodes
+from moseg.workflows.graph.trajectory_leaves import TrajectoryLeaves
 
 
 class TrajectoryGraph:

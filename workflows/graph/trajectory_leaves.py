@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from schemas.recipes import Ref
+from moseg.schemas.recipes import Ref
 
 
 class TrajectoryLeaves(NamedTuple):

@@ -1,9 +1,9 @@
 """Readers of masks that any method saved, for scoring."""
 
-from workflows.predictions.formats import FORMATS, PredictionFormat, SequencePredictions, detect_format
-from workflows.predictions.frame_list import FrameList
-from workflows.predictions.label_images import read_label_image
-from workflows.predictions.open_predictions import Predictions, open_predictions
+from moseg.workflows.predictions.formats import FORMATS, PredictionFormat, SequencePredictions, detect_format
+from moseg.workflows.predictions.frame_list import FrameList
+from moseg.workflows.predictions.label_images import read_label_image
+from moseg.workflows.predictions.open_predictions import Predictions, open_predictions
 
 __all__ = [
     "FORMATS",

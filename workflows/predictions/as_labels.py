@@ -1,8 +1,7 @@
 """What a file holds, as labels of a frame."""
 
 import numpy as np
-
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
 
 def as_labels(values: np.ndarray, shape: tuple[int, int], where: object) -> np.ndarray:

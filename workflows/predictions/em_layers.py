@@ -4,14 +4,13 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-
-from schemas.errors import InputError, MissingInputError
-from workflows.predictions.as_labels import as_labels
-from workflows.predictions.frame_files import FrameFiles
-from workflows.predictions.frame_list import FrameList
-from workflows.predictions.label_images import read_label_image
-from workflows.sources.files import read_bytes
-from workflows.sources.numpy_file import decode_array
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.predictions.as_labels import as_labels
+from moseg.workflows.predictions.frame_files import FrameFiles
+from moseg.workflows.predictions.frame_list import FrameList
+from moseg.workflows.predictions.label_images import read_label_image
+from moseg.workflows.sources.files import read_bytes
+from moseg.workflows.sources.numpy_file import decode_array
 
 
 class LayerProbabilities:

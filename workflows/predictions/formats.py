@@ -5,14 +5,13 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
-
-from schemas.errors import InputError
-from workflows.predictions.em_layers import open_em_layers
-from workflows.predictions.frame_list import FrameList
-from workflows.predictions.label_images import open_label_images
-from workflows.predictions.rigidmask import open_rigidmask
-from workflows.predictions.volumes import open_volume
-from workflows.sources.frame_matching import Matching
+from moseg.schemas.errors import InputError
+from moseg.workflows.predictions.em_layers import open_em_layers
+from moseg.workflows.predictions.frame_list import FrameList
+from moseg.workflows.predictions.label_images import open_label_images
+from moseg.workflows.predictions.rigidmask import open_rigidmask
+from moseg.workflows.predictions.volumes import open_volume
+from moseg.workflows.sources.frame_matching import Matching
 
 
 class SequencePredictions(Protocol):

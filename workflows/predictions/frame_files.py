@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from schemas.errors import MissingInputError
-from workflows.predictions.frame_list import FrameList
-from workflows.sources.files import natural_key
-from workflows.sources.frame_matching import match_names
+from moseg.schemas.errors import MissingInputError
+from moseg.workflows.predictions.frame_list import FrameList
+from moseg.workflows.sources.files import natural_key
+from moseg.workflows.sources.frame_matching import match_names
 
 
 class FrameFiles:

@@ -4,14 +4,13 @@ import io
 from pathlib import Path
 
 import numpy as np
-
-from schemas.errors import InputError
-from workflows.predictions.as_labels import as_labels
-from workflows.predictions.frame_files import FrameFiles
-from workflows.predictions.frame_list import FrameList
-from workflows.sources.files import read_bytes
-from workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
-from workflows.sources.png_file import check_png_data, check_png_size
+from moseg.schemas.errors import InputError
+from moseg.workflows.predictions.as_labels import as_labels
+from moseg.workflows.predictions.frame_files import FrameFiles
+from moseg.workflows.predictions.frame_list import FrameList
+from moseg.workflows.sources.files import read_bytes
+from moseg.workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
+from moseg.workflows.sources.png_file import check_png_data, check_png_size
 
 # Pillow's modes of one channel; of a palette image the array is the index, not the colour.
 _LABEL_MODES = {"1", "L", "P", "I", "I;16"}

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from schemas.errors import MissingInputError
-from workflows.predictions.formats import FORMATS, PredictionFormat, SequencePredictions, detect_format
-from workflows.predictions.frame_list import FrameList
-from workflows.spelling import unknown_name
+from moseg.schemas.errors import MissingInputError
+from moseg.workflows.predictions.formats import FORMATS, PredictionFormat, SequencePredictions, detect_format
+from moseg.workflows.predictions.frame_list import FrameList
+from moseg.workflows.spelling import unknown_name
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,10 @@
 from pathlib import Path
 
 import numpy as np
-
-from schemas.errors import InputError
-from workflows.predictions.as_labels import as_labels
-from workflows.predictions.frame_files import FrameFiles
-from workflows.predictions.frame_list import FrameList
+from moseg.schemas.errors import InputError
+from moseg.workflows.predictions.as_labels import as_labels
+from moseg.workflows.predictions.frame_files import FrameFiles
+from moseg.workflows.predictions.frame_list import FrameList
 
 
 class RigidMaskLabels:

@@ -5,13 +5,12 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
-
-from schemas.errors import InputError, MissingInputError
-from workflows.predictions.as_labels import as_labels
-from workflows.predictions.frame_list import FrameList
-from workflows.sources.files import unreadable
-from workflows.sources.frame_matching import Matching
-from workflows.sources.numpy_file import ARCHIVE_ERRORS, HEADER_BYTES, read_header, undecodable
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.predictions.as_labels import as_labels
+from moseg.workflows.predictions.frame_list import FrameList
+from moseg.workflows.sources.files import unreadable
+from moseg.workflows.sources.frame_matching import Matching
+from moseg.workflows.sources.numpy_file import ARCHIVE_ERRORS, HEADER_BYTES, read_header, undecodable
 
 _KEYS = ("segmentation", "labels")
 """Names of the array in an archive of MoSeg's authors, and in one of `moseg export`."""

@@ -2,14 +2,14 @@
 
 from collections.abc import Iterable, Sequence
 
-from schemas.configs import PipelineConfig, TrajectoryVariant, Variant
-from schemas.scores import EvaluationReport
-from workflows.reports.content import ReportPage, SequencePanel
-from workflows.reports.facts import RunFacts
-from workflows.reports.panels import MOST_SEQUENCES
-from workflows.reports.parameter_rows import parameter_rows
-from workflows.reports.score_tables import score_tables
-from workflows.reports.table_content import ScoreTable
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
+from moseg.schemas.scores import EvaluationReport
+from moseg.workflows.reports.content import ReportPage, SequencePanel
+from moseg.workflows.reports.facts import RunFacts
+from moseg.workflows.reports.panels import MOST_SEQUENCES
+from moseg.workflows.reports.parameter_rows import parameter_rows
+from moseg.workflows.reports.score_tables import score_tables
+from moseg.workflows.reports.table_content import ScoreTable
 
 
 def build_page(

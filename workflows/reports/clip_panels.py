@@ -1,16 +1,15 @@
 """What one variant made of a clip of labelled trajectories: kernels in the order of the motions, and eigenvalues."""
 
 import numpy as np
-
-from schemas.configs import PipelineConfig, TrajectoryVariant
-from schemas.parameters import TrajectoryClusteringParams
-from store import ArtifactStore
-from workflows.graph import TrajectoryGraph
-from workflows.reports.content import VariantPanel
-from workflows.reports.figure_content import EigenvaluePlot, Matrix
-from workflows.reports.missing import Missing, WhyAbsent, say_missing, telling_missing
-from workflows.reports.motion_count import FoundGroups, explain_tracks
-from workflows.reports.variant_panels import plotted_spectrum
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
+from moseg.schemas.parameters import TrajectoryClusteringParams
+from moseg.store import ArtifactStore
+from moseg.workflows.graph import TrajectoryGraph
+from moseg.workflows.reports.content import VariantPanel
+from moseg.workflows.reports.figure_content import EigenvaluePlot, Matrix
+from moseg.workflows.reports.missing import Missing, WhyAbsent, say_missing, telling_missing
+from moseg.workflows.reports.motion_count import FoundGroups, explain_tracks
+from moseg.workflows.reports.variant_panels import plotted_spectrum
 
 MOST_TRACKS = 200
 """Rows of a matrix: of more tracks an even sample is shown."""

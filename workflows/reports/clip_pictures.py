@@ -3,20 +3,19 @@
 from collections.abc import Sequence
 
 import numpy as np
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
+from moseg.store import ArtifactStore
+from moseg.workflows.exports.draw_errors import ERROR_COLOURS
+from moseg.workflows.exports.draw_tracks import TAIL_FRAMES, DrawnPoints, draw_tracks
+from moseg.workflows.graph import TrajectoryGraph
+from moseg.workflows.reports.encode_picture import encode_opaque, encode_transparent
+from moseg.workflows.reports.missing import WhyAbsent, name_absent, say_missing
+from moseg.workflows.reports.picture_content import Layer, LayerKind, LegendEntry, Picture
+from moseg.workflows.reports.planned_layer import PlannedLayer, SequencePictures, make_layers
+from moseg.workflows.reports.sequence_view import as_hex
+from moseg.workflows.shown_frames import spread
+from moseg.workflows.sources.frames import working_size
 from scipy.optimize import linear_sum_assignment
-
-from schemas.configs import PipelineConfig, TrajectoryVariant
-from store import ArtifactStore
-from workflows.exports.draw_errors import ERROR_COLOURS
-from workflows.exports.draw_tracks import TAIL_FRAMES, DrawnPoints, draw_tracks
-from workflows.graph import TrajectoryGraph
-from workflows.reports.encode_picture import encode_opaque, encode_transparent
-from workflows.reports.missing import WhyAbsent, name_absent, say_missing
-from workflows.reports.picture_content import Layer, LayerKind, LegendEntry, Picture
-from workflows.reports.planned_layer import PlannedLayer, SequencePictures, make_layers
-from workflows.reports.sequence_view import as_hex
-from workflows.shown_frames import spread
-from workflows.sources.frames import working_size
 
 CLIP_SIDE = 960
 """Longer side of a clip's pictures, px: hundreds of points lie on one car, and blank pictures are small files."""

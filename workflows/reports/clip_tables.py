@@ -1,8 +1,8 @@
 """Tables of a report on labelled trajectories: what was measured, and what is published of the clips."""
 
-from schemas.trajectory_scores import TrajectoryMean, TrajectoryRow
-from workflows.published_scores import ONE_MOTION_ERROR, PUBLISHED_CLIPS, PUBLISHED_ERRORS
-from workflows.reports.table_content import Better, ScoreTable
+from moseg.schemas.trajectory_scores import TrajectoryMean, TrajectoryRow
+from moseg.workflows.published_scores import ONE_MOTION_ERROR, PUBLISHED_CLIPS, PUBLISHED_ERRORS
+from moseg.workflows.reports.table_content import Better, ScoreTable
 
 _SPREAD = "spread of error"
 

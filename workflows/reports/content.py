@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
-from workflows.reports.figure_content import EigenvaluePlot, Matrix
-from workflows.reports.picture_content import Layer, Video
-from workflows.reports.table_content import ObjectRow, ParameterRow, ScoreTable, StageRow
+from moseg.workflows.reports.figure_content import EigenvaluePlot, Matrix
+from moseg.workflows.reports.picture_content import Layer, Video
+from moseg.workflows.reports.table_content import ObjectRow, ParameterRow, ScoreTable, StageRow
 
 
 class GroupedObject(NamedTuple):

@@ -4,23 +4,22 @@ from collections.abc import Callable, Sequence
 
 import cv2
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
-
-from schemas.configs import Variant
-from workflows.exports.colour_maps import (
+from moseg.schemas.configs import Variant
+from moseg.workflows.exports.colour_maps import (
     DEPTH_COLOURS,
     SOFT_COLOURS,
     colour_inverse_depth,
     colour_soft_map,
     draw_colour_bar,
 )
-from workflows.exports.draw_flow import colour_flow, draw_flow_wheel
-from workflows.graph import GIVEN_SOURCES
-from workflows.reports.encode_picture import encode_opaque, encode_transparent
-from workflows.reports.picture_content import Layer, LayerKind, Picture
-from workflows.reports.planned_layer import PlannedLayer
-from workflows.reports.sequence_view import SequenceView
-from workflows.sources.frames import shrink_to
+from moseg.workflows.exports.draw_flow import colour_flow, draw_flow_wheel
+from moseg.workflows.graph import GIVEN_SOURCES
+from moseg.workflows.reports.encode_picture import encode_opaque, encode_transparent
+from moseg.workflows.reports.picture_content import Layer, LayerKind, Picture
+from moseg.workflows.reports.planned_layer import PlannedLayer
+from moseg.workflows.reports.sequence_view import SequenceView
+from moseg.workflows.sources.frames import shrink_to
+from PIL import Image, ImageDraw, ImageFont
 
 WHEEL_SIDE = 96
 BAR_SHAPE = (24, 220)

@@ -7,12 +7,12 @@ from datetime import UTC, datetime, timedelta
 from importlib.metadata import version
 from typing import NamedTuple
 
-from store import ArtifactStore
-from workflows.events import as_unicode, this_process
-from workflows.reports.page.numbers import duration
-from workflows.reports.table_content import StageRow
-from workflows.session import Session
-from workflows.status import RunStatus
+from moseg.store import ArtifactStore
+from moseg.workflows.events import as_unicode, this_process
+from moseg.workflows.reports.page.numbers import duration
+from moseg.workflows.reports.table_content import StageRow
+from moseg.workflows.session import Session
+from moseg.workflows.status import RunStatus
 
 
 class RunFacts(NamedTuple):

@@ -4,24 +4,24 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from importlib.metadata import version
 
-from schemas.configs import TrajectoryVariant, Variant
-from schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
-from schemas.scores import SequenceScore
-from schemas.trajectory_scores import TrajectoryScore
-from store import ArtifactStore
-from workflows.evaluate_trajectories import average_row, seeded_configs
-from workflows.graph import SequenceGraph, SequenceLeaves, TrajectoryGraph
-from workflows.progress import PATIENCE_SEC, StageProgress
-from workflows.reports.build import build_page, panel_notes
-from workflows.reports.clip_tables import clip_tables
-from workflows.reports.content import ReportPage
-from workflows.reports.facts import facts_of_log
-from workflows.reports.missing import WhyAbsent
-from workflows.reports.panels import NUM_FRAMES, Panels, choose_shown
-from workflows.reports.score_tables import score_tables
-from workflows.reports.subject import RunSubject, read_subject
-from workflows.reports.table_content import ScoreTable
-from workflows.status import RunState, find_run, read_status
+from moseg.schemas.configs import TrajectoryVariant, Variant
+from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
+from moseg.schemas.scores import SequenceScore
+from moseg.schemas.trajectory_scores import TrajectoryScore
+from moseg.store import ArtifactStore
+from moseg.workflows.evaluate_trajectories import average_row, seeded_configs
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves, TrajectoryGraph
+from moseg.workflows.progress import PATIENCE_SEC, StageProgress
+from moseg.workflows.reports.build import build_page, panel_notes
+from moseg.workflows.reports.clip_tables import clip_tables
+from moseg.workflows.reports.content import ReportPage
+from moseg.workflows.reports.facts import facts_of_log
+from moseg.workflows.reports.missing import WhyAbsent
+from moseg.workflows.reports.panels import NUM_FRAMES, Panels, choose_shown
+from moseg.workflows.reports.score_tables import score_tables
+from moseg.workflows.reports.subject import RunSubject, read_subject
+from moseg.workflows.reports.table_content import ScoreTable
+from moseg.workflows.status import RunState, find_run, read_status
 
 
 def report_run(
@@ -36,7 +36,7 @@ def report_run(
     Parameters
     ----------
     run : str
-        As `workflows.status.find_run` takes it.
+        As `moseg.workflows.status.find_run` takes it.
     sequences : sequence of str, optional
         Those to show; the first ones where None.
     num_frames : int

@@ -3,16 +3,15 @@
 from collections.abc import Sequence
 
 import numpy as np
-
-from moseg_tasks.clustering import agreed_static
-from moseg_tasks.clustering.agreement import set_apart
-from moseg_tasks.clustering.fusion import fill_unknown, fuse_kernels, unit_diagonal
-from schemas.configs import PipelineConfig, Variant
-from schemas.parameters import ClusteringParams
-from store import ArtifactStore
-from workflows.graph import SequenceGraph
-from workflows.reports.figure_content import Matrix
-from workflows.reports.missing import Missing, telling_missing
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.parameters import ClusteringParams
+from moseg.store import ArtifactStore
+from moseg.tasks.clustering import agreed_static
+from moseg.tasks.clustering.agreement import set_apart
+from moseg.tasks.clustering.fusion import fill_unknown, fuse_kernels, unit_diagonal
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.reports.figure_content import Matrix
+from moseg.workflows.reports.missing import Missing, telling_missing
 
 
 def object_matrices(

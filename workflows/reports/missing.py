@@ -6,8 +6,8 @@ from contextlib import contextmanager
 from enum import StrEnum
 from typing import NamedTuple
 
-from schemas.errors import MissingArtifactError
-from schemas.recipes import split_ref
+from moseg.schemas.errors import MissingArtifactError
+from moseg.schemas.recipes import split_ref
 
 KEY_DIGITS = 10
 """Digits of a key that are shown: `moseg store show` takes them."""

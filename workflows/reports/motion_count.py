@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from schemas.parameters import ClusteringParams, TrajectoryClusteringParams
-from schemas.parameters.clustering import MotionCountParams
+from moseg.schemas.parameters import ClusteringParams, TrajectoryClusteringParams
+from moseg.schemas.parameters.clustering import MotionCountParams
 
 
 class FoundGroups(NamedTuple):

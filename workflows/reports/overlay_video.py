@@ -3,11 +3,11 @@
 import math
 from typing import NamedTuple
 
-from schemas.configs import Variant
-from workflows.exports.write_overlay import encode_overlay
-from workflows.reports.missing import Missing, name_absent
-from workflows.reports.picture_content import Video
-from workflows.reports.sequence_view import PICTURE_SIDE, SequenceView
+from moseg.schemas.configs import Variant
+from moseg.workflows.exports.write_overlay import encode_overlay
+from moseg.workflows.reports.missing import Missing, name_absent
+from moseg.workflows.reports.picture_content import Video
+from moseg.workflows.reports.sequence_view import PICTURE_SIDE, SequenceView
 
 CONSTANT_RATE_FACTOR = 28
 """Of x264: at the size of a report its loss is hardly seen, and ten seconds take some hundred kilobytes."""

@@ -2,15 +2,15 @@
 
 from collections.abc import Iterable, Sequence
 
-from schemas.configs import PipelineConfig, TrajectoryVariant, Variant
-from store import ArtifactStore
-from workflows.graph import SequenceGraph, TrajectoryGraph
-from workflows.reports.clip_panels import clip_panel, clip_refs
-from workflows.reports.content import SequencePanel
-from workflows.reports.matrices import matrix_refs
-from workflows.reports.missing import WhyAbsent
-from workflows.reports.pictures import gather_clip_pictures, gather_pictures, picture_refs
-from workflows.reports.variant_panels import variant_panel
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
+from moseg.store import ArtifactStore
+from moseg.workflows.graph import SequenceGraph, TrajectoryGraph
+from moseg.workflows.reports.clip_panels import clip_panel, clip_refs
+from moseg.workflows.reports.content import SequencePanel
+from moseg.workflows.reports.matrices import matrix_refs
+from moseg.workflows.reports.missing import WhyAbsent
+from moseg.workflows.reports.pictures import gather_clip_pictures, gather_pictures, picture_refs
+from moseg.workflows.reports.variant_panels import variant_panel
 
 NUM_FRAMES = 16
 """Frames of each sequence that a report shows unless the user says otherwise."""

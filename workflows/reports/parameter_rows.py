@@ -2,9 +2,9 @@
 
 from enum import Enum
 
-from schemas.configs import PipelineConfig
-from workflows.parameters import list_parameters, value_of
-from workflows.reports.table_content import ParameterRow
+from moseg.schemas.configs import PipelineConfig
+from moseg.workflows.parameters import list_parameters, value_of
+from moseg.workflows.reports.table_content import ParameterRow
 
 
 def parameter_rows(config: PipelineConfig) -> tuple[ParameterRow, ...]:

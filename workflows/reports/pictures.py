@@ -2,19 +2,19 @@
 
 from collections.abc import Sequence
 
-from schemas.configs import PipelineConfig, Variant
-from store import ArtifactStore
-from workflows.graph import SequenceGraph
-from workflows.reports.clip_pictures import gather_clip_pictures
-from workflows.reports.cue_layers import plan_cue_layers
-from workflows.reports.missing import Missing, WhyAbsent, say_missing
-from workflows.reports.object_layers import plan_moving_objects, plan_proposals, plan_tracks, reads_tracks
-from workflows.reports.object_rows import list_objects
-from workflows.reports.overlay_video import encode_video
-from workflows.reports.planned_layer import PlannedLayer, SequencePictures, make_layers
-from workflows.reports.sequence_view import SequenceView
-from workflows.reports.truth_layers import plan_errors, plan_truth
-from workflows.shown_frames import scored_frames, spread
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.store import ArtifactStore
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.reports.clip_pictures import gather_clip_pictures
+from moseg.workflows.reports.cue_layers import plan_cue_layers
+from moseg.workflows.reports.missing import Missing, WhyAbsent, say_missing
+from moseg.workflows.reports.object_layers import plan_moving_objects, plan_proposals, plan_tracks, reads_tracks
+from moseg.workflows.reports.object_rows import list_objects
+from moseg.workflows.reports.overlay_video import encode_video
+from moseg.workflows.reports.planned_layer import PlannedLayer, SequencePictures, make_layers
+from moseg.workflows.reports.sequence_view import SequenceView
+from moseg.workflows.reports.truth_layers import plan_errors, plan_truth
+from moseg.workflows.shown_frames import scored_frames, spread
 
 __all__ = ["SequencePictures", "gather_clip_pictures", "gather_pictures", "picture_refs"]
 

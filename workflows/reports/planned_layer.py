@@ -3,10 +3,10 @@
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from store import ArtifactStore
-from workflows.reports.missing import AbsentPart, name_absent
-from workflows.reports.picture_content import Layer, Video
-from workflows.reports.table_content import ObjectRow
+from moseg.store import ArtifactStore
+from moseg.workflows.reports.missing import AbsentPart, name_absent
+from moseg.workflows.reports.picture_content import Layer, Video
+from moseg.workflows.reports.table_content import ObjectRow
 
 
 class PlannedLayer(NamedTuple):

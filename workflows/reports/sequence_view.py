@@ -5,15 +5,14 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-
-from schemas.configs import PipelineConfig, Variant
-from store import ArtifactStore
-from workflows.exports.draw_labels import brightest
-from workflows.exports.palette import identity_colours
-from workflows.found_objects import FoundObjects
-from workflows.graph import SequenceGraph
-from workflows.reports.picture_content import LegendEntry
-from workflows.sources.frames import working_size
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.store import ArtifactStore
+from moseg.workflows.exports.draw_labels import brightest
+from moseg.workflows.exports.palette import identity_colours
+from moseg.workflows.found_objects import FoundObjects
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.reports.picture_content import LegendEntry
+from moseg.workflows.sources.frames import working_size
 
 PICTURE_SIDE = 480
 """Longer side of a picture, px."""

@@ -3,13 +3,12 @@
 import json
 from typing import Literal, NamedTuple
 
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
+from moseg.schemas.errors import InputError
+from moseg.schemas.events import EventKind, SubjectEvent, line_time, read_event
+from moseg.store import ArtifactStore
+from moseg.workflows.graph import SequenceLeaves, TrajectoryLeaves
 from pydantic import TypeAdapter, ValidationError
-
-from schemas.configs import PipelineConfig, TrajectoryVariant, Variant
-from schemas.errors import InputError
-from schemas.events import EventKind, SubjectEvent, line_time, read_event
-from store import ArtifactStore
-from workflows.graph import SequenceLeaves, TrajectoryLeaves
 
 _LEAVES = {True: TypeAdapter(SequenceLeaves), False: TypeAdapter(TrajectoryLeaves)}
 _MARK = f'"{EventKind.SUBJECT}"'.encode("ascii")

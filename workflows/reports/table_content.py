@@ -3,7 +3,7 @@
 from enum import StrEnum
 from typing import NamedTuple
 
-from schemas.scores import GroundTruth
+from moseg.schemas.scores import GroundTruth
 
 
 class Better(StrEnum):

@@ -1,18 +1,17 @@
 """Layers of the ground truth, and of where a variant differs from it."""
 
 import numpy as np
-
-from schemas.configs import Variant
-from workflows.exports.draw_errors import ERROR_COLOURS, sort_errors
-from workflows.exports.draw_regions import HATCH, RegionStyle, draw_regions
-from workflows.exports.draw_tracks import TAIL_FRAMES, DrawnPoints, draw_tracks
-from workflows.reports.encode_picture import encode_transparent
-from workflows.reports.object_layers import POINT_RADIUS, STATIC_POINT
-from workflows.reports.picture_content import Layer, LayerKind, LegendEntry, Picture
-from workflows.reports.planned_layer import PlannedLayer
-from workflows.reports.sequence_view import SequenceView, as_hex
-from workflows.resize import resize_labels
-from workflows.shown_frames import annotated_frames, label_points, read_labelled_points
+from moseg.schemas.configs import Variant
+from moseg.workflows.exports.draw_errors import ERROR_COLOURS, sort_errors
+from moseg.workflows.exports.draw_regions import HATCH, RegionStyle, draw_regions
+from moseg.workflows.exports.draw_tracks import TAIL_FRAMES, DrawnPoints, draw_tracks
+from moseg.workflows.reports.encode_picture import encode_transparent
+from moseg.workflows.reports.object_layers import POINT_RADIUS, STATIC_POINT
+from moseg.workflows.reports.picture_content import Layer, LayerKind, LegendEntry, Picture
+from moseg.workflows.reports.planned_layer import PlannedLayer
+from moseg.workflows.reports.sequence_view import SequenceView, as_hex
+from moseg.workflows.resize import resize_labels
+from moseg.workflows.shown_frames import annotated_frames, label_points, read_labelled_points
 
 TRUTH_COLOUR = (255, 255, 255)
 """RGB, of no identity: what is true and what was found share no numbers."""

@@ -3,16 +3,15 @@
 from collections.abc import Iterable
 
 import numpy as np
-
-from schemas.configs import PipelineConfig, Variant
-from store import ArtifactStore
-from workflows.graph import SequenceGraph
-from workflows.reports.content import GroupedObject, VariantPanel
-from workflows.reports.figure_content import EigenvaluePlot
-from workflows.reports.matrices import clustering_params, object_matrices
-from workflows.reports.missing import Missing, WhyAbsent, say_missing, telling_missing
-from workflows.reports.motion_count import FoundGroups, explain_objects
-from workflows.reports.sequence_view import all_colours, as_hex
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.store import ArtifactStore
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.reports.content import GroupedObject, VariantPanel
+from moseg.workflows.reports.figure_content import EigenvaluePlot
+from moseg.workflows.reports.matrices import clustering_params, object_matrices
+from moseg.workflows.reports.missing import Missing, WhyAbsent, say_missing, telling_missing
+from moseg.workflows.reports.motion_count import FoundGroups, explain_objects
+from moseg.workflows.reports.sequence_view import all_colours, as_hex
 
 BACKGROUND = "background"
 

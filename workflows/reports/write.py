@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from workflows.events import as_unicode
-from workflows.exports import write_text
-from workflows.reports.content import ReportPage
-from workflows.reports.page import render_page
+from moseg.workflows.events import as_unicode
+from moseg.workflows.exports import write_text
+from moseg.workflows.reports.content import ReportPage
+from moseg.workflows.reports.page import render_page
 
 
 def write_report(path: Path, page: ReportPage) -> str:

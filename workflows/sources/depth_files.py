@@ -4,13 +4,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-
-from schemas.digests import digest_json
-from schemas.errors import InputError
-from workflows.sources.files import digest_file, read_bytes
-from workflows.sources.frames import shrink_to, working_size
-from workflows.sources.numpy_file import decode_array
-from workflows.sources.png_file import decode_png
+from moseg.schemas.digests import digest_json
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources.files import digest_file, read_bytes
+from moseg.workflows.sources.frames import shrink_to, working_size
+from moseg.workflows.sources.numpy_file import decode_array
+from moseg.workflows.sources.png_file import decode_png
 
 DEPTH_SUFFIXES = (".npy", ".png")
 DECODING_VERSION = 1

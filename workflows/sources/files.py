@@ -4,8 +4,8 @@ import mmap
 import os
 import re
 
-from schemas.digests import digest_bytes
-from schemas.errors import InputError, MissingInputError
+from moseg.schemas.digests import digest_bytes
+from moseg.schemas.errors import InputError, MissingInputError
 
 
 def read_bytes(path: str) -> bytes:

@@ -6,10 +6,10 @@ from enum import StrEnum
 from itertools import pairwise
 from typing import NamedTuple
 
-from schemas.errors import InputError
-from workflows.sources.files import natural_key, stem
-from workflows.sources.frames import FrameSource
-from workflows.sources.image_files import ImageFiles
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources.files import natural_key, stem
+from moseg.workflows.sources.frames import FrameSource
+from moseg.workflows.sources.image_files import ImageFiles
 
 _NUMBER = re.compile(r"[0-9]+")
 

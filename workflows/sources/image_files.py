@@ -6,14 +6,13 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-
-from schemas.digests import digest_json
-from schemas.errors import InputError
-from workflows.sources.files import digest_file, read_bytes
-from workflows.sources.frames import FrameDescription, shrink_to, working_size
-from workflows.sources.image_header import MOST_PIXELS, check_image_header
-from workflows.sources.png_file import check_png_data, check_png_size
-from workflows.sources.quiet_decoding import decode_quietly
+from moseg.schemas.digests import digest_json
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources.files import digest_file, read_bytes
+from moseg.workflows.sources.frames import FrameDescription, shrink_to, working_size
+from moseg.workflows.sources.image_header import MOST_PIXELS, check_image_header
+from moseg.workflows.sources.png_file import check_png_data, check_png_size
+from moseg.workflows.sources.quiet_decoding import decode_quietly
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 DECODING_VERSION = 2

@@ -4,11 +4,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-
-from schemas.digests import digest_json
-from schemas.errors import InputError
-from workflows.sources.files import digest_file, read_bytes
-from workflows.sources.mat_tracks import decode_mat_tracks
+from moseg.schemas.digests import digest_json
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources.files import digest_file, read_bytes
+from moseg.workflows.sources.mat_tracks import decode_mat_tracks
 
 BACKGROUND_LABEL = 1
 """The label of KT3DMoSeg that does not move on its own.

@@ -7,12 +7,11 @@ from functools import reduce
 from typing import Literal, Protocol
 
 import numpy as np
-
-from schemas.digests import digest_json
-from schemas.errors import InputError
-from workflows.sources.files import digest_file, read_bytes
-from workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
-from workflows.sources.png_file import check_png_data, check_png_size
+from moseg.schemas.digests import digest_json
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources.files import digest_file, read_bytes
+from moseg.workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
+from moseg.workflows.sources.png_file import check_png_data, check_png_size
 
 MaskKind = Literal["binary", "instance"]
 MASK_SUFFIXES = (".png",)

@@ -14,8 +14,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
 _HEADER_BYTES, _TAG_BYTES, _ALIGNMENT = 128, 8, 8
 _BYTE_ORDERS = {b"IM": "<", b"MI": ">"}

@@ -9,9 +9,8 @@ counted from 0 with their centres at integers, as everywhere here: visible coord
 from typing import NamedTuple
 
 import numpy as np
-
-from schemas.errors import InputError
-from workflows.sources.mat_file import read_struct
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources.mat_file import read_struct
 
 STRUCT = "Data"
 FIELDS = ("ySparse", "visibleSparse", "GtLabel")

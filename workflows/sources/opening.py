@@ -2,17 +2,17 @@
 
 import os
 
-from schemas.errors import InputError, MissingInputError
-from workflows.sources.depth_files import DEPTH_SUFFIXES, DepthFiles
-from workflows.sources.files import list_files, stem
-from workflows.sources.flow_files import FLOW_SUFFIXES, FlowFiles
-from workflows.sources.frame_matching import frame_stems, match_names
-from workflows.sources.frames import FrameSource
-from workflows.sources.image_files import IMAGE_SUFFIXES, ImageFiles
-from workflows.sources.mask_files import MASK_SUFFIXES, MaskFiles, MaskKind, find_mask_kind
-from workflows.sources.pair_matching import check_pairs
-from workflows.sources.track_files import TRACK_SUFFIXES, TrackFile
-from workflows.sources.video_file import VideoFile
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.sources.depth_files import DEPTH_SUFFIXES, DepthFiles
+from moseg.workflows.sources.files import list_files, stem
+from moseg.workflows.sources.flow_files import FLOW_SUFFIXES, FlowFiles
+from moseg.workflows.sources.frame_matching import frame_stems, match_names
+from moseg.workflows.sources.frames import FrameSource
+from moseg.workflows.sources.image_files import IMAGE_SUFFIXES, ImageFiles
+from moseg.workflows.sources.mask_files import MASK_SUFFIXES, MaskFiles, MaskKind, find_mask_kind
+from moseg.workflows.sources.pair_matching import check_pairs
+from moseg.workflows.sources.track_files import TRACK_SUFFIXES, TrackFile
+from moseg.workflows.sources.video_file import VideoFile
 
 
 def open_frames(path: str, max_side: int) -> ImageFiles | VideoFile:

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from itertools import pairwise
 
-from schemas.errors import InputError
-from workflows.sources.frame_matching import check_not_mixed, counts_up, file_number
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources.frame_matching import check_not_mixed, counts_up, file_number
 
 
 def check_pairs(names: Sequence[str], stems: tuple[str, ...] | None, where: object) -> None:

@@ -6,10 +6,9 @@ from collections.abc import Iterator
 
 import cv2
 import numpy as np
-
-from schemas.errors import InputError
-from workflows.sources.image_header import MOST_PIXELS
-from workflows.sources.quiet_decoding import decode_quietly
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources.image_header import MOST_PIXELS
+from moseg.workflows.sources.quiet_decoding import decode_quietly
 
 MOST_BYTES = 2**28
 """Of the samples of a mask, a depth map or a flow: 16384 x 8192 px of 16 bits, or 8K in three channels."""

@@ -4,8 +4,7 @@ from functools import partial
 
 import cv2
 import numpy as np
-
-from workflows.sources.decoder_noise import listen_to
+from moseg.workflows.sources.decoder_noise import listen_to
 
 
 def decode_quietly(content: bytes, flags: int) -> tuple[np.ndarray | None, list[str]]:

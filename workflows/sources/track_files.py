@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-
-from schemas.digests import digest_json
-from schemas.errors import InputError
-from workflows.sources.files import digest_file, read_bytes
-from workflows.sources.frames import working_size
-from workflows.sources.numpy_file import decode_arrays
+from moseg.schemas.digests import digest_json
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources.files import digest_file, read_bytes
+from moseg.workflows.sources.frames import working_size
+from moseg.workflows.sources.numpy_file import decode_arrays
 
 TRACK_SUFFIXES = (".npz",)
 DECODING_VERSION = 1

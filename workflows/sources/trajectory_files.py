@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-
-from schemas.digests import digest_json
-from workflows.sources.files import digest_file, read_bytes
-from workflows.sources.mat_tracks import decode_mat_tracks
+from moseg.schemas.digests import digest_json
+from moseg.workflows.sources.files import digest_file, read_bytes
+from moseg.workflows.sources.mat_tracks import decode_mat_tracks
 
 DECODING_VERSION = 1
 """Raised when `TrajectoryFile.read` or `TrajectoryLabels.read` starts to yield other values for the same bytes."""

@@ -10,14 +10,13 @@ from av.container import InputContainer
 from av.sidedata.sidedata import SideDataContainer
 from av.stream import Disposition
 from av.video.stream import VideoStream
-
-from schemas.digests import digest_json
-from schemas.errors import InputError, MissingInputError
-from workflows.sources.display_matrix import upright
-from workflows.sources.files import digest_file
-from workflows.sources.frames import FrameDescription, shrink_to, working_size
-from workflows.sources.image_header import MOST_PIXELS
-from workflows.sources.truncation import missing_bytes
+from moseg.schemas.digests import digest_json
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.sources.display_matrix import upright
+from moseg.workflows.sources.files import digest_file
+from moseg.workflows.sources.frames import FrameDescription, shrink_to, working_size
+from moseg.workflows.sources.image_header import MOST_PIXELS
+from moseg.workflows.sources.truncation import missing_bytes
 
 DECODING_VERSION = 1
 """Raised when `VideoFile.read` starts to yield other pixels for the same bytes."""

@@ -4,12 +4,11 @@ A pass goes on where it left the section before, so that no frame is computed tw
 """
 
 import numpy as np
-
-from moseg_tasks.half_floats import narrow, widen
-from moseg_tasks.saliency import accumulate, flow_consistency, memory_weight
-from schemas.parameters import AccumulationParams
-from workflows.stages.inputs import Inputs
-from workflows.stages.task import Output, Task
+from moseg.schemas.parameters import AccumulationParams
+from moseg.tasks.half_floats import narrow, widen
+from moseg.tasks.saliency import accumulate, flow_consistency, memory_weight
+from moseg.workflows.stages.inputs import Inputs
+from moseg.workflows.stages.task import Output, Task
 
 PASSES = ("past", "future")
 """In the order of the flows' directions: to the previous and to the next frame."""

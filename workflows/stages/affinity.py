@@ -1,11 +1,10 @@
 """Motion affinity between the objects of a sequence, and their support as static, under one motion model."""
 
 import numpy as np
-
-from moseg_tasks.affinity import estimate_affinity, static_support
-from moseg_tasks.object_hypotheses import geometric_mean, preference_kernel, scale_by_background
-from schemas.parameters import AffinityParams, ObjectHypothesisParams
-from workflows.stages.task import Output, Task
+from moseg.schemas.parameters import AffinityParams, ObjectHypothesisParams
+from moseg.tasks.affinity import estimate_affinity, static_support
+from moseg.tasks.object_hypotheses import geometric_mean, preference_kernel, scale_by_background
+from moseg.workflows.stages.task import Output, Task
 
 
 def _runner(method: str):

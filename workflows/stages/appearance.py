@@ -1,12 +1,11 @@
 """Colours of a section's moving and static pixels."""
 
 import numpy as np
-
-from moseg_tasks.appearance import colour_bins, count_colours
-from moseg_tasks.saliency import reduce_frame
-from schemas.parameters import AppearanceParams, ForegroundParams
-from workflows.stages.accumulation import mean_of_passes
-from workflows.stages.task import Output, Task
+from moseg.schemas.parameters import AppearanceParams, ForegroundParams
+from moseg.tasks.appearance import colour_bins, count_colours
+from moseg.tasks.saliency import reduce_frame
+from moseg.workflows.stages.accumulation import mean_of_passes
+from moseg.workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):

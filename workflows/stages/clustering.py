@@ -1,9 +1,9 @@
 """Motion groups of a sequence's objects from the affinities of one or several motion models."""
 
-from moseg_tasks.clustering import MotionTracks, agreed_static, cluster_motions
-from schemas.parameters import ClusteringParams
-from schemas.parameters.clustering import READ_TRACKS
-from workflows.stages.task import Output, Task
+from moseg.schemas.parameters import ClusteringParams
+from moseg.schemas.parameters.clustering import READ_TRACKS
+from moseg.tasks.clustering import MotionTracks, agreed_static, cluster_motions
+from moseg.workflows.stages.task import Output, Task
 
 
 def _tracks(inputs) -> list[MotionTracks]:

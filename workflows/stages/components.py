@@ -1,12 +1,11 @@
 """Objects of a section on the working grid: space-time components of the foreground, split and rejoined by motion."""
 
 import numpy as np
-
-from moseg_tasks.half_floats import widen
-from moseg_tasks.proposals import keep_best, label_components, rejoin_components, split_touching
-from moseg_tasks.saliency import reduce_frame
-from schemas.parameters import ComponentParams, IdentityParams
-from workflows.stages.task import Output, Task
+from moseg.schemas.parameters import ComponentParams, IdentityParams
+from moseg.tasks.half_floats import widen
+from moseg.tasks.proposals import keep_best, label_components, rejoin_components, split_touching
+from moseg.tasks.saliency import reduce_frame
+from moseg.workflows.stages.task import Output, Task
 
 
 def join_rows(sections, name: str, num_rows: int) -> np.ndarray:

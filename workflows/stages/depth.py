@@ -1,26 +1,25 @@
 """Relative inverse depth of a frame."""
 
 import numpy as np
-
-from schemas.parameters import DepthAnythingParams, DptDinov2Params
-from workflows.stages.task import Output, Task
-from workflows.weights.resident import made_on, open_network
+from moseg.schemas.parameters import DepthAnythingParams, DptDinov2Params
+from moseg.workflows.stages.task import Output, Task
+from moseg.workflows.weights.resident import made_on, open_network
 
 
 def _run_dpt_dinov2(params, inputs):
-    from moseg_tasks.networks.depth import build_dpt_dinov2
+    from moseg.tasks.networks.depth import build_dpt_dinov2
 
     return _estimate(build_dpt_dinov2, DptDinov2Params.of_recipe(params["dpt_dinov2"]), inputs)
 
 
 def _run_depth_anything(params, inputs):
-    from moseg_tasks.networks.depth import build_depth_anything
+    from moseg.tasks.networks.depth import build_depth_anything
 
     return _estimate(build_depth_anything, DepthAnythingParams.of_recipe(params["depth_anything_v2"]), inputs)
 
 
 def _estimate(build, depth_params, inputs):
-    from moseg_tasks.depth import estimate_inverse_depth
+    from moseg.tasks.depth import estimate_inverse_depth
 
     images = np.stack([each["frame"].cached("image") for each in inputs])
     with open_network(build, inputs[0]["weights"]) as network:

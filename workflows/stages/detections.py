@@ -1,13 +1,13 @@
 """Boxes of the named objects in a frame."""
 
-from schemas.parameters import GroundingDinoParams
-from workflows.stages.task import Output, Task
-from workflows.weights.resident import made_on, open_network
+from moseg.schemas.parameters import GroundingDinoParams
+from moseg.workflows.stages.task import Output, Task
+from moseg.workflows.weights.resident import made_on, open_network
 
 
 def _run(params, inputs, rng):
-    from moseg_tasks.detections import detect_objects
-    from moseg_tasks.networks.grounding_dino import build_grounding_dino
+    from moseg.tasks.detections import detect_objects
+    from moseg.tasks.networks.grounding_dino import build_grounding_dino
 
     names = inputs["tags"].attributes["names"] if "tags" in inputs else params["tags"]
     with open_network(build_grounding_dino, inputs["weights"]) as detector:

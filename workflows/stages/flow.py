@@ -1,11 +1,10 @@
 """Dense optical flow of a frame pair."""
 
 import numpy as np
-
-from moseg_tasks.flow.dis import estimate_flow
-from schemas.parameters import FlowParams, RaftParams
-from workflows.stages.task import Output, Task
-from workflows.weights.resident import made_on, open_network
+from moseg.schemas.parameters import FlowParams, RaftParams
+from moseg.tasks.flow.dis import estimate_flow
+from moseg.workflows.stages.task import Output, Task
+from moseg.workflows.weights.resident import made_on, open_network
 
 
 def _run_dis(params, inputs, rng):
@@ -14,8 +13,8 @@ def _run_dis(params, inputs, rng):
 
 
 def _run_raft(params, inputs):
-    from moseg_tasks.flow.raft import estimate_raft_flow
-    from moseg_tasks.networks.raft import build_raft
+    from moseg.tasks.flow.raft import estimate_raft_flow
+    from moseg.tasks.networks.raft import build_raft
 
     images0, images1 = (np.stack([each[role].cached("image") for each in inputs]) for role in ("frame0", "frame1"))
     with open_network(build_raft, inputs[0]["weights"]) as network:

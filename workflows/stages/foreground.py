@@ -1,13 +1,12 @@
 """Probability of each pixel of a section's frames to move on its own."""
 
 import numpy as np
-
-from moseg_tasks.appearance import ColourCount, colour_ratio, pool_sections
-from moseg_tasks.half_floats import narrow
-from moseg_tasks.saliency import foreground_probability
-from schemas.parameters import AppearanceParams, ForegroundParams
-from workflows.stages.accumulation import mean_of_passes
-from workflows.stages.task import Output, Task
+from moseg.schemas.parameters import AppearanceParams, ForegroundParams
+from moseg.tasks.appearance import ColourCount, colour_ratio, pool_sections
+from moseg.tasks.half_floats import narrow
+from moseg.tasks.saliency import foreground_probability
+from moseg.workflows.stages.accumulation import mean_of_passes
+from moseg.workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):

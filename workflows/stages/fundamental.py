@@ -4,10 +4,9 @@ The pairs of a section are stacked in one artifact: fitting a pair takes less ti
 """
 
 import numpy as np
-
-from moseg_tasks.geometry import FundamentalFits, fit_fundamentals, fundamental_residuals
-from schemas.parameters import FundamentalParams
-from workflows.stages.task import Output, Task
+from moseg.schemas.parameters import FundamentalParams
+from moseg.tasks.geometry import FundamentalFits, fit_fundamentals, fundamental_residuals
+from moseg.workflows.stages.task import Output, Task
 
 
 def pair_tracks(params, inputs):

@@ -5,18 +5,17 @@ whole takes no part, then the background's cells.
 """
 
 import numpy as np
-
-from moseg_tasks.motion_models import FLOW_MODELS
-from moseg_tasks.object_hypotheses import (
+from moseg.schemas.parameters import FlowModelParams, ObjectHypothesisParams
+from moseg.tasks.motion_models import FLOW_MODELS
+from moseg.tasks.object_hypotheses import (
     background_cells,
     flow_patch_residuals,
     split_background,
     track_sample_residuals,
 )
-from schemas.parameters import FlowModelParams, ObjectHypothesisParams
-from workflows.stages.flow_models import read_pairs
-from workflows.stages.fundamental import pair_tracks
-from workflows.stages.task import Output, Task
+from moseg.workflows.stages.flow_models import read_pairs
+from moseg.workflows.stages.fundamental import pair_tracks
+from moseg.workflows.stages.task import Output, Task
 
 
 def _run_flow(params, inputs, rng):

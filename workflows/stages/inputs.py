@@ -4,10 +4,9 @@ from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
-
-from schemas.manifests import Manifest
-from schemas.recipes import Recipe
-from workflows.stages.array_cache import ARRAYS
+from moseg.schemas.manifests import Manifest
+from moseg.schemas.recipes import Recipe
+from moseg.workflows.stages.array_cache import ARRAYS
 
 ROWS_PER_READ = 16
 

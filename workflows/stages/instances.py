@@ -1,26 +1,26 @@
 """Objects of a frame: masks of the detections, the best of those that show the same thing."""
 
-from schemas.parameters import InstanceParams, Sam2Params, SamHqParams
-from workflows.stages.task import Output, Task
-from workflows.weights.resident import made_on, open_network
+from moseg.schemas.parameters import InstanceParams, Sam2Params, SamHqParams
+from moseg.workflows.stages.task import Output, Task
+from moseg.workflows.weights.resident import made_on, open_network
 
 
 def _run_sam_hq(params, inputs, rng):
-    from moseg_tasks.instances.sam_hq import segment_boxes_sam_hq
-    from moseg_tasks.networks.sam_hq import build_sam_hq
+    from moseg.tasks.instances.sam_hq import segment_boxes_sam_hq
+    from moseg.tasks.networks.sam_hq import build_sam_hq
 
     return _outline(build_sam_hq, segment_boxes_sam_hq, SamHqParams.of_recipe(params["sam_hq"]), params, inputs)
 
 
 def _run_sam2(params, inputs, rng):
-    from moseg_tasks.instances.sam2 import segment_boxes_sam2
-    from moseg_tasks.networks.sam2 import build_sam2_image
+    from moseg.tasks.instances.sam2 import segment_boxes_sam2
+    from moseg.tasks.networks.sam2 import build_sam2_image
 
     return _outline(build_sam2_image, segment_boxes_sam2, Sam2Params.of_recipe(params["sam2"]), params, inputs)
 
 
 def _outline(build, segment_boxes, network_params, params, inputs):
-    from moseg_tasks.instances import paint_instances, select_instances
+    from moseg.tasks.instances import paint_instances, select_instances
 
     boxes, scores = (inputs["detections"].array(name) for name in ("boxes", "scores"))
     tags = inputs["detections"].attributes["tags"]

@@ -3,11 +3,10 @@
 from itertools import pairwise
 
 import numpy as np
-
-from moseg_tasks.proposals.given import link_identities
-from moseg_tasks.proposals.linking import count_overlaps, link_sections
-from schemas.parameters import LinkingParams
-from workflows.stages.task import Output, Task
+from moseg.schemas.parameters import LinkingParams
+from moseg.tasks.proposals.given import link_identities
+from moseg.tasks.proposals.linking import count_overlaps, link_sections
+from moseg.workflows.stages.task import Output, Task
 
 
 def _run_overlap(params, inputs, rng):

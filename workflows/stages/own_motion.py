@@ -1,12 +1,11 @@
 """How badly each pixel of a section's frames follows the motion of what is salient."""
 
 import numpy as np
-
-from moseg_tasks.half_floats import narrow, widen
-from moseg_tasks.saliency import motion_logit, own_motion_misfit, probability
-from schemas.parameters import OwnMotionParams
-from workflows.stages.accumulation import mean_of_passes
-from workflows.stages.task import Output, Task
+from moseg.schemas.parameters import OwnMotionParams
+from moseg.tasks.half_floats import narrow, widen
+from moseg.tasks.saliency import motion_logit, own_motion_misfit, probability
+from moseg.workflows.stages.accumulation import mean_of_passes
+from moseg.workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):

@@ -1,16 +1,15 @@
 """Object proposals of a section: outlines of what moves, masks tracked from the first frame, or given ones."""
 
 import numpy as np
-
-from moseg_tasks.half_floats import widen
-from moseg_tasks.proposals.boxes import object_boxes
-from moseg_tasks.proposals.given import relabel_masks
-from moseg_tasks.proposals.refinement import refine_outlines
-from schemas.parameters import DeaotParams, RefinementParams, Sam2Params
-from workflows.resize import resize_labels
-from workflows.stages.components import join_rows
-from workflows.stages.task import Output, Task
-from workflows.weights.resident import made_on, open_network
+from moseg.schemas.parameters import DeaotParams, RefinementParams, Sam2Params
+from moseg.tasks.half_floats import widen
+from moseg.tasks.proposals.boxes import object_boxes
+from moseg.tasks.proposals.given import relabel_masks
+from moseg.tasks.proposals.refinement import refine_outlines
+from moseg.workflows.resize import resize_labels
+from moseg.workflows.stages.components import join_rows
+from moseg.workflows.stages.task import Output, Task
+from moseg.workflows.weights.resident import made_on, open_network
 
 
 def _run_saliency(params, inputs, rng):
@@ -45,15 +44,15 @@ def _run_given(params, inputs, rng):
 
 
 def _run_deaot(params, inputs, rng):
-    from moseg_tasks.networks.deaot import build_deaot
-    from moseg_tasks.proposals.deaot import track_masks_deaot
+    from moseg.tasks.networks.deaot import build_deaot
+    from moseg.tasks.proposals.deaot import track_masks_deaot
 
     return _track(build_deaot, track_masks_deaot, DeaotParams.of_recipe(params["deaot"]), inputs)
 
 
 def _run_sam2(params, inputs, rng):
-    from moseg_tasks.networks.sam2 import build_sam2_video
-    from moseg_tasks.proposals.sam2 import track_masks_sam2
+    from moseg.tasks.networks.sam2 import build_sam2_video
+    from moseg.tasks.proposals.sam2 import track_masks_sam2
 
     return _track(build_sam2_video, track_masks_sam2, Sam2Params.of_recipe(params["sam2"]), inputs)
 

@@ -1,7 +1,7 @@
 """Every task that can stand in a recipe, by stage and method. A new backend is one more line here."""
 
-from schemas.errors import InputError
-from workflows.stages import (
+from moseg.schemas.errors import InputError
+from moseg.workflows.stages import (
     accumulation,
     affinity,
     appearance,
@@ -26,7 +26,7 @@ from workflows.stages import (
     tracks,
     trajectories,
 )
-from workflows.stages.task import Task
+from moseg.workflows.stages.task import Task
 
 TASKS: dict[tuple[str, str], Task] = {
     (task.name, task.method): task

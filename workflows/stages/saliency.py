@@ -1,9 +1,9 @@
 """Motion saliency of a frame from the flows to its neighbours, and the background's model that it follows."""
 
-from moseg_tasks.flow.fill_unknown import fill_unknown
-from moseg_tasks.saliency import BackgroundChoice, choose_background, estimate_saliency, reduce_flow, working_shape
-from schemas.parameters import SaliencyParams
-from workflows.stages.task import Output, Task
+from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.flow.fill_unknown import fill_unknown
+from moseg.tasks.saliency import BackgroundChoice, choose_background, estimate_saliency, reduce_flow, working_shape
+from moseg.workflows.stages.task import Output, Task
 
 
 def _run_choice(params, inputs, rng):

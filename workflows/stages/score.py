@@ -2,9 +2,9 @@
 
 from functools import partial
 
-from moseg_tasks.metrics import sample_points, score_points, score_sequence
-from workflows.resize import resize_labels
-from workflows.stages.task import Output, Task
+from moseg.tasks.metrics import sample_points, score_points, score_sequence
+from moseg.workflows.resize import resize_labels
+from moseg.workflows.stages.task import Output, Task
 
 
 def _annotated_frames(inputs, indices, section_length):

@@ -1,13 +1,12 @@
 """Objects with which a section's tracking starts: those found in its first frame and those tracked into it."""
 
 import numpy as np
-
-from schemas.parameters import SeedParams
-from workflows.stages.task import Output, Task
+from moseg.schemas.parameters import SeedParams
+from moseg.workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):
-    from moseg_tasks.instances import merge_seeds
+    from moseg.tasks.instances import merge_seeds
 
     found = inputs["found"]
     tracked, identities, tags, num_identities = None, np.zeros(0, np.uint16), [], 0

@@ -1,24 +1,24 @@
 """Names of what a frame shows."""
 
-from schemas.parameters import RamParams
-from workflows.stages.task import Output, Task
-from workflows.weights.resident import made_on, open_network
+from moseg.schemas.parameters import RamParams
+from moseg.workflows.stages.task import Output, Task
+from moseg.workflows.weights.resident import made_on, open_network
 
 
 def _run_ram(params, inputs, rng):
-    from moseg_tasks.networks.ram import build_ram
+    from moseg.tasks.networks.ram import build_ram
 
     return _recognise(build_ram, params, inputs)
 
 
 def _run_ram_plus(params, inputs, rng):
-    from moseg_tasks.networks.ram import build_ram_plus
+    from moseg.tasks.networks.ram import build_ram_plus
 
     return _recognise(build_ram_plus, params, inputs)
 
 
 def _recognise(build, params, inputs):
-    from moseg_tasks.tags import recognise_tags
+    from moseg.tasks.tags import recognise_tags
 
     with open_network(build, inputs["weights"]) as tagger:
         tags = recognise_tags(tagger, inputs["frame"].cached("image"), RamParams.of_recipe(params["ram"]))

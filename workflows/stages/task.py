@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-
-from workflows.stages.inputs import Inputs
+from moseg.workflows.stages.inputs import Inputs
 
 
 class Output(NamedTuple):

@@ -1,9 +1,9 @@
 """Point tracks of a section's objects."""
 
-from moseg_tasks.tracks import assign_tracks, track_points
-from schemas.parameters import PipsParams, TrackParams
-from workflows.stages.task import Output, Task
-from workflows.weights.resident import made_on, open_network
+from moseg.schemas.parameters import PipsParams, TrackParams
+from moseg.tasks.tracks import assign_tracks, track_points
+from moseg.workflows.stages.task import Output, Task
+from moseg.workflows.weights.resident import made_on, open_network
 
 
 def _run_lucas_kanade(params, inputs, rng):
@@ -14,8 +14,8 @@ def _run_lucas_kanade(params, inputs, rng):
 
 
 def _run_pips(params, inputs, rng):
-    from moseg_tasks.networks.pips import build_pips
-    from moseg_tasks.tracks.pips import track_points_pips
+    from moseg.tasks.networks.pips import build_pips
+    from moseg.tasks.tracks.pips import track_points_pips
 
     frames = (frame.cached("image") for frame in inputs.all("frames"))
     masks = inputs["proposals"].cached("masks")[: params["num_frames"]]

@@ -3,10 +3,11 @@
 import math
 
 import numpy as np
-
-from moseg_tasks.metrics import clustering_error
-from moseg_tasks.point_models import POINT_MODELS
-from moseg_tasks.trajectories import (
+from moseg.schemas.parameters import HypothesisParams, KernelParams, TrajectoryClusteringParams
+from moseg.schemas.trajectory_scores import TrajectoryScore
+from moseg.tasks.metrics import clustering_error
+from moseg.tasks.point_models import POINT_MODELS
+from moseg.tasks.trajectories import (
     Hypotheses,
     View,
     cluster_trajectories,
@@ -14,9 +15,7 @@ from moseg_tasks.trajectories import (
     hypothesis_residuals,
     trajectory_kernel,
 )
-from schemas.parameters import HypothesisParams, KernelParams, TrajectoryClusteringParams
-from schemas.trajectory_scores import TrajectoryScore
-from workflows.stages.task import Output, Task
+from moseg.workflows.stages.task import Output, Task
 
 
 def _points(inputs):

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from schemas.weights import Architecture, WeightsFile, WeightsItem
+from moseg.schemas.weights import Architecture, WeightsFile, WeightsItem
 
 HUB = "https://huggingface.co"
 NO_COMMIT = "main"

@@ -6,8 +6,8 @@ from http.client import HTTPException, HTTPResponse, InvalidURL
 from urllib.error import HTTPError
 from urllib.parse import urlsplit
 
-from schemas.weights import LOOPBACK, is_trusted_url
-from workflows.weights.refusals import explain
+from moseg.schemas.weights import LOOPBACK, is_trusted_url
+from moseg.workflows.weights.refusals import explain
 
 TIMEOUT_SEC = 30.0
 """Longest silence of a server that is waited for."""

@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import NamedTuple
 from urllib.error import HTTPError
 
-from schemas.errors import InputError
-from workflows.weights.connection import open_url
-from workflows.weights.hashing import sha256_of
-from workflows.weights.refusals import PASSING, asked_wait_sec, explain
+from moseg.schemas.errors import InputError
+from moseg.workflows.weights.connection import open_url
+from moseg.workflows.weights.hashing import sha256_of
+from moseg.workflows.weights.refusals import PASSING, asked_wait_sec, explain
 
 CHUNK_BYTES = 2**20
 PARTIAL_SUFFIX = ".partial"

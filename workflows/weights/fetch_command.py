@@ -1,6 +1,6 @@
 """The command that gets weights items."""
 
-from schemas.weights import WeightsItem
+from moseg.schemas.weights import WeightsItem
 
 
 def fetch_command(*items: WeightsItem, again: bool = False) -> str:

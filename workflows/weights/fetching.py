@@ -7,15 +7,14 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 from filelock import FileLock, Timeout
-
-from schemas.weights import WeightsFile
-from workflows.exports.atomic_write import blame_output
-from workflows.weights.download import Downloaded, Source, download
-from workflows.weights.hashing import sha256_of
-from workflows.weights.hub import HubFile, parse_hub_url, read_pointer, resolve_commit, token_for
-from workflows.weights.item_folder import ItemFolder
-from workflows.weights.pins import FilePin, Pins, read_pins, write_pins
-from workflows.weights.progress import DownloadProgress
+from moseg.schemas.weights import WeightsFile
+from moseg.workflows.exports.atomic_write import blame_output
+from moseg.workflows.weights.download import Downloaded, Source, download
+from moseg.workflows.weights.hashing import sha256_of
+from moseg.workflows.weights.hub import HubFile, parse_hub_url, read_pointer, resolve_commit, token_for
+from moseg.workflows.weights.item_folder import ItemFolder
+from moseg.workflows.weights.pins import FilePin, Pins, read_pins, write_pins
+from moseg.workflows.weights.progress import DownloadProgress
 
 LOCK = ".lock"
 

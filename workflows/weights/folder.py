@@ -5,18 +5,18 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from schemas.errors import InputError
-from schemas.weights import WeightsItem
-from workflows.spelling import unknown_name
-from workflows.weights.catalogue import CATALOGUE
-from workflows.weights.fetch_command import fetch_command
-from workflows.weights.fetching import fetch_again, fetch_item
-from workflows.weights.hub import TOKEN_VARIABLE
-from workflows.weights.item_folder import ItemFolder, Verdict
-from workflows.weights.own_items import OWN_ITEMS, read_own_items, weights_folder
+from moseg.schemas.errors import InputError
+from moseg.schemas.weights import WeightsItem
+from moseg.workflows.spelling import unknown_name
+from moseg.workflows.weights.catalogue import CATALOGUE
+from moseg.workflows.weights.fetch_command import fetch_command
+from moseg.workflows.weights.fetching import fetch_again, fetch_item
+from moseg.workflows.weights.hub import TOKEN_VARIABLE
+from moseg.workflows.weights.item_folder import ItemFolder, Verdict
+from moseg.workflows.weights.own_items import OWN_ITEMS, read_own_items, weights_folder
 
 if TYPE_CHECKING:
-    from moseg_tasks.networks import Checkpoint
+    from moseg.tasks.networks import Checkpoint
 
 OFFLINE_VARIABLE, NON_COMMERCIAL_VARIABLE = "MOSEG_OFFLINE", "MOSEG_NON_COMMERCIAL"
 _NO = ("", "0", "false", "no", "off")

@@ -5,8 +5,8 @@ import re
 from typing import NamedTuple
 from urllib.parse import urlsplit
 
-from schemas.errors import InputError
-from workflows.weights.connection import read_url
+from moseg.schemas.errors import InputError
+from moseg.workflows.weights.connection import read_url
 
 HUB = "huggingface.co"
 TOKEN_VARIABLE = "HF_TOKEN"

@@ -5,15 +5,15 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from schemas.errors import InputError, MissingInputError
-from schemas.weights import WeightsFile, WeightsItem
-from workflows.weights.fetch_command import fetch_command
-from workflows.weights.hashing import remembered_sha256, sha256_of
-from workflows.weights.pins import read_pins
-from workflows.weights.reading import file_state, read_checkpoint
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.schemas.weights import WeightsFile, WeightsItem
+from moseg.workflows.weights.fetch_command import fetch_command
+from moseg.workflows.weights.hashing import remembered_sha256, sha256_of
+from moseg.workflows.weights.pins import read_pins
+from moseg.workflows.weights.reading import file_state, read_checkpoint
 
 if TYPE_CHECKING:
-    from moseg_tasks.networks import Checkpoint
+    from moseg.tasks.networks import Checkpoint
 
 REFUSED_SUFFIX = ".refused"
 

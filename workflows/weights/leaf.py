@@ -2,9 +2,9 @@
 
 from typing import Any, NamedTuple
 
-from schemas.errors import InputError
-from schemas.recipes import Recipe
-from workflows.weights.folder import Weights
+from moseg.schemas.errors import InputError
+from moseg.schemas.recipes import Recipe
+from moseg.workflows.weights.folder import Weights
 
 
 class WeightsLeaf(NamedTuple):

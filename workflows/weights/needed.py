@@ -1,8 +1,8 @@
 """Which weights a configuration's networks read."""
 
-from schemas.configs import PipelineConfig
-from schemas.errors import InputError
-from schemas.presets import PRESETS
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError
+from moseg.schemas.presets import PRESETS
 
 ARCHITECTURES = {
     "raft": "raft",

@@ -4,10 +4,9 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
+from moseg.schemas.errors import InputError
+from moseg.schemas.weights import WeightsItem, WeightsList
 from pydantic import ValidationError
-
-from schemas.errors import InputError
-from schemas.weights import WeightsItem, WeightsList
 
 FOLDER_VARIABLE = "MOSEG_WEIGHTS"
 OWN_ITEMS = "weights.json"

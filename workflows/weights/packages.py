@@ -2,7 +2,7 @@
 
 from importlib.util import find_spec
 
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
 PACKAGES = ("torch", "transformers", "safetensors")
 

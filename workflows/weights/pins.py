@@ -2,12 +2,11 @@
 
 from pathlib import Path
 
+from moseg.schemas.errors import InputError
+from moseg.schemas.frozen import Frozen
+from moseg.schemas.weights import PINS, Sha256, WeightsFile
+from moseg.workflows.exports.atomic_write import atomic_path, blame_output
 from pydantic import Field, ValidationError
-
-from schemas.errors import InputError
-from schemas.frozen import Frozen
-from schemas.weights import PINS, Sha256, WeightsFile
-from workflows.exports.atomic_write import atomic_path, blame_output
 
 
 class FilePin(Frozen):

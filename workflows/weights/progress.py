@@ -4,9 +4,8 @@ import sys
 import time
 from contextlib import AbstractContextManager
 
+from moseg.workflows.progress import bars_console
 from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TimeRemainingColumn, TransferSpeedColumn
-
-from workflows.progress import bars_console
 
 PLAIN_INTERVAL_SEC = 15.0
 

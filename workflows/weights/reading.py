@@ -8,14 +8,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from schemas.errors import InputError
-from schemas.weights import TENSOR_SUFFIXES, WeightsItem
-from workflows.weights.numpy_numbers import STAND_INS
+from moseg.schemas.errors import InputError
+from moseg.schemas.weights import TENSOR_SUFFIXES, WeightsItem
+from moseg.workflows.weights.numpy_numbers import STAND_INS
 
 if TYPE_CHECKING:
     import torch
-
-    from moseg_tasks.networks import Checkpoint
+    from moseg.tasks.networks import Checkpoint
 
 
 ARCHIVE = b"PK\x03\x04"
@@ -30,7 +29,7 @@ def read_checkpoint(item: WeightsItem, folder: Path) -> "Checkpoint":
     InputError
         A file cannot be read as what its name says, or changed meanwhile.
     """
-    from moseg_tasks.networks import Checkpoint
+    from moseg.tasks.networks import Checkpoint
 
     tensors: Mapping[str, torch.Tensor] = {}
     documents = {}
@@ -48,8 +47,7 @@ def _read_tensors(path: Path, name: str) -> "Mapping[str, torch.Tensor]":
     if path.suffix == ".safetensors":
         return _read_safetensors(path)
     import torch
-
-    from moseg_tasks.networks import unwrap_state
+    from moseg.tasks.networks import unwrap_state
 
     try:
         with torch.serialization.safe_globals(STAND_INS), warnings.catch_warnings():

@@ -8,8 +8,8 @@ from urllib.error import HTTPError, URLError
 from urllib.parse import urlsplit
 from urllib.request import getproxies, proxy_bypass
 
-from schemas.errors import InputError
-from schemas.weights import LOOPBACK
+from moseg.schemas.errors import InputError
+from moseg.schemas.weights import LOOPBACK
 
 FORBIDDEN, GONE, BUSY = (401, 403), (404, 410), (425, 429, 503)
 PASSING = (*BUSY, 408, 500, 502, 504)

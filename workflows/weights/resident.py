@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
 
-from workflows.devices import current_device, network_context
-from workflows.stages.inputs import ArtifactView
-from workflows.weights.folder import open_weights
+from moseg.workflows.devices import current_device, network_context
+from moseg.workflows.stages.inputs import ArtifactView
+from moseg.workflows.weights.folder import open_weights
 
 Network = TypeVar("Network")
 
@@ -24,7 +24,7 @@ def open_network(build: Callable[..., Network], weights: ArtifactView) -> Iterat
 
     Parameters
     ----------
-    build : function of a `moseg_tasks.networks.Checkpoint`
+    build : function of a `moseg.tasks.networks.Checkpoint`
     weights : ArtifactView
         The leaf that names the weights item and the digest of each of its files.
 

@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import torch
+from moseg.tasks.networks.deaot.config import DeaotConfig
+from moseg.tasks.networks.deaot.memory import LayerMemory
+from moseg.tasks.networks.deaot.propagation import GatedPropagationModule, Projected
+from moseg.tasks.networks.deaot.window import Window
 from torch import nn
-
-from moseg_tasks.networks.deaot.config import DeaotConfig
-from moseg_tasks.networks.deaot.memory import LayerMemory
-from moseg_tasks.networks.deaot.propagation import GatedPropagationModule, Projected
-from moseg_tasks.networks.deaot.window import Window
 
 
 class Grid(NamedTuple):

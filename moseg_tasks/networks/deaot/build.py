@@ -1,12 +1,11 @@
 """DeAOT from a checkpoint."""
 
+from moseg.schemas.errors import InputError
+from moseg.tasks.networks.checkpoint import Checkpoint
+from moseg.tasks.networks.deaot.config import DeaotConfig
+from moseg.tasks.networks.deaot.network import Deaot
+from moseg.tasks.networks.strict import load_strictly
 from pydantic import ValidationError
-
-from moseg_tasks.networks.checkpoint import Checkpoint
-from moseg_tasks.networks.deaot.config import DeaotConfig
-from moseg_tasks.networks.deaot.network import Deaot
-from moseg_tasks.networks.strict import load_strictly
-from schemas.errors import InputError
 
 
 def build_deaot(checkpoint: Checkpoint) -> Deaot:

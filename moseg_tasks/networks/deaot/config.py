@@ -1,8 +1,7 @@
 """Sizes of DeAOT."""
 
+from moseg.schemas.frozen import Frozen
 from pydantic import Field
-
-from schemas.frozen import Frozen
 
 
 class DeaotConfig(Frozen):

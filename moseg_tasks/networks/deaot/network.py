@@ -4,16 +4,15 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import torch
+from moseg.tasks.networks.deaot.attention import at_least_float32
+from moseg.tasks.networks.deaot.branches import DualBranchPropagation, Grid
+from moseg.tasks.networks.deaot.config import DeaotConfig
+from moseg.tasks.networks.deaot.decoder import FpnDecoder
+from moseg.tasks.networks.deaot.encoder import EXPANSION, Pyramid, ResNetEncoder
+from moseg.tasks.networks.deaot.memory import LayerMemory
+from moseg.tasks.networks.deaot.propagation import Projected
+from moseg.tasks.networks.deaot.window import neighbourhood
 from torch import nn
-
-from moseg_tasks.networks.deaot.attention import at_least_float32
-from moseg_tasks.networks.deaot.branches import DualBranchPropagation, Grid
-from moseg_tasks.networks.deaot.config import DeaotConfig
-from moseg_tasks.networks.deaot.decoder import FpnDecoder
-from moseg_tasks.networks.deaot.encoder import EXPANSION, Pyramid, ResNetEncoder
-from moseg_tasks.networks.deaot.memory import LayerMemory
-from moseg_tasks.networks.deaot.propagation import Projected
-from moseg_tasks.networks.deaot.window import neighbourhood
 
 STRIDE = 16
 """Side of a cell, px; a frame's sides are 1 modulo this, so that corner cells lie on corner pixels."""

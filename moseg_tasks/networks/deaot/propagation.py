@@ -3,12 +3,11 @@
 from typing import NamedTuple
 
 import torch
+from moseg.tasks.networks.deaot.attention import GatedPropagation, LocalGatedPropagation, SelfGatedPropagation
+from moseg.tasks.networks.deaot.memory import LayerMemory
+from moseg.tasks.networks.deaot.window import Window
 from torch import nn
 from torch.nn import functional as F
-
-from moseg_tasks.networks.deaot.attention import GatedPropagation, LocalGatedPropagation, SelfGatedPropagation
-from moseg_tasks.networks.deaot.memory import LayerMemory
-from moseg_tasks.networks.deaot.window import Window
 
 
 class Projected(NamedTuple):

@@ -1,11 +1,10 @@
 """Depth Anything V2: affine inverse depth of a single image."""
 
+from moseg.schemas.errors import InputError
+from moseg.tasks.networks.checkpoint import Checkpoint
+from moseg.tasks.networks.depth.positions import resample_as_trained
+from moseg.tasks.networks.transformers_model import build_transformers
 from transformers import DepthAnythingConfig, DepthAnythingForDepthEstimation
-
-from moseg_tasks.networks.checkpoint import Checkpoint
-from moseg_tasks.networks.depth.positions import resample_as_trained
-from moseg_tasks.networks.transformers_model import build_transformers
-from schemas.errors import InputError
 
 
 def build_depth_anything(checkpoint: Checkpoint) -> DepthAnythingForDepthEstimation:

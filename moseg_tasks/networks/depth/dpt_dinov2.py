@@ -4,12 +4,11 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import torch
+from moseg.schemas.errors import InputError
+from moseg.tasks.networks.checkpoint import Checkpoint
+from moseg.tasks.networks.depth.positions import resample_as_trained
+from moseg.tasks.networks.transformers_model import CONFIG, build_transformers, read_json
 from transformers import DPTConfig, DPTForDepthEstimation
-
-from moseg_tasks.networks.checkpoint import Checkpoint
-from moseg_tasks.networks.depth.positions import resample_as_trained
-from moseg_tasks.networks.transformers_model import CONFIG, build_transformers, read_json
-from schemas.errors import InputError
 
 
 class DptDinov2(NamedTuple):
@@ -37,7 +36,7 @@ def build_dpt_dinov2(checkpoint: Checkpoint) -> DptDinov2:
     """The network of ``facebook/dpt-dinov2-{small,base,large,giant}-{nyu,kitti}``.
 
     Of the checkpoint's documents only ``config.json`` is read. What ``preprocessor_config.json`` would say is the same
-    for all eight and fixed in ``moseg_tasks.depth``: no resizing, ImageNet's mean and deviation, zeros around the frame
+    for all eight and fixed in ``moseg.tasks.depth``: no resizing, ImageNet's mean and deviation, zeros around the frame
     up to multiples of 14. The range of depths, which differs, is the ``min_depth`` and ``max_depth`` of the
     checkpoint's own config: 0.001 m to 10 m on NYU, to 80 m on KITTI, as in the authors' ``dinov2/hub/depthers.py``.
 

@@ -1,6 +1,6 @@
 """Grounding DINO: boxes of whatever a text names."""
 
-from moseg_tasks.networks.grounding_dino.build import GroundingDino, build_grounding_dino
-from moseg_tasks.networks.grounding_dino.prompts import Prompt, compose_prompts
+from moseg.tasks.networks.grounding_dino.build import GroundingDino, build_grounding_dino
+from moseg.tasks.networks.grounding_dino.prompts import Prompt, compose_prompts
 
 __all__ = ["GroundingDino", "Prompt", "build_grounding_dino", "compose_prompts"]

@@ -3,11 +3,10 @@
 from typing import NamedTuple
 
 import torch
+from moseg.schemas.errors import InputError
+from moseg.tasks.networks.checkpoint import Checkpoint
+from moseg.tasks.networks.transformers_model import build_transformers, read_json
 from transformers import BertTokenizer, GroundingDinoConfig, GroundingDinoForObjectDetection
-
-from moseg_tasks.networks.checkpoint import Checkpoint
-from moseg_tasks.networks.transformers_model import build_transformers, read_json
-from schemas.errors import InputError
 
 VOCABULARY = "vocab.txt"
 PREPROCESSOR = "preprocessor_config.json"

@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.grounding_dino import Separator
 from transformers import BertTokenizer
-
-from schemas.errors import InputError
-from schemas.parameters.grounding_dino import Separator
 
 _SIGNS: dict[Separator, str] = {"comma": ",", "stop": "."}
 

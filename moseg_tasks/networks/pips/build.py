@@ -1,11 +1,10 @@
 """A PIPs network from its checkpoint."""
 
 import torch
-
-from moseg_tasks.networks.checkpoint import Checkpoint
-from moseg_tasks.networks.pips.config import PipsConfig
-from moseg_tasks.networks.pips.model import Pips
-from moseg_tasks.networks.strict import load_strictly
+from moseg.tasks.networks.checkpoint import Checkpoint
+from moseg.tasks.networks.pips.config import PipsConfig
+from moseg.tasks.networks.pips.model import Pips
+from moseg.tasks.networks.strict import load_strictly
 
 
 def build_pips(checkpoint: Checkpoint) -> Pips:

@@ -2,9 +2,8 @@
 
 import torch
 import torch.nn.functional as F
+from moseg.tasks.networks.pips.config import PipsConfig
 from torch import nn
-
-from moseg_tasks.networks.pips.config import PipsConfig
 
 
 class ResidualBlock(nn.Module):

@@ -3,9 +3,8 @@
 from collections import OrderedDict
 
 import torch
+from moseg.tasks.networks.pips.config import PipsConfig
 from torch import nn
-
-from moseg_tasks.networks.pips.config import PipsConfig
 
 EXPANSION = 4
 """Channels inside a mixing layer to each one outside."""

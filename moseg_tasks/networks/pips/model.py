@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import torch
+from moseg.tasks.networks.pips.config import PipsConfig
+from moseg.tasks.networks.pips.correlation import correlate, feature_pyramid, sample_appearances
+from moseg.tasks.networks.pips.encoder import Encoder
+from moseg.tasks.networks.pips.mixer import Update
 from torch import nn
-
-from moseg_tasks.networks.pips.config import PipsConfig
-from moseg_tasks.networks.pips.correlation import correlate, feature_pyramid, sample_appearances
-from moseg_tasks.networks.pips.encoder import Encoder
-from moseg_tasks.networks.pips.mixer import Update
 
 
 class Trajectories(NamedTuple):

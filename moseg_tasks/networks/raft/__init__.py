@@ -1,7 +1,7 @@
 """RAFT: recurrent all-pairs field transforms for optical flow (Teed and Deng 2020), large and small."""
 
-from moseg_tasks.networks.raft.build import build_raft
-from moseg_tasks.networks.raft.config import LARGE, SMALL, RaftConfig
-from moseg_tasks.networks.raft.network import STRIDE, Raft
+from moseg.tasks.networks.raft.build import build_raft
+from moseg.tasks.networks.raft.config import LARGE, SMALL, RaftConfig
+from moseg.tasks.networks.raft.network import STRIDE, Raft
 
 __all__ = ["LARGE", "SMALL", "STRIDE", "Raft", "RaftConfig", "build_raft"]

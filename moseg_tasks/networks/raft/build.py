@@ -1,13 +1,12 @@
 """RAFT from a checkpoint."""
 
+from moseg.schemas.errors import InputError
+from moseg.tasks.networks.checkpoint import Checkpoint
+from moseg.tasks.networks.raft.config import LARGE, SMALL, RaftConfig
+from moseg.tasks.networks.raft.layouts import to_own_names
+from moseg.tasks.networks.raft.network import Raft
+from moseg.tasks.networks.strict import load_strictly
 from pydantic import ValidationError
-
-from moseg_tasks.networks.checkpoint import Checkpoint
-from moseg_tasks.networks.raft.config import LARGE, SMALL, RaftConfig
-from moseg_tasks.networks.raft.layouts import to_own_names
-from moseg_tasks.networks.raft.network import Raft
-from moseg_tasks.networks.strict import load_strictly
-from schemas.errors import InputError
 
 
 def build_raft(checkpoint: Checkpoint) -> Raft:

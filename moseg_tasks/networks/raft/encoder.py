@@ -2,9 +2,8 @@
 
 from typing import Literal
 
+from moseg.tasks.networks.raft.convolution import Norm, conv_norm_relu
 from torch import Tensor, nn
-
-from moseg_tasks.networks.raft.convolution import Norm, conv_norm_relu
 
 
 class Encoder(nn.Module):

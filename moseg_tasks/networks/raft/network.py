@@ -1,13 +1,12 @@
 """RAFT as a module: its attributes are named as in torchvision's state dicts."""
 
 import torch
+from moseg.tasks.networks.raft.config import RaftConfig
+from moseg.tasks.networks.raft.correlation import CorrelationPyramid
+from moseg.tasks.networks.raft.encoder import Encoder
+from moseg.tasks.networks.raft.update import UpdateBlock
+from moseg.tasks.networks.raft.upsampling import STRIDE, MaskPredictor, upsample_bilinear, upsample_convex
 from torch import Tensor, nn
-
-from moseg_tasks.networks.raft.config import RaftConfig
-from moseg_tasks.networks.raft.correlation import CorrelationPyramid
-from moseg_tasks.networks.raft.encoder import Encoder
-from moseg_tasks.networks.raft.update import UpdateBlock
-from moseg_tasks.networks.raft.upsampling import STRIDE, MaskPredictor, upsample_bilinear, upsample_convex
 
 
 class Raft(nn.Module):

@@ -1,10 +1,9 @@
 """RAFT's update block: from what was looked up at the current flow to a step of the flow."""
 
 import torch
+from moseg.tasks.networks.raft.config import RaftConfig
+from moseg.tasks.networks.raft.convolution import conv_norm_relu
 from torch import Tensor, nn
-
-from moseg_tasks.networks.raft.config import RaftConfig
-from moseg_tasks.networks.raft.convolution import conv_norm_relu
 
 
 class UpdateBlock(nn.Module):

@@ -1,9 +1,8 @@
 """Sizes of RAM and RAM++."""
 
+from moseg.schemas.frozen import Frozen
+from moseg.tasks.networks.swin import SwinConfig
 from pydantic import Field, model_validator
-
-from moseg_tasks.networks.swin import SwinConfig
-from schemas.frozen import Frozen
 
 
 class RamConfig(Frozen):

@@ -1,12 +1,11 @@
 """RAM and RAM++: logits of every tag of the list for an image."""
 
 import torch
+from moseg.tasks.networks.ram.config import RamConfig
+from moseg.tasks.networks.ram.head import TaggingHead
+from moseg.tasks.networks.swin import SwinEncoder
 from torch import nn
 from torch.nn import functional
-
-from moseg_tasks.networks.ram.config import RamConfig
-from moseg_tasks.networks.ram.head import TaggingHead
-from moseg_tasks.networks.swin import SwinEncoder
 
 
 class Ram(nn.Module):

@@ -4,8 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
-
-from moseg_tasks.networks.ram.model import Ram
+from moseg.tasks.networks.ram.model import Ram
 
 
 class Tagger(NamedTuple):

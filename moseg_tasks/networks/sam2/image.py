@@ -1,9 +1,8 @@
 """The part of SAM 2.1 that outlines what is prompted on one image."""
 
+from moseg.tasks.networks.checkpoint import Checkpoint
+from moseg.tasks.networks.transformers_model import build_transformers
 from transformers import Sam2Config, Sam2Model
-
-from moseg_tasks.networks.checkpoint import Checkpoint
-from moseg_tasks.networks.transformers_model import build_transformers
 
 
 def build_sam2_image(checkpoint: Checkpoint) -> Sam2Model:

@@ -1,9 +1,8 @@
 """The modules of SAM-HQ with their weights."""
 
+from moseg.tasks.networks.checkpoint import Checkpoint
+from moseg.tasks.networks.transformers_model import build_transformers
 from transformers import SamHQConfig, SamHQModel
-
-from moseg_tasks.networks.checkpoint import Checkpoint
-from moseg_tasks.networks.transformers_model import build_transformers
 
 
 def build_sam_hq(checkpoint: Checkpoint) -> SamHQModel:

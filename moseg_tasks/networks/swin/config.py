@@ -1,8 +1,7 @@
 """Sizes of a Swin Transformer."""
 
+from moseg.schemas.frozen import Frozen
 from pydantic import Field, model_validator
-
-from schemas.frozen import Frozen
 
 
 class SwinConfig(Frozen):

@@ -1,10 +1,9 @@
 """The Swin image encoder: patches, four stages of blocks, and a mean token."""
 
 import torch
+from moseg.tasks.networks.swin.block import SwinBlock
+from moseg.tasks.networks.swin.config import SwinConfig
 from torch import nn
-
-from moseg_tasks.networks.swin.block import SwinBlock
-from moseg_tasks.networks.swin.config import SwinConfig
 
 
 class PatchEmbedding(nn.Module):

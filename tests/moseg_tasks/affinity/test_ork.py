@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.affinity import estimate_affinity, ork_affinity
-from schemas.errors import InputError
-from schemas.parameters import AffinityParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import AffinityParams
+from moseg.tasks.affinity import estimate_affinity, ork_affinity
 
 RESIDUALS = np.array([[[1.0, 2.0, 9.0], [4.0, 3.0, 8.0], [7.0, 5.0, 6.0]]])  # [pair, model, data]
 

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.affinity import estimate_affinity, residual_affinity
-from schemas.errors import InputError
-from schemas.parameters import AffinityParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import AffinityParams
+from moseg.tasks.affinity import estimate_affinity, residual_affinity
 
 PLAIN = AffinityParams(scale=0.5, relative=0.0, relative_flow=0.0, excess=False, direction="min")
 

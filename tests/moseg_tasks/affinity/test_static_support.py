@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.affinity import residual_affinity, static_support
-from schemas.parameters import AffinityParams
+from moseg.schemas.parameters import AffinityParams
+from moseg.tasks.affinity import residual_affinity, static_support
 
 DEFAULT = AffinityParams()
 PLAIN = AffinityParams(scale=0.5, relative=0.0, relative_flow=0.0)

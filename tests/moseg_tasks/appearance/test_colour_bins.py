@@ -3,9 +3,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.appearance import colour_bins
-from schemas.parameters import AppearanceParams
+from moseg.schemas.parameters import AppearanceParams
+from moseg.tasks.appearance import colour_bins
 
 PARAMS = AppearanceParams()
 CORNERS = np.array([[[r, g, b] for r in (0, 255) for g in (0, 255) for b in (0, 255)]], np.uint8)

@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.appearance import count_colours
-from schemas.parameters import AppearanceParams, ForegroundParams
+from moseg.schemas.parameters import AppearanceParams, ForegroundParams
+from moseg.tasks.appearance import count_colours
 
 PARAMS = AppearanceParams(levels=4)
 FOREGROUND = ForegroundParams()

@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.appearance import ColourCount, colour_ratio, pool_sections
-from schemas.parameters import AppearanceParams
+from moseg.schemas.parameters import AppearanceParams
+from moseg.tasks.appearance import ColourCount, colour_ratio, pool_sections
 
 PARAMS = AppearanceParams(levels=6, doubt=0.0)
 SIZE = PARAMS.levels**3

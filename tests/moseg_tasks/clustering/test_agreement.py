@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.clustering import agreed_static, cluster_motions
-from schemas.errors import InputError
-from schemas.parameters import ClusteringParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import ClusteringParams
+from moseg.tasks.clustering import agreed_static, cluster_motions
 
 EVERY = [
     ClusteringParams(fusion=fusion, grouping=grouping, auto=auto)

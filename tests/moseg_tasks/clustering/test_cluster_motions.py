@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.affinity import estimate_affinity
-from moseg_tasks.clustering import cluster_motions
-from schemas.errors import InputError
-from schemas.parameters import AffinityParams, ClusteringParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import AffinityParams, ClusteringParams
+from moseg.tasks.affinity import estimate_affinity
+from moseg.tasks.clustering import cluster_motions
 
 DEFAULT = ClusteringParams()
 PAPER = ClusteringParams(fusion="coregularised", grouping="spectral")

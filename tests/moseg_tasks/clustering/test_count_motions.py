@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.clustering import CountEvidence, MotionTracks, cluster_motions, count_motions
-from moseg_tasks.clustering.stability import resampled_affinities
-from moseg_tasks.synthetic.rigid_tracks import rigid_tracks
-from schemas.errors import InputError
-from schemas.parameters import ClusteringParams
-from schemas.parameters.clustering import COUNT_READS, TRACK_METHODS, MotionCountParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import ClusteringParams
+from moseg.schemas.parameters.clustering import COUNT_READS, TRACK_METHODS, MotionCountParams
+from moseg.tasks.clustering import CountEvidence, MotionTracks, cluster_motions, count_motions
+from moseg.tasks.clustering.stability import resampled_affinities
+from moseg.tasks.synthetic.rigid_tracks import rigid_tracks
 
 PARAMS = MotionCountParams()
 SCENES = [[6], [5, 1], [5, 1, 1], [3, 2, 2]]

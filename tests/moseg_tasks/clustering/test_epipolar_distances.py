@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.clustering.affine_epipolar import affine_epipolar_distances
-from moseg_tasks.clustering.description_length import description_length
-from moseg_tasks.clustering.epipolar_distances import EpipolarDistances, MotionDistances
-from moseg_tasks.clustering.motion_tracks import MotionTracks, frame_pairs
-from moseg_tasks.synthetic.rigid_tracks import rigid_tracks
-from schemas.parameters.clustering import MotionCountParams
+from moseg.schemas.parameters.clustering import MotionCountParams
+from moseg.tasks.clustering.affine_epipolar import affine_epipolar_distances
+from moseg.tasks.clustering.description_length import description_length
+from moseg.tasks.clustering.epipolar_distances import EpipolarDistances, MotionDistances
+from moseg.tasks.clustering.motion_tracks import MotionTracks, frame_pairs
+from moseg.tasks.synthetic.rigid_tracks import rigid_tracks
 
 PARAMS = MotionCountParams()
 AFFINE = {"threshold": 0.5, "num_samples": 100}

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.clustering import embed_views
-from moseg_tasks.clustering.spectral import normalise_affinity, unit_rows
+from moseg.tasks.clustering import embed_views
+from moseg.tasks.clustering.spectral import normalise_affinity, unit_rows
 
 
 def random_views(seed, num_views=2, size=9) -> np.ndarray:

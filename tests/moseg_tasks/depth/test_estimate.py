@@ -5,19 +5,18 @@ import cv2
 import numpy as np
 import pytest
 import torch
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.depth_anything import DepthAnythingParams
+from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
+from moseg.tasks.depth import estimate_inverse_depth
+from moseg.tasks.depth.depth_anything import network_size
+from moseg.tasks.networks import Checkpoint
+from moseg.tasks.networks.depth import DptDinov2, build_depth_anything, build_dpt_dinov2
+from moseg.workflows.weights.tiny.depth_anything import make_depth_anything
+from moseg.workflows.weights.tiny.dpt_dinov2 import make_dpt_dinov2
 from safetensors.torch import load
 from torch.nn import functional
 from transformers import DPTImageProcessorPil
-
-from moseg_tasks.depth import estimate_inverse_depth
-from moseg_tasks.depth.depth_anything import network_size
-from moseg_tasks.networks import Checkpoint
-from moseg_tasks.networks.depth import DptDinov2, build_depth_anything, build_dpt_dinov2
-from schemas.errors import InputError
-from schemas.parameters.depth_anything import DepthAnythingParams
-from schemas.parameters.dpt_dinov2 import DptDinov2Params
-from workflows.weights.tiny.depth_anything import make_depth_anything
-from workflows.weights.tiny.dpt_dinov2 import make_dpt_dinov2
 
 CPU = torch.device("cpu")
 SMALL = DepthAnythingParams(short_side=56)

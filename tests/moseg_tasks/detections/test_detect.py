@@ -1,12 +1,11 @@
 import numpy as np
 import pytest
 import torch
-
-from moseg_tasks.detections import detect_objects
-from moseg_tasks.networks.frame_tensor import frame_tensor
-from moseg_tasks.networks.grounding_dino import compose_prompts
-from schemas.errors import InputError
-from schemas.parameters.grounding_dino import GroundingDinoParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.grounding_dino import GroundingDinoParams
+from moseg.tasks.detections import detect_objects
+from moseg.tasks.networks.frame_tensor import frame_tensor
+from moseg.tasks.networks.grounding_dino import compose_prompts
 
 TAGS = ["person", "car", "dog", "ball"]
 ANY = GroundingDinoParams(box_threshold=0, text_threshold=0, nms_iou=1, max_boxes=1000)

@@ -1,9 +1,8 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from moseg_tasks.networks.grounding_dino import compose_prompts
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.networks.grounding_dino import compose_prompts
 
 TAGS = ["a dog", "Tennis Ball", "person"]
 

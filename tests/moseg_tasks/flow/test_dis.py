@@ -1,10 +1,9 @@
 import cv2
 import numpy as np
 import pytest
-
-from moseg_tasks.flow import estimate_flow
-from schemas.errors import InputError
-from schemas.parameters import FlowParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import FlowParams
+from moseg.tasks.flow import estimate_flow
 
 MEDIUM = FlowParams(preset="medium")
 

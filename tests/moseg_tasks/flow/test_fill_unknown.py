@@ -1,6 +1,5 @@
 import numpy as np
-
-from moseg_tasks.flow.fill_unknown import fill_unknown
+from moseg.tasks.flow.fill_unknown import fill_unknown
 
 
 def test_unknown_pixels_take_the_vector_of_the_nearest_known_one():

@@ -4,13 +4,12 @@ import cv2
 import numpy as np
 import pytest
 import torch
-
-from moseg_tasks.flow.raft import estimate_raft_flow
-from moseg_tasks.networks import Checkpoint
-from moseg_tasks.networks.raft import build_raft
-from schemas.errors import InputError
-from schemas.parameters.raft import RaftParams
-from workflows.weights.tiny.raft import make_raft
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.raft import RaftParams
+from moseg.tasks.flow.raft import estimate_raft_flow
+from moseg.tasks.networks import Checkpoint
+from moseg.tasks.networks.raft import build_raft
+from moseg.workflows.weights.tiny.raft import make_raft
 
 QUICK = RaftParams(iterations=3)
 

@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
-
-from moseg_tasks.geometry import normalise_points, normalising_transform, pixel_scale
-from moseg_tasks.geometry.coordinates import hartley_transform, homogeneous
+from moseg.tasks.geometry import normalise_points, normalising_transform, pixel_scale
+from moseg.tasks.geometry.coordinates import hartley_transform, homogeneous
 
 
 def test_the_image_centre_is_the_origin_and_half_the_longer_side_the_unit():

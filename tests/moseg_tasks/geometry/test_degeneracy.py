@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
-
-from moseg_tasks.geometry import Degeneracy, fit_fundamentals
-from schemas.parameters import FundamentalParams
+from moseg.schemas.parameters import FundamentalParams
+from moseg.tasks.geometry import Degeneracy, fit_fundamentals
 
 
 @pytest.fixture

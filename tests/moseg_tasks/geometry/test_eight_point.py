@@ -1,9 +1,8 @@
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.geometry.eight_point import eight_point
-from moseg_tasks.geometry.sampson import sampson_squared
+from moseg.tasks.geometry.eight_point import eight_point
+from moseg.tasks.geometry.sampson import sampson_squared
 
 
 def same_up_to_scale(A, B, tolerance=1e-8):

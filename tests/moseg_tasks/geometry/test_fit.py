@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
-
-from moseg_tasks.geometry import ModelKind, fit_fundamentals, fundamental_residuals
-from schemas.errors import InputError
-from schemas.parameters import FundamentalParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import FundamentalParams
+from moseg.tasks.geometry import ModelKind, fit_fundamentals, fundamental_residuals
 
 ESTIMATORS = ["eight_point_ransac", "poselib"]
 LEFT, RIGHT = ((0, 250), (0, 479)), ((600, 853), (0, 479))

@@ -5,10 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from moseg.schemas.parameters import FundamentalParams
+from moseg.tasks.geometry import fit_fundamentals, fundamental_residuals
 from scipy.io import loadmat
-
-from moseg_tasks.geometry import fit_fundamentals, fundamental_residuals
-from schemas.parameters import FundamentalParams
 
 SHARED = Path(os.environ.get("MOSEG_TEST_DATA", Path(__file__).parents[4] / "shared" / "data"))
 FOLDER = SHARED / "kt3dmoseg"

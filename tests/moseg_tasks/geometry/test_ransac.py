@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
-
-from moseg_tasks.geometry.poselib_fundamental import poselib_fundamental
-from moseg_tasks.geometry.ransac import FUNDAMENTAL, HOMOGRAPHY, draw_samples, ransac
-from moseg_tasks.geometry.sampson import sampson_squared
+from moseg.tasks.geometry.poselib_fundamental import poselib_fundamental
+from moseg.tasks.geometry.ransac import FUNDAMENTAL, HOMOGRAPHY, draw_samples, ransac
+from moseg.tasks.geometry.sampson import sampson_squared
 
 SETTINGS = {"threshold": 1.0, "num_samples": 300, "num_refits": 5}
 

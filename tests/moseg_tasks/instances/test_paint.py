@@ -3,9 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-
-from moseg_tasks.instances import paint_instances
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.instances import paint_instances
 
 
 def test_objects_are_numbered_by_falling_score():

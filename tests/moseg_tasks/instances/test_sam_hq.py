@@ -1,11 +1,10 @@
 import numpy as np
 import pytest
 import torch
-
-from moseg_tasks.instances.sam_hq import segment_boxes_sam_hq
-from moseg_tasks.networks.sam_hq import decode_boxes
-from schemas.errors import InputError
-from schemas.parameters.sam_hq import SamHqParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.sam_hq import SamHqParams
+from moseg.tasks.instances.sam_hq import segment_boxes_sam_hq
+from moseg.tasks.networks.sam_hq import decode_boxes
 
 BOXES = np.array([[8, 8, 60, 70], [50, 30, 120, 90], [90, 5, 125, 40]], np.float32)
 
@@ -75,7 +74,7 @@ def test_half_precision_changes_little(sam_hq, frame, monkeypatch, in_half_preci
         logits.append(found[0])
         return found
 
-    monkeypatch.setattr("moseg_tasks.instances.sam_hq.decode_boxes", watch_decoder)
+    monkeypatch.setattr("moseg.tasks.instances.sam_hq.decode_boxes", watch_decoder)
     segment_boxes_sam_hq(sam_hq, frame, BOXES, SamHqParams())
     masks, quality = in_half_precision(lambda: segment_boxes_sam_hq(sam_hq, frame, BOXES, SamHqParams()))
     assert masks.dtype == bool and masks.shape == (3, 96, 128)

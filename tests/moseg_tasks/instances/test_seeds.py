@@ -3,10 +3,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-
-from moseg_tasks.instances import merge_seeds
-from schemas.errors import InputError
-from schemas.parameters.instances import SeedParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.instances import SeedParams
+from moseg.tasks.instances import merge_seeds
 
 NOBODY = np.zeros(0, np.uint16)
 

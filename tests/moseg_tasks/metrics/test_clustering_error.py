@@ -3,9 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-
-from moseg_tasks.metrics import clustering_error
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.metrics import clustering_error
 
 TRUTH = np.array([1, 1, 1, 1, 2, 2, 2, 3, 3, 3])
 LABELS = arrays(np.int64, 12, elements=st.integers(0, 4))

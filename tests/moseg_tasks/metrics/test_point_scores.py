@@ -5,9 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-
-from moseg_tasks.metrics import sample_points, score_points, score_sequence
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.metrics import sample_points, score_points, score_sequence
 
 SHAPE = (3, 5, 6)
 MEASURES = ("P", "R", "F", "J", "J_objects")

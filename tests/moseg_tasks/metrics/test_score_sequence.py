@@ -8,9 +8,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-
-from moseg_tasks.metrics import boundary_similarity, score_sequence
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.metrics import boundary_similarity, score_sequence
 
 VOID = 255
 SHAPE = (3, 5, 6)

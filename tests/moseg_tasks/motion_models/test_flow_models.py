@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.motion_models import (
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import FlowModelParams
+from moseg.tasks.motion_models import (
     FLOW_MODELS,
     fit_from_moments,
     flow_energy,
@@ -11,8 +12,6 @@ from moseg_tasks.motion_models import (
     flow_moments,
     residuals_from_moments,
 )
-from schemas.errors import InputError
-from schemas.parameters import FlowModelParams
 
 PARAMS = FlowModelParams()
 MOTION = ((0.1, -0.05, 0.2), (0.01, -0.02, 0.03))

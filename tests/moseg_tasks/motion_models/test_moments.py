@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.motion_models import (
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import FlowModelParams
+from moseg.tasks.motion_models import (
     FLOW_MODELS,
     fit_from_moments,
     flow_energy,
@@ -11,10 +12,8 @@ from moseg_tasks.motion_models import (
     residuals_from_moments,
     unpack_moments,
 )
-from moseg_tasks.motion_models.moments import depth_gauge
-from moseg_tasks.motion_models.monomials import image_coordinates
-from schemas.errors import InputError
-from schemas.parameters import FlowModelParams
+from moseg.tasks.motion_models.moments import depth_gauge
+from moseg.tasks.motion_models.monomials import image_coordinates
 
 PARAMS = FlowModelParams()
 NUM_OBJECTS = 5

@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
 import torch
-
-from moseg_tasks.networks.deaot import Deaot, DeaotConfig, LayerMemory, extend_memory
-from moseg_tasks.networks.deaot.window import neighbourhood
+from moseg.tasks.networks.deaot import Deaot, DeaotConfig, LayerMemory, extend_memory
+from moseg.tasks.networks.deaot.window import neighbourhood
 
 CONFIG = DeaotConfig(
     stem_width=8, stage_widths=(4, 8, 16), stage_depths=(2, 1, 1), d_model=32, num_layers=2, max_objects=3
@@ -84,7 +83,7 @@ def test_logits_are_the_official_networks():
 def test_attention_in_parts_gives_the_same_logits(monkeypatch):
     network, video = random_deaot(), random_video()
     whole = logits_of(network, *video)
-    monkeypatch.setattr("moseg_tasks.networks.deaot.attention.MAX_SCORES", 1000)
+    monkeypatch.setattr("moseg.tasks.networks.deaot.attention.MAX_SCORES", 1000)
     np.testing.assert_allclose(logits_of(network, *video), whole, atol=1e-9)
 
 

@@ -3,11 +3,10 @@ import io
 
 import pytest
 import torch
-
-from moseg_tasks.networks import Checkpoint, unwrap_state
-from moseg_tasks.networks.deaot import Deaot, DeaotConfig, build_deaot
-from schemas.errors import InputError
-from workflows.weights.tiny.deaot import make_deaot
+from moseg.schemas.errors import InputError
+from moseg.tasks.networks import Checkpoint, unwrap_state
+from moseg.tasks.networks.deaot import Deaot, DeaotConfig, build_deaot
+from moseg.workflows.weights.tiny.deaot import make_deaot
 
 # Of the sorted lines "name shape", computed with the official R50-DeAOTL.
 DIGEST = "c8fdb8bb7946ce6488bbb92a38c57fd4c15302ea58299d9e0387c565eb3933f2"

@@ -5,12 +5,11 @@ import numpy as np
 import pytest
 import torch
 import torch.nn.functional as F
-
-from moseg_tasks.networks.checkpoint import Checkpoint
-from moseg_tasks.networks.pips import Pips, PipsConfig, Resolution, build_pips
-from moseg_tasks.networks.pips.correlation import correlate, feature_pyramid, sample_appearances
-from moseg_tasks.networks.pips.mixer import encode_motion
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.networks.checkpoint import Checkpoint
+from moseg.tasks.networks.pips import Pips, PipsConfig, Resolution, build_pips
+from moseg.tasks.networks.pips.correlation import correlate, feature_pyramid, sample_appearances
+from moseg.tasks.networks.pips.mixer import encode_motion
 
 SIZES = {"latent": 12, "widths": [8, 8, 12, 8], "encoding": 6, "hidden": 16, "depth": 2}
 STATE_DICT_DIGEST = "2d7a8c6b293a303ab687635d3279ec92039e038de32994a3c927828e46ab6459"

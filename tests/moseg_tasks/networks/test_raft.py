@@ -1,10 +1,9 @@
 import numpy as np
 import pytest
 import torch
-
-from moseg_tasks.networks.raft import LARGE, SMALL, Raft, RaftConfig
-from moseg_tasks.networks.raft.correlation import CorrelationPyramid
-from moseg_tasks.networks.raft.upsampling import upsample_bilinear, upsample_convex
+from moseg.tasks.networks.raft import LARGE, SMALL, Raft, RaftConfig
+from moseg.tasks.networks.raft.correlation import CorrelationPyramid
+from moseg.tasks.networks.raft.upsampling import upsample_bilinear, upsample_convex
 
 WIDTHS = {"stage_channels": (8, 12, 16), "feature_channels": 12, "hidden_channels": 10, "context_channels": 14}
 CONFIGS = {
@@ -50,7 +49,7 @@ def test_flow_is_the_official_modules(size):
 
 @pytest.mark.parametrize("size", SIZES)
 def test_correlations_on_demand_give_the_flow_of_those_held(size, monkeypatch):
-    monkeypatch.setattr("moseg_tasks.networks.raft.correlation._LARGEST_BLOCK", 5000)
+    monkeypatch.setattr("moseg.tasks.networks.raft.correlation._LARGEST_BLOCK", 5000)
     network, images = random_raft(size), random_images()
     held, on_demand = (network(*images, 3, is_on_demand) for is_on_demand in (False, True))
     assert held.abs().max() > 0.1

@@ -2,10 +2,9 @@ import hashlib
 
 import pytest
 import torch
-
-from moseg_tasks.networks import Checkpoint
-from moseg_tasks.networks.raft import LARGE, SMALL, Raft, build_raft
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.networks import Checkpoint
+from moseg.tasks.networks.raft import LARGE, SMALL, Raft, build_raft
 
 # Of the sorted lines "name shape", computed with torchvision's and princeton's own modules.
 TORCHVISION = {

@@ -3,10 +3,9 @@ import hashlib
 import numpy as np
 import pytest
 import torch
-
-from moseg_tasks.networks import Checkpoint
-from moseg_tasks.networks.ram import Ram, RamConfig, RamPlus, build_ram, build_ram_plus
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.networks import Checkpoint
+from moseg.tasks.networks.ram import Ram, RamConfig, RamPlus, build_ram, build_ram_plus
 
 # Of the sorted lines "name shape", computed with the official modules, without captioner and derived buffers.
 PUBLISHED = {

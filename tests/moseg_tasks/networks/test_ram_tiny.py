@@ -3,12 +3,11 @@ import io
 import numpy as np
 import pytest
 import torch
-
-from moseg_tasks.networks import Checkpoint, unwrap_state
-from moseg_tasks.networks.ram import build_ram, build_ram_plus
-from moseg_tasks.tags import recognise_tags
-from schemas.parameters.ram import RamParams
-from workflows.weights.tiny.ram import TAGS, make_ram, make_ram_plus
+from moseg.schemas.parameters.ram import RamParams
+from moseg.tasks.networks import Checkpoint, unwrap_state
+from moseg.tasks.networks.ram import build_ram, build_ram_plus
+from moseg.tasks.tags import recognise_tags
+from moseg.workflows.weights.tiny.ram import TAGS, make_ram, make_ram_plus
 
 KINDS = [(make_ram, build_ram), (make_ram_plus, build_ram_plus)]
 

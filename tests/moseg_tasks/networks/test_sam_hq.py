@@ -2,10 +2,9 @@ import hashlib
 
 import pytest
 import torch
+from moseg.schemas.errors import InputError
+from moseg.tasks.networks.sam_hq import build_sam_hq, decode_boxes, encode_image
 from transformers import SamHQConfig, SamHQModel
-
-from moseg_tasks.networks.sam_hq import build_sam_hq, decode_boxes, encode_image
-from schemas.errors import InputError
 
 BOXES = torch.tensor([[10.0, 20, 60, 90], [40, 5, 120, 100]])
 # Every 21st logit of both masks, and the quality, by the authors' code with the same weights; by the high-quality token

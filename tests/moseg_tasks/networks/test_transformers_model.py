@@ -3,10 +3,9 @@ import logging
 
 import pytest
 import torch
+from moseg.schemas.errors import InputError
+from moseg.tasks.networks.transformers_model import build_transformers, quiet_transformers
 from transformers import SamHQConfig, SamHQModel
-
-from moseg_tasks.networks.transformers_model import build_transformers, quiet_transformers
-from schemas.errors import InputError
 
 QKV = "vision_encoder.layers.0.attn.qkv.weight"
 SHARED = "prompt_encoder.shared_embedding.positional_embedding"

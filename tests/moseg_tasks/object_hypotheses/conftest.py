@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.motion_models.monomials import image_coordinates
+from moseg.tasks.motion_models.monomials import image_coordinates
 
 HEIGHT, WIDTH = 96, 128
 CAMERA, MOVER = ((0.3, -0.1, 0.4), (0.01, -0.02, 0.02)), ((-0.6, 0.5, 0.1), (0.0, 0.01, -0.03))

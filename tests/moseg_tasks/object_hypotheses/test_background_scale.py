@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.object_hypotheses import background_cells, scale_by_background, split_background
-from moseg_tasks.object_hypotheses.background_scale import geometric_mean
-from schemas.parameters import ObjectHypothesisParams
+from moseg.schemas.parameters import ObjectHypothesisParams
+from moseg.tasks.object_hypotheses import background_cells, scale_by_background, split_background
+from moseg.tasks.object_hypotheses.background_scale import geometric_mean
 
 PARAMS = ObjectHypothesisParams()
 NAN = np.nan

@@ -2,18 +2,17 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.motion_models import FLOW_MODELS
-from moseg_tasks.motion_models.moments import depth_gauge
-from moseg_tasks.motion_models.monomials import image_coordinates
-from moseg_tasks.object_hypotheses.flow_patches import (
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import FlowModelParams, ObjectHypothesisParams
+from moseg.tasks.motion_models import FLOW_MODELS
+from moseg.tasks.motion_models.moments import depth_gauge
+from moseg.tasks.motion_models.monomials import image_coordinates
+from moseg.tasks.object_hypotheses.flow_patches import (
     block_sums,
     draw_patches,
     flow_patch_residuals,
     solve_patches,
 )
-from schemas.errors import InputError
-from schemas.parameters import FlowModelParams, ObjectHypothesisParams
 
 PARAMS = ObjectHypothesisParams(num_hypotheses=60, block=4)
 FLOW_PARAMS = FlowModelParams()

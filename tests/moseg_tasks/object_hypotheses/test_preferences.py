@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from moseg_tasks.object_hypotheses import preference_kernel
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.object_hypotheses import preference_kernel
 
 
 def test_shared_preferences_by_hand():

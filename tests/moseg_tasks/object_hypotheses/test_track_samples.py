@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.object_hypotheses import track_sample_residuals
-from schemas.parameters import ObjectHypothesisParams
+from moseg.schemas.parameters import ObjectHypothesisParams
+from moseg.tasks.object_hypotheses import track_sample_residuals
 
 PARAMS = ObjectHypothesisParams(num_hypotheses=150)
 FUNDAMENTAL, HOMOGRAPHY = 0, 1

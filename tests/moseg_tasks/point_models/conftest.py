@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
+from moseg.tasks.motion_models import FLOW_MODELS
+from moseg.tasks.point_models import Correspondences
 from scipy.spatial.transform import Rotation
-
-from moseg_tasks.motion_models import FLOW_MODELS
-from moseg_tasks.point_models import Correspondences
 
 WIDTH, HEIGHT, FOCAL = 1242, 375, 720.0
 CENTRE = ((WIDTH - 1) / 2, (HEIGHT - 1) / 2)

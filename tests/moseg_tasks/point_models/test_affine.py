@@ -1,8 +1,7 @@
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.point_models import Correspondences, point_model
+from moseg.tasks.point_models import Correspondences, point_model
 
 MODEL = point_model("affine")
 properties = settings(max_examples=25, deadline=None)

@@ -1,10 +1,9 @@
 import numpy as np
 import pytest
-
-from moseg_tasks.motion_models import FLOW_MODELS
-from moseg_tasks.point_models import POINT_MODELS, Correspondences, point_model
-from moseg_tasks.point_models.flow import FlowPointModel
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.motion_models import FLOW_MODELS
+from moseg.tasks.point_models import POINT_MODELS, Correspondences, point_model
+from moseg.tasks.point_models.flow import FlowPointModel
 
 flow_models = pytest.mark.parametrize("name", ["oc", "oc_depth"])
 

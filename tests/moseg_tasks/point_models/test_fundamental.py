@@ -2,10 +2,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.geometry.coordinates import homogeneous
-from moseg_tasks.geometry.sampson import sampson_squared
-from moseg_tasks.point_models import Correspondences, point_model
+from moseg.tasks.geometry.coordinates import homogeneous
+from moseg.tasks.geometry.sampson import sampson_squared
+from moseg.tasks.point_models import Correspondences, point_model
 
 MODEL = point_model("fundamental")
 properties = settings(max_examples=25, deadline=None)

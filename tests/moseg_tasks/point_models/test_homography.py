@@ -2,10 +2,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.geometry.coordinates import homogeneous
-from moseg_tasks.geometry.homography import homography_dlt, homography_sampson_squared
-from moseg_tasks.point_models import Correspondences, point_model
+from moseg.tasks.geometry.coordinates import homogeneous
+from moseg.tasks.geometry.homography import homography_dlt, homography_sampson_squared
+from moseg.tasks.point_models import Correspondences, point_model
 
 MODEL = point_model("homography")
 properties = settings(max_examples=25, deadline=None)

@@ -1,8 +1,7 @@
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.point_models.inverse_iteration import least_vector
+from moseg.tasks.point_models.inverse_iteration import least_vector
 
 
 @settings(max_examples=25, deadline=None)

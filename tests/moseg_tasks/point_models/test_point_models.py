@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.geometry.ransac import draw_samples
-from moseg_tasks.point_models import POINT_MODELS, Correspondences, point_model
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.geometry.ransac import draw_samples
+from moseg.tasks.point_models import POINT_MODELS, Correspondences, point_model
 
 every_model = pytest.mark.parametrize("model", POINT_MODELS.values(), ids=POINT_MODELS)
 properties = settings(max_examples=25, deadline=None)

@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
-
-from moseg_tasks.point_models import POINT_MODELS, Correspondences, NoFit, point_model, robust_fit
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.point_models import POINT_MODELS, Correspondences, NoFit, point_model, robust_fit
 
 every_model = pytest.mark.parametrize("model", POINT_MODELS.values(), ids=POINT_MODELS)
 SEARCH = {"threshold": 1.0, "num_samples": 600, "num_refits": 5}

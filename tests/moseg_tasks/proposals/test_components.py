@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.proposals import Components, keep_best, label_components, object_boxes
-from schemas.parameters import ComponentParams
+from moseg.schemas.parameters import ComponentParams
+from moseg.tasks.proposals import Components, keep_best, label_components, object_boxes
 
 PARAMS = ComponentParams()
 FRAMES, HEIGHT, WIDTH = 6, 40, 60

@@ -6,11 +6,20 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-
-from moseg_tasks.appearance import colour_bins, colour_ratio, count_colours, pool_sections
-from moseg_tasks.flow import estimate_flow
-from moseg_tasks.proposals import keep_best, label_components, refine_outlines
-from moseg_tasks.saliency import (
+from moseg.schemas.parameters import (
+    AccumulationParams,
+    AppearanceParams,
+    ComponentParams,
+    FlowParams,
+    ForegroundParams,
+    OwnMotionParams,
+    RefinementParams,
+    SaliencyParams,
+)
+from moseg.tasks.appearance import colour_bins, colour_ratio, count_colours, pool_sections
+from moseg.tasks.flow import estimate_flow
+from moseg.tasks.proposals import keep_best, label_components, refine_outlines
+from moseg.tasks.saliency import (
     accumulate,
     estimate_saliency,
     flow_consistency,
@@ -20,16 +29,6 @@ from moseg_tasks.saliency import (
     own_motion_misfit,
     probability,
     reduce_frame,
-)
-from schemas.parameters import (
-    AccumulationParams,
-    AppearanceParams,
-    ComponentParams,
-    FlowParams,
-    ForegroundParams,
-    OwnMotionParams,
-    RefinementParams,
-    SaliencyParams,
 )
 
 SHARED = Path(os.environ.get("MOSEG_TEST_DATA", Path(__file__).parents[4] / "shared" / "data"))

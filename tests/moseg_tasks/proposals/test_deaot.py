@@ -3,13 +3,12 @@ import io
 import numpy as np
 import pytest
 import torch
-
-from moseg_tasks.networks import Checkpoint, unwrap_state
-from moseg_tasks.networks.deaot import Deaot, build_deaot
-from moseg_tasks.proposals.deaot import network_size, propagate_masks, track_masks_deaot
-from schemas.errors import InputError
-from schemas.parameters import DeaotParams
-from workflows.weights.tiny.deaot import make_deaot
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import DeaotParams
+from moseg.tasks.networks import Checkpoint, unwrap_state
+from moseg.tasks.networks.deaot import Deaot, build_deaot
+from moseg.tasks.proposals.deaot import network_size, propagate_masks, track_masks_deaot
+from moseg.workflows.weights.tiny.deaot import make_deaot
 
 PARAMS = DeaotParams()
 SIZE = (90, 122)

@@ -3,8 +3,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.proposals.guided_filter import apply_coefficients, guided_coefficients
+from moseg.tasks.proposals.guided_filter import apply_coefficients, guided_coefficients
 
 SHAPE = (40, 56)
 RADIUS, SMOOTHNESS = 3, 1e-4

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.proposals import count_overlaps, link_sections
-from schemas.errors import InputError
-from schemas.parameters.linking import LinkingParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.linking import LinkingParams
+from moseg.tasks.proposals import count_overlaps, link_sections
 
 PARAMS = LinkingParams()
 SIDE = 20

@@ -3,9 +3,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.proposals import refine_outlines
-from schemas.parameters import RefinementParams
+from moseg.schemas.parameters import RefinementParams
+from moseg.tasks.proposals import refine_outlines
 
 PARAMS = RefinementParams()
 GRID = (48, 64)

@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
-
-from moseg_tasks.proposals.rejoining import rejoin_components
-from schemas.errors import InputError
-from schemas.parameters.identity import IdentityParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.identity import IdentityParams
+from moseg.tasks.proposals.rejoining import rejoin_components
 
 PARAMS = IdentityParams()
 SHAPE = (70, 160)

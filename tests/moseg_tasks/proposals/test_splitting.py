@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
-
-from moseg_tasks.proposals.splitting import split_touching
-from schemas.errors import InputError
-from schemas.parameters.identity import IdentityParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.identity import IdentityParams
+from moseg.tasks.proposals.splitting import split_touching
 
 PARAMS = IdentityParams()
 SHAPE = (80, 160)

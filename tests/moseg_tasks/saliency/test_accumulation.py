@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.saliency import accumulate, flow_consistency, memory_weight
-from schemas.parameters import AccumulationParams
+from moseg.schemas.parameters import AccumulationParams
+from moseg.tasks.saliency import accumulate, flow_consistency, memory_weight
 
 PARAMS = AccumulationParams()
 SHAPE = (24, 40)

@@ -1,10 +1,9 @@
 import numpy as np
 import pytest
-
-from moseg_tasks.saliency.background import affine_flow, fit_background, sample_flow
-from moseg_tasks.saliency.grid import pixel_grid, reduce_flow, working_shape
-from moseg_tasks.saliency.layers import fit_layers
-from schemas.parameters import SaliencyParams
+from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.saliency.background import affine_flow, fit_background, sample_flow
+from moseg.tasks.saliency.grid import pixel_grid, reduce_flow, working_shape
+from moseg.tasks.saliency.layers import fit_layers
 
 PARAMS = SaliencyParams()
 SHAPE = (120, 200)

@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
-
-from moseg_tasks.saliency.camera import fit_camera_motion, split_flow
-from moseg_tasks.saliency.grid import pixel_grid
-from schemas.parameters import SaliencyParams
+from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.saliency.camera import fit_camera_motion, split_flow
+from moseg.tasks.saliency.grid import pixel_grid
 
 PARAMS = SaliencyParams()
 SHAPE = (120, 200)

@@ -3,13 +3,12 @@ from functools import cache
 
 import numpy as np
 import pytest
-
-from moseg_tasks.flow.dis import estimate_flow
-from moseg_tasks.saliency import choose_background, estimate_saliency
-from moseg_tasks.saliency.choice import LAYERS
-from moseg_tasks.saliency.gric import gric
-from moseg_tasks.synthetic import SCENES, render_scene
-from schemas.parameters import FlowParams, SaliencyParams
+from moseg.schemas.parameters import FlowParams, SaliencyParams
+from moseg.tasks.flow.dis import estimate_flow
+from moseg.tasks.saliency import choose_background, estimate_saliency
+from moseg.tasks.saliency.choice import LAYERS
+from moseg.tasks.saliency.gric import gric
+from moseg.tasks.synthetic import SCENES, render_scene
 
 PARAMS = SaliencyParams()
 
@@ -22,7 +21,7 @@ def pairs():
     def of(name):
         scene = SCENES[name].model_copy(update={"num_frames": 14})
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("moseg_tasks.synthetic.render._render_images", lambda *arguments: None)
+            patch.setattr("moseg.tasks.synthetic.render._render_images", lambda *arguments: None)
             return list(render_scene(scene).flow_forward[::6])
 
     return of

@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.saliency import flow_consistency
-from schemas.parameters import AccumulationParams
+from moseg.schemas.parameters import AccumulationParams
+from moseg.tasks.saliency import flow_consistency
 
 PARAMS = AccumulationParams()
 SHAPE = (20, 32)

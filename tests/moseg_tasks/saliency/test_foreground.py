@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.saliency import foreground_probability
-from schemas.parameters import ForegroundParams
+from moseg.schemas.parameters import ForegroundParams
+from moseg.tasks.saliency import foreground_probability
 
 PARAMS = ForegroundParams()
 SHAPE = (5, 7)

@@ -3,10 +3,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.saliency import BackgroundChoice, estimate_saliency
-from schemas.errors import InputError
-from schemas.parameters import SaliencyParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.saliency import BackgroundChoice, estimate_saliency
 
 PARAMS = SaliencyParams()
 SHAPE = (96, 160)

@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from moseg_tasks.saliency import motion_logit, probability
+from moseg.tasks.saliency import motion_logit, probability
 
 
 @given(st.floats(0.05, 0.95))

@@ -2,10 +2,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.saliency import own_motion_misfit
-from moseg_tasks.saliency.grid import pixel_grid
-from schemas.parameters import OwnMotionParams
+from moseg.schemas.parameters import OwnMotionParams
+from moseg.tasks.saliency import own_motion_misfit
+from moseg.tasks.saliency.grid import pixel_grid
 
 PARAMS = OwnMotionParams()
 SHAPE = (96, 128)

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
-
-from moseg_tasks.saliency.photometric import blur_error, colour_error, photometric_gate
+from moseg.tasks.saliency.photometric import blur_error, colour_error, photometric_gate
 
 SHAPE = (20, 30)
 RNG = np.random.default_rng(0)

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.saliency.camera import CameraMotion
-from moseg_tasks.saliency.ground import fit_ground
-from moseg_tasks.saliency.rigid import explain_rigidly
-from moseg_tasks.saliency.support import unsupported_parallax
-from schemas.parameters import SaliencyParams
+from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.saliency.camera import CameraMotion
+from moseg.tasks.saliency.ground import fit_ground
+from moseg.tasks.saliency.rigid import explain_rigidly
+from moseg.tasks.saliency.support import unsupported_parallax
 
 PARAMS = SaliencyParams()
 SHAPE = (120, 200)

@@ -5,11 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-
-from moseg_tasks.synthetic import SCENES, render_scene
-from moseg_tasks.synthetic.trace import trace_frame
-from moseg_tasks.synthetic.tracks import Tracks, track_points
-from moseg_tasks.synthetic.view import object_of_parts, view_at
+from moseg.tasks.synthetic import SCENES, render_scene
+from moseg.tasks.synthetic.trace import trace_frame
+from moseg.tasks.synthetic.tracks import Tracks, track_points
+from moseg.tasks.synthetic.view import object_of_parts, view_at
 
 
 class Outlines(NamedTuple):

@@ -4,12 +4,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-from moseg_tasks.synthetic import render_scene
-from schemas.digests import digest_array
+from moseg.schemas.digests import digest_array
+from moseg.tasks.synthetic import render_scene
 
 SCRIPT = """
-from moseg_tasks.synthetic import SCENES, render_scene
-from schemas.digests import digest_array
+from moseg.tasks.synthetic import SCENES, render_scene
+from moseg.schemas.digests import digest_array
 scene = SCENES["deforming"].model_copy(update={"height": 60, "width": 106, "num_frames": 6})
 print(*(digest_array("array", array) for array in render_scene(scene)))
 """

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.synthetic import camera_at
+from moseg.tasks.synthetic import camera_at
 
 HEIGHT, WIDTH = 60, 106
 GRID_Y, GRID_X = np.mgrid[:HEIGHT, :WIDTH].astype(np.float64)

@@ -3,8 +3,7 @@
 import cv2
 import numpy as np
 import pytest
-
-from moseg_tasks.synthetic import SCENES, camera_at
+from moseg.tasks.synthetic import SCENES, camera_at
 
 WIDTH, HEIGHT = 106, 60
 GRID_Y, GRID_X = np.mgrid[:HEIGHT, :WIDTH].astype(np.float64)

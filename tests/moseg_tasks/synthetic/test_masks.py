@@ -4,11 +4,10 @@ import re
 
 import numpy as np
 import pytest
-
-from moseg_tasks.synthetic import SCENES, render_scene
-from moseg_tasks.synthetic.paths import compose, inverse, pose_of
-from moseg_tasks.synthetic.scene import Scene
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.synthetic import SCENES, render_scene
+from moseg.tasks.synthetic.paths import compose, inverse, pose_of
+from moseg.tasks.synthetic.scene import Scene
 
 
 @pytest.mark.parametrize("name", SCENES)

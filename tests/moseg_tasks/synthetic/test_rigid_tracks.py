@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.geometry.eight_point import eight_point
-from moseg_tasks.geometry.sampson import sampson_squared
-from moseg_tasks.synthetic.rigid_tracks import IMAGE_SHAPE, rigid_tracks
+from moseg.tasks.geometry.eight_point import eight_point
+from moseg.tasks.geometry.sampson import sampson_squared
+from moseg.tasks.synthetic.rigid_tracks import IMAGE_SHAPE, rigid_tracks
 
 
 @pytest.mark.parametrize("num_objects", [(6, 1, 1), (4, 2, 2)])

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from moseg_tasks.synthetic.paths import Path, Sway, compose, inverse, pose_of
-from moseg_tasks.synthetic.props import texture
-from moseg_tasks.synthetic.shapes import Billboard, Box, Ellipsoid, Plane
-from moseg_tasks.synthetic.texture import SIZE, paint_texture, sample_texture
+from moseg.tasks.synthetic.paths import Path, Sway, compose, inverse, pose_of
+from moseg.tasks.synthetic.props import texture
+from moseg.tasks.synthetic.shapes import Billboard, Box, Ellipsoid, Plane
+from moseg.tasks.synthetic.texture import SIZE, paint_texture, sample_texture
 
 numbers = st.floats(-3.0, 3.0)
 vectors = st.tuples(numbers, numbers, numbers)

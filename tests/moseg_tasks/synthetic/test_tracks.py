@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.synthetic import SCENES
+from moseg.tasks.synthetic import SCENES
 
 
 def objects_around(objects, points):

@@ -1,11 +1,10 @@
 import numpy as np
 import pytest
 import torch
-
-from moseg_tasks.networks.ram import Ram, RamConfig, Tagger
-from moseg_tasks.tags import recognise_tags
-from schemas.errors import InputError
-from schemas.parameters.ram import RamParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.ram import RamParams
+from moseg.tasks.networks.ram import Ram, RamConfig, Tagger
+from moseg.tasks.tags import recognise_tags
 
 CONFIG = RamConfig.model_validate(
     {

@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
-
-from moseg_tasks.tracks import assign_tracks
-from moseg_tasks.tracks.labels_at import labels_at
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
+from moseg.tasks.tracks import assign_tracks
+from moseg.tasks.tracks.labels_at import labels_at
 
 
 @pytest.fixture

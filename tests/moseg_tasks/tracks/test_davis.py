@@ -6,9 +6,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-
-from moseg_tasks.tracks import track_points
-from schemas.parameters import FundamentalParams, TrackParams
+from moseg.schemas.parameters import FundamentalParams, TrackParams
+from moseg.tasks.tracks import track_points
 
 SHARED = Path(os.environ.get("MOSEG_TEST_DATA", Path(__file__).parents[4] / "shared" / "data"))
 DAVIS = SHARED / "davis"

@@ -3,16 +3,15 @@ from io import BytesIO
 import numpy as np
 import pytest
 import torch
-
-from moseg_tasks.networks.checkpoint import Checkpoint, unwrap_state
-from moseg_tasks.networks.pips import Pips, PipsConfig, build_pips
-from moseg_tasks.networks.pips.model import Trajectories
-from moseg_tasks.tracks.pips import track_points_pips
-from moseg_tasks.tracks.windows import overlapping_windows
-from schemas.errors import InputError
-from schemas.parameters import TrackParams
-from schemas.parameters.pips import PipsParams
-from workflows.weights.tiny.pips import CONFIG, make_pips
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import TrackParams
+from moseg.schemas.parameters.pips import PipsParams
+from moseg.tasks.networks.checkpoint import Checkpoint, unwrap_state
+from moseg.tasks.networks.pips import Pips, PipsConfig, build_pips
+from moseg.tasks.networks.pips.model import Trajectories
+from moseg.tasks.tracks.pips import track_points_pips
+from moseg.tasks.tracks.windows import overlapping_windows
+from moseg.workflows.weights.tiny.pips import CONFIG, make_pips
 
 PARAMS = TrackParams(points_per_object=20, background_points=40)
 SIZE = (120, 180)

@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
-
-from moseg_tasks.tracks import track_points
-from schemas.errors import InputError
-from schemas.parameters import TrackParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import TrackParams
+from moseg.tasks.tracks import track_points
 
 PARAMS = TrackParams(points_per_object=20, background_points=40)
 STEP = np.array([1.25, -0.75])

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.trajectories.apart import separate_objects
-from schemas.parameters import SeparationParams
+from moseg.schemas.parameters import SeparationParams
+from moseg.tasks.trajectories.apart import separate_objects
 
 PARAMS = SeparationParams(num_neighbours=4, min_tracks=8)
 

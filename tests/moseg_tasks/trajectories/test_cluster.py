@@ -2,18 +2,23 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.metrics import clustering_error
-from moseg_tasks.point_models import POINT_MODELS
-from moseg_tasks.trajectories import (
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import (
+    EnergyParams,
+    HypothesisParams,
+    KernelParams,
+    PieceParams,
+    TrajectoryClusteringParams,
+)
+from moseg.tasks.metrics import clustering_error
+from moseg.tasks.point_models import POINT_MODELS
+from moseg.tasks.trajectories import (
     View,
     cluster_trajectories,
     draw_hypotheses,
     hypothesis_residuals,
     trajectory_kernel,
 )
-from schemas.errors import InputError
-from schemas.parameters import EnergyParams, HypothesisParams, KernelParams, PieceParams, TrajectoryClusteringParams
 
 MODELS = ("affine", "homography", "fundamental")
 DRAWN = HypothesisParams(num_hypotheses=100, num_draws=2)

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.trajectories.energy import Energy, normalised_cut
-from schemas.parameters import EnergyParams
+from moseg.schemas.parameters import EnergyParams
+from moseg.tasks.trajectories.energy import Energy, normalised_cut
 
 BLOCKS = np.kron(np.eye(2), np.ones((3, 3))) + 0.1
 SPLIT, ONE = np.repeat([0, 1], 3), np.zeros(6, int)

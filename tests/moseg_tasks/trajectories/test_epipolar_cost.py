@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.trajectories.epipolar_cost import EpipolarCost
-from schemas.parameters import EnergyParams
+from moseg.schemas.parameters import EnergyParams
+from moseg.tasks.trajectories.epipolar_cost import EpipolarCost
 
 PARAMS = EnergyParams(gap=3, step=1)
 TRUE = np.repeat([0, 1], [60, 40])

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.point_models import POINT_MODELS
-from moseg_tasks.trajectories import draw_hypotheses, hypothesis_residuals, trajectory_kernel
-from schemas.errors import InputError
-from schemas.parameters import HypothesisParams, KernelParams
+from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import HypothesisParams, KernelParams
+from moseg.tasks.point_models import POINT_MODELS
+from moseg.tasks.trajectories import draw_hypotheses, hypothesis_residuals, trajectory_kernel
 
 NUM_TRACKS, NUM_FRAMES = 60, 5
 LABELS = np.repeat([0, 1], [35, 25])

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from moseg_tasks.trajectories.pieces import link_pieces, piece_affinity
-from schemas.parameters import PieceParams
+from moseg.schemas.parameters import PieceParams
+from moseg.tasks.trajectories.pieces import link_pieces, piece_affinity
 
 NUM_SETS, NUM_HYPOTHESES = 4, 100
 PIECES = np.repeat([0, 1, 2], 10)

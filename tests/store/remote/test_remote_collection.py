@@ -8,17 +8,16 @@ import time
 import numpy as np
 import obstore
 import pytest
+from moseg.schemas.errors import StoreError
+from moseg.schemas.recipes import Recipe
+from moseg.store import collection, open_store
+from moseg.store.owners import owned_name
+from moseg.store.remote import object_files, object_logs
+from moseg.store.remote import requests as remote_requests
+from moseg.store.remote.connection import connect
+from moseg.store.remote.layout import aside_name, manifest_name
+from moseg.store.remote.object_trash import ObjectTrash
 from obstore.exceptions import AlreadyExistsError
-
-from schemas.errors import StoreError
-from schemas.recipes import Recipe
-from store import collection, open_store
-from store.owners import owned_name
-from store.remote import object_files, object_logs
-from store.remote import requests as remote_requests
-from store.remote.connection import connect
-from store.remote.layout import aside_name, manifest_name
-from store.remote.object_trash import ObjectTrash
 
 DAY = 86_400.0
 
@@ -38,7 +37,7 @@ def names(s3):
 @pytest.fixture
 def dead_name() -> str:
     """A name such as a process that has ended gives to something half done."""
-    code = "from store.owners import owned_name; print(owned_name())"
+    code = "from moseg.store.owners import owned_name; print(owned_name())"
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip()
 
 

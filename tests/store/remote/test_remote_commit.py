@@ -8,15 +8,14 @@ from collections import Counter
 import numpy as np
 import obstore
 import pytest
+from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError
+from moseg.schemas.recipes import Recipe
+from moseg.store import PutOutcome, open_store
+from moseg.store.remote import requests as remote_requests
+from moseg.store.remote.connection import connect
+from moseg.store.remote.layout import manifest_name, payload_folder
+from moseg.store.sealing import unseal
 from obstore.exceptions import AlreadyExistsError, GenericError, NotSupportedError
-
-from schemas.errors import CorruptArtifactError, MissingArtifactError
-from schemas.recipes import Recipe
-from store import PutOutcome, open_store
-from store.remote import requests as remote_requests
-from store.remote.connection import connect
-from store.remote.layout import manifest_name, payload_folder
-from store.sealing import unseal
 
 RECIPE = Recipe(task="toy", version=1)
 DIMS = {"x": ("frame", "y", "x")}
@@ -24,9 +23,9 @@ DIMS = {"x": ("frame", "y", "x")}
 VICTIMS = """
 import json, os, random, signal, sys, time
 import numpy as np
-from schemas.recipes import Recipe
-from store import open_store
-from store.remote import requests
+from moseg.schemas.recipes import Recipe
+from moseg.store import open_store
+from moseg.store.remote import requests
 
 url, mode = sys.argv[1:]
 ARRAY = np.arange(6 * 50 * 50, dtype=np.float32).reshape(6, 50, 50)

@@ -6,12 +6,11 @@ import sys
 
 import obstore
 import pytest
-
-from schemas.errors import InputError, MissingStoreError, StoreChoiceError, StoreError
-from store import open_store
-from store.remote import connection
-from store.remote.connection import connect, s3_settings
-from store.remote.requests import requests_for
+from moseg.schemas.errors import InputError, MissingStoreError, StoreChoiceError, StoreError
+from moseg.store import open_store
+from moseg.store.remote import connection
+from moseg.store.remote.connection import connect, s3_settings
+from moseg.store.remote.requests import requests_for
 
 SECRET = "a-secret-of-mine"
 
@@ -154,8 +153,8 @@ def test_a_store_travels_without_credentials_and_shares_its_process_client(s3, m
 
 def test_nothing_of_object_stores_is_imported_before_one_is_named():
     code = (
-        "import sys, store, workflows.cli.app\n"
-        "assert not {'obstore', 'boto3', 'botocore', 'store.remote'} & sys.modules.keys()"
+        "import sys, moseg.store, moseg.workflows.cli.app\n"
+        "assert not {'obstore', 'boto3', 'botocore', 'moseg.store.remote'} & sys.modules.keys()"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

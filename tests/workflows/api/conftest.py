@@ -6,8 +6,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 import pytest
-
-from workflows.api import MotionSegmentation, segment_video
+from moseg.workflows.api import MotionSegmentation, segment_video
 
 CONFIG = {"sections.length": 4, "sections.overlap": 2}
 
@@ -30,7 +29,7 @@ def config() -> dict[str, int]:
 @pytest.fixture(scope="session")
 def segmented(squares, tmp_path_factory) -> Segmented:
     """Tests that write to the store take another."""
-    from workflows.cli.app import run
+    from moseg.workflows.cli.app import run
 
     folder, frames = tmp_path_factory.mktemp("segmented"), squares / "squares" / "frames"
     settings = [argument for name, value in CONFIG.items() for argument in ("--set", f"{name}={value}")]

@@ -1,11 +1,10 @@
 """However parameters are spelt, they give the same configuration."""
 
 import pytest
-
-from schemas.configs import PipelineConfig
-from schemas.errors import InputError
-from workflows.api import load_config
-from workflows.config_files import write_config
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError
+from moseg.workflows.api import load_config
+from moseg.workflows.config_files import write_config
 
 LENGTH = PipelineConfig.model_validate({"sections": {"length": 20}})
 

@@ -7,11 +7,10 @@ import re
 import cv2
 import numpy as np
 import pytest
+from moseg.schemas.errors import InputError
+from moseg.workflows.api import MovingObject, segment_video
+from moseg.workflows.exports import OverlayMode, OverlayStyle
 from PIL import Image
-
-from schemas.errors import InputError
-from workflows.api import MovingObject, segment_video
-from workflows.exports import OverlayMode, OverlayStyle
 
 
 def test_nothing_is_read_before_it_is_asked_for(segmented, config):

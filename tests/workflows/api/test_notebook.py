@@ -1,9 +1,8 @@
 """The table beside the picture."""
 
+from moseg.workflows.api import MovingObject
+from moseg.workflows.api.notebook import MOST_ROWS, draw_html
 from PIL import Image
-
-from workflows.api import MovingObject
-from workflows.api.notebook import MOST_ROWS, draw_html
 
 PICTURE = Image.new("RGB", (30, 20))
 

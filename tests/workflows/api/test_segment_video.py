@@ -10,12 +10,11 @@ import cv2
 import dask
 import numpy as np
 import pytest
+from moseg.schemas.errors import InputError, MosegError, StoreError
+from moseg.workflows.api import segment_video
+from moseg.workflows.api.process_settings import kept_process_settings
+from moseg.workflows.threads import pin_threads
 from PIL import Image
-
-from schemas.errors import InputError, MosegError, StoreError
-from workflows.api import segment_video
-from workflows.api.process_settings import kept_process_settings
-from workflows.threads import pin_threads
 
 
 def _masks(folder) -> np.ndarray:

@@ -117,7 +117,7 @@ def write_video(tmp_path, frames):
 @pytest.fixture
 def moseg(capfd):
     """Runs a `moseg` command in this process; what libraries print past Python is caught too."""
-    from workflows.cli.app import run
+    from moseg.workflows.cli.app import run
 
     def call(*arguments) -> Ran:
         capfd.readouterr()

@@ -8,10 +8,9 @@ import zlib
 import cv2
 import numpy as np
 import pytest
+from moseg.workflows.sources import open_frames
+from moseg.workflows.sources.image_files import decode_image
 from PIL import Image
-
-from workflows.sources import open_frames
-from workflows.sources.image_files import decode_image
 
 
 def _as(mode, **options):

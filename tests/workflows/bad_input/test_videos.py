@@ -204,7 +204,7 @@ def test_pixels_that_are_not_square_stay_as_coded(masks_of, write_video):
 
 @pytest.mark.parametrize("kind", ["full range", "10 bits", "16-bit grey", "alpha"])
 def test_unusual_coding_keeps_the_brightness(write_video, frames, kind):
-    from workflows.sources import VideoFile
+    from moseg.workflows.sources import VideoFile
 
     path = write_video(**UNUSUAL[kind])
     found = np.stack(list(VideoFile(str(path), 1000).read())).astype(int)

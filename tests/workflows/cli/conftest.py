@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import pytest
 
-MOSEG = (sys.executable, "-c", "from workflows.cli import main; main()")
+MOSEG = (sys.executable, "-c", "from moseg.workflows.cli import main; main()")
 _STYLE = re.compile(r"\x1b\[\??[0-9;]*[mhl]")
 PATIENCE_SEC = 600.0
 

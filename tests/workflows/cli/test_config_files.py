@@ -7,12 +7,11 @@ import pytest
 import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-
-from schemas.configs import PipelineConfig
-from schemas.errors import InputError
-from schemas.presets import GEOMETRIES, PRESETS, QUALITIES
-from workflows.config_files import MAX_BYTES, read_config_file, write_config
-from workflows.parameters import list_parameters
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError
+from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES
+from moseg.workflows.config_files import MAX_BYTES, read_config_file, write_config
+from moseg.workflows.parameters import list_parameters
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 
@@ -33,7 +32,7 @@ VALUES = {
 
 
 def _config(preset, geometry, quality, chosen):
-    from workflows.preset_choice import choose_preset
+    from moseg.workflows.preset_choice import choose_preset
 
     values = choose_preset(preset, geometry, quality)
     for name, value in chosen.items():
@@ -213,8 +212,8 @@ def test_a_folder_in_a_file_still_needs_its_path(moseg, tmp_path):
 
 
 def test_trajectories_take_a_full_file_but_no_changes_for_images(tmp_path):
-    from workflows.cli.pipeline_options import PipelineOptions
-    from workflows.cli.trajectory_options import TrajectoryOptions
+    from moseg.workflows.cli.pipeline_options import PipelineOptions
+    from moseg.workflows.cli.trajectory_options import TrajectoryOptions
 
     path = tmp_path / "full.yaml"
     path.write_text(write_config(PipelineConfig()))

@@ -4,10 +4,9 @@ import json
 import re
 
 import pytest
+from moseg.workflows.exports import saved_segmentation
+from moseg.workflows.segment import StoredSegmentation
 from PIL import Image
-
-from workflows.exports import saved_segmentation
-from workflows.segment import StoredSegmentation
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 
@@ -92,7 +91,7 @@ def test_an_interrupted_report_leaves_the_one_before(moseg, evaluated, monkeypat
     def interrupt(*arguments, **options):
         raise KeyboardInterrupt
 
-    for broken in ("workflows.reports.from_log.build_page", "workflows.reports.write.render_page"):
+    for broken in ("moseg.workflows.reports.from_log.build_page", "moseg.workflows.reports.write.render_page"):
         with monkeypatch.context() as patched:
             patched.setattr(broken, interrupt)
             ran = moseg(*report)

@@ -4,11 +4,10 @@ import re
 from pathlib import Path
 
 import pytest
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.units import Unit
+from moseg.workflows.parameters import list_parameters, list_stages, value_of
 from pydantic import BaseModel
-
-from schemas.configs import PipelineConfig
-from schemas.units import Unit
-from workflows.parameters import list_parameters, list_stages, value_of
 
 NUMBER = re.compile(r"\b(int|float)\b|Positive(Int|Float)")
 

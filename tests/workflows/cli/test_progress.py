@@ -3,9 +3,8 @@
 import time
 
 import pytest
-
-from workflows import progress
-from workflows.progress import StageProgress, Waiting
+from moseg.workflows import progress
+from moseg.workflows.progress import StageProgress, Waiting
 
 
 @pytest.fixture

@@ -6,16 +6,15 @@ import sys
 from collections import Counter
 
 import pytest
-
-from store import open_store
+from moseg.store import open_store
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 
 # Computes no affinity before somebody presses a key, however late that is.
 WAITS_FOR_THE_KEY = """
 import time
-from workflows import execution
-from workflows.cli import main
+from moseg.workflows import execution
+from moseg.workflows.cli import main
 
 compute = execution._run
 
@@ -94,8 +93,8 @@ def test_a_second_ctrl_c_while_it_ends_shows_no_traces(tmp_path):
     # is pressed again.
     program = (
         "import os, signal, sys, threading, time\n"
-        "from workflows.cli import main\n"
-        "import workflows.cli.app as app\n"
+        "from moseg.workflows.cli import main\n"
+        "import moseg.workflows.cli.app as app\n"
         "def stop(arguments):\n"
         "    threading.Thread(target=outlive).start()\n"
         "    raise KeyboardInterrupt\n"
@@ -116,7 +115,7 @@ def test_a_second_ctrl_c_while_it_ends_shows_no_traces(tmp_path):
 @pytest.mark.parametrize("command", ["store ls", "store du", "config dump", "--help"])
 def test_a_reader_that_goes_is_no_fault(evaluated, command):
     words = [*command.split(), *(["--store", str(evaluated.store)] if command.startswith("store") else [])]
-    program = f"from workflows.cli import main; main({words!r})"
+    program = f"from moseg.workflows.cli import main; main({words!r})"
     process = subprocess.Popen(
         [sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
@@ -128,7 +127,7 @@ def test_a_reader_that_goes_is_no_fault(evaluated, command):
 
 
 def test_a_closed_or_full_output_is_told_in_one_line_or_none(evaluated):
-    listing = f"from workflows.cli import main; main(['store', 'ls', '--store', {str(evaluated.store)!r}])"
+    listing = f"from moseg.workflows.cli import main; main(['store', 'ls', '--store', {str(evaluated.store)!r}])"
     closed = subprocess.run(["sh", "-c", '"$0" -c "$1" >&-', sys.executable, listing], capture_output=True, check=False)
     assert (closed.returncode, closed.stderr) == (0, b"")
     with open("/dev/full", "w") as full:

@@ -11,11 +11,9 @@ from pathlib import Path
 
 import pytest
 from distributed import LocalCluster
-
-from workflows.cluster_connection import TlsFiles
+from moseg.workflows.cluster_connection import TlsFiles
 
 DEADLINE_SEC = 600
-ROOT = Path(__file__).resolve().parents[3]
 
 
 class Cluster:
@@ -85,7 +83,7 @@ class Cluster:
         name = words[words.index("--name") + 1] if "--name" in words else kind
         places = [str(path)] if path else []
         # Workers ignore the folder that they are started in.
-        env = os.environ | {"PYTHONPATH": os.pathsep.join([*places, str(ROOT)])}
+        env = os.environ | {"PYTHONPATH": os.pathsep.join(places)}
         command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *words, *self._tls]
         with (self._folder / f"{name}.log").open("w") as log:
             process = subprocess.Popen(command, env=env, stdout=log, stderr=log, cwd=self._folder)

@@ -4,12 +4,11 @@ import shutil
 from pathlib import Path
 
 import pytest
-
-from schemas.errors import InputError
-from workflows import code_fingerprint as fingerprints
-from workflows import runners
-from workflows.cluster_check import ClusterCheck
-from workflows.runners import Call, open_runner
+from moseg.schemas.errors import InputError
+from moseg.workflows import code_fingerprint as fingerprints
+from moseg.workflows import runners
+from moseg.workflows.cluster_check import ClusterCheck
+from moseg.workflows.runners import Call, open_runner
 
 DEADLINE_SEC = 600
 ROOT = Path(__file__).resolve().parents[3]

@@ -6,11 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.datasets import open_dataset
+from moseg.workflows.sources import TrajectoryFile, TrajectoryLabels
 from scipy.io import savemat
-
-from schemas.errors import InputError, MissingInputError
-from workflows.datasets import open_dataset
-from workflows.sources import TrajectoryFile, TrajectoryLabels
 
 REPOSITORY = Path(__file__).parents[3]
 DATA = Path(os.environ.get("MOSEG_TEST_DATA", REPOSITORY.parent / "shared" / "data")) / "kt3dmoseg"

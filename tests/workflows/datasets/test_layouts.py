@@ -1,9 +1,8 @@
 import pickle
 
 import pytest
-
-from schemas.errors import InputError, MissingInputError
-from workflows.datasets import DATASETS, open_dataset
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.datasets import DATASETS, open_dataset
 
 
 def open_only(name, root, sequence, **options):

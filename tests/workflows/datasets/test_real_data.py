@@ -5,9 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from workflows.datasets import open_dataset
-from workflows.sources import open_frames
+from moseg.workflows.datasets import open_dataset
+from moseg.workflows.sources import open_frames
 
 REPOSITORY = Path(__file__).parents[3]
 DATA = Path(os.environ.get("MOSEG_TEST_DATA", REPOSITORY.parent / "shared" / "data"))

@@ -1,7 +1,6 @@
 import pytest
-
-from schemas.errors import InputError, MissingInputError
-from workflows.datasets import DATASETS, describe_datasets, open_dataset
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.datasets import DATASETS, describe_datasets, open_dataset
 
 ON_DISK = [name for name, layout in DATASETS.items() if layout.needs_root]
 

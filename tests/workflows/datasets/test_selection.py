@@ -1,8 +1,7 @@
 import pytest
-
-from moseg_tasks.synthetic import SCENES
-from schemas.errors import InputError, MissingInputError
-from workflows.datasets import open_dataset
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.tasks.synthetic import SCENES
+from moseg.workflows.datasets import open_dataset
 
 
 @pytest.fixture

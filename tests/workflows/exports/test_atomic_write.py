@@ -4,10 +4,9 @@ import os
 from pathlib import Path
 
 import pytest
-
-from schemas.errors import InputError
-from workflows.exports import write_text
-from workflows.exports.atomic_write import atomic_path
+from moseg.schemas.errors import InputError
+from moseg.workflows.exports import write_text
+from moseg.workflows.exports.atomic_write import atomic_path
 
 
 def test_a_name_as_long_as_the_system_allows_is_written(tmp_path):

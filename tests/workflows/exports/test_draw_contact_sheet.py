@@ -3,12 +3,11 @@
 import cv2
 import numpy as np
 import pytest
-
-from workflows.exports.colour_maps import colour_soft_map
-from workflows.exports.draw_contact_sheet import draw_contact_sheet
-from workflows.exports.draw_errors import draw_errors
-from workflows.exports.draw_labels import draw_labels
-from workflows.exports.sheet_column import TILE_SIDE, SheetFrame, draw_column, tile_shape
+from moseg.workflows.exports.colour_maps import colour_soft_map
+from moseg.workflows.exports.draw_contact_sheet import draw_contact_sheet
+from moseg.workflows.exports.draw_errors import draw_errors
+from moseg.workflows.exports.draw_labels import draw_labels
+from moseg.workflows.exports.sheet_column import TILE_SIDE, SheetFrame, draw_column, tile_shape
 
 SHAPE = (TILE_SIDE // 2, TILE_SIDE)
 

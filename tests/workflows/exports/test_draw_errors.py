@@ -4,8 +4,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-
-from workflows.exports.draw_errors import DIMMING, ERROR_COLOURS, OPACITY, draw_errors
+from moseg.workflows.exports.draw_errors import DIMMING, ERROR_COLOURS, OPACITY, draw_errors
 
 VOID = 255
 

@@ -4,8 +4,7 @@ import colorsys
 
 import numpy as np
 import pytest
-
-from workflows.exports.draw_flow import UNKNOWN_FLOW, colour_flow, draw_flow_wheel
+from moseg.workflows.exports.draw_flow import UNKNOWN_FLOW, colour_flow, draw_flow_wheel
 
 
 def colour(u, v, longest=1.0):

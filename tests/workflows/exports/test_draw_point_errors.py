@@ -1,7 +1,6 @@
 import numpy as np
-
-from workflows.exports.draw_errors import ERROR_COLOURS, draw_errors
-from workflows.exports.draw_point_errors import POINT_RADIUS, PointLabels, draw_point_errors
+from moseg.workflows.exports.draw_errors import ERROR_COLOURS, draw_errors
+from moseg.workflows.exports.draw_point_errors import POINT_RADIUS, PointLabels, draw_point_errors
 
 IMAGE = np.random.default_rng(0).integers(0, 256, (60, 80, 3)).astype(np.uint8)
 DIM = draw_errors(IMAGE, np.zeros((60, 80), np.uint16), np.zeros((60, 80), np.uint16))

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from workflows.exports.draw_regions import RIM, RegionStyle, draw_regions
+from moseg.workflows.exports.draw_regions import RIM, RegionStyle, draw_regions
 
 COLOURS = np.array([(0, 0, 0), (255, 0, 0), (0, 255, 0)], np.uint8)
 PLAIN = RegionStyle(0.5)

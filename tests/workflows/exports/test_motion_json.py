@@ -4,11 +4,10 @@ import json
 
 import numpy as np
 import pytest
-
-from schemas.errors import InputError
-from workflows.exports import summarise_sequence, write_motion
-from workflows.exports.motion_json import frame_names, read_motion
-from workflows.sources import ImageFiles, VideoFile
+from moseg.schemas.errors import InputError
+from moseg.workflows.exports import summarise_sequence, write_motion
+from moseg.workflows.exports.motion_json import frame_names, read_motion
+from moseg.workflows.sources import ImageFiles, VideoFile
 
 
 @pytest.fixture

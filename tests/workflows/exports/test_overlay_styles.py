@@ -6,10 +6,16 @@ import io
 import av
 import numpy as np
 import pytest
-
-from workflows.exports import OverlayMode, OverlayStyle, draw_labels, encode_overlay, identity_colours, write_overlay
-from workflows.exports.draw_labels import CUTOUT_DIMMING
-from workflows.exports.draw_overlay import draw_overlay
+from moseg.workflows.exports import (
+    OverlayMode,
+    OverlayStyle,
+    draw_labels,
+    encode_overlay,
+    identity_colours,
+    write_overlay,
+)
+from moseg.workflows.exports.draw_labels import CUTOUT_DIMMING
+from moseg.workflows.exports.draw_overlay import draw_overlay
 
 SHAPE = (40, 60)
 COLOUR = (200, 100, 40)

@@ -4,11 +4,10 @@ import json
 
 import numpy as np
 import pytest
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.exports import summarise_sequence, write_masks, write_motion
+from moseg.workflows.exports.saved_segmentation import open_segmentation
 from PIL import Image
-
-from schemas.errors import InputError, MissingInputError
-from workflows.exports import summarise_sequence, write_masks, write_motion
-from workflows.exports.saved_segmentation import open_segmentation
 
 LABELS = np.zeros((3, 6, 8), np.uint16)
 LABELS[:, 2:4, 2:5] = 4

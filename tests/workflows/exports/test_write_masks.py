@@ -5,11 +5,10 @@ import uuid
 
 import numpy as np
 import pytest
+from moseg.schemas.errors import InputError
+from moseg.workflows.exports import davis_palette, identity_colours, write_masks
+from moseg.workflows.predictions import FrameList, open_predictions
 from PIL import Image
-
-from schemas.errors import InputError
-from workflows.exports import davis_palette, identity_colours, write_masks
-from workflows.predictions import FrameList, open_predictions
 
 
 @pytest.fixture

@@ -5,9 +5,8 @@ from fractions import Fraction
 import av
 import numpy as np
 import pytest
-
-from schemas.errors import InputError
-from workflows.exports import draw_labels, identity_colours, write_overlay
+from moseg.schemas.errors import InputError
+from moseg.workflows.exports import draw_labels, identity_colours, write_overlay
 
 GREY = 120
 

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from moseg.schemas.errors import InputError
+from moseg.workflows.predictions import FrameList, open_predictions
 from PIL import Image
-
-from schemas.errors import InputError
-from workflows.predictions import FrameList, open_predictions
 
 SHAPE = (4, 6)
 LABELS = np.random.default_rng(0).integers(0, 3, (2, *SHAPE)).astype(np.uint8)

@@ -4,10 +4,9 @@ import zipfile
 
 import numpy as np
 import pytest
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.predictions import FORMATS, FrameList, open_predictions
 from PIL import Image
-
-from schemas.errors import InputError, MissingInputError
-from workflows.predictions import FORMATS, FrameList, open_predictions
 
 SHAPE = (6, 9)
 

@@ -201,8 +201,8 @@ def test_volumes_are_the_frames_in_order(dataset, score, tmp_path):
 
 
 def test_rendered_frames_have_numbers_from_0(moseg, tmp_path):
-    from moseg_tasks.synthetic import SCENES
-    from workflows.sources import SceneMasks
+    from moseg.tasks.synthetic import SCENES
+    from moseg.workflows.sources import SceneMasks
 
     name = next(iter(SCENES))
     (tmp_path / "saved" / name).mkdir(parents=True)

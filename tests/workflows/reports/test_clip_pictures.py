@@ -4,18 +4,17 @@ import io
 
 import numpy as np
 import pytest
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
+from moseg.schemas.recipes import leaf_recipe
+from moseg.store import open_store
+from moseg.tasks.metrics import clustering_error
+from moseg.workflows.graph import TrajectoryGraph, TrajectoryLeaves
+from moseg.workflows.reports.clip_pictures import CLIP_SIDE, RIGHT_COLOUR, WRONG_COLOUR, clip_extent, match_groups
+from moseg.workflows.reports.missing import WhyAbsent
+from moseg.workflows.reports.panels import Panels
+from moseg.workflows.reports.pictures import gather_clip_pictures
+from moseg.workflows.reports.sequence_view import as_hex
 from PIL import Image
-
-from moseg_tasks.metrics import clustering_error
-from schemas.configs import PipelineConfig, TrajectoryVariant
-from schemas.recipes import leaf_recipe
-from store import open_store
-from workflows.graph import TrajectoryGraph, TrajectoryLeaves
-from workflows.reports.clip_pictures import CLIP_SIDE, RIGHT_COLOUR, WRONG_COLOUR, clip_extent, match_groups
-from workflows.reports.missing import WhyAbsent
-from workflows.reports.panels import Panels
-from workflows.reports.pictures import gather_clip_pictures
-from workflows.reports.sequence_view import as_hex
 
 CONFIG = PipelineConfig()
 FUSED = TrajectoryVariant.FUSED

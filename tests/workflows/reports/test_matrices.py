@@ -4,20 +4,19 @@ from typing import get_args
 
 import numpy as np
 import pytest
-
-from moseg_tasks.clustering import cluster_motions
-from moseg_tasks.clustering.spectral import normalise_affinity
-from schemas.configs import PipelineConfig, Variant
-from schemas.parameters import ClusteringParams, TrajectoryClusteringParams
-from store import open_store
-from workflows.graph import SequenceGraph
-from workflows.reports.clip_panels import MOST_TRACKS, sample_by_motion
-from workflows.reports.matrices import fused_kernel, matrix_refs, mean_residuals
-from workflows.reports.motion_count import FoundGroups, explain_objects, explain_tracks
-from workflows.reports.sequence_view import all_colours, as_hex
-from workflows.reports.subject import read_subject
-from workflows.reports.variant_panels import variant_panel
-from workflows.status import list_runs
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.parameters import ClusteringParams, TrajectoryClusteringParams
+from moseg.store import open_store
+from moseg.tasks.clustering import cluster_motions
+from moseg.tasks.clustering.spectral import normalise_affinity
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.reports.clip_panels import MOST_TRACKS, sample_by_motion
+from moseg.workflows.reports.matrices import fused_kernel, matrix_refs, mean_residuals
+from moseg.workflows.reports.motion_count import FoundGroups, explain_objects, explain_tracks
+from moseg.workflows.reports.sequence_view import all_colours, as_hex
+from moseg.workflows.reports.subject import read_subject
+from moseg.workflows.reports.variant_panels import variant_panel
+from moseg.workflows.status import list_runs
 
 AUTO = get_args(ClusteringParams.model_fields["auto"].annotation)
 AUTO_TRACKS = get_args(TrajectoryClusteringParams.model_fields["auto"].annotation)

@@ -4,10 +4,9 @@ import itertools
 import re
 
 import pytest
-
-from schemas.scores import SequenceScore
-from workflows.reports.page import render_page
-from workflows.reports.score_tables import score_tables
+from moseg.schemas.scores import SequenceScore
+from moseg.workflows.reports.page import render_page
+from moseg.workflows.reports.score_tables import score_tables
 
 PHONE = {"width": 360, "height": 740}
 BODY_TEXT = (

@@ -4,12 +4,11 @@ import re
 from importlib.resources import files
 
 import pytest
-
-from schemas.scores import SequenceScore
-from workflows.reports.clip_tables import clip_tables
-from workflows.reports.page import render_page
-from workflows.reports.score_tables import score_tables
-from workflows.reports.table_content import StageRow
+from moseg.schemas.scores import SequenceScore
+from moseg.workflows.reports.clip_tables import clip_tables
+from moseg.workflows.reports.page import render_page
+from moseg.workflows.reports.score_tables import score_tables
+from moseg.workflows.reports.table_content import StageRow
 
 SCORE = SequenceScore(P=1, R=2, F=3, J=4, boundary_F=5, J_objects=6, boundary_F_objects=7)
 POINTS = SequenceScore(P=1, R=2, F=3, J=4, J_objects=6)
@@ -64,5 +63,5 @@ def test_names_that_are_no_text_are_written_too(make_page):
 
 
 def test_what_the_page_is_made_of_comes_with_the_package():
-    names = {entry.name for entry in files("workflows.reports.page").iterdir()}
+    names = {entry.name for entry in files("moseg.workflows.reports.page").iterdir()}
     assert {"page.html", "page.css", "viewer.js"} <= names

@@ -2,16 +2,15 @@
 
 import numpy as np
 import pytest
-
-from workflows.reports.figure_content import EigenvaluePlot, Matrix
-from workflows.reports.page.eigenvalue_plots import gather_plot
-from workflows.reports.page.heat_maps import gather_heat_map
-from workflows.reports.page.numbers import duration, short_number
-from workflows.reports.page.score_tables import gather_score_tables
-from workflows.reports.page.sequence_views import choose_panes
-from workflows.reports.page.stage_bars import gather_stages
-from workflows.reports.picture_content import Layer, LayerKind
-from workflows.reports.table_content import Better, ScoreTable, StageRow
+from moseg.workflows.reports.figure_content import EigenvaluePlot, Matrix
+from moseg.workflows.reports.page.eigenvalue_plots import gather_plot
+from moseg.workflows.reports.page.heat_maps import gather_heat_map
+from moseg.workflows.reports.page.numbers import duration, short_number
+from moseg.workflows.reports.page.score_tables import gather_score_tables
+from moseg.workflows.reports.page.sequence_views import choose_panes
+from moseg.workflows.reports.page.stage_bars import gather_stages
+from moseg.workflows.reports.picture_content import Layer, LayerKind
+from moseg.workflows.reports.table_content import Better, ScoreTable, StageRow
 
 
 @pytest.mark.parametrize(

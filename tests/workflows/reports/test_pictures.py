@@ -5,24 +5,23 @@ import io
 import av
 import numpy as np
 import pytest
+from moseg.schemas.configs import PipelineConfig, SectionParams, Variant
+from moseg.schemas.errors import CorruptArtifactError
+from moseg.schemas.parameters import DepthParams, FlowParams
+from moseg.schemas.recipes import leaf_recipe, split_ref
+from moseg.store import open_store
+from moseg.workflows.datasets import open_dataset
+from moseg.workflows.exports.draw_errors import ERROR_COLOURS
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.leaves import ingest_jobs, make_leaves
+from moseg.workflows.plan_evaluation import foresee_ingest
+from moseg.workflows.reports import overlay_video, sequence_view
+from moseg.workflows.reports.cue_layers import plan_cue_layers
+from moseg.workflows.reports.missing import WhyAbsent
+from moseg.workflows.reports.picture_content import LayerKind
+from moseg.workflows.reports.pictures import gather_pictures, picture_refs
+from moseg.workflows.reports.sequence_view import all_colours, all_tints, as_hex
 from PIL import Image
-
-from schemas.configs import PipelineConfig, SectionParams, Variant
-from schemas.errors import CorruptArtifactError
-from schemas.parameters import DepthParams, FlowParams
-from schemas.recipes import leaf_recipe, split_ref
-from store import open_store
-from workflows.datasets import open_dataset
-from workflows.exports.draw_errors import ERROR_COLOURS
-from workflows.graph import SequenceGraph
-from workflows.leaves import ingest_jobs, make_leaves
-from workflows.plan_evaluation import foresee_ingest
-from workflows.reports import overlay_video, sequence_view
-from workflows.reports.cue_layers import plan_cue_layers
-from workflows.reports.missing import WhyAbsent
-from workflows.reports.picture_content import LayerKind
-from workflows.reports.pictures import gather_pictures, picture_refs
-from workflows.reports.sequence_view import all_colours, all_tints, as_hex
 
 CONFIG = PipelineConfig(sections=SectionParams(length=4, overlap=2))
 FUSED = (Variant.FUSED,)

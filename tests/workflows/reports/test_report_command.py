@@ -6,13 +6,12 @@ import shutil
 import sys
 
 import pytest
-
-from schemas.recipes import split_ref
-from store import open_store
-from workflows.reports import panels
-from workflows.reports.from_log import report_run
-from workflows.reports.write import write_report
-from workflows.status import list_runs
+from moseg.schemas.recipes import split_ref
+from moseg.store import open_store
+from moseg.workflows.reports import panels
+from moseg.workflows.reports.from_log import report_run
+from moseg.workflows.reports.write import write_report
+from moseg.workflows.status import list_runs
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 
@@ -33,7 +32,7 @@ def report(moseg, evaluated_copy, tmp_path):
 @pytest.fixture(scope="module")
 def ablated(write_squares, tmp_path_factory):
     """Folder of a store, of the JSON and of the page that an ablation left, and its output; its source is gone."""
-    from workflows.cli.app import run
+    from moseg.workflows.cli.app import run
 
     folder = tmp_path_factory.mktemp("ablated")
     write_squares(folder / "data" / "squares")

@@ -1,13 +1,13 @@
 """Tables of a report: our figures, and the paper's beside them and never among them."""
 
-from schemas.configs import PipelineConfig
-from schemas.scores import SequenceScore
-from schemas.trajectory_scores import TrajectoryMean, TrajectoryRow, TrajectoryScore
-from workflows.published_scores import PAPER_ROWS, PUBLISHED_ERRORS
-from workflows.reports.clip_tables import clip_tables
-from workflows.reports.parameter_rows import parameter_rows
-from workflows.reports.score_tables import score_tables
-from workflows.reports.table_content import Better
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.scores import SequenceScore
+from moseg.schemas.trajectory_scores import TrajectoryMean, TrajectoryRow, TrajectoryScore
+from moseg.workflows.published_scores import PAPER_ROWS, PUBLISHED_ERRORS
+from moseg.workflows.reports.clip_tables import clip_tables
+from moseg.workflows.reports.parameter_rows import parameter_rows
+from moseg.workflows.reports.score_tables import score_tables
+from moseg.workflows.reports.table_content import Better
 
 SCORE = SequenceScore(P=1, R=2, F=3, J=4, boundary_F=5, J_objects=6, boundary_F_objects=7)
 POINTS = SequenceScore(P=1, R=2, F=3, J=4, J_objects=6)

@@ -4,14 +4,13 @@ import json
 import shlex
 
 import pytest
-
-from schemas.configs import PipelineConfig, Variant
-from schemas.errors import InputError
-from store import open_store
-from workflows import waves
-from workflows.graph import SequenceGraph
-from workflows.reports.subject import read_subject
-from workflows.status import list_runs, read_status
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.errors import InputError
+from moseg.store import open_store
+from moseg.workflows import waves
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.reports.subject import read_subject
+from moseg.workflows.status import list_runs, read_status
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 

@@ -8,8 +8,7 @@ import threading
 import cv2
 import numpy as np
 import pytest
-
-from workflows.sources.decoder_noise import listen_to
+from moseg.workflows.sources.decoder_noise import listen_to
 
 
 @pytest.fixture

@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
-
-from schemas.errors import InputError
-from workflows.sources import DepthFiles
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources import DepthFiles
 
 SIZE = (4, 6)
 DEPTH = np.linspace(0.1, 2, 24).reshape(SIZE)

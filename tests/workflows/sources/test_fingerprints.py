@@ -7,8 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from workflows.sources import DepthFiles, ImageFiles, MaskFiles, SceneFrames, SceneMasks, VideoFile
+from moseg.workflows.sources import DepthFiles, ImageFiles, MaskFiles, SceneFrames, SceneMasks, VideoFile
 
 
 @pytest.fixture(params=["images", "video", "masks", "depth"])

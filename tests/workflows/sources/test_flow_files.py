@@ -3,9 +3,8 @@ import struct
 import cv2
 import numpy as np
 import pytest
-
-from schemas.errors import InputError
-from workflows.sources import FlowFiles
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources import FlowFiles
 
 SIZE = (4, 6)
 FLOW = np.random.default_rng(0).normal(0, 20, (*SIZE, 2)).astype(np.float32)

@@ -2,10 +2,9 @@ import struct
 
 import numpy as np
 import pytest
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.sources import ImageFiles
 from PIL import Image
-
-from schemas.errors import InputError, MissingInputError
-from workflows.sources import ImageFiles
 
 
 def read_one(path, max_side=1000):

@@ -1,10 +1,9 @@
 import numpy as np
 import pytest
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources import MaskFiles
+from moseg.workflows.sources.mask_files import find_mask_kind
 from PIL import Image
-
-from schemas.errors import InputError
-from workflows.sources import MaskFiles
-from workflows.sources.mask_files import find_mask_kind
 
 IDS = np.array([[0, 1, 2], [7, 254, 255]], np.uint8)
 

@@ -4,10 +4,9 @@ import io
 
 import numpy as np
 import pytest
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources.mat_tracks import decode_mat_tracks
 from scipy.io import savemat
-
-from schemas.errors import InputError
-from workflows.sources.mat_tracks import decode_mat_tracks
 
 NUM_TRACKS, NUM_FRAMES = 7, 5
 POINTS = np.random.default_rng(0).uniform(0, 40, (NUM_TRACKS, NUM_FRAMES, 2))

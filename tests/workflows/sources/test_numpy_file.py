@@ -6,10 +6,9 @@ import zipfile
 
 import numpy as np
 import pytest
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources.numpy_file import decode_array, decode_arrays
 from numpy.lib import format as npy_format
-
-from schemas.errors import InputError
-from workflows.sources.numpy_file import decode_array, decode_arrays
 
 VALUES = np.arange(24.0).reshape(4, 6)
 ARRAYS = [

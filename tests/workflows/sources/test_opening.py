@@ -2,9 +2,8 @@ import os
 
 import numpy as np
 import pytest
-
-from schemas.errors import InputError, MissingInputError
-from workflows.sources import ImageFiles, VideoFile, open_depth, open_flow, open_frames, open_masks
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.sources import ImageFiles, VideoFile, open_depth, open_flow, open_frames, open_masks
 
 
 @pytest.fixture

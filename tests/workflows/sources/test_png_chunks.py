@@ -5,9 +5,8 @@ import struct
 import cv2
 import numpy as np
 import pytest
-
-from schemas.errors import InputError
-from workflows.sources.png_file import check_png_size, decode_png
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources.png_file import check_png_size, decode_png
 
 LENGTH_OF_SECOND_CHUNK = 33
 

@@ -6,10 +6,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-
-from workflows.sources import LabelledPointFile
-from workflows.sources.labelled_points import BACKGROUND_LABEL
-from workflows.sources.mat_tracks import decode_mat_tracks
+from moseg.workflows.sources import LabelledPointFile
+from moseg.workflows.sources.labelled_points import BACKGROUND_LABEL
+from moseg.workflows.sources.mat_tracks import decode_mat_tracks
 
 REPOSITORY = Path(__file__).parents[3]
 DATA = Path(os.environ.get("MOSEG_TEST_DATA", REPOSITORY.parent / "shared" / "data")) / "kt3dmoseg"

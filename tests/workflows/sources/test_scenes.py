@@ -2,10 +2,9 @@ import pickle
 
 import numpy as np
 import pytest
-
-from moseg_tasks.synthetic import SCENES, render_scene
-from schemas.errors import InputError
-from workflows.sources import SceneDepth, SceneFlow, SceneFrames, SceneMasks, SceneTracks
+from moseg.schemas.errors import InputError
+from moseg.tasks.synthetic import SCENES, render_scene
+from moseg.workflows.sources import SceneDepth, SceneFlow, SceneFrames, SceneMasks, SceneTracks
 
 
 @pytest.fixture

@@ -2,9 +2,8 @@ import io
 
 import numpy as np
 import pytest
-
-from schemas.errors import InputError
-from workflows.sources import TrackFile
+from moseg.schemas.errors import InputError
+from moseg.workflows.sources import TrackFile
 
 SIZE = (48, 64)
 NUM_FRAMES = 5

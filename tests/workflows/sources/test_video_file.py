@@ -5,9 +5,8 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-
-from schemas.errors import InputError, MissingInputError
-from workflows.sources import VideoFile, video_file
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.sources import VideoFile, video_file
 
 
 @pytest.fixture

@@ -4,9 +4,8 @@ import json
 
 import numpy as np
 import pytest
-
-from moseg_tasks.clustering.spectral import normalise_affinity
-from store import open_store
+from moseg.store import open_store
+from moseg.tasks.clustering.spectral import normalise_affinity
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 

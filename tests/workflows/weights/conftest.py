@@ -10,8 +10,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 import pytest
-
-from workflows.weights.folder import Weights, open_weights
+from moseg.workflows.weights.folder import Weights, open_weights
 
 
 @dataclass
@@ -129,7 +128,7 @@ def server() -> Iterator[FileServer]:
 def no_waiting(monkeypatch) -> list[float]:
     """Repeated requests follow at once; lists the seconds that were not waited."""
     waits: list[float] = []
-    monkeypatch.setattr("workflows.weights.download.time.sleep", waits.append)
+    monkeypatch.setattr("moseg.workflows.weights.download.time.sleep", waits.append)
     return waits
 
 

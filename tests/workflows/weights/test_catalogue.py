@@ -3,10 +3,9 @@
 from typing import get_args
 
 import pytest
-
-from schemas.weights import TENSOR_SUFFIXES, Architecture
-from workflows.weights.catalogue import CATALOGUE
-from workflows.weights.hub import parse_hub_url
+from moseg.schemas.weights import TENSOR_SUFFIXES, Architecture
+from moseg.workflows.weights.catalogue import CATALOGUE
+from moseg.workflows.weights.hub import parse_hub_url
 
 ITEMS = {item.name: item for item in CATALOGUE}
 

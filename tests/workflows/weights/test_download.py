@@ -8,10 +8,9 @@ from email.utils import format_datetime
 from urllib.error import HTTPError
 
 import pytest
-
-from schemas.errors import InputError
-from workflows.weights.connection import _Redirects
-from workflows.weights.download import CHUNK_BYTES, Retries, Source, download
+from moseg.schemas.errors import InputError
+from moseg.workflows.weights.connection import _Redirects
+from moseg.workflows.weights.download import CHUNK_BYTES, Retries, Source, download
 
 CONTENT = bytes(range(256)) * 4096
 PATH = "/models/net.pth"
@@ -313,7 +312,7 @@ def test_a_token_stays_with_its_host(server, fetch):
 def test_a_full_disk_is_noticed_before_the_download(server, fetch, tmp_path, monkeypatch):
     server.serve(PATH, CONTENT)
     usage = type("Usage", (), {"free": 1000})
-    monkeypatch.setattr("workflows.weights.download.shutil.disk_usage", lambda path: usage)
+    monkeypatch.setattr("moseg.workflows.weights.download.shutil.disk_usage", lambda path: usage)
     with pytest.raises(
         InputError, match=f"no room on the disk in .*got 1000 bytes free; expected {len(CONTENT)} bytes"
     ):
@@ -326,7 +325,7 @@ def test_a_disk_that_fills_up_is_named(server, fetch, tmp_path, monkeypatch):
     def fail(descriptor):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("workflows.weights.download.os.fsync", fail)
+    monkeypatch.setattr("moseg.workflows.weights.download.os.fsync", fail)
     with pytest.raises(InputError, match=r"cannot write in .*net.pth.partial; got No space left on device"):
         fetch()
 

@@ -3,8 +3,7 @@
 import json
 
 import pytest
-
-from schemas.errors import InputError
+from moseg.schemas.errors import InputError
 
 COMMIT, LATER = "a" * 40, "b" * 40
 TENSORS, CONFIG = b"tensors" * 1000, b'{"size": 1}'
@@ -224,7 +223,7 @@ def test_a_file_pinned_as_empty_is_no_pin(describe, open_folder, folder, server)
 
 @pytest.mark.parametrize("token", ["hf_secret\nX-Header: x", "hf_sécret", "hf secret", "hf_secret\x00"])
 def test_a_token_that_is_none_is_refused_and_not_told(token):
-    from workflows.weights.hub import token_for
+    from moseg.workflows.weights.hub import token_for
 
     assert token_for("https://example.org/net", token) is None
     with pytest.raises(InputError, match="not a token in HF_TOKEN") as refused:
@@ -233,7 +232,7 @@ def test_a_token_that_is_none_is_refused_and_not_told(token):
 
 
 def test_blanks_around_a_token_are_no_part_of_it(server, hub, describe_hub, open_folder, monkeypatch):
-    monkeypatch.setattr("workflows.weights.hub.token_for", lambda url, token: token)
+    monkeypatch.setattr("moseg.workflows.weights.hub.token_for", lambda url, token: token)
     describe_hub("main")
     weights = open_folder(HF_TOKEN=" hf_secret\n")
     weights.ensure(weights.item("net"))
@@ -241,7 +240,7 @@ def test_blanks_around_a_token_are_no_part_of_it(server, hub, describe_hub, open
 
 
 def test_the_token_is_for_the_hub_alone():
-    from workflows.weights.hub import token_for
+    from moseg.workflows.weights.hub import token_for
 
     assert token_for("https://huggingface.co/org/net/resolve/main/model.bin", "secret") == "secret"
     for url in (

@@ -9,16 +9,15 @@ import threading
 from pathlib import Path
 
 import pytest
-
-from schemas.errors import InputError, MissingInputError
-from workflows.weights.fetch_command import fetch_command
-from workflows.weights.folder import Weights
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.weights.fetch_command import fetch_command
+from moseg.workflows.weights.folder import Weights
 
 CONTENT = b"weights" * 10_000
 SEQUENCE = "pan"
 FETCH = """
 import sys
-from workflows.weights.folder import open_weights
+from moseg.workflows.weights.folder import open_weights
 weights = open_weights({"MOSEG_WEIGHTS": sys.argv[1]})
 weights.ensure(weights.item("net"))
 """
@@ -32,7 +31,7 @@ def known(server, describe, sha256):
 
 
 def test_the_folder_is_where_the_environment_says(tmp_path):
-    from workflows.weights.own_items import weights_folder
+    from moseg.workflows.weights.own_items import weights_folder
 
     home = {"HOME": "/home/someone"}
     assert weights_folder(home) == Path("/home/someone/.cache/moseg/weights")
@@ -235,7 +234,7 @@ def test_a_file_that_cannot_be_read_is_named(describe, open_folder, folder, monk
     def refuse(*arguments):
         raise PermissionError(errno.EACCES, "Permission denied")
 
-    monkeypatch.setattr("workflows.weights.hashing.open", refuse, raising=False)
+    monkeypatch.setattr("moseg.workflows.weights.hashing.open", refuse, raising=False)
     line = f"unreadable weights file in {folder}/net/model.pth; got Permission denied"
     with pytest.raises(InputError, match=line):
         use(weights, item)

@@ -7,9 +7,8 @@ from argparse import Namespace
 import numpy as np
 import pytest
 import torch
+from moseg.schemas.errors import InputError
 from safetensors.torch import save_file
-
-from schemas.errors import InputError
 
 TENSORS = {"a.weight": torch.arange(6.0).reshape(2, 3), "a.bias": torch.ones(2)}
 
@@ -225,6 +224,6 @@ def test_a_file_written_to_while_it_is_read_is_refused(describe, open_folder, fo
     def write_meanwhile(item, home):
         path.write_bytes(b"")
 
-    monkeypatch.setattr("workflows.weights.item_folder.read_checkpoint", write_meanwhile)
+    monkeypatch.setattr("moseg.workflows.weights.item_folder.read_checkpoint", write_meanwhile)
     with pytest.raises(InputError, match=f"written to while it was read in {path}"):
         weights.read(weights.item("net"), weights.digests(weights.item("net")))

@@ -4,15 +4,14 @@ import threading
 from typing import NamedTuple
 
 import pytest
-
-from moseg_tasks.networks.pips import build_pips
-from moseg_tasks.networks.raft import build_raft
-from schemas.errors import InputError
-from workflows.devices import set_device
-from workflows.weights.folder import open_weights
-from workflows.weights.leaf import weights_leaf
-from workflows.weights.resident import open_network
-from workflows.weights.tiny.make_tiny import make_tiny
+from moseg.schemas.errors import InputError
+from moseg.tasks.networks.pips import build_pips
+from moseg.tasks.networks.raft import build_raft
+from moseg.workflows.devices import set_device
+from moseg.workflows.weights.folder import open_weights
+from moseg.workflows.weights.leaf import weights_leaf
+from moseg.workflows.weights.resident import open_network
+from moseg.workflows.weights.tiny.make_tiny import make_tiny
 
 
 class Leaf(NamedTuple):

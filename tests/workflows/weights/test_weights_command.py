@@ -3,8 +3,7 @@
 import json
 
 import pytest
-
-from schemas.weights import DOCUMENTS
+from moseg.schemas.weights import DOCUMENTS
 
 CONTENT = b"weights" * 1000
 
@@ -119,8 +118,8 @@ def test_verify_says_where_nothing_is_known(net, describe, moseg):
 
 
 def test_tiny_checkpoints_are_read_by_the_network_that_they_are_for(tmp_path, moseg, monkeypatch):
-    from moseg_tasks.networks.raft import build_raft
-    from workflows.weights.folder import open_weights
+    from moseg.tasks.networks.raft import build_raft
+    from moseg.workflows.weights.folder import open_weights
 
     ran = moseg("weights", "tiny", tmp_path / "tiny", "--only", "raft-large")
     assert ran.code == 0 and f"export MOSEG_WEIGHTS={tmp_path}/tiny" in ran.out
@@ -132,9 +131,9 @@ def test_tiny_checkpoints_are_read_by_the_network_that_they_are_for(tmp_path, mo
 
 @pytest.mark.parametrize("architecture", DOCUMENTS)
 def test_every_network_has_a_tiny_checkpoint(tmp_path, architecture):
-    from workflows.weights.catalogue import CATALOGUE
-    from workflows.weights.folder import open_weights
-    from workflows.weights.tiny.make_tiny import make_tiny
+    from moseg.workflows.weights.catalogue import CATALOGUE
+    from moseg.workflows.weights.folder import open_weights
+    from moseg.workflows.weights.tiny.make_tiny import make_tiny
 
     item = next(item for item in CATALOGUE if item.architecture == architecture)
     make_tiny(tmp_path, [item], seed=0)
@@ -176,7 +175,7 @@ def test_tiny_checkpoints_never_take_the_place_of_fetched_weights(tmp_path, mose
 
 
 def test_tiny_checkpoints_without_the_libraries_of_networks_are_exit_code_two(tmp_path, moseg, monkeypatch):
-    monkeypatch.setattr("workflows.weights.packages.find_spec", lambda name: None)
+    monkeypatch.setattr("moseg.workflows.weights.packages.find_spec", lambda name: None)
     ran = moseg("weights", "tiny", tmp_path / "tiny", "--only", "raft-large")
     assert ran.code == 2 and "pip install 'moseg[models]'" in ran.err
     assert not (tmp_path / "tiny").exists()

@@ -1,8 +1,8 @@
 """`moseg store why`: which field of its recipe made an artifact a miss."""
 
-from workflows.cli.options import DEFAULT_STORE, StoreOption
-from workflows.cli.store_commands.finding import KeyArgument, find_artifact, open_existing
-from workflows.cli.store_commands.writing import short
+from moseg.workflows.cli.options import DEFAULT_STORE, StoreOption
+from moseg.workflows.cli.store_commands.finding import KeyArgument, find_artifact, open_existing
+from moseg.workflows.cli.store_commands.writing import short
 
 
 def why(key: KeyArgument, store: StoreOption = DEFAULT_STORE) -> None:
@@ -14,7 +14,7 @@ def why(key: KeyArgument, store: StoreOption = DEFAULT_STORE) -> None:
     --------
     moseg store why clustering/1a2b
     """
-    from store import differences, nearest
+    from moseg.store import differences, nearest
 
     opened = open_existing(store)
     ref = find_artifact(opened, key)

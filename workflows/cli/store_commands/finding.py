@@ -4,9 +4,8 @@ import re
 from typing import Annotated
 
 import typer
-
-from schemas.arrays import LAYOUTS
-from schemas.errors import InputError
+from moseg.schemas.arrays import LAYOUTS
+from moseg.schemas.errors import InputError
 
 KeyArgument = Annotated[str, typer.Argument(help="<task>/<key>, or the first letters of a key.")]
 
@@ -16,7 +15,7 @@ _TASK = re.compile(r"[a-z][a-z0-9_]{0,63}")
 
 def open_existing(url: str):
     """The store at a place where one must be."""
-    from store import open_store
+    from moseg.store import open_store
 
     return open_store(url, create=False)
 
@@ -60,7 +59,7 @@ def find_pins(store, run: str) -> list[str]:
     pinned = store.pinned()
     if run in pinned:
         return [run]
-    from workflows.status import find_run, read_status
+    from moseg.workflows.status import find_run, read_status
 
     logged = find_run(store, run)
     found = [name for name in (logged, *read_status(store, logged).pins) if name in pinned]

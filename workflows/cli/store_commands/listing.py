@@ -4,13 +4,12 @@ from datetime import UTC, datetime
 from typing import Annotated
 
 import typer
-
-from schemas.arrays import LAYOUTS
-from workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
-from workflows.cli.store_commands.finding import open_existing
-from workflows.cli.store_commands.writing import size
-from workflows.progress import Waiting
-from workflows.spelling import closest, unknown_name
+from moseg.schemas.arrays import LAYOUTS
+from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
+from moseg.workflows.cli.store_commands.finding import open_existing
+from moseg.workflows.cli.store_commands.writing import size
+from moseg.workflows.progress import Waiting
+from moseg.workflows.spelling import closest, unknown_name
 
 
 def list_artifacts(

@@ -5,14 +5,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated
 
 import typer
+from moseg.schemas.manifests import Manifest
+from moseg.schemas.recipes import split_ref
+from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
+from moseg.workflows.cli.store_commands.finding import KeyArgument, find_artifact, open_existing
+from moseg.workflows.cli.store_commands.writing import short, size
+from moseg.workflows.progress import StageProgress
 from pydantic import JsonValue
-
-from schemas.manifests import Manifest
-from schemas.recipes import split_ref
-from workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
-from workflows.cli.store_commands.finding import KeyArgument, find_artifact, open_existing
-from workflows.cli.store_commands.writing import short, size
-from workflows.progress import StageProgress
 
 LONG_PASS = 5_000
 """Manifests from which a pass over them takes seconds behind a network, and is worth a bar."""
@@ -40,7 +39,7 @@ def show(
     moseg store show score/1a2b --summary
     moseg store show 1a2b --no-downstream
     """
-    from store.lineage import State, ancestry, descendants
+    from moseg.store.lineage import State, ancestry, descendants
 
     opened = open_existing(store)
     ref = find_artifact(opened, key)

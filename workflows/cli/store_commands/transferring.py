@@ -4,15 +4,14 @@ from collections.abc import Sequence
 from typing import Annotated, NamedTuple
 
 import typer
-
-from schemas.digests import digest_json
-from schemas.errors import InputError, MissingStoreError
-from schemas.recipes import split_ref
-from workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
-from workflows.cli.store_commands.finding import find_artifact, find_pins, open_existing
-from workflows.cli.store_commands.listing import print_use
-from workflows.cli.store_commands.writing import size
-from workflows.progress import StageProgress
+from moseg.schemas.digests import digest_json
+from moseg.schemas.errors import InputError, MissingStoreError
+from moseg.schemas.recipes import split_ref
+from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
+from moseg.workflows.cli.store_commands.finding import find_artifact, find_pins, open_existing
+from moseg.workflows.cli.store_commands.listing import print_use
+from moseg.workflows.cli.store_commands.writing import size
+from moseg.workflows.progress import StageProgress
 
 UrlArgument = Annotated[str, typer.Argument(help="The other store: a folder or URL.", metavar="URL")]
 KeysArgument = Annotated[
@@ -89,8 +88,8 @@ class Named(NamedTuple):
 
 
 def _copy(source_url: str, target_url: str, named: Named, dry: bool, quiet: bool) -> None:
-    from store import open_store
-    from store.transfer import is_same_store, keep, kept_meanwhile, plan_transfer, select, transfer
+    from moseg.store import open_store
+    from moseg.store.transfer import is_same_store, keep, kept_meanwhile, plan_transfer, select, transfer
 
     source = open_existing(source_url)
     pins = _choose_pins(source, named)
@@ -150,7 +149,7 @@ def _existing_or_none(url: str):
 
 
 def _print_plan(plan) -> None:
-    from store import TaskUsage
+    from moseg.store import TaskUsage
 
     usage: dict[str, TaskUsage] = {}
     for ref, nbytes in plan.nbytes.items():

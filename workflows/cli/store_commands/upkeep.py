@@ -4,12 +4,11 @@ from collections.abc import Iterator
 from typing import Annotated
 
 import typer
-
-from schemas.errors import MissingArtifactError
-from workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
-from workflows.cli.store_commands.finding import find_pins, open_existing
-from workflows.cli.store_commands.writing import size
-from workflows.progress import StageProgress, Waiting
+from moseg.schemas.errors import MissingArtifactError
+from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
+from moseg.workflows.cli.store_commands.finding import find_pins, open_existing
+from moseg.workflows.cli.store_commands.writing import size
+from moseg.workflows.progress import StageProgress, Waiting
 
 
 def verify(
@@ -62,7 +61,7 @@ def collect(
     moseg store gc --delete --grace-hours 1
     moseg store gc --forget 1a2b… --delete
     """
-    from workflows.status import old_logs
+    from moseg.workflows.status import old_logs
 
     opened = open_existing(store)
     forgotten = {name for run in forget or [] for name in find_pins(opened, run)}
@@ -89,7 +88,7 @@ def collect(
 
 def _check_all(store, refs: list[str]) -> Iterator:
     """What `verify` says of each artifact, several at a time behind a network; those that vanish are passed over."""
-    from store.ahead import map_reads
+    from moseg.store.ahead import map_reads
 
     def check(ref: str):
         try:

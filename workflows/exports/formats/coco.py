@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from workflows.exports.annotation_file import write_annotations
-from workflows.exports.formats.export_format import ExportFormat
-from workflows.exports.ownership import OwnedFile, is_own_annotations
-from workflows.exports.run_lengths import encode_mask, list_categories, list_identities
-from workflows.exports.saved_segmentation import SavedSegmentation
+from moseg.workflows.exports.annotation_file import write_annotations
+from moseg.workflows.exports.formats.export_format import ExportFormat
+from moseg.workflows.exports.ownership import OwnedFile, is_own_annotations
+from moseg.workflows.exports.run_lengths import encode_mask, list_categories, list_identities
+from moseg.workflows.exports.saved_segmentation import SavedSegmentation
 
 
 def write_coco(saved: SavedSegmentation, folder: Path, dilation: int | None = None) -> Path:

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from workflows.exports.formats.export_format import ExportFormat
-from workflows.exports.owned_folder import OwnedFolder
-from workflows.exports.saved_segmentation import SavedSegmentation
-from workflows.exports.write_masks import LAST_PALETTE_IDENTITY, write_mask
+from moseg.workflows.exports.formats.export_format import ExportFormat
+from moseg.workflows.exports.owned_folder import OwnedFolder
+from moseg.workflows.exports.saved_segmentation import SavedSegmentation
+from moseg.workflows.exports.write_masks import LAST_PALETTE_IDENTITY, write_mask
 
 
 def write_davis(saved: SavedSegmentation, folder: Path, dilation: int | None = None) -> Path:

@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from schemas.errors import InputError
-from workflows.exports.formats.export_format import ExportFormat
-from workflows.exports.ignore_masks import Polarity, write_ignore_masks
-from workflows.exports.owned_folder import OwnedFolder
-from workflows.exports.saved_segmentation import SavedSegmentation
+from moseg.schemas.errors import InputError
+from moseg.workflows.exports.formats.export_format import ExportFormat
+from moseg.workflows.exports.ignore_masks import Polarity, write_ignore_masks
+from moseg.workflows.exports.owned_folder import OwnedFolder
+from moseg.workflows.exports.saved_segmentation import SavedSegmentation
 
 
 def write_dynaslam(saved: SavedSegmentation, folder: Path, dilation: int | None = None) -> Path:

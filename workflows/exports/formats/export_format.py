@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
-from workflows.exports.saved_segmentation import SavedSegmentation
+from moseg.workflows.exports.saved_segmentation import SavedSegmentation
 
 
 class ExportTarget(Protocol):

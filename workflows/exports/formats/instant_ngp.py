@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from workflows.exports.formats.export_format import ExportFormat
-from workflows.exports.ignore_masks import DEFAULT_DILATION, Polarity, write_ignore_masks
-from workflows.exports.owned_folder import OwnedFolder
-from workflows.exports.saved_segmentation import SavedSegmentation
+from moseg.workflows.exports.formats.export_format import ExportFormat
+from moseg.workflows.exports.ignore_masks import DEFAULT_DILATION, Polarity, write_ignore_masks
+from moseg.workflows.exports.owned_folder import OwnedFolder
+from moseg.workflows.exports.saved_segmentation import SavedSegmentation
 
 
 def write_instant_ngp(saved: SavedSegmentation, folder: Path, dilation: int | None = None) -> Path:

@@ -3,19 +3,19 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from schemas.errors import InputError
-from workflows.exports.formats.coco import COCO
-from workflows.exports.formats.colmap import COLMAP
-from workflows.exports.formats.davis import DAVIS
-from workflows.exports.formats.dynaslam import DYNASLAM
-from workflows.exports.formats.export_format import ExportFormat
-from workflows.exports.formats.instant_ngp import INSTANT_NGP
-from workflows.exports.formats.nerfstudio import NERFSTUDIO
-from workflows.exports.formats.npz import NPZ
-from workflows.exports.formats.ytvis import YTVIS
-from workflows.exports.motion_json import check_file_name
-from workflows.exports.saved_segmentation import SavedSegmentation
-from workflows.spelling import unknown_name
+from moseg.schemas.errors import InputError
+from moseg.workflows.exports.formats.coco import COCO
+from moseg.workflows.exports.formats.colmap import COLMAP
+from moseg.workflows.exports.formats.davis import DAVIS
+from moseg.workflows.exports.formats.dynaslam import DYNASLAM
+from moseg.workflows.exports.formats.export_format import ExportFormat
+from moseg.workflows.exports.formats.instant_ngp import INSTANT_NGP
+from moseg.workflows.exports.formats.nerfstudio import NERFSTUDIO
+from moseg.workflows.exports.formats.npz import NPZ
+from moseg.workflows.exports.formats.ytvis import YTVIS
+from moseg.workflows.exports.motion_json import check_file_name
+from moseg.workflows.exports.saved_segmentation import SavedSegmentation
+from moseg.workflows.spelling import unknown_name
 
 FORMATS = {entry.name: entry for entry in (DAVIS, COCO, YTVIS, COLMAP, NERFSTUDIO, INSTANT_NGP, DYNASLAM, NPZ)}
 

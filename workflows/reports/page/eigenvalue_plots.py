@@ -3,9 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-
-from workflows.reports.figure_content import EigenvaluePlot
-from workflows.reports.page.numbers import short_number
+from moseg.workflows.reports.figure_content import EigenvaluePlot
+from moseg.workflows.reports.page.numbers import short_number
 
 WIDTH, HEIGHT = 360, 215
 LEFT, RIGHT, TOP, BOTTOM = 40, 8, 22, 38

@@ -5,10 +5,9 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-
-from workflows.reports.figure_content import Matrix
-from workflows.reports.page.colour_map import paint, steps_of
-from workflows.reports.page.numbers import short_number
+from moseg.workflows.reports.figure_content import Matrix
+from moseg.workflows.reports.page.colour_map import paint, steps_of
+from moseg.workflows.reports.page.numbers import short_number
 
 LARGEST_WITH_NUMBERS = 12
 LARGEST_WITH_CELLS = 40

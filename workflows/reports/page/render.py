@@ -6,12 +6,11 @@ import hashlib
 from importlib.resources import files
 
 import jinja2
-
-from workflows.reports.content import ReportPage
-from workflows.reports.page.colour_map import colour_map_style
-from workflows.reports.page.score_tables import gather_score_tables
-from workflows.reports.page.sequence_views import data_url, gather_sequence, list_missing
-from workflows.reports.page.stage_bars import gather_stages
+from moseg.workflows.reports.content import ReportPage
+from moseg.workflows.reports.page.colour_map import colour_map_style
+from moseg.workflows.reports.page.score_tables import gather_score_tables
+from moseg.workflows.reports.page.sequence_views import data_url, gather_sequence, list_missing
+from moseg.workflows.reports.page.stage_bars import gather_stages
 
 STYLES = ("page.css", "tables.css", "viewer.css", "figures.css")
 SCRIPTS = ("theme.js", "sections.js", "viewer.js", "tabs.js", "matrices.js")

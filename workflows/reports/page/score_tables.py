@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from workflows.reports.table_content import Better, ScoreTable
+from moseg.workflows.reports.table_content import Better, ScoreTable
 
 ONE_EACH = ("sequence", "clip")
 """Heads of the first column where rows are scenes: those do not compete."""

@@ -3,10 +3,10 @@
 import base64
 from typing import NamedTuple
 
-from workflows.reports.content import GroupedObject, SequencePanel, VariantPanel
-from workflows.reports.page.eigenvalue_plots import Plot, gather_plot
-from workflows.reports.page.heat_maps import HeatMap, gather_heat_map
-from workflows.reports.picture_content import Layer, LayerKind, Picture
+from moseg.workflows.reports.content import GroupedObject, SequencePanel, VariantPanel
+from moseg.workflows.reports.page.eigenvalue_plots import Plot, gather_plot
+from moseg.workflows.reports.page.heat_maps import HeatMap, gather_heat_map
+from moseg.workflows.reports.picture_content import Layer, LayerKind, Picture
 
 
 class Choice(NamedTuple):

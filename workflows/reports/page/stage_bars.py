@@ -2,8 +2,8 @@
 
 from typing import NamedTuple
 
-from workflows.reports.page.numbers import duration
-from workflows.reports.table_content import StageRow
+from moseg.workflows.reports.page.numbers import duration
+from moseg.workflows.reports.table_content import StageRow
 
 
 class StageBar(NamedTuple):

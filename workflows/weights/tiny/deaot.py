@@ -4,10 +4,9 @@ import io
 
 import numpy as np
 import torch
-
-from moseg_tasks.networks.deaot import Deaot, DeaotConfig
-from moseg_tasks.networks.deaot.decoder import NORM_GROUPS
-from workflows.weights.tiny.checkpoint import TinyCheckpoint
+from moseg.tasks.networks.deaot import Deaot, DeaotConfig
+from moseg.tasks.networks.deaot.decoder import NORM_GROUPS
+from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
 
 CONFIG = DeaotConfig(
     stem_width=8,

@@ -4,12 +4,12 @@ from collections.abc import Iterable
 from importlib import import_module
 from pathlib import Path
 
-from schemas.errors import InputError
-from schemas.weights import WeightsFile, WeightsItem, WeightsList
-from workflows.exports.atomic_write import atomic_path, blame_output
-from workflows.weights.own_items import OWN_ITEMS, read_own_items
-from workflows.weights.packages import require_network_packages
-from workflows.weights.tiny.checkpoint import TinyCheckpoint
+from moseg.schemas.errors import InputError
+from moseg.schemas.weights import WeightsFile, WeightsItem, WeightsList
+from moseg.workflows.exports.atomic_write import atomic_path, blame_output
+from moseg.workflows.weights.own_items import OWN_ITEMS, read_own_items
+from moseg.workflows.weights.packages import require_network_packages
+from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
 
 TINY_LICENCE = "none: random numbers"
 MODULES = {"ram_plus": "ram"}
@@ -66,7 +66,7 @@ def make_tiny(folder: Path, items: Iterable[WeightsItem], seed: int) -> tuple[We
 
 
 def _make(architecture: str, seed: int) -> TinyCheckpoint:
-    module = import_module(f"workflows.weights.tiny.{MODULES.get(architecture, architecture)}")
+    module = import_module(f"moseg.workflows.weights.tiny.{MODULES.get(architecture, architecture)}")
     return getattr(module, f"make_{architecture}")(seed)
 
 

@@ -3,9 +3,8 @@
 from io import BytesIO
 
 import torch
-
-from moseg_tasks.networks.pips import Pips, PipsConfig
-from workflows.weights.tiny.checkpoint import TinyCheckpoint
+from moseg.tasks.networks.pips import Pips, PipsConfig
+from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
 
 CONFIG = {"latent": 16, "widths": [8, 8, 8, 8], "encoding": 8, "hidden": 16, "depth": 1}
 UPDATE_SCALE = 0.02

@@ -3,9 +3,8 @@
 import io
 
 import torch
-
-from moseg_tasks.networks.raft import LARGE, Raft, RaftConfig
-from workflows.weights.tiny.checkpoint import TinyCheckpoint
+from moseg.tasks.networks.raft import LARGE, Raft, RaftConfig
+from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
 
 _WIDTHS = {
     "stage_channels": (8, 12, 16),

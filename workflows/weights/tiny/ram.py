@@ -4,10 +4,9 @@ import io
 
 import numpy as np
 import torch
-
-from moseg_tasks.networks.ram import Ram, RamConfig, RamPlus
-from moseg_tasks.networks.swin import SwinConfig
-from workflows.weights.tiny.checkpoint import TinyCheckpoint
+from moseg.tasks.networks.ram import Ram, RamConfig, RamPlus
+from moseg.tasks.networks.swin import SwinConfig
+from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
 
 TAGS = ("person", "car", "dog", "ball", "bicycle", "horse", "boat", "bird", "train", "cat", "bus", "chair")
 # The logits lie within 0.98 of zero (see `_random_state`), the probabilities so within 0.27..0.73.

@@ -3,10 +3,9 @@
 import json
 
 import torch
+from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
+from moseg.workflows.weights.tiny.saved_model import save_to_bytes
 from transformers import SamHQConfig, SamHQModel
-
-from workflows.weights.tiny.checkpoint import TinyCheckpoint
-from workflows.weights.tiny.saved_model import save_to_bytes
 
 _SIDE = 128
 _PATCH = 8

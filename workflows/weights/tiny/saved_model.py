@@ -3,9 +3,8 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from moseg.tasks.networks.transformers_model import quiet_transformers
 from transformers import PreTrainedModel
-
-from moseg_tasks.networks.transformers_model import quiet_transformers
 
 
 def save_to_bytes(model: PreTrainedModel) -> dict[str, bytes]:

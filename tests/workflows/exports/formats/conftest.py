@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from workflows.exports import summarise_sequence, write_masks, write_motion
-from workflows.exports.saved_segmentation import open_segmentation
+from moseg.workflows.exports import summarise_sequence, write_masks, write_motion
+from moseg.workflows.exports.saved_segmentation import open_segmentation
 
 HEIGHT, WIDTH = 12, 17
 

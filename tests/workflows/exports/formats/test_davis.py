@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
+from moseg.schemas.errors import InputError
+from moseg.workflows.exports import davis_palette
+from moseg.workflows.exports.formats import FORMATS, export
+from moseg.workflows.predictions import FrameList, open_predictions
 from PIL import Image
-
-from schemas.errors import InputError
-from workflows.exports import davis_palette
-from workflows.exports.formats import FORMATS, export
-from workflows.predictions import FrameList, open_predictions
 
 
 def test_palette_indices_are_the_identities(saved, volume):

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
+from moseg.schemas.errors import InputError
+from moseg.workflows.exports.formats import FORMATS
 from PIL import Image
-
-from schemas.errors import InputError
-from workflows.exports.formats import FORMATS
 
 PNG_NAMES = tuple(f"{index}.png" for index in range(4))
 

@@ -1,9 +1,8 @@
 """The archive loads without pickle and holds the labels."""
 
 import numpy as np
-
-from workflows.exports.formats import FORMATS
-from workflows.predictions import FrameList, open_predictions
+from moseg.workflows.exports.formats import FORMATS
+from moseg.workflows.predictions import FrameList, open_predictions
 
 
 def test_arrays_are_those_that_were_saved(saved, volume):

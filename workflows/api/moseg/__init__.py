@@ -12,10 +12,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from schemas.configs import PipelineConfig, Variant
-    from schemas.errors import InputError, MosegError
-    from workflows.api import MotionSegmentation, MovingObject, load_config, segment_video
-    from workflows.exports import OverlayMode, OverlayStyle
+    from moseg.schemas.configs import PipelineConfig, Variant
+    from moseg.schemas.errors import InputError, MosegError
+    from moseg.workflows.api import MotionSegmentation, MovingObject, load_config, segment_video
+    from moseg.workflows.exports import OverlayMode, OverlayStyle
 
 __all__ = [
     "InputError",
@@ -32,16 +32,16 @@ __all__ = [
 ]
 
 _HOMES = {
-    "InputError": "schemas.errors",
-    "MosegError": "schemas.errors",
-    "MotionSegmentation": "workflows.api",
-    "MovingObject": "workflows.api",
-    "OverlayMode": "workflows.exports",
-    "OverlayStyle": "workflows.exports",
-    "PipelineConfig": "schemas.configs",
-    "Variant": "schemas.configs",
-    "load_config": "workflows.api",
-    "segment_video": "workflows.api",
+    "InputError": "moseg.schemas.errors",
+    "MosegError": "moseg.schemas.errors",
+    "MotionSegmentation": "moseg.workflows.api",
+    "MovingObject": "moseg.workflows.api",
+    "OverlayMode": "moseg.workflows.exports",
+    "OverlayStyle": "moseg.workflows.exports",
+    "PipelineConfig": "moseg.schemas.configs",
+    "Variant": "moseg.schemas.configs",
+    "load_config": "moseg.workflows.api",
+    "segment_video": "moseg.workflows.api",
 }
 
 

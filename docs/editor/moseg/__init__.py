@@ -1,0 +1,1 @@
+../../../workflows/api/moseg/__init__.py
