@@ -34,8 +34,8 @@ from engine.measured_run import measure
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.digests import digest_json
 from moseg.store import LocalStore
+from moseg.workflows.engine.planning import Plan, make_plan
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
-from moseg.workflows.planning import Plan, make_plan
 
 SIZE = (48, 64)
 MIB = 2**20

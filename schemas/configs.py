@@ -1,7 +1,8 @@
 """The configuration of a run: the parameters of every stage, and the variants of the paper's ablation."""
 
+from collections.abc import Sequence
 from enum import StrEnum
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.parameters import (
@@ -144,3 +145,12 @@ class PipelineConfig(Frozen):
             Variant.TRAJS: ("trajs",),
             Variant.BASE: (),
         }[variant]
+
+    def with_seed(self, seed: int) -> Self:
+        """Return the configuration with another seed of the random draws."""
+        return self.model_copy(update={"hypotheses": self.hypotheses.model_copy(update={"seed": seed})})
+
+
+def seeded_configs(config: PipelineConfig, seeds: Sequence[int] | None) -> dict[int | None, PipelineConfig]:
+    """Return the configuration with each of the seeds, by seed; without seeds the configuration itself, by None."""
+    return {seed: config.with_seed(seed) for seed in seeds} if seeds else {None: config}

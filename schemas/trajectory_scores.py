@@ -103,6 +103,14 @@ def average_seeds(variant: str, by_seed: dict[int, dict[str, TrajectoryScore]]) 
     )
 
 
+def average_row(variant: str, by_seed: dict[int | None, dict[str, TrajectoryScore]]) -> TrajectoryRow:
+    """Return a variant's row from the scores of the clips by seed; those of a run without seeds are by None."""
+    if None not in by_seed:
+        return average_seeds(variant, by_seed)
+    scores = by_seed[None]
+    return TrajectoryRow(variant=variant, sequences=scores, mean=average_clips(list(scores.values())))
+
+
 def _average_score(scores: Sequence[TrajectoryScore]) -> TrajectoryScore:
     errors = [score.error for score in scores]
     return TrajectoryScore(

@@ -22,9 +22,9 @@ ROOT = Path(__file__).resolve().parents[1]
 RECORD = Path(__file__).with_suffix(".json")
 FOLLOWED = {"moseg.tasks": "moseg_tasks", "moseg.workflows": "workflows"}
 """Packages whose code is followed, and their folders."""
-PLUMBING = ("moseg.workflows.stages.task", "moseg.workflows.stages.inputs", "moseg.workflows.weights.resident")
+PLUMBING = ("moseg.workflows.stages.task", "moseg.workflows.stages.inputs", "moseg.workflows.stages.resident")
 LEAF_READERS = (
-    ("ingest:leaves", "moseg.workflows.ingest", "_LEAVES", "INGEST_VERSION"),
+    ("ingest:leaves", "moseg.workflows.engine.ingest", "_LEAVES", "INGEST_VERSION"),
     ("ingest:images", "moseg.workflows.sources.image_files", "ImageFiles", "DECODING_VERSION"),
     ("ingest:video", "moseg.workflows.sources.video_file", "VideoFile", "DECODING_VERSION"),
     ("ingest:masks", "moseg.workflows.sources.mask_files", "MaskFiles", "DECODING_VERSION"),

@@ -23,8 +23,8 @@ from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli.app import build_command
 from moseg.workflows.cli.pipeline_options import PipelineOptions
+from moseg.workflows.config.preset_choice import choose_preset
 from moseg.workflows.datasets.registry import DATASETS
-from moseg.workflows.preset_choice import choose_preset
 from moseg.workflows.weights.catalogue import CATALOGUE
 from moseg.workflows.weights.needed import ARCHITECTURES, needed_items
 from typer.core import TyperGroup

@@ -158,7 +158,7 @@ def test_no_code_runs_what_it_reads():
         ("store", "import cv2"),
         ("moseg_tasks", "from pathlib import Path"),
         ("moseg_tasks", "import os.path"),
-        ("moseg_tasks", "from moseg.workflows.resize import resize_labels"),
+        ("moseg_tasks", "from moseg.workflows.sources.resize import resize_labels"),
         ("moseg_tasks", "import distributed"),
         ("moseg_tasks", "import moseg"),
         ("schemas", "from moseg import store"),

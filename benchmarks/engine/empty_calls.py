@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import psutil
 from engine.own_cluster import start_cluster
-from moseg.workflows.runners import Call, open_runner
+from moseg.workflows.cluster.runners import Call, open_runner
 
 NUM_FIRST = 100
 """Calls beforehand: the first ones pay for connections and imports."""

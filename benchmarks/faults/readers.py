@@ -22,8 +22,8 @@ from moseg.schemas.weights import PINS, WeightsItem
 from moseg.store import open_store
 from moseg.workflows.cli.status_tables import status_view
 from moseg.workflows.cli.tables import console
-from moseg.workflows.cluster_connection import read_scheduler_file
-from moseg.workflows.config_files import read_config_file
+from moseg.workflows.cluster.connection import read_scheduler_file
+from moseg.workflows.config.config_files import read_config_file
 from moseg.workflows.datasets.selection import read_list
 from moseg.workflows.exports.owned_folder import LISTING, OwnedFolder
 from moseg.workflows.exports.ownership import is_own_annotations, is_own_archive, is_own_mask, is_own_overlay
@@ -31,12 +31,12 @@ from moseg.workflows.exports.saved_segmentation import open_segmentation
 from moseg.workflows.predictions import FrameList, open_predictions
 from moseg.workflows.reports.from_log import report_run
 from moseg.workflows.reports.page import render_page
+from moseg.workflows.runlog.status import read_status
 from moseg.workflows.sources import LabelledPointFile, MaskFiles, TrackFile, VideoFile, open_frames
 from moseg.workflows.sources.depth_files import decode_depth
 from moseg.workflows.sources.flow_files import decode_flow
 from moseg.workflows.sources.mask_files import find_mask_kind
 from moseg.workflows.sources.mat_tracks import decode_mat_tracks
-from moseg.workflows.status import read_status
 from moseg.workflows.weights.own_items import OWN_ITEMS, read_own_items
 from moseg.workflows.weights.pins import read_pins
 from moseg.workflows.weights.reading import read_checkpoint

@@ -21,7 +21,7 @@ from moseg.schemas.events import (
 )
 from moseg.store import open_store
 from moseg.store.owners import process_space
-from moseg.workflows.config_files import write_config
+from moseg.workflows.config.config_files import write_config
 
 RUN = "20261122T000000-aaaaaa"
 _TIME = datetime(2026, 11, 22, tzinfo=UTC)

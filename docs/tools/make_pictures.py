@@ -12,14 +12,14 @@ import numpy as np
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
 from moseg.workflows.datasets import open_dataset
+from moseg.workflows.engine.runs import open_session
 from moseg.workflows.exports.colour_maps import colour_soft_map
 from moseg.workflows.exports.draw_flow import colour_flow
 from moseg.workflows.exports.draw_overlay import draw_overlay
 from moseg.workflows.exports.overlay_style import OverlayMode, OverlayStyle
 from moseg.workflows.graph import SequenceGraph
-from moseg.workflows.leaves import ingest_sequences
+from moseg.workflows.pipelines.leaves import ingest_sequences
 from moseg.workflows.reports.matrices import clustering_params, fused_kernel
-from moseg.workflows.runs import open_session
 from PIL import Image, ImageDraw, ImageFont
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"

@@ -135,7 +135,7 @@ def test_the_page_has_an_example_of_everything():
         "workflows/exports/formats/registry.py",
         "workflows/stages/registry.py",
         "workflows/graph/frame_cues.py",
-        "workflows/backends.py",
+        "workflows/weights/backends.py",
     }
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from moseg.schemas.recipes import Recipe
 from moseg.store import open_store
-from moseg.workflows.execution import execute_batches
+from moseg.workflows.engine.execution import execute_batches
 from moseg.workflows.stages.array_cache import ArrayCache
 from moseg.workflows.stages.inputs import ArtifactView, Inputs
 from moseg.workflows.stages.task import Output, Task
@@ -51,7 +51,7 @@ def test_stores_do_not_share_arrays(store, tmp_path):
 def test_what_was_just_computed_is_not_read_back(store, monkeypatch):
     made = np.arange(24, dtype=np.uint16).reshape(2, 3, 4)
     task = Task("segmentation", "toy", version=1, run=lambda params, inputs, rng: Output({"labels": made}))
-    monkeypatch.setattr("moseg.workflows.execution.find_task", lambda *_: task)
+    monkeypatch.setattr("moseg.workflows.engine.execution.find_task", lambda *_: task)
     recipe = Recipe(task="segmentation", version=1, params={"method": "toy"})
     execute_batches(str(store.root), [[recipe]])
     monkeypatch.setattr("moseg.store.reading.decode_array", lambda *_: 1 // 0)

@@ -6,10 +6,10 @@ import shutil
 import numpy as np
 import pytest
 from moseg.store import open_store
-from moseg.workflows import contact_sheets
 from moseg.workflows.exports.draw_contact_sheet import draw_contact_sheet
 from moseg.workflows.exports.sheet_column import TILE_SIDE, SheetFrame, draw_column
-from moseg.workflows.shown_frames import spread
+from moseg.workflows.pipelines import contact_sheets
+from moseg.workflows.results.shown_frames import spread
 from PIL import Image
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")

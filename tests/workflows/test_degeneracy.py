@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from moseg.tasks.geometry import Degeneracy
-from moseg.workflows.degeneracy import REASONS, degenerate_event
+from moseg.workflows.runlog.degeneracy import REASONS, degenerate_event
 from moseg.workflows.stages.fundamental import RANSAC_FIT
 
 REF = f"fundamental/{'0' * 64}"

@@ -7,9 +7,9 @@ import cv2
 import pytest
 import torch
 from moseg.schemas.errors import InputError
-from moseg.workflows import devices
-from moseg.workflows.devices import current_device, list_accelerators, network_context, parse_device, set_device
-from moseg.workflows.threads import pin_threads
+from moseg.workflows.process import devices
+from moseg.workflows.process.devices import current_device, list_accelerators, network_context, parse_device, set_device
+from moseg.workflows.process.threads import pin_threads
 
 
 @pytest.fixture
@@ -74,7 +74,7 @@ def test_networks_run_without_gradients_and_on_the_cpu_in_full_precision():
 def test_torch_is_not_loaded_to_run_what_is_no_network():
     code = """
 import sys
-from moseg.workflows.runners import Call, open_runner
+from moseg.workflows.cluster.runners import Call, open_runner
 for device in ("auto", "cpu"):
     with open_runner(device=device) as runner:
         runner.run([Call("one", abs, (-1,))], lambda name, result: None)
@@ -85,7 +85,7 @@ print("torch" in sys.modules)
 
 def test_threads_bind_a_torch_loaded_before_or_after():
     code = """
-from moseg.workflows.threads import pin_threads
+from moseg.workflows.process.threads import pin_threads
 pin_threads(2)
 import torch
 before = torch.get_num_threads()

@@ -8,8 +8,8 @@ import pytest
 from moseg.schemas.errors import InputError, StoreError
 from moseg.schemas.events import EventKind, PlanEvent, read_event, write_plan
 from moseg.store import open_store
-from moseg.workflows import events
-from moseg.workflows.events import (
+from moseg.workflows.runlog import events
+from moseg.workflows.runlog.events import (
     EventLog,
     as_unicode,
     describe_error,

@@ -4,7 +4,7 @@ import pytest
 from moseg.schemas.errors import InputError
 from moseg.schemas.recipes import Recipe
 from moseg.store import LocalStore
-from moseg.workflows.execution import execute_batches
+from moseg.workflows.engine.execution import execute_batches
 from moseg.workflows.stages.task import Task
 
 
@@ -20,7 +20,9 @@ def execute(tmp_path, monkeypatch):
         def run(params, inputs, rng):
             raise error
 
-        monkeypatch.setattr("moseg.workflows.execution.find_task", lambda *_: Task("flow", "raft", version=1, run=run))
+        monkeypatch.setattr(
+            "moseg.workflows.engine.execution.find_task", lambda *_: Task("flow", "raft", version=1, run=run)
+        )
         LocalStore(tmp_path / "store")
         return execute_batches(str(tmp_path / "store"), [[Recipe(task="flow", version=1, params={"method": "raft"})]])
 

@@ -4,7 +4,7 @@ import pytest
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.errors import InputError
-from moseg.workflows.execution import seeded_generator
+from moseg.workflows.engine.execution import seeded_generator
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 from moseg.workflows.stages.registry import TASKS
 

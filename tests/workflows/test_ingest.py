@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import pytest
 from moseg.store import open_store
-from moseg.workflows.ingest import IngestJob, preview_ingest
-from moseg.workflows.runners import SynchronousRunner
-from moseg.workflows.session import Session
+from moseg.workflows.cluster.runners import SynchronousRunner
+from moseg.workflows.engine.ingest import IngestJob, preview_ingest
+from moseg.workflows.engine.session import Session
 from moseg.workflows.sources import open_frames, open_masks
 
 

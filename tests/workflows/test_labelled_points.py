@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from moseg.tasks.synthetic import SCENES, RenderedScene, render_scene
-from moseg.workflows import contact_sheets
 from moseg.workflows.exports.draw_contact_sheet import draw_contact_sheet
+from moseg.workflows.pipelines import contact_sheets
 from PIL import Image
 from scipy.io import savemat
 

@@ -2,7 +2,7 @@
 
 import tracemalloc
 
-from moseg.workflows.runners import Call, SynchronousRunner
+from moseg.workflows.cluster.runners import Call, SynchronousRunner
 
 
 def _peak(num_calls):

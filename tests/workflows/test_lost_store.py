@@ -7,9 +7,9 @@ import pytest
 from moseg.schemas.errors import CorruptArtifactError, MissingStoreError, StoreError
 from moseg.schemas.recipes import Recipe
 from moseg.store import LocalStore, open_store
-from moseg.workflows.execution import execute_batches, execute_ingest, quarantine_corrupt
-from moseg.workflows.ingest import IngestJob
-from moseg.workflows.run_log import RunLog
+from moseg.workflows.engine.execution import execute_batches, execute_ingest, quarantine_corrupt
+from moseg.workflows.engine.ingest import IngestJob
+from moseg.workflows.runlog.run_log import RunLog
 from moseg.workflows.sources import SceneFrames
 from moseg.workflows.stages.task import Task
 
@@ -62,7 +62,9 @@ def test_a_store_that_vanishes_under_a_task_is_not_begun_anew(tmp_path, monkeypa
         shutil.rmtree(tmp_path / "store")
         raise RuntimeError("nothing left to read")
 
-    monkeypatch.setattr("moseg.workflows.execution.find_task", lambda *_: Task("flow", "raft", version=1, run=run))
+    monkeypatch.setattr(
+        "moseg.workflows.engine.execution.find_task", lambda *_: Task("flow", "raft", version=1, run=run)
+    )
     LocalStore(tmp_path / "store")
     with pytest.raises(RuntimeError, match="nothing left to read"):
         _execute(str(tmp_path / "store"))

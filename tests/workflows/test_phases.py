@@ -1,7 +1,7 @@
 """A plan is cut so that every network is loaded once, and frames go through it together."""
 
 from moseg.schemas.recipes import Recipe
-from moseg.workflows.phases import batch_recipes, join_brief, network_of, split_phases
+from moseg.workflows.engine.phases import batch_recipes, join_brief, network_of, split_phases
 
 WEIGHTS = {name: f"weights/{digit * 64}" for name, digit in (("raft", "a"), ("depth", "b"), ("deaot", "c"))}
 

@@ -11,17 +11,17 @@ import pytest
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.recipes import split_ref
 from moseg.store import open_store
+from moseg.workflows.cluster.runners import SynchronousRunner
 from moseg.workflows.datasets import open_dataset
-from moseg.workflows.evaluate import evaluate
-from moseg.workflows.runners import SynchronousRunner
-from moseg.workflows.session import Session
+from moseg.workflows.engine.session import Session
+from moseg.workflows.pipelines.evaluate import evaluate
 
 LEAVES = {"frame", "annotation", "ingest"}
 CONFIG = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2}})
 
 DIES_AT_WORK = """
 import os, signal, sys
-from moseg.workflows import runners
+from moseg.workflows.cluster import runners
 from moseg.workflows.cli.app import run
 
 def die(self, calls, on_done):

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import pytest
 from distributed import Client, LocalCluster
 from moseg.schemas.errors import InputError
-from moseg.workflows import placement
-from moseg.workflows.placement import GPU, ForeignGpus, ForeignWorkers, OwnWorkers, share_out
-from moseg.workflows.runners import Call, open_runner
+from moseg.workflows.cluster import placement
+from moseg.workflows.cluster.placement import GPU, ForeignGpus, ForeignWorkers, OwnWorkers, share_out
+from moseg.workflows.cluster.runners import Call, open_runner
 
 
 def _calls():
@@ -20,7 +20,7 @@ def _calls():
         import os
         import time
 
-        from moseg.workflows.devices import _chosen
+        from moseg.workflows.process.devices import _chosen
 
         started = time.monotonic()
         time.sleep(0.05)
@@ -157,7 +157,7 @@ def test_a_worker_that_dies_at_work_comes_back_with_its_gpu(own, tmp_path):
         import os
         import signal
 
-        from moseg.workflows.devices import _chosen
+        from moseg.workflows.process.devices import _chosen
 
         try:
             with open(path, "x") as note:

@@ -8,7 +8,7 @@ from moseg.schemas.parameters import FlowParams
 from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES
 from moseg.tasks.flow import estimate_flow
 from moseg.workflows.cli.pipeline_options import PipelineOptions
-from moseg.workflows.preset_choice import choose_preset
+from moseg.workflows.config.preset_choice import choose_preset
 
 
 @pytest.mark.parametrize("preset", PRESETS)

@@ -14,14 +14,14 @@ from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.events import EventKind
 from moseg.schemas.recipes import Recipe, split_ref
 from moseg.store import PutOutcome, open_store
-from moseg.workflows import execution
+from moseg.workflows.cluster.runners import SynchronousRunner
 from moseg.workflows.datasets import open_dataset
-from moseg.workflows.evaluate import evaluate
-from moseg.workflows.execution import execute_batches
-from moseg.workflows.runners import SynchronousRunner
-from moseg.workflows.session import Session
+from moseg.workflows.engine import execution
+from moseg.workflows.engine.execution import execute_batches
+from moseg.workflows.engine.session import Session
+from moseg.workflows.pipelines.evaluate import evaluate
+from moseg.workflows.runlog.status import RunState, list_runs, read_events, read_status
 from moseg.workflows.stages.task import Output, Task
-from moseg.workflows.status import RunState, list_runs, read_events, read_status
 
 CONFIG = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2}})
 LEAVES = {"frame", "annotation"}
@@ -29,7 +29,7 @@ COMPUTED = [EventKind.PLANNED, EventKind.STARTED, EventKind.COMPUTED, EventKind.
 
 DIES_AT = """
 import os, signal, sys
-from moseg.workflows import execution
+from moseg.workflows.engine import execution
 from moseg.workflows.cli.app import run
 
 compute = execution._run

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.engine.runs import open_session
 from moseg.workflows.graph import SequenceGraph
-from moseg.workflows.leaves import ingest_sequences
-from moseg.workflows.runs import open_session
+from moseg.workflows.pipelines.leaves import ingest_sequences
 from moseg.workflows.sources import open_frames
 
 NUM_FRAMES, HEIGHT, WIDTH, SIDE = 24, 120, 192, 56

@@ -5,7 +5,7 @@ from itertools import chain, pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 from moseg.schemas.configs import SectionParams
-from moseg.workflows.sections import Section, cut_sections
+from moseg.workflows.graph.sections import Section, cut_sections
 
 PARAMS = st.builds(SectionParams, length=st.integers(1, 40), overlap=st.integers(1, 12))
 NUM_FRAMES = st.integers(0, 200)

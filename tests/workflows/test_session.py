@@ -9,10 +9,10 @@ import pytest
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.recipes import split_ref
 from moseg.store import open_store
+from moseg.workflows.cluster.runners import SynchronousRunner
 from moseg.workflows.datasets import open_dataset
-from moseg.workflows.evaluate import evaluate
-from moseg.workflows.runners import SynchronousRunner
-from moseg.workflows.session import Session
+from moseg.workflows.engine.session import Session
+from moseg.workflows.pipelines.evaluate import evaluate
 
 MOSEG = [sys.executable, "-c", "from moseg.workflows.cli import main; main()"]
 DEADLINE_SEC = 600

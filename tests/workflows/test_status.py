@@ -23,11 +23,11 @@ from moseg.schemas.events import (
 from moseg.store import open_store
 from moseg.store.owners import process_space
 from moseg.workflows.cli import status as command
+from moseg.workflows.cluster.runners import SynchronousRunner
 from moseg.workflows.datasets import open_dataset
-from moseg.workflows.evaluate import evaluate
-from moseg.workflows.runners import SynchronousRunner
-from moseg.workflows.session import Session
-from moseg.workflows.status import RunState, find_run, list_runs, old_logs, read_status, summarise
+from moseg.workflows.engine.session import Session
+from moseg.workflows.pipelines.evaluate import evaluate
+from moseg.workflows.runlog.status import RunState, find_run, list_runs, old_logs, read_status, summarise
 
 START = datetime(2026, 11, 22, tzinfo=UTC)
 RUN = "20261122T000000-aaaaaa"

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 from hypothesis import given
 from hypothesis import strategies as st
-from moseg.workflows import waves
-from moseg.workflows.waves import cut_waves
+from moseg.workflows.engine import waves
+from moseg.workflows.engine.waves import cut_waves
 
 
 def _sources(counts):

@@ -4,8 +4,8 @@ from itertools import count
 
 import pytest
 from distributed import Client
-from moseg.workflows import runners
-from moseg.workflows.runners import Call, open_runner
+from moseg.workflows.cluster import runners
+from moseg.workflows.cluster.runners import Call, open_runner
 
 WINDOW = 32
 
@@ -66,7 +66,7 @@ def test_an_endless_run_ends_with_its_first_error(runner):
 
 
 def test_no_calls_start_no_workers(monkeypatch):
-    monkeypatch.setattr("moseg.workflows.clusters.LocalCluster", None)
+    monkeypatch.setattr("moseg.workflows.cluster.clusters.LocalCluster", None)
     with open_runner(workers=2) as runner:
         runner.run([], lambda name, result: None)
         runner.run(iter(()), lambda name, result: None)

@@ -7,9 +7,9 @@ import pytest
 from moseg.schemas.errors import StoreError
 from moseg.schemas.recipes import Recipe
 from moseg.store import LocalStore, PutOutcome
+from moseg.workflows.engine.write_behind import MAX_WAITING, WriteBehind
 from moseg.workflows.stages.inputs import ArtifactView
 from moseg.workflows.stages.task import Output
-from moseg.workflows.write_behind import MAX_WAITING, WriteBehind
 
 FLOW = np.arange(24, dtype=np.float32).reshape(3, 4, 2)
 

@@ -7,9 +7,9 @@ from typing import Any
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.workflows.api.arguments import Kind, check_kinds, named_as_arguments
-from moseg.workflows.config_files import read_config_file
-from moseg.workflows.parameter_errors import parameter_error
-from moseg.workflows.preset_choice import choose_preset
+from moseg.workflows.config.config_files import read_config_file
+from moseg.workflows.config.parameter_errors import parameter_error
+from moseg.workflows.config.preset_choice import choose_preset
 from pydantic import ValidationError
 
 ConfigLike = PipelineConfig | Mapping[str, Any] | str | os.PathLike

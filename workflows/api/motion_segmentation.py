@@ -20,7 +20,6 @@ from moseg.workflows.api.arguments import (
 from moseg.workflows.api.moving_object import MovingObject
 from moseg.workflows.api.notebook import draw_html
 from moseg.workflows.api.strip import draw_strip, spread_frames
-from moseg.workflows.events import as_unicode
 from moseg.workflows.exports import OverlayStyle
 from moseg.workflows.exports.check_outputs import check_outputs
 from moseg.workflows.exports.draw_overlay import draw_overlay
@@ -28,8 +27,9 @@ from moseg.workflows.exports.formats import check_exports, choose_formats, expor
 from moseg.workflows.exports.output_names import MASKS, MOTION, OVERLAY, mask_name
 from moseg.workflows.exports.overlay_style import DEFAULT_STYLE
 from moseg.workflows.exports.saved_segmentation import open_segmentation
-from moseg.workflows.exports.write_segmentation import write_segmentation
-from moseg.workflows.segment import StoredSegmentation
+from moseg.workflows.pipelines.segment import StoredSegmentation
+from moseg.workflows.pipelines.write_segmentation import write_segmentation
+from moseg.workflows.runlog.events import as_unicode
 from PIL import Image
 
 

@@ -9,9 +9,9 @@ from threading import Lock
 import cv2
 import dask
 import threadpoolctl
-from moseg.workflows import devices
-from moseg.workflows.memory import allocation_environ
-from moseg.workflows.threads import THREAD_VARIABLES
+from moseg.workflows.process import devices
+from moseg.workflows.process.memory import allocation_environ
+from moseg.workflows.process.threads import THREAD_VARIABLES
 
 
 class _Calls:

@@ -19,15 +19,15 @@ from moseg.workflows.api.motion_segmentation import MotionSegmentation
 from moseg.workflows.api.moving_object import MovingObject
 from moseg.workflows.api.process_settings import kept_process_settings
 from moseg.workflows.api.video_source import VideoLike, open_video
+from moseg.workflows.config.notes import motions_note
+from moseg.workflows.datasets.given_folders import with_given_folders
+from moseg.workflows.engine.runs import open_session
 from moseg.workflows.exports import summarise_sequence
 from moseg.workflows.exports.motion_json import frame_names
-from moseg.workflows.frame_rate import choose_fps
-from moseg.workflows.given_folders import with_given_folders
-from moseg.workflows.notes import motions_note
-from moseg.workflows.purpose import Purpose
+from moseg.workflows.pipelines.purpose import Purpose
+from moseg.workflows.pipelines.segment import StoredSegmentation, segment
 from moseg.workflows.reports.run_report import RunReport
-from moseg.workflows.runs import open_session
-from moseg.workflows.segment import StoredSegmentation, segment
+from moseg.workflows.sources.frame_rate import choose_fps
 
 
 @named_as_arguments()

@@ -30,7 +30,7 @@ def offer(find: Callable[[typer.Context], Iterable[str]], *, is_list: bool = Fal
 
 def _choices(parameter: str) -> Completer:
     def find(context: typer.Context) -> Iterable[str]:
-        from moseg.workflows.parameters import list_parameters
+        from moseg.workflows.config.parameters import list_parameters
 
         # What follows folder: is a path, which the shell itself would complete.
         return [f"{name}:" if name == "folder" else name for name in list_parameters()[parameter].choices]
@@ -57,7 +57,7 @@ def _sequences(context: typer.Context) -> Iterable[str]:
 def _runs(context: typer.Context) -> Iterable[str]:
     from moseg.store import open_store
     from moseg.workflows.cli.options import DEFAULT_STORE
-    from moseg.workflows.status import LATEST, list_runs
+    from moseg.workflows.runlog.status import LATEST, list_runs
 
     url = context.params.get("store") or DEFAULT_STORE
     # Behind a network a listing takes longer than anybody waits for a word.
@@ -73,7 +73,7 @@ def _weights(context: typer.Context) -> Iterable[str]:
 
 
 def _settings(context: typer.Context) -> Iterable[str]:
-    from moseg.workflows.parameters import list_parameters
+    from moseg.workflows.config.parameters import list_parameters
 
     for name, parameter in list_parameters().items():
         yield f"{name}="
@@ -81,7 +81,7 @@ def _settings(context: typer.Context) -> Iterable[str]:
 
 
 def _stages(context: typer.Context) -> Iterable[str]:
-    from moseg.workflows.parameters import list_parameters, list_stages
+    from moseg.workflows.config.parameters import list_parameters, list_stages
 
     return [*list_stages(), *list_parameters()]
 

@@ -68,7 +68,7 @@ def dump(
     moseg config dump --preset paper --geometry paper --out paper.yaml
     moseg config dump --config my-config.yaml --set tracks.border=8 --changed
     """
-    from moseg.workflows.config_files import write_config
+    from moseg.workflows.config.config_files import write_config
     from moseg.workflows.exports import check_writable, write_text
 
     if out is not None:

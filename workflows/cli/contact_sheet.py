@@ -8,7 +8,7 @@ from moseg.schemas.configs import Variant
 from moseg.workflows.cli.option_groups import with_option_groups
 from moseg.workflows.cli.options import DataOptions, RunOptions
 from moseg.workflows.cli.pipeline_options import PipelineOptions
-from moseg.workflows.notes import motions_note
+from moseg.workflows.config.notes import motions_note
 
 
 @with_option_groups
@@ -37,9 +37,9 @@ def contact_sheet(
     moseg contact-sheet --dataset synthetic --out sheets
     moseg contact-sheet --dataset davis16 --root DAVIS --sequences dog --frames 5
     """
-    from moseg.workflows.contact_sheets import write_contact_sheets
+    from moseg.workflows.datasets.given_folders import with_given_folders
     from moseg.workflows.exports import check_folder
-    from moseg.workflows.given_folders import with_given_folders
+    from moseg.workflows.pipelines.contact_sheets import write_contact_sheets
 
     config, folders = pipeline.read()
     check_folder(Path(out))

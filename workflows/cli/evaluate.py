@@ -20,7 +20,7 @@ from moseg.workflows.cli.options import (
 )
 from moseg.workflows.cli.pipeline_options import PipelineOptions
 from moseg.workflows.cli.trajectory_options import TrajectoryOptions
-from moseg.workflows.notes import motions_note
+from moseg.workflows.config.notes import motions_note
 
 
 @with_option_groups
@@ -103,8 +103,8 @@ def plan(
     """
     from moseg.store import open_store
     from moseg.workflows.cli.tables import print_stages
-    from moseg.workflows.plan_evaluation import EmptyStore, plan_evaluation
-    from moseg.workflows.plan_trajectories import plan_trajectories
+    from moseg.workflows.pipelines.plan_evaluation import EmptyStore, plan_evaluation
+    from moseg.workflows.pipelines.plan_trajectories import plan_trajectories
     from moseg.workflows.weights.fetch_command import fetch_command
     from moseg.workflows.weights.folder import open_weights
     from moseg.workflows.weights.needed import needed_items
@@ -146,9 +146,9 @@ def _evaluate(
     """The result, written to `json` and shown on `page` where asked, the use of the store by stage, what a reader must
     know, and the lines that name the files beside `json`."""
     from moseg.workflows.cli.trajectory_runs import evaluate_clips
-    from moseg.workflows.evaluate import evaluate as run_evaluation
     from moseg.workflows.exports import check_writable, write_text
-    from moseg.workflows.purpose import Purpose
+    from moseg.workflows.pipelines.evaluate import evaluate as run_evaluation
+    from moseg.workflows.pipelines.purpose import Purpose
     from moseg.workflows.reports.build import tables_of
     from moseg.workflows.reports.run_report import RunReport
 
@@ -179,7 +179,7 @@ def _evaluate(
 
 def _open(dataset, config: PipelineConfig, folders: dict[str, str]):
     """The sources of a data set's sequences, given cues included."""
-    from moseg.workflows.given_folders import with_given_folders
+    from moseg.workflows.datasets.given_folders import with_given_folders
 
     return [with_given_folders(dataset.sequence(name), folders, config.max_side) for name in dataset.names]
 

@@ -7,8 +7,8 @@ from typing import Annotated, ClassVar, TypeVar
 import typer
 from moseg.schemas.configs import TrajectoryVariant, Variant
 from moseg.schemas.errors import InputError
+from moseg.schemas.spelling import unknown_name
 from moseg.workflows.cli import completion
-from moseg.workflows.spelling import unknown_name
 
 DEFAULT_STORE = ".moseg/store"
 
@@ -141,8 +141,8 @@ class RunOptions:
 
     def open(self):
         """A session, as a context manager."""
-        from moseg.workflows.cluster_connection import TlsFiles
-        from moseg.workflows.runs import open_session
+        from moseg.workflows.cluster.connection import TlsFiles
+        from moseg.workflows.engine.runs import open_session
 
         return open_session(
             self.store,

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from itertools import groupby
 
 from moseg.workflows.cli.tables import console
-from moseg.workflows.config_files import spell_value
-from moseg.workflows.parameter_errors import unknown_parameter
-from moseg.workflows.parameters import Parameter, list_parameters, list_stages
+from moseg.workflows.config.config_files import spell_value
+from moseg.workflows.config.parameter_errors import unknown_parameter
+from moseg.workflows.config.parameters import Parameter, list_parameters, list_stages
 from rich.table import Table
 from rich.text import Text
 

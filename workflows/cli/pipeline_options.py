@@ -7,8 +7,8 @@ import typer
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli import completion
-from moseg.workflows.parameter_errors import parameter_error
-from moseg.workflows.preset_choice import choose_preset
+from moseg.workflows.config.parameter_errors import parameter_error
+from moseg.workflows.config.preset_choice import choose_preset
 from pydantic import ValidationError
 
 
@@ -210,7 +210,7 @@ class PipelineOptions:
 
     def read_file(self) -> dict[str, Any]:
         """Parameters of the configuration file, nested by stage; none where there is no file. Raises InputError."""
-        from moseg.workflows.config_files import read_config_file
+        from moseg.workflows.config.config_files import read_config_file
 
         return {} if self.config_file is None else read_config_file(self.config_file)
 

@@ -35,8 +35,8 @@ def score(
     from moseg.schemas.scores import EvaluationReport, EvaluationRow, StoreUse, mean_score
     from moseg.workflows.cli.tables import print_report
     from moseg.workflows.exports import check_writable, write_text
+    from moseg.workflows.pipelines.score_predictions import score_predictions
     from moseg.workflows.predictions import open_predictions
-    from moseg.workflows.score_predictions import score_predictions
 
     started = time.perf_counter()
     if json is not None:

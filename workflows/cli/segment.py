@@ -11,8 +11,8 @@ from moseg.workflows.cli.option_groups import with_option_groups
 from moseg.workflows.cli.options import ReportOption, RunOptions
 from moseg.workflows.cli.overlay_options import OverlayOptions
 from moseg.workflows.cli.pipeline_options import PipelineOptions
-from moseg.workflows.frame_rate import FASTEST_FPS, SLOWEST_FPS, check_fps, choose_fps
-from moseg.workflows.notes import motions_note
+from moseg.workflows.config.notes import motions_note
+from moseg.workflows.sources.frame_rate import FASTEST_FPS, SLOWEST_FPS, check_fps, choose_fps
 
 
 @with_option_groups
@@ -52,18 +52,18 @@ def segment(
     moseg segment holiday.mp4 --overlay cutout --side-by-side --export coco
     """
     from moseg.workflows.datasets import SequenceSource
-    from moseg.workflows.events import as_unicode
+    from moseg.workflows.datasets.given_folders import with_given_folders
     from moseg.workflows.exports.check_outputs import check_outputs
     from moseg.workflows.exports.formats import check_exports, choose_formats
     from moseg.workflows.exports.formats import export as export_saved
     from moseg.workflows.exports.motion_json import frame_names
     from moseg.workflows.exports.output_names import MASKS, MOTION, OVERLAY, mask_name
     from moseg.workflows.exports.saved_segmentation import open_segmentation
-    from moseg.workflows.exports.write_segmentation import write_segmentation
-    from moseg.workflows.given_folders import with_given_folders
-    from moseg.workflows.purpose import Purpose
+    from moseg.workflows.pipelines.purpose import Purpose
+    from moseg.workflows.pipelines.segment import segment as run_segmentation
+    from moseg.workflows.pipelines.write_segmentation import write_segmentation
     from moseg.workflows.reports.run_report import RunReport
-    from moseg.workflows.segment import segment as run_segmentation
+    from moseg.workflows.runlog.events import as_unicode
     from moseg.workflows.sources import open_frames
 
     if not video.strip():

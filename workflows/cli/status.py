@@ -39,7 +39,7 @@ def status(
     """
     from moseg.store import open_store
     from moseg.workflows.exports import check_writable, write_text
-    from moseg.workflows.status import LATEST, find_run, list_runs
+    from moseg.workflows.runlog.status import LATEST, find_run, list_runs
 
     if json is not None:
         check_writable(Path(json))
@@ -58,7 +58,7 @@ def _print_runs(store, run_ids: list[str], num_earlier: int) -> str:
     from moseg.schemas.errors import StoreError
     from moseg.workflows.cli.status_tables import runs_view
     from moseg.workflows.cli.tables import console
-    from moseg.workflows.status import RunStatus, read_status
+    from moseg.workflows.runlog.status import RunStatus, read_status
     from pydantic import TypeAdapter
 
     runs, unreadable = [], []
@@ -82,7 +82,7 @@ def _show(store, run_id: str, follow: bool) -> str:
     """Print a run's status, or show it until the run ends; the last one as JSON."""
     from moseg.workflows.cli.status_tables import status_view
     from moseg.workflows.cli.tables import console
-    from moseg.workflows.status import RunState, read_status
+    from moseg.workflows.runlog.status import RunState, read_status
     from rich.live import Live
 
     found = read_status(store, run_id)

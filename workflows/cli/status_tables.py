@@ -4,8 +4,8 @@ import shlex
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 
-from moseg.workflows.status import RunState, RunStatus
-from moseg.workflows.status_counts import StageStatus, Trouble
+from moseg.workflows.runlog.status import RunState, RunStatus
+from moseg.workflows.runlog.status_counts import StageStatus, Trouble
 from rich import box
 from rich.console import Group, RenderableType
 from rich.progress_bar import ProgressBar

@@ -1,9 +1,9 @@
 """Tables on the terminal."""
 
 from moseg.schemas.scores import EvaluationReport, GroundTruth, SequenceScore
-from moseg.workflows.published_scores import PAPER_COLUMNS, PAPER_ROWS
-from moseg.workflows.score_columns import score_columns
-from moseg.workflows.session import StageUse
+from moseg.workflows.engine.session import StageUse
+from moseg.workflows.reports.published_scores import PAPER_COLUMNS, PAPER_ROWS
+from moseg.workflows.reports.score_columns import score_columns
 from rich.console import Console
 from rich.table import Table
 

@@ -7,7 +7,7 @@ import typer
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli.pipeline_options import PipelineOptions
-from moseg.workflows.parameters import list_parameters, value_of
+from moseg.workflows.config.parameters import list_parameters, value_of
 
 READ_PARAMETERS = ("fused_point_models", "clustering.motions", "hypotheses.", "kernel.", "trajectory_clustering.")
 """Parameters, and stages of parameters, that trajectories without images read."""

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
 from moseg.workflows.cli.options import RunOptions
 from moseg.workflows.datasets import Dataset
-from moseg.workflows.purpose import Purpose
+from moseg.workflows.pipelines.purpose import Purpose
 
 
 def evaluate_clips(
@@ -20,8 +20,8 @@ def evaluate_clips(
 ):
     """The result, written to `json` and shown on `page` where asked, the use of the store by stage, what a reader must
     know, and the lines that name the files beside `json`."""
-    from moseg.workflows.evaluate_trajectories import evaluate_trajectories
     from moseg.workflows.exports import write_text
+    from moseg.workflows.pipelines.evaluate_trajectories import evaluate_trajectories
     from moseg.workflows.reports.clip_tables import clip_tables
     from moseg.workflows.reports.run_report import RunReport
 

@@ -2,7 +2,7 @@
 
 from moseg.schemas.trajectory_scores import TrajectoryReport, TrajectoryRow
 from moseg.workflows.cli.tables import console
-from moseg.workflows.published_scores import ONE_MOTION_ERROR, PUBLISHED_CLIPS, PUBLISHED_ERRORS
+from moseg.workflows.reports.published_scores import ONE_MOTION_ERROR, PUBLISHED_CLIPS, PUBLISHED_ERRORS
 from rich.console import Console
 from rich.table import Table
 

@@ -3,8 +3,8 @@
 import re
 from typing import Any
 
+from moseg.schemas.spelling import closest
 from moseg.workflows.cli.help_texts import examples_of
-from moseg.workflows.spelling import closest
 from typer.core import TyperGroup
 
 _NOT_ONE_OF = re.compile(r"'([^']*)' is not one of (.*)$")

@@ -8,8 +8,8 @@ import typer
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli import completion
 from moseg.workflows.cli.options import NonCommercialOption, QuietOption
-from moseg.workflows.preset_choice import choose_preset
-from moseg.workflows.progress import PATIENCE_SEC, StageProgress
+from moseg.workflows.config.preset_choice import choose_preset
+from moseg.workflows.process.progress import PATIENCE_SEC, StageProgress
 
 weights_app = typer.Typer(
     help="""The networks' weights: fetch, verify, make tiny ones. `moseg backends` lists them.

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol, runtime_checkable
 
 from moseg.schemas.errors import InputError
+from moseg.schemas.spelling import unknown_name
 from moseg.workflows.sources import (
     DepthFiles,
     FlowFiles,
@@ -17,7 +18,6 @@ from moseg.workflows.sources import (
     TrajectoryFile,
     TrajectoryLabels,
 )
-from moseg.workflows.spelling import unknown_name
 
 
 class SequenceSource(NamedTuple):

@@ -5,11 +5,11 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from moseg.schemas.errors import InputError
+from moseg.schemas.spelling import unknown_name
 from moseg.workflows.datasets.dataset import DatasetLayout
 from moseg.workflows.datasets.registry import DATASETS
 from moseg.workflows.datasets.roots import default_root
 from moseg.workflows.datasets.selection import select_sequences
-from moseg.workflows.spelling import unknown_name
 
 
 class DatasetRow(NamedTuple):

@@ -2,6 +2,7 @@
 
 import os
 
+from moseg.schemas.spelling import unknown_name
 from moseg.workflows.datasets.dataset import Dataset, DatasetLayout
 from moseg.workflows.datasets.davis16 import DAVIS16
 from moseg.workflows.datasets.davis_moving import DAVIS_MOVING
@@ -12,7 +13,6 @@ from moseg.workflows.datasets.roots import find_root
 from moseg.workflows.datasets.selection import select_sequences
 from moseg.workflows.datasets.synthetic import SYNTHETIC
 from moseg.workflows.datasets.ytvos_moving import YTVOS_MOVING
-from moseg.workflows.spelling import unknown_name
 
 DATASETS: dict[str, DatasetLayout] = {
     layout.name: layout for layout in (SYNTHETIC, DAVIS_MOVING, DAVIS16, YTVOS_MOVING, KT3DINSMOSEG, KT3DMOSEG, FOLDER)

@@ -4,9 +4,9 @@ import os
 from typing import NamedTuple
 
 from moseg.schemas.errors import InputError, MissingInputError
+from moseg.schemas.spelling import unknown_name
 from moseg.workflows.datasets.dataset import DatasetLayout
 from moseg.workflows.sources.files import read_bytes
-from moseg.workflows.spelling import unknown_name
 
 
 class Selection(NamedTuple):

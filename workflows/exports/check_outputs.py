@@ -4,10 +4,10 @@ import os
 from pathlib import Path
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.exports.atomic_write import blame_output
 from moseg.workflows.exports.output_names import MASKS, MOTION, OVERLAY, OWN_MASK
 from moseg.workflows.exports.ownership import OwnedFile, is_own_mask, is_own_overlay, is_own_summary
 from moseg.workflows.exports.write_text import check_folder, check_writable
+from moseg.workflows.process.atomic_write import blame_output
 
 
 def check_outputs(folder: str, video: str | None, has_overlay: bool = True, argument: str = "--out") -> None:

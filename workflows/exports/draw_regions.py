@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from moseg.workflows.resize import resize_labels
+from moseg.workflows.sources.resize import resize_labels
 from PIL import Image, ImageDraw, ImageFont
 
 LINE = 2

@@ -5,9 +5,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.exports.atomic_write import blame_output, sweep_leftovers
 from moseg.workflows.exports.ownership import OwnedFile
 from moseg.workflows.exports.write_text import write_text
+from moseg.workflows.process.atomic_write import blame_output, sweep_leftovers
 
 LISTING = ".moseg-export.json"
 """Names of the files that an export wrote, beside them."""

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import av
 from moseg.schemas.errors import InputError
-from moseg.workflows.exports.atomic_write import blame_output
 from moseg.workflows.exports.motion_json import read_motion
+from moseg.workflows.process.atomic_write import blame_output
 from moseg.workflows.sources.numpy_file import ARCHIVE_ERRORS
 from moseg.workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
 from moseg.workflows.sources.video_file import METADATA_ERRORS

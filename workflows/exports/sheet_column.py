@@ -8,7 +8,7 @@ from moseg.workflows.exports.colour_maps import colour_soft_map
 from moseg.workflows.exports.draw_errors import draw_errors
 from moseg.workflows.exports.draw_labels import draw_labels
 from moseg.workflows.exports.draw_point_errors import PointLabels, draw_point_errors
-from moseg.workflows.resize import resize_labels
+from moseg.workflows.sources.resize import resize_labels
 
 TILE_SIDE = 320
 """Longer side of a frame in a sheet, px: eight of them are as wide as a large screen."""

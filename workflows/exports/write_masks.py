@@ -4,10 +4,10 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
-from moseg.workflows.exports.atomic_write import atomic_path, blame_output, sweep_leftovers
 from moseg.workflows.exports.output_names import OWN_MASK, mask_name
 from moseg.workflows.exports.ownership import MARK, is_own_mask
 from moseg.workflows.exports.palette import davis_palette
+from moseg.workflows.process.atomic_write import atomic_path, blame_output, sweep_leftovers
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 

@@ -4,7 +4,7 @@ import tempfile
 from pathlib import Path
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.exports.atomic_write import atomic_path, blame_output
+from moseg.workflows.process.atomic_write import atomic_path, blame_output
 
 
 def check_writable(path: Path) -> None:

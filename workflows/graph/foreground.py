@@ -3,7 +3,7 @@
 from moseg.workflows.graph.frame_cues import FrameCues
 from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.once import once
-from moseg.workflows.sections import Section
+from moseg.workflows.graph.sections import Section
 from moseg.workflows.stages.accumulation import PASSES
 
 

@@ -6,8 +6,8 @@ from moseg.workflows.graph.frame_cues import FrameCues
 from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.objects import Objects
 from moseg.workflows.graph.once import once
+from moseg.workflows.graph.sections import Section
 from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES
-from moseg.workflows.sections import Section
 
 LUCAS_KANADE_PARAMS = {"window", "pyramid_levels", "forward_backward"}
 BY_HYPOTHESES = ("hypotheses", "combined")

@@ -3,8 +3,8 @@
 from moseg.workflows.graph.foreground import Foreground
 from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.once import once
+from moseg.workflows.graph.sections import Section
 from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES
-from moseg.workflows.sections import Section
 from moseg.workflows.weights.needed import tagger_item
 
 

@@ -13,8 +13,8 @@ from moseg.workflows.graph.frame_cues import FrameCues
 from moseg.workflows.graph.motions import Motions
 from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.objects import Objects
+from moseg.workflows.graph.sections import cut_sections
 from moseg.workflows.graph.sequence_leaves import SequenceLeaves
-from moseg.workflows.sections import cut_sections
 
 
 class SequenceGraph:

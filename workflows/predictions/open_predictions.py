@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from moseg.schemas.errors import MissingInputError
+from moseg.schemas.spelling import unknown_name
 from moseg.workflows.predictions.formats import FORMATS, PredictionFormat, SequencePredictions, detect_format
 from moseg.workflows.predictions.frame_list import FrameList
-from moseg.workflows.spelling import unknown_name
 
 
 @dataclass(frozen=True)

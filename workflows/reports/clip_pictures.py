@@ -13,7 +13,7 @@ from moseg.workflows.reports.missing import WhyAbsent, name_absent, say_missing
 from moseg.workflows.reports.picture_content import Layer, LayerKind, LegendEntry, Picture
 from moseg.workflows.reports.planned_layer import PlannedLayer, SequencePictures, make_layers
 from moseg.workflows.reports.sequence_view import as_hex
-from moseg.workflows.shown_frames import spread
+from moseg.workflows.results.shown_frames import spread
 from moseg.workflows.sources.frames import working_size
 from scipy.optimize import linear_sum_assignment
 

@@ -1,7 +1,7 @@
 """Tables of a report on labelled trajectories: what was measured, and what is published of the clips."""
 
 from moseg.schemas.trajectory_scores import TrajectoryMean, TrajectoryRow
-from moseg.workflows.published_scores import ONE_MOTION_ERROR, PUBLISHED_CLIPS, PUBLISHED_ERRORS
+from moseg.workflows.reports.published_scores import ONE_MOTION_ERROR, PUBLISHED_CLIPS, PUBLISHED_ERRORS
 from moseg.workflows.reports.table_content import Better, ScoreTable
 
 _SPREAD = "spread of error"

@@ -8,11 +8,11 @@ from importlib.metadata import version
 from typing import NamedTuple
 
 from moseg.store import ArtifactStore
-from moseg.workflows.events import as_unicode, this_process
+from moseg.workflows.engine.session import Session
 from moseg.workflows.reports.page.numbers import duration
 from moseg.workflows.reports.table_content import StageRow
-from moseg.workflows.session import Session
-from moseg.workflows.status import RunStatus
+from moseg.workflows.runlog.events import as_unicode, this_process
+from moseg.workflows.runlog.status import RunStatus
 
 
 class RunFacts(NamedTuple):

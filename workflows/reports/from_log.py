@@ -4,14 +4,13 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from importlib.metadata import version
 
-from moseg.schemas.configs import TrajectoryVariant, Variant
+from moseg.schemas.configs import TrajectoryVariant, Variant, seeded_configs
 from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
 from moseg.schemas.scores import SequenceScore
-from moseg.schemas.trajectory_scores import TrajectoryScore
+from moseg.schemas.trajectory_scores import TrajectoryScore, average_row
 from moseg.store import ArtifactStore
-from moseg.workflows.evaluate_trajectories import average_row, seeded_configs
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves, TrajectoryGraph
-from moseg.workflows.progress import PATIENCE_SEC, StageProgress
+from moseg.workflows.process.progress import PATIENCE_SEC, StageProgress
 from moseg.workflows.reports.build import build_page, panel_notes
 from moseg.workflows.reports.clip_tables import clip_tables
 from moseg.workflows.reports.content import ReportPage
@@ -21,7 +20,7 @@ from moseg.workflows.reports.panels import NUM_FRAMES, Panels, choose_shown
 from moseg.workflows.reports.score_tables import score_tables
 from moseg.workflows.reports.subject import RunSubject, read_subject
 from moseg.workflows.reports.table_content import ScoreTable
-from moseg.workflows.status import RunState, find_run, read_status
+from moseg.workflows.runlog.status import RunState, find_run, read_status
 
 
 def report_run(
@@ -36,7 +35,7 @@ def report_run(
     Parameters
     ----------
     run : str
-        As `moseg.workflows.status.find_run` takes it.
+        As `moseg.workflows.runlog.status.find_run` takes it.
     sequences : sequence of str, optional
         Those to show; the first ones where None.
     num_frames : int
@@ -117,7 +116,7 @@ def _gather_clips(
             for seed, score in scores.items():
                 by_seed[seed][leaves.name] = score
         panels.gather(store, next(iter(graphs.values())))
-    known = tuple(average_row(variant, by_seed) for variant, by_seed in rows.items() if all(by_seed.values()))
+    known = tuple(average_row(variant.value, by_seed) for variant, by_seed in rows.items() if all(by_seed.values()))
     tables = clip_tables(subject.dataset, known) if known else ()
     num_all = len(subject.sequences) * len(subject.variants)
     return tables, _lacking(num_absent, num_all, why_absent, "the means are of the others")

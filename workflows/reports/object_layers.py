@@ -10,11 +10,11 @@ from moseg.schemas.parameters.clustering import READ_TRACKS
 from moseg.workflows.exports.draw_regions import RegionStyle, draw_regions
 from moseg.workflows.exports.draw_tracks import TAIL_FRAMES, DrawnPoints, draw_tracks
 from moseg.workflows.exports.overlay_style import DEFAULT_OPACITY
-from moseg.workflows.found_objects import found_refs, read_found_objects
 from moseg.workflows.reports.encode_picture import encode_transparent
 from moseg.workflows.reports.picture_content import Layer, LayerKind, LegendEntry, Picture
 from moseg.workflows.reports.planned_layer import PlannedLayer
 from moseg.workflows.reports.sequence_view import SequenceView, all_colours, all_tints, as_hex, list_identities
+from moseg.workflows.results.found_objects import found_refs, read_found_objects
 
 STATIC_POINT = (190, 190, 190)
 """RGB of points on what stands still."""

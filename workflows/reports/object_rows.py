@@ -2,10 +2,10 @@
 
 from moseg.schemas.configs import Variant
 from moseg.workflows.exports.motion_json import summarise_sequence
-from moseg.workflows.found_objects import found_refs, read_found_objects
 from moseg.workflows.reports.missing import Missing, name_absent
 from moseg.workflows.reports.sequence_view import SequenceView, all_colours, as_hex
 from moseg.workflows.reports.table_content import ObjectRow
+from moseg.workflows.results.found_objects import found_refs, read_found_objects
 
 
 def list_objects(view: SequenceView, variant: Variant, fps: float) -> tuple[tuple[ObjectRow, ...], tuple[Missing, ...]]:

@@ -3,7 +3,7 @@
 from enum import Enum
 
 from moseg.schemas.configs import PipelineConfig
-from moseg.workflows.parameters import list_parameters, value_of
+from moseg.workflows.config.parameters import list_parameters, value_of
 from moseg.workflows.reports.table_content import ParameterRow
 
 

@@ -14,7 +14,7 @@ from moseg.workflows.reports.overlay_video import encode_video
 from moseg.workflows.reports.planned_layer import PlannedLayer, SequencePictures, make_layers
 from moseg.workflows.reports.sequence_view import SequenceView
 from moseg.workflows.reports.truth_layers import plan_errors, plan_truth
-from moseg.workflows.shown_frames import scored_frames, spread
+from moseg.workflows.results.shown_frames import scored_frames, spread
 
 __all__ = ["SequencePictures", "gather_clip_pictures", "gather_pictures", "picture_refs"]
 

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
+from moseg.workflows.engine.session import Session
 from moseg.workflows.exports import check_writable
 from moseg.workflows.reports.build import build_page, panel_notes
 from moseg.workflows.reports.facts import RunFacts, facts_of_session
 from moseg.workflows.reports.panels import Panels, choose_shown
 from moseg.workflows.reports.table_content import ScoreTable
 from moseg.workflows.reports.write import write_report
-from moseg.workflows.session import Session
 
 
 class RunReport:

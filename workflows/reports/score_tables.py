@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 
 from moseg.schemas.scores import GroundTruth, SequenceScore, mean_score
-from moseg.workflows.published_scores import PAPER_COLUMNS, PAPER_ROWS
+from moseg.workflows.reports.published_scores import PAPER_COLUMNS, PAPER_ROWS
+from moseg.workflows.reports.score_columns import score_columns
 from moseg.workflows.reports.table_content import ScoreTable
-from moseg.workflows.score_columns import score_columns
 
 Scores = Mapping[str, Mapping[str, SequenceScore | None]]
 """By variant and sequence; None where a score is not in the store."""

@@ -9,9 +9,9 @@ from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
 from moseg.workflows.exports.draw_labels import brightest
 from moseg.workflows.exports.palette import identity_colours
-from moseg.workflows.found_objects import FoundObjects
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.reports.picture_content import LegendEntry
+from moseg.workflows.results.found_objects import FoundObjects
 from moseg.workflows.sources.frames import working_size
 
 PICTURE_SIDE = 480

@@ -10,8 +10,8 @@ from moseg.workflows.reports.object_layers import POINT_RADIUS, STATIC_POINT
 from moseg.workflows.reports.picture_content import Layer, LayerKind, LegendEntry, Picture
 from moseg.workflows.reports.planned_layer import PlannedLayer
 from moseg.workflows.reports.sequence_view import SequenceView, as_hex
-from moseg.workflows.resize import resize_labels
-from moseg.workflows.shown_frames import annotated_frames, label_points, read_labelled_points
+from moseg.workflows.results.shown_frames import annotated_frames, label_points, read_labelled_points
+from moseg.workflows.sources.resize import resize_labels
 
 TRUTH_COLOUR = (255, 255, 255)
 """RGB, of no identity: what is true and what was found share no numbers."""

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from moseg.workflows.events import as_unicode
 from moseg.workflows.exports import write_text
 from moseg.workflows.reports.content import ReportPage
 from moseg.workflows.reports.page import render_page
+from moseg.workflows.runlog.events import as_unicode
 
 
 def write_report(path: Path, page: ReportPage) -> str:

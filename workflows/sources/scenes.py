@@ -7,9 +7,9 @@ from typing import Literal
 
 import numpy as np
 from moseg.schemas.digests import digest_json
+from moseg.schemas.spelling import unknown_name
 from moseg.tasks.synthetic import SCENES, RenderedScene, Scene, render_scene
 from moseg.workflows.sources.frames import FrameDescription
-from moseg.workflows.spelling import unknown_name
 
 RENDERER_VERSION = 1
 """Raised when `render_scene` gives other arrays for the same declaration."""

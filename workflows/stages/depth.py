@@ -2,8 +2,8 @@
 
 import numpy as np
 from moseg.schemas.parameters import DepthAnythingParams, DptDinov2Params
+from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.task import Output, Task
-from moseg.workflows.weights.resident import made_on, open_network
 
 
 def _run_dpt_dinov2(params, inputs):

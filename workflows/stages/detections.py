@@ -1,8 +1,8 @@
 """Boxes of the named objects in a frame."""
 
 from moseg.schemas.parameters import GroundingDinoParams
+from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.task import Output, Task
-from moseg.workflows.weights.resident import made_on, open_network
 
 
 def _run(params, inputs, rng):

@@ -3,8 +3,8 @@
 import numpy as np
 from moseg.schemas.parameters import FlowParams, RaftParams
 from moseg.tasks.flow.dis import estimate_flow
+from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.task import Output, Task
-from moseg.workflows.weights.resident import made_on, open_network
 
 
 def _run_dis(params, inputs, rng):

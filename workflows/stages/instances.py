@@ -1,8 +1,8 @@
 """Objects of a frame: masks of the detections, the best of those that show the same thing."""
 
 from moseg.schemas.parameters import InstanceParams, Sam2Params, SamHqParams
+from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.task import Output, Task
-from moseg.workflows.weights.resident import made_on, open_network
 
 
 def _run_sam_hq(params, inputs, rng):

@@ -6,10 +6,10 @@ from moseg.tasks.half_floats import widen
 from moseg.tasks.proposals.boxes import object_boxes
 from moseg.tasks.proposals.given import relabel_masks
 from moseg.tasks.proposals.refinement import refine_outlines
-from moseg.workflows.resize import resize_labels
+from moseg.workflows.sources.resize import resize_labels
 from moseg.workflows.stages.components import join_rows
+from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.task import Output, Task
-from moseg.workflows.weights.resident import made_on, open_network
 
 
 def _run_saliency(params, inputs, rng):

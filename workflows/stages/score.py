@@ -3,7 +3,7 @@
 from functools import partial
 
 from moseg.tasks.metrics import sample_points, score_points, score_sequence
-from moseg.workflows.resize import resize_labels
+from moseg.workflows.sources.resize import resize_labels
 from moseg.workflows.stages.task import Output, Task
 
 

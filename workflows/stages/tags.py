@@ -1,8 +1,8 @@
 """Names of what a frame shows."""
 
 from moseg.schemas.parameters import RamParams
+from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.task import Output, Task
-from moseg.workflows.weights.resident import made_on, open_network
 
 
 def _run_ram(params, inputs, rng):

@@ -2,8 +2,8 @@
 
 from moseg.schemas.parameters import PipsParams, TrackParams
 from moseg.tasks.tracks import assign_tracks, track_points
+from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.task import Output, Task
-from moseg.workflows.weights.resident import made_on, open_network
 
 
 def _run_lucas_kanade(params, inputs, rng):

@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 
 from filelock import FileLock, Timeout
 from moseg.schemas.weights import WeightsFile
-from moseg.workflows.exports.atomic_write import blame_output
+from moseg.workflows.process.atomic_write import blame_output
 from moseg.workflows.weights.download import Downloaded, Source, download
 from moseg.workflows.weights.hashing import sha256_of
 from moseg.workflows.weights.hub import HubFile, parse_hub_url, read_pointer, resolve_commit, token_for

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from moseg.schemas.errors import InputError
+from moseg.schemas.spelling import unknown_name
 from moseg.schemas.weights import WeightsItem
-from moseg.workflows.spelling import unknown_name
 from moseg.workflows.weights.catalogue import CATALOGUE
 from moseg.workflows.weights.fetch_command import fetch_command
 from moseg.workflows.weights.fetching import fetch_again, fetch_item

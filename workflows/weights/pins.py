@@ -5,7 +5,7 @@ from pathlib import Path
 from moseg.schemas.errors import InputError
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.weights import PINS, Sha256, WeightsFile
-from moseg.workflows.exports.atomic_write import atomic_path, blame_output
+from moseg.workflows.process.atomic_write import atomic_path, blame_output
 from pydantic import Field, ValidationError
 
 

@@ -4,7 +4,7 @@ import sys
 import time
 from contextlib import AbstractContextManager
 
-from moseg.workflows.progress import bars_console
+from moseg.workflows.process.progress import bars_console
 from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TimeRemainingColumn, TransferSpeedColumn
 
 PLAIN_INTERVAL_SEC = 15.0

@@ -4,7 +4,7 @@ import pytest
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.workflows.api import load_config
-from moseg.workflows.config_files import write_config
+from moseg.workflows.config.config_files import write_config
 
 LENGTH = PipelineConfig.model_validate({"sections": {"length": 20}})
 

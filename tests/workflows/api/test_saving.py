@@ -64,7 +64,7 @@ def test_masks_of_one_result_never_stand_beside_the_summary_of_another(segmented
     def fail(*arguments, **options):
         raise InputError("no room left")
 
-    monkeypatch.setattr("moseg.workflows.exports.write_segmentation.write_overlay", fail)
+    monkeypatch.setattr("moseg.workflows.pipelines.write_segmentation.write_overlay", fail)
     with pytest.raises(InputError, match="no room left"):
         result.save(tmp_path)
     assert not (tmp_path / "motion.json").exists()

@@ -13,7 +13,7 @@ import pytest
 from moseg.schemas.errors import InputError, MosegError, StoreError
 from moseg.workflows.api import segment_video
 from moseg.workflows.api.process_settings import kept_process_settings
-from moseg.workflows.threads import pin_threads
+from moseg.workflows.process.threads import pin_threads
 from PIL import Image
 
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES
-from moseg.workflows.config_files import MAX_BYTES, read_config_file, write_config
-from moseg.workflows.parameters import list_parameters
+from moseg.workflows.config.config_files import MAX_BYTES, read_config_file, write_config
+from moseg.workflows.config.parameters import list_parameters
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 
@@ -32,7 +32,7 @@ VALUES = {
 
 
 def _config(preset, geometry, quality, chosen):
-    from moseg.workflows.preset_choice import choose_preset
+    from moseg.workflows.config.preset_choice import choose_preset
 
     values = choose_preset(preset, geometry, quality)
     for name, value in chosen.items():

@@ -5,7 +5,7 @@ import re
 
 import pytest
 from moseg.workflows.exports import saved_segmentation
-from moseg.workflows.segment import StoredSegmentation
+from moseg.workflows.pipelines.segment import StoredSegmentation
 from PIL import Image
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.units import Unit
-from moseg.workflows.parameters import list_parameters, list_stages, value_of
+from moseg.workflows.config.parameters import list_parameters, list_stages, value_of
 from pydantic import BaseModel
 
 NUMBER = re.compile(r"\b(int|float)\b|Positive(Int|Float)")

@@ -3,8 +3,8 @@
 import time
 
 import pytest
-from moseg.workflows import progress
-from moseg.workflows.progress import StageProgress, Waiting
+from moseg.workflows.process import progress
+from moseg.workflows.process.progress import StageProgress, Waiting
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.usefixtures("in_empty_folder")
 # Computes no affinity before somebody presses a key, however late that is.
 WAITS_FOR_THE_KEY = """
 import time
-from moseg.workflows import execution
+from moseg.workflows.engine import execution
 from moseg.workflows.cli import main
 
 compute = execution._run

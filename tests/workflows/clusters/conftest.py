@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from distributed import LocalCluster
-from moseg.workflows.cluster_connection import TlsFiles
+from moseg.workflows.cluster.connection import TlsFiles
 
 DEADLINE_SEC = 600
 

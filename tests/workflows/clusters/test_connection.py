@@ -8,8 +8,8 @@ from contextlib import contextmanager
 import dask
 import pytest
 from moseg.schemas.errors import InputError
-from moseg.workflows.cluster_connection import TlsFiles, connect
-from moseg.workflows.runners import Call, open_runner
+from moseg.workflows.cluster.connection import TlsFiles, connect
+from moseg.workflows.cluster.runners import Call, open_runner
 
 
 @contextmanager
@@ -117,7 +117,7 @@ def test_a_file_that_is_no_scheduler_file_is_refused(text, tmp_path):
 
 
 def test_a_port_where_nobody_listens_or_somebody_else_is_refused(monkeypatch):
-    monkeypatch.setattr("moseg.workflows.scheduler_probe.GREETING_SEC", 0.1)
+    monkeypatch.setattr("moseg.workflows.cluster.scheduler_probe.GREETING_SEC", 0.1)
     with socket.create_server(("127.0.0.1", 0)) as server:
         free = server.getsockname()[1]
     with pytest.raises(InputError, match=r"no Dask scheduler answers .*expected a running scheduler"):

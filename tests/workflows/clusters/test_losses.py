@@ -14,10 +14,10 @@ from distributed.comm import CommClosedError
 from distributed.scheduler import KilledWorker
 from moseg.schemas.errors import ClusterError
 from moseg.store import open_store
-from moseg.workflows.cluster_connection import TlsFiles
-from moseg.workflows.clusters import ForeignCluster
-from moseg.workflows.flight import CallError, Flight
-from moseg.workflows.runners import Call, DistributedRunner, open_runner
+from moseg.workflows.cluster.clusters import ForeignCluster
+from moseg.workflows.cluster.connection import TlsFiles
+from moseg.workflows.cluster.runners import Call, DistributedRunner, open_runner
+from moseg.workflows.cluster.submission_window import CallError, Flight
 
 MOSEG = [sys.executable, "-c", "from moseg.workflows.cli import main; main()"]
 DEADLINE_SEC = 600
@@ -180,7 +180,7 @@ def test_workers_that_end_while_they_start_are_one_line_and_a_fault(evaluated, m
     def start(**options):
         raise RuntimeError("Nanny failed to start.") from OSError("cannot allocate memory")
 
-    monkeypatch.setattr("moseg.workflows.clusters.LocalCluster", start)
+    monkeypatch.setattr("moseg.workflows.cluster.clusters.LocalCluster", start)
     ran = moseg(*evaluated.arguments, "--store", tmp_path / "store", "--workers", "2")
     assert ran.code == 1
     (line,) = ran.err.splitlines()
@@ -192,7 +192,9 @@ def test_a_scheduler_that_ends_before_the_first_answer_is_one_line(monkeypatch):
         raise CommClosedError("in <TCP>: Stream is closed")
 
     client = SimpleNamespace(scheduler=SimpleNamespace(address="tcp://host:8786"), close=lambda: None)
-    monkeypatch.setattr("moseg.workflows.clusters.connect", lambda scheduler, tls: client)
-    monkeypatch.setattr("moseg.workflows.clusters.ClusterCheck", lambda client: SimpleNamespace(check_scheduler=ask))
+    monkeypatch.setattr("moseg.workflows.cluster.clusters.connect", lambda scheduler, tls: client)
+    monkeypatch.setattr(
+        "moseg.workflows.cluster.clusters.ClusterCheck", lambda client: SimpleNamespace(check_scheduler=ask)
+    )
     with pytest.raises(ClusterError, match=r"the scheduler is gone in --scheduler tcp://host:8786; .*closed"):
         ForeignCluster("tcp://host:8786", TlsFiles(), threads=1, device="auto")

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 from moseg.schemas.errors import InputError
-from moseg.workflows import code_fingerprint as fingerprints
-from moseg.workflows import runners
-from moseg.workflows.cluster_check import ClusterCheck
-from moseg.workflows.runners import Call, open_runner
+from moseg.workflows.cluster import code_fingerprint as fingerprints
+from moseg.workflows.cluster import runners
+from moseg.workflows.cluster.check import ClusterCheck
+from moseg.workflows.cluster.runners import Call, open_runner
 
 DEADLINE_SEC = 600
 ROOT = Path(__file__).resolve().parents[3]

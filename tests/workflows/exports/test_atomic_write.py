@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from moseg.schemas.errors import InputError
 from moseg.workflows.exports import write_text
-from moseg.workflows.exports.atomic_write import atomic_path
+from moseg.workflows.process.atomic_write import atomic_path
 
 
 def test_a_name_as_long_as_the_system_allows_is_written(tmp_path):

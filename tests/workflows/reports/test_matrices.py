@@ -16,7 +16,7 @@ from moseg.workflows.reports.motion_count import FoundGroups, explain_objects, e
 from moseg.workflows.reports.sequence_view import all_colours, as_hex
 from moseg.workflows.reports.subject import read_subject
 from moseg.workflows.reports.variant_panels import variant_panel
-from moseg.workflows.status import list_runs
+from moseg.workflows.runlog.status import list_runs
 
 AUTO = get_args(ClusteringParams.model_fields["auto"].annotation)
 AUTO_TRACKS = get_args(TrajectoryClusteringParams.model_fields["auto"].annotation)

@@ -13,8 +13,8 @@ from moseg.store import open_store
 from moseg.workflows.datasets import open_dataset
 from moseg.workflows.exports.draw_errors import ERROR_COLOURS
 from moseg.workflows.graph import SequenceGraph
-from moseg.workflows.leaves import ingest_jobs, make_leaves
-from moseg.workflows.plan_evaluation import foresee_ingest
+from moseg.workflows.pipelines.leaves import ingest_jobs, make_leaves
+from moseg.workflows.pipelines.plan_evaluation import foresee_ingest
 from moseg.workflows.reports import overlay_video, sequence_view
 from moseg.workflows.reports.cue_layers import plan_cue_layers
 from moseg.workflows.reports.missing import WhyAbsent

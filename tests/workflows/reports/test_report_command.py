@@ -11,7 +11,7 @@ from moseg.store import open_store
 from moseg.workflows.reports import panels
 from moseg.workflows.reports.from_log import report_run
 from moseg.workflows.reports.write import write_report
-from moseg.workflows.status import list_runs
+from moseg.workflows.runlog.status import list_runs
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 

@@ -3,9 +3,9 @@
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.scores import SequenceScore
 from moseg.schemas.trajectory_scores import TrajectoryMean, TrajectoryRow, TrajectoryScore
-from moseg.workflows.published_scores import PAPER_ROWS, PUBLISHED_ERRORS
 from moseg.workflows.reports.clip_tables import clip_tables
 from moseg.workflows.reports.parameter_rows import parameter_rows
+from moseg.workflows.reports.published_scores import PAPER_ROWS, PUBLISHED_ERRORS
 from moseg.workflows.reports.score_tables import score_tables
 from moseg.workflows.reports.table_content import Better
 

@@ -7,10 +7,10 @@ import pytest
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.errors import InputError
 from moseg.store import open_store
-from moseg.workflows import waves
+from moseg.workflows.engine import waves
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.reports.subject import read_subject
-from moseg.workflows.status import list_runs, read_status
+from moseg.workflows.runlog.status import list_runs, read_status
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 

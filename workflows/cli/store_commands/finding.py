@@ -59,7 +59,7 @@ def find_pins(store, run: str) -> list[str]:
     pinned = store.pinned()
     if run in pinned:
         return [run]
-    from moseg.workflows.status import find_run, read_status
+    from moseg.workflows.runlog.status import find_run, read_status
 
     logged = find_run(store, run)
     found = [name for name in (logged, *read_status(store, logged).pins) if name in pinned]

@@ -5,11 +5,11 @@ from typing import Annotated
 
 import typer
 from moseg.schemas.arrays import LAYOUTS
+from moseg.schemas.spelling import closest, unknown_name
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import open_existing
 from moseg.workflows.cli.store_commands.writing import size
-from moseg.workflows.progress import Waiting
-from moseg.workflows.spelling import closest, unknown_name
+from moseg.workflows.process.progress import Waiting
 
 
 def list_artifacts(

@@ -10,7 +10,7 @@ from moseg.schemas.recipes import split_ref
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import KeyArgument, find_artifact, open_existing
 from moseg.workflows.cli.store_commands.writing import short, size
-from moseg.workflows.progress import StageProgress
+from moseg.workflows.process.progress import StageProgress
 from pydantic import JsonValue
 
 LONG_PASS = 5_000

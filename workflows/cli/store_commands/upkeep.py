@@ -8,7 +8,7 @@ from moseg.schemas.errors import MissingArtifactError
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import find_pins, open_existing
 from moseg.workflows.cli.store_commands.writing import size
-from moseg.workflows.progress import StageProgress, Waiting
+from moseg.workflows.process.progress import StageProgress, Waiting
 
 
 def verify(
@@ -61,7 +61,7 @@ def collect(
     moseg store gc --delete --grace-hours 1
     moseg store gc --forget 1a2b… --delete
     """
-    from moseg.workflows.status import old_logs
+    from moseg.workflows.runlog.status import old_logs
 
     opened = open_existing(store)
     forgotten = {name for run in forget or [] for name in find_pins(opened, run)}

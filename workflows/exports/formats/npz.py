@@ -4,10 +4,10 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
-from moseg.workflows.exports.atomic_write import atomic_path, blame_output
 from moseg.workflows.exports.formats.export_format import ExportFormat
 from moseg.workflows.exports.ownership import MARK, OwnedFile, is_own_archive
 from moseg.workflows.exports.saved_segmentation import SavedSegmentation
+from moseg.workflows.process.atomic_write import atomic_path, blame_output
 
 
 def write_npz(saved: SavedSegmentation, folder: Path, dilation: int | None = None) -> Path:

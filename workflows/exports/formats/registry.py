@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from moseg.schemas.errors import InputError
+from moseg.schemas.spelling import unknown_name
 from moseg.workflows.exports.formats.coco import COCO
 from moseg.workflows.exports.formats.colmap import COLMAP
 from moseg.workflows.exports.formats.davis import DAVIS
@@ -15,7 +16,6 @@ from moseg.workflows.exports.formats.npz import NPZ
 from moseg.workflows.exports.formats.ytvis import YTVIS
 from moseg.workflows.exports.motion_json import check_file_name
 from moseg.workflows.exports.saved_segmentation import SavedSegmentation
-from moseg.workflows.spelling import unknown_name
 
 FORMATS = {entry.name: entry for entry in (DAVIS, COCO, YTVIS, COLMAP, NERFSTUDIO, INSTANT_NGP, DYNASLAM, NPZ)}
 

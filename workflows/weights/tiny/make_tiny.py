@@ -6,7 +6,7 @@ from pathlib import Path
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.weights import WeightsFile, WeightsItem, WeightsList
-from moseg.workflows.exports.atomic_write import atomic_path, blame_output
+from moseg.workflows.process.atomic_write import atomic_path, blame_output
 from moseg.workflows.weights.own_items import OWN_ITEMS, read_own_items
 from moseg.workflows.weights.packages import require_network_packages
 from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint

@@ -1,0 +1,152 @@
+"""Running calls that depend on each other: in this process, on local workers, or on an existing Dask cluster."""
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing, contextmanager
+from itertools import islice
+from typing import Any
+
+import dask
+from dask.callbacks import Callback
+from dask.task_spec import Task, TaskRef
+from moseg.schemas.errors import InputError
+from moseg.workflows.cluster.calls import Call, Runner
+from moseg.workflows.cluster.clusters import Cluster, ForeignCluster, LocalWorkers
+from moseg.workflows.cluster.connection import TlsFiles
+from moseg.workflows.cluster.failures import as_cluster_errors
+from moseg.workflows.cluster.placement import GPU
+from moseg.workflows.cluster.submission_window import CALLS_PER_THREAD, MIN_IN_FLIGHT, Flight
+from moseg.workflows.process.devices import current_device, parse_device, read_device, set_device
+from moseg.workflows.process.memory import keep_freed_memory
+from moseg.workflows.process.threads import check_bearable, pin_threads
+
+__all__ = ["Call", "DistributedRunner", "Runner", "SynchronousRunner", "TlsFiles", "open_runner"]
+
+CALLS_AT_ONCE = 512
+"""Calls that the synchronous scheduler is given at a time."""
+
+
+class SynchronousRunner:
+    """One call after the other in this process."""
+
+    def run(self, calls: Iterable[Call], on_done: Callable[[str, Any], None]) -> None:
+        """See `Runner.run`."""
+
+        def posttask(key, result, dsk, state, worker_id):
+            on_done(key, result)
+
+        remaining = iter(calls)
+        with Callback(posttask=posttask):
+            while some := list(islice(remaining, CALLS_AT_ONCE)):
+                names = {call.name for call in some}
+                graph = {
+                    call.name: Task(
+                        call.name, _run_after, call, *(TaskRef(name) for name in call.after if name in names)
+                    )
+                    for call in some
+                }
+                dask.get(graph, list(graph))
+
+    def has_gpu(self) -> bool:
+        """See `Runner.has_gpu`."""
+        return current_device().type != "cpu"
+
+    def num_workers(self) -> int:
+        """See `Runner.num_workers`."""
+        return 1
+
+
+def _run_after(call: Call, *_done: object) -> Any:
+    return call.function(*call.arguments)
+
+
+class DistributedRunner:
+    """On the workers of a Dask cluster; only references and reports travel through its scheduler."""
+
+    def __init__(self, cluster: Cluster):
+        self._cluster = cluster
+
+    def run(self, calls: Iterable[Call], on_done: Callable[[str, Any], None]) -> None:
+        """See `Runner.run`."""
+        # To draw calls may ask the cluster, too.
+        with as_cluster_errors(self._cluster):
+            self._run(iter(calls), on_done)
+
+    def _run(self, remaining: Iterator[Call], on_done: Callable[[str, Any], None]) -> None:
+        waiting = list(islice(remaining, MIN_IN_FLIGHT))
+        if not waiting:
+            return
+        with closing(Flight(self._cluster.client(), self._cluster.setup)) as flight:
+            while waiting or flight:
+                if waiting:
+                    needs_gpus = any(call.needs_gpu for call in waiting) and self._cluster.claim_gpus()
+                    waiting = flight.submit(waiting, {GPU: 1} if needs_gpus else None)
+                    window = max(MIN_IN_FLIGHT, CALLS_PER_THREAD * self._cluster.admit_workers())
+                for name, result in flight.collect():
+                    on_done(name, result)
+                # Half a window at a time: each message to the scheduler costs some milliseconds.
+                if not waiting and len(flight) <= window // 2:
+                    waiting = list(islice(remaining, window - len(flight)))
+
+    def has_gpu(self) -> bool:
+        """See `Runner.has_gpu`."""
+        with as_cluster_errors(self._cluster):
+            return self._cluster.claim_gpus()
+
+    def num_workers(self) -> int:
+        """See `Runner.num_workers`."""
+        with as_cluster_errors(self._cluster):
+            return max(1, self._cluster.num_threads())
+
+
+@contextmanager
+def open_runner(
+    workers: int = 0,
+    scheduler: str | None = None,
+    device: str = "auto",
+    threads: int = 1,
+    tls: TlsFiles | None = None,
+) -> Iterator[Runner]:
+    """A runner for the block: synchronous for 0 workers, else local worker processes or the cluster at `scheduler`.
+
+    Parameters
+    ----------
+    workers : int
+        They start with the first call: a run that finds everything in the store starts none.
+    scheduler : str, optional
+        Address of an existing cluster, or its scheduler file.
+    device : str
+        Where networks run, see `parse_device`. Each CUDA device goes to one local worker. In an existing cluster calls
+        that run a network go to workers that declare the resource ``GPU``; for ``auto`` to any on its CPU where none
+        does.
+    threads : int
+        CPU threads of each process.
+    tls : TlsFiles, optional
+        Certificates for a scheduler at ``tls://``.
+
+    Raises
+    ------
+    InputError
+        There is no such scheduler or device, or the numbers make no sense; or a process of the cluster has other code
+        than this one, or lacks a package.
+    """
+    if scheduler is not None and workers:
+        raise InputError("--workers and --scheduler exclude each other", got=f"{workers} and {scheduler}")
+    if workers < 0:
+        raise InputError("not a number of workers", where="--workers", got=workers, expected="0 (this process) or more")
+    check_bearable(workers, "workers")
+    tls = tls or TlsFiles()
+    if scheduler is None and tls.named():
+        raise InputError("certificates are for --scheduler", where=next(iter(tls.named())), expected="tls://host:8786")
+    pin_threads(threads)
+    keep_freed_memory()
+    if scheduler is not None:
+        read_device(device)
+        with closing(ForeignCluster(scheduler, tls, threads, device)) as cluster:
+            yield DistributedRunner(cluster)
+    elif workers == 0:
+        set_device(device)
+        yield SynchronousRunner()
+    else:
+        parse_device(device)
+        with closing(LocalWorkers(workers, threads, device)) as cluster:
+            yield DistributedRunner(cluster)

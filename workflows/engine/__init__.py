@@ -1,0 +1,1 @@
+"""Run a graph: sessions, planning, phases, execution, ingest."""

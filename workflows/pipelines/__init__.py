@@ -1,0 +1,1 @@
+"""One file a job: segment, evaluate, plan, score, contact sheets."""

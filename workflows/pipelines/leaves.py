@@ -1,0 +1,106 @@
+"""From a sequence's sources to the leaves of its graph."""
+
+from collections.abc import Sequence
+from itertools import chain
+
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError
+from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.engine.ingest import IngestJob
+from moseg.workflows.engine.session import Session
+from moseg.workflows.graph import GIVEN_SOURCES, SequenceLeaves
+from moseg.workflows.sources import SceneFrames
+from moseg.workflows.weights.needed import needed_items
+
+FRAMES_PER_JOB = 16
+
+
+def ingest_sequences(
+    session: Session, sources: Sequence[SequenceSource], config: PipelineConfig, annotated: bool
+) -> list[SequenceLeaves]:
+    """Leaves of every sequence: frames, the cues that `config` takes as given, and the annotation where asked."""
+    plans = [ingest_jobs(source, config, annotated) for source in sources]
+    found = iter(session.ingest([job for jobs in plans for job in chain.from_iterable(jobs.values())]))
+    leaves = []
+    for source, jobs in zip(sources, plans, strict=True):
+        ingested = {role: [next(found) for _ in group] for role, group in jobs.items()}
+        leaves.append(make_leaves(source, ingested))
+    # Last: what is no video is found out before anything is fetched.
+    weights = session.name_weights(needed_items(config))
+    return [each._replace(weights=weights) for each in leaves]
+
+
+def ingest_jobs(source: SequenceSource, config: PipelineConfig, annotated: bool) -> dict[str, list[IngestJob]]:
+    """What must be decoded for a sequence, by role."""
+    # A scene is rendered whole for any of its sources.
+    batch = f"scene {source.name}" if isinstance(source.frames, SceneFrames) else None
+    jobs = {"frames": [IngestJob("frame", chunk, batch) for chunk in source.frames.chunks(FRAMES_PER_JOB)]}
+
+    def add(role, kind, given, option):
+        if given is None:
+            raise InputError(f"{option} needs what the data set does not give", where=f"sequence {source.name}")
+        jobs[role] = [IngestJob(kind, given, batch)]
+
+    if annotated and source.annotations is not None:
+        jobs["annotation"] = [IngestJob("annotation", source.annotations, batch)]
+    elif annotated and source.labelled_points is not None:
+        jobs["labelled_points"] = [IngestJob("labelled_points", source.labelled_points, batch)]
+    if config.proposal_source in GIVEN_SOURCES:
+        add("masks", "given_masks", source.objects or source.annotations, f"proposals: {config.proposal_source}")
+    if config.depth.method in GIVEN_SOURCES:
+        add("depth", "given_depth", source.depth, f"depth: {config.depth.method}")
+    if config.flow.method in GIVEN_SOURCES:
+        add("flow_forward", "given_flow", source.flow_forward, f"flow: {config.flow.method}")
+        if config.proposal_source == "saliency":
+            if config.flow.method == "folder" and source.flow_backward is None:
+                raise InputError(
+                    "motion saliency needs flow in both directions",
+                    where=f"the flow folder of sequence {source.name}",
+                    expected="forward/ and backward/ in it, or other --proposals",
+                )
+            add("flow_backward", "given_flow", source.flow_backward, f"flow: {config.flow.method}")
+    if config.tracks.method in GIVEN_SOURCES:
+        add("tracks", "given_tracks", source.tracks, f"tracks: {config.tracks.method}")
+    return jobs
+
+
+def make_leaves(source: SequenceSource, ingested: dict[str, list[dict]]) -> SequenceLeaves:
+    """Leaves of a sequence from what its jobs gave; raises InputError where these do not fit together."""
+    where = f"sequence {source.name}"
+    frames = tuple(chain.from_iterable(entry["leaves"] for entry in ingested["frames"]))
+    shapes = {tuple(entry["shape"]) for entry in ingested["frames"]}
+    if len(shapes) != 1:
+        raise InputError("frames of different sizes", where=where, got=sorted(shapes), expected="one size")
+    if len(frames) < 2:
+        raise InputError("too few frames to see motion", where=where, got=len(frames), expected="at least 2")
+    (shape,) = shapes
+    annotation, labelled_points = (
+        ingested[role][0] if role in ingested else None for role in ("annotation", "labelled_points")
+    )
+    num_motions, truth = source.num_motions, annotation or labelled_points
+    if num_motions is None and truth is not None:
+        num_motions = 1 + len(set(truth["labels"]) - {source.void})
+    lists = {
+        role: tuple(ingested[role][0]["leaves"])
+        for role in ("depth", "flow_forward", "flow_backward")
+        if role in ingested
+    }
+    for role, refs in lists.items():
+        expected = len(frames) - (role != "depth")
+        if len(refs) != expected:
+            raise InputError(
+                f"wrong number of {role.replace('_', ' ')} maps", where=where, got=len(refs), expected=expected
+            )
+    return SequenceLeaves(
+        name=source.name,
+        shape=shape,
+        frames=frames,
+        annotation=annotation["leaves"][0] if annotation else None,
+        labelled_points=labelled_points["leaves"][0] if labelled_points else None,
+        void=source.void,
+        num_motions=num_motions,
+        masks=ingested["masks"][0]["leaves"][0] if "masks" in ingested else None,
+        masks_void=source.void if source.objects is None else source.objects_void,
+        tracks=ingested["tracks"][0]["leaves"][0] if "tracks" in ingested else None,
+        **lists,
+    )

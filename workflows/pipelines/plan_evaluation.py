@@ -1,0 +1,94 @@
+"""What an evaluation would compute and reuse, with nothing computed or stored."""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.digests import digest_json
+from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError, MissingInputError
+from moseg.schemas.recipes import Recipe, leaf_recipe
+from moseg.store import ArtifactStore
+from moseg.workflows.datasets import SequenceSource, find_ground_truth
+from moseg.workflows.engine.ingest import IngestJob, preview_ingest, recall_ingests
+from moseg.workflows.engine.planning import make_plan
+from moseg.workflows.engine.session import StageUse
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.pipelines.leaves import ingest_jobs, make_leaves
+from moseg.workflows.weights.folder import Weights
+from moseg.workflows.weights.leaf import weights_leaf
+from moseg.workflows.weights.needed import needed_items
+
+
+class EmptyStore:
+    """Stands for a store that does not exist yet: nothing can be reused."""
+
+    def present(self, refs: Iterable[str]) -> set[str]:
+        """None."""
+        return set()
+
+
+def plan_evaluation(
+    store: ArtifactStore | EmptyStore,
+    sources: Sequence[SequenceSource],
+    config: PipelineConfig,
+    variants: Sequence[Variant],
+    folder: Weights,
+) -> dict[str, StageUse]:
+    """Artifacts to compute and to reuse by stage.
+
+    Frames that were never ingested are decoded, because keys are digests of what files decode to. With weights that are
+    neither here nor pinned nothing can have been made.
+
+    Raises
+    ------
+    InputError
+        Where the evaluation would have nothing to score against.
+    """
+    find_ground_truth(sources)
+    weights = {name: _plan_weights(folder, name, needed) for name, needed in needed_items(config).items()}
+    recipes, sinks, num_ingests = {}, [], 0
+    for source in sources:
+        ingested = {}
+        for role, jobs in ingest_jobs(source, config, annotated=True).items():
+            ingested[role], num_new = foresee_ingest(store, jobs)
+            num_ingests += num_new
+        graph = SequenceGraph(make_leaves(source, ingested)._replace(weights=weights), config)
+        sinks.extend(graph.score(variant) for variant in variants)
+        sinks.extend(graph.cues())
+        recipes |= graph.recipes
+    return count_uses(store, recipes, sinks, num_ingests)
+
+
+def foresee_ingest(store: ArtifactStore | EmptyStore, jobs: Sequence[IngestJob]) -> tuple[list[dict], int]:
+    """What ingesting the jobs would give, and how many of them a run would have to decode."""
+    recipes = [job.recipe for job in jobs]
+    known = recall_ingests(store, recipes, _remembered)
+    memories = [known[recipe.ref] for recipe in recipes]
+    found = [preview_ingest(job) if memory is None else memory for job, memory in zip(jobs, memories, strict=True)]
+    return found, memories.count(None)
+
+
+def count_uses(
+    store: ArtifactStore | EmptyStore, recipes: Mapping[str, Recipe], sinks: Sequence[str], num_ingests: int
+) -> dict[str, StageUse]:
+    """Artifacts to compute and to reuse by stage."""
+    computed, reused = make_plan(store, recipes, sinks).count()
+    if num_ingests:
+        computed["ingest"] = num_ingests
+    names = dict.fromkeys([*computed, *reused])
+    return {name: StageUse(computed[name], reused[name], 0.0) for name in names}
+
+
+def _plan_weights(folder: Weights, name: str, architecture: str) -> str:
+    """Reference of a weights item's leaf; one that nothing was made with where its digest is not known yet."""
+    try:
+        return weights_leaf(folder, name, architecture).recipe.ref
+    except MissingInputError:
+        return leaf_recipe("weights", digest_json("absent", name)).ref
+
+
+def _remembered(store: ArtifactStore, ref: str) -> dict | None:
+    """What is remembered under a reference; a run would quarantine a damaged memory and ingest anew."""
+    try:
+        return store.attributes(ref)
+    except (CorruptArtifactError, MissingArtifactError):
+        return None

@@ -1,0 +1,63 @@
+"""What a command computes for, as its log keeps it."""
+
+from collections.abc import Mapping, Sequence
+from typing import Literal, NamedTuple
+
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
+from moseg.schemas.events import SequenceSubject, SubjectEvent
+from moseg.workflows.graph import SequenceLeaves, TrajectoryLeaves
+from moseg.workflows.runlog.events import as_unicode, this_process
+
+
+class Purpose(NamedTuple):
+    """Which command runs, and what is known of its data beforehand.
+
+    Attributes
+    ----------
+    command : 'eval', 'ablate' or 'segment'
+    notes : tuple of str
+        What a reader must know to read its figures rightly.
+    fps : float or None
+        Frames per second, in place of those that its data have.
+    """
+
+    command: Literal["eval", "ablate", "segment"]
+    notes: tuple[str, ...] = ()
+    fps: float | None = None
+
+
+EVALUATION = Purpose("eval")
+SEGMENTATION = Purpose("segment")
+
+
+def make_subject(
+    purpose: Purpose,
+    dataset: str | None,
+    config: PipelineConfig,
+    variants: Sequence[Variant | TrajectoryVariant],
+    sequences: Sequence[tuple[SequenceLeaves | TrajectoryLeaves, float | None]],
+    seeds: Sequence[int] | None = None,
+) -> SubjectEvent:
+    """The line of a run's log about some of its sequences, each with its frames per second where it has any."""
+    return SubjectEvent(
+        command=purpose.command,
+        dataset=dataset,
+        variants=tuple(variant.value for variant in variants),
+        config=config.model_dump(mode="json"),
+        seeds=None if seeds is None else tuple(seeds),
+        notes=tuple(map(as_unicode, purpose.notes)),
+        sequences=tuple(SequenceSubject(leaves=_plain(leaves), fps=fps) for leaves, fps in sequences),
+        **this_process(),
+    )
+
+
+def _plain(leaves: SequenceLeaves | TrajectoryLeaves) -> dict:
+    """The fields as JSON has them."""
+    fields = leaves._asdict() | {"name": as_unicode(leaves.name)}
+    return {name: _as_json(value) for name, value in fields.items()}
+
+
+def _as_json(value: object) -> object:
+    if isinstance(value, tuple):
+        return list(value)
+    return dict(value) if isinstance(value, Mapping) else value

@@ -1,0 +1,91 @@
+"""Scoring masks that any program saved, with the same metrics as an evaluation."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from moseg.schemas.scores import GroundTruth, SequenceScore
+from moseg.tasks.metrics import sample_points, score_points, score_sequence
+from moseg.workflows.datasets import Dataset, SequenceSource, find_ground_truth
+from moseg.workflows.predictions import FrameList, Predictions, SequencePredictions
+from moseg.workflows.process.progress import StageProgress
+from moseg.workflows.sources.frame_matching import Matching, frame_stems
+
+_WAYS = {
+    Matching.ORDER: "masks taken for the frames in order, not by name",
+    Matching.NUMBER: "masks taken for the frames by their number, counted from 0, not by name",
+}
+_REPEATS = "no mask of the last frame, which is scored with that of the frame before"
+
+
+class PredictionScores(NamedTuple):
+    """Scores of saved masks, and how these were matched to the frames.
+
+    Attributes
+    ----------
+    over : 'pixels' or 'points'
+        What the scores count.
+    scores : dict of str to SequenceScore
+    matching : dict of str to Matching
+        By sequence.
+    notes : tuple of str
+        What a reader of the scores must know: which masks were not matched by name, and which were used twice.
+    """
+
+    over: GroundTruth
+    scores: dict[str, SequenceScore]
+    matching: dict[str, Matching]
+    notes: tuple[str, ...]
+
+
+def score_predictions(dataset: Dataset, predictions: Predictions, quiet: bool = False) -> PredictionScores:
+    """Score the saved masks of every sequence of a data set, against masks or at labelled points.
+
+    Raises
+    ------
+    InputError
+        A sequence without ground truth, or sequences of both kinds; predictions that are missing, damaged, of the wrong
+        size, or of frames that cannot be told.
+    """
+    sources = [dataset.sequence(name) for name in dataset.names]
+    over = find_ground_truth(sources)
+    pairs = _saved_points if over == "points" else _saved_frames
+    scores, matching, repeating = {}, {}, []
+    with StageProgress({"score": len(dataset.names)}, quiet) as progress:
+        for source in sources:
+            frames = FrameList(source.frames.num_frames(), frame_stems(source.frames))
+            saved = predictions.sequence(source.name, frames, source.frames.describe().size)
+            scored: set[int] = set()
+            read = partial(pairs, source, saved, scored)
+            scores[source.name] = score_points(read()) if over == "points" else score_sequence(read, void=source.void)
+            matching[source.name] = saved.matching
+            if saved.repeats_last and frames.num_frames - 1 in scored:
+                repeating.append(source.name)
+            progress.advance("score")
+    return PredictionScores(over, scores, matching, _notes(matching, repeating))
+
+
+def _saved_frames(
+    source: SequenceSource, saved: SequencePredictions, scored: set[int]
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Pairs of saved and annotated labels, one frame at a time; their frames are added to `scored`."""
+    for index, truth in source.annotations.read():
+        scored.add(index)
+        yield saved.frame(index), truth
+
+
+def _saved_points(
+    source: SequenceSource, saved: SequencePredictions, scored: set[int]
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Saved and true labels of the visible points of every frame in which there are any, added to `scored`."""
+    points, visible, truth = source.labelled_points.read()
+    for index in np.flatnonzero(visible.any(axis=0)):
+        scored.add(int(index))
+        yield sample_points(saved.frame(int(index)), points[:, index], visible[:, index], truth)
+
+
+def _notes(matching: Mapping[str, Matching], repeating: Sequence[str]) -> tuple[str, ...]:
+    found = {words: [name for name, each in matching.items() if each == way] for way, words in _WAYS.items()}
+    found[_REPEATS] = repeating
+    return tuple(f"{words}: {', '.join(names)}" for words, names in found.items() if names)

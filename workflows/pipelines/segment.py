@@ -1,0 +1,160 @@
+"""Segmenting a user's own video: labels of every frame at the video's own size."""
+
+from collections.abc import Callable, Iterator
+from itertools import chain
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.store import ArtifactStore
+from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.engine.session import Session
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.pipelines.leaves import ingest_sequences
+from moseg.workflows.pipelines.purpose import SEGMENTATION, Purpose, make_subject
+from moseg.workflows.reports.panels import Panels
+from moseg.workflows.results.found_objects import read_found_objects
+from moseg.workflows.sources.resize import resize_labels
+
+Result = TypeVar("Result")
+
+
+class StoredSegmentation(NamedTuple):
+    """Where the result of one video lies, and what was found.
+
+    Attributes
+    ----------
+    name : str
+    shape, analysed_shape : (int, int)
+        Height and width of the video's frames, and of the frames as analysed, px.
+    num_motions : int
+        Motion groups found, the background's included.
+    motions : dict of int to int
+        Motion group of each object by identity; 0 = static, with the background.
+    tags : dict of int to str
+        What networks called the objects, by identity; empty where none did.
+    rows : tuple of int
+        What the rows of residuals and affinities stand for: 0, the background, then the objects' identities.
+    frame_refs, label_refs : tuple of references
+        The frames, and the labels of every section.
+    affinity_refs : dict of str to reference
+        The objects' affinity by motion model; empty for the variant that has none.
+    residual_refs : dict of str to tuple of references
+        Each section's residuals by motion model; empty where affinities come from hypotheses alone.
+    """
+
+    name: str
+    shape: tuple[int, int]
+    analysed_shape: tuple[int, int]
+    num_motions: int
+    motions: dict[int, int]
+    tags: dict[int, str]
+    rows: tuple[int, ...]
+    frame_refs: tuple[str, ...]
+    label_refs: tuple[str, ...]
+    affinity_refs: dict[str, str]
+    residual_refs: dict[str, tuple[str, ...]]
+
+    @property
+    def num_frames(self) -> int:
+        """Frames of the video."""
+        return len(self.frame_refs)
+
+    def frames(self, store: ArtifactStore) -> Iterator[np.ndarray]:
+        """Frames as analysed, uint8 (y, x, 3) RGB, one at a time."""
+        for ref in self.frame_refs:
+            yield store.read(ref, "image")
+
+    def frame_labels(self, store: ArtifactStore, frame: int, shape: tuple[int, int] | None = None) -> np.ndarray:
+        """Labels uint16 (y, x) of one frame, counted from 0, at `shape` (the video's own size)."""
+        for ref in self.label_refs:
+            num_frames = store.manifest(ref).array("labels").shape[0]
+            if frame < num_frames:
+                return resize_labels(store.read_rows(ref, "labels", frame, frame + 1)[0], shape or self.shape)
+            frame -= num_frames
+        raise IndexError(f"frame {frame} beyond the last one")
+
+    def labels(self, store: ArtifactStore, shape: tuple[int, int] | None = None) -> Iterator[np.ndarray]:
+        """Labels uint16 (y, x) of every frame at `shape` (the video's own size): 0 static, else an identity."""
+        for ref in self.label_refs:
+            for index in range(store.manifest(ref).array("labels").shape[0]):
+                labels = store.read_rows(ref, "labels", index, index + 1)[0]
+                yield resize_labels(labels, shape or self.shape)
+
+
+def segment(
+    session: Session,
+    source: SequenceSource,
+    config: PipelineConfig,
+    variant: Variant,
+    use: Callable[[StoredSegmentation], Result],
+    purpose: Purpose = SEGMENTATION,
+    panels: Panels | None = None,
+) -> Result:
+    """Segment one video, reusing every artifact that exists, and return what `use` makes of it.
+
+    `use` is called again where it met a damaged artifact, once that is made again.
+
+    Parameters
+    ----------
+    purpose : Purpose
+        What the run's log says of it.
+    panels : Panels, optional
+        Gather what a report shows, before `use` is called.
+
+    Raises
+    ------
+    InputError
+        The video cannot be read or has fewer than two frames.
+    """
+    graphs: list[SequenceGraph] = []
+
+    def fps() -> float | None:
+        return purpose.fps or source.frames.describe().fps
+
+    def build():
+        (leaves,) = ingest_sequences(session, [source], config, annotated=False)
+        graphs[:] = [SequenceGraph(leaves, config)]
+        clustering = graphs[0].clustering(variant)
+        sinks = graphs[0].segmentations(variant)
+        if clustering is not None:
+            affinities, residuals = _evidence(graphs[0], config, variant)
+            sinks = (*sinks, clustering, *affinities.values(), *chain.from_iterable(residuals.values()))
+        if panels is not None:
+            sinks = (*sinks, *panels.sinks(graphs[0]))
+        session.describe(make_subject(purpose, None, config, [variant], [(leaves, fps())]))
+        return graphs[0].recipes, sinks
+
+    def read():
+        graph = graphs[0]
+        if panels is not None:
+            panels.gather(session.store, graph, fps())
+        found = read_found_objects(session.store, graph, variant)
+        affinities, residuals = _evidence(graph, config, variant)
+        result = StoredSegmentation(
+            name=source.name,
+            shape=source.frames.describe().size,
+            analysed_shape=graph.leaves.shape,
+            num_motions=found.num_motions,
+            motions=found.motions,
+            tags=found.tags,
+            rows=(0, *found.identities),
+            frame_refs=graph.leaves.frames,
+            label_refs=graph.segmentations(variant),
+            affinity_refs=affinities,
+            residual_refs=residuals,
+        )
+        return use(result)
+
+    return session.compute(build, read)
+
+
+def _evidence(
+    graph: SequenceGraph, config: PipelineConfig, variant: Variant
+) -> tuple[dict[str, str], dict[str, tuple[str, ...]]]:
+    """References of the affinity and of the residuals that a variant's motion groups come from, by motion model."""
+    views = config.views(variant)
+    residuals = (
+        {} if config.affinity.method == "hypotheses" else {view: graph.motions.residuals(view) for view in views}
+    )
+    return {view: graph.motions.affinity(view) for view in views}, residuals

@@ -1,0 +1,64 @@
+"""Which frames of a sequence are worth a look, and what is true in them."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from moseg.store import ArtifactStore
+from moseg.tasks.metrics import sample_points
+from moseg.workflows.exports.draw_point_errors import PointLabels
+from moseg.workflows.graph import SequenceLeaves
+from moseg.workflows.sources.resize import resize_labels
+
+
+def spread(num_items: int, num_chosen: int) -> tuple[int, ...]:
+    """Positions of at most `num_chosen` of some items: the middles of equally long runs."""
+    count = min(num_items, num_chosen)
+    return tuple((2 * index + 1) * num_items // (2 * count) for index in range(count))
+
+
+def scored_frames(store: ArtifactStore, leaves: SequenceLeaves) -> Sequence[int]:
+    """Frames that the score is about; all where there is no ground truth."""
+    if leaves.annotation is not None:
+        return annotated_frames(store, leaves.annotation)
+    if leaves.labelled_points is not None:
+        return np.flatnonzero(store.read(leaves.labelled_points, "visible").any(axis=0)).tolist()
+    return range(len(leaves.frames))
+
+
+def annotated_frames(store: ArtifactStore, annotation: str) -> list[int]:
+    """Frames that have ground truth."""
+    return store.attributes(annotation)["indices"]
+
+
+class LabelledPoints(NamedTuple):
+    """The labelled points of all frames of a sequence, as they are stored.
+
+    Attributes
+    ----------
+    points : float64 (N, frame, xy)
+        px of a frame of `size`.
+    visible : bool (N, frame)
+    labels : uint16 (N,)
+        0 = static.
+    size : (int, int)
+        Height and width of the frames in which the points were labelled, px.
+    """
+
+    points: np.ndarray
+    visible: np.ndarray
+    labels: np.ndarray
+    size: tuple[int, int]
+
+
+def read_labelled_points(store: ArtifactStore, labelled_points: str) -> LabelledPoints:
+    """All labelled points of a sequence: an array is read whole, so once for all frames."""
+    arrays = (store.read(labelled_points, name) for name in ("points", "visible", "labels"))
+    return LabelledPoints(*arrays, tuple(store.attributes(labelled_points)["size"]))
+
+
+def label_points(labelled: LabelledPoints, frame: int, labels: np.ndarray) -> PointLabels:
+    """The points seen in a frame, with what is predicted and what is true."""
+    points, visible = labelled.points[:, frame], labelled.visible[:, frame]
+    found = sample_points(resize_labels(labels, labelled.size), points, visible, labelled.labels)
+    return PointLabels(points[visible], *found, labelled.size)

@@ -1,0 +1,137 @@
+"""What a run's client writes to the run's log: what it planned and found, and how it ended."""
+
+import os
+import shlex
+import sys
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager, suppress
+from importlib.metadata import version
+
+from moseg.schemas.errors import CorruptArtifactError, StoreError
+from moseg.schemas.events import (
+    EventKind,
+    Outcome,
+    PlanEvent,
+    RunClosed,
+    RunOpened,
+    SubjectEvent,
+    TroubleEvent,
+    write_event,
+    write_plan,
+)
+from moseg.store import ArtifactStore
+from moseg.store.owners import process_space
+from moseg.workflows.runlog.events import EventLog, as_unicode, describe_error, failed_event, is_written, this_process
+
+
+class RunLog:
+    """The client's part of a run's log.
+
+    It begins when there is something to compute. A run that finds all it asks for leaves none: nothing happened, and
+    its store may be one that can only be read.
+    """
+
+    def __init__(self, store: ArtifactStore, run_id: str, quiet: bool = False):
+        self._store = store
+        self._run_id = run_id
+        self._quiet = quiet
+        self._events = EventLog(store, run_id)
+        self._is_open = False
+        self._is_announced = False
+        self._outcome, self._error = Outcome.FINISHED, None
+        self._written: dict[str, EventKind] = {}
+        self._subjects: dict[tuple, SubjectEvent | None] = {}
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the log was begun and not ended."""
+        return self._is_open
+
+    def open(self, num_workers: Callable[[], int]) -> None:
+        """Begin the log; later calls do nothing, nor ask for the number of workers, which a scheduler must tell."""
+        if self._is_open:
+            return
+        opened = RunOpened(
+            run_id=self._run_id,
+            space=process_space(),
+            command=tuple(map(as_unicode, (os.path.basename(sys.argv[0]), *sys.argv[1:]))),
+            folder=as_unicode(os.getcwd()),
+            version=version("moseg"),
+            num_workers=num_workers(),
+            **this_process(),
+        )
+        self._events.write([opened])
+        self._is_open = True
+        self._tell_subjects()
+
+    def describe(self, subject: SubjectEvent) -> None:
+        """What the run is about: each wave of sequences once, when the log begins or now where it has begun."""
+        self._subjects.setdefault(tuple(sequence.leaves["name"] for sequence in subject.sequences), subject)
+        if self._is_open:
+            self._tell_subjects()
+
+    def announce(self) -> None:
+        """Say on standard error, once, how to follow the run."""
+        if not self._quiet and not self._is_announced:
+            command = shlex.join(["moseg", "status", self._run_id, "--store", self._store.url])
+            print(f"run {self._run_id} ({command})", file=sys.stderr, flush=True)
+        self._is_announced = True
+
+    def plan(self, computed: Collection[str], reused: Collection[str]) -> None:
+        """Write which artifacts will be computed and which are reused, unless an earlier plan of the run did."""
+        self._plan(EventKind.PLANNED, computed)
+        self._plan(EventKind.HIT, reused)
+
+    def plan_ingest(self, refs: Collection[str]) -> None:
+        """Sources that are to be decoded."""
+        self._plan(EventKind.PLANNED, refs)
+
+    def quarantined(self, error: CorruptArtifactError) -> None:
+        """The artifact that an error names was taken out of service; another plan has it computed anew."""
+        self._written.pop(error.ref, None)
+        event = TroubleEvent(event=EventKind.QUARANTINED, ref=error.ref, message=str(error), **this_process())
+        self._events.write([event])
+
+    @contextmanager
+    def watch(self) -> Iterator[None]:
+        """Notice how the block ends."""
+        try:
+            yield
+        except Exception as error:
+            self._outcome, self._error = Outcome.FAILED, error
+            if self._is_open and not is_written(error):
+                # What stops the work may stop its log: the first error is the one to tell.
+                with suppress(StoreError):
+                    self._events.write([failed_event(error)])
+            raise
+        except BaseException:
+            self._outcome = Outcome.INTERRUPTED
+            raise
+        self._outcome, self._error = Outcome.FINISHED, None
+
+    def close(self, pins: tuple[str, ...] = ()) -> None:
+        """End the log, if it was begun, with the names of the pins that keep the results."""
+        if not self._is_open:
+            return
+        self._is_open = False
+        message = None if self._error is None else describe_error(self._error)
+        closed = RunClosed(outcome=self._outcome, message=message, pins=pins, **this_process())
+        if self._outcome == Outcome.FINISHED:
+            self._events.write([closed])
+            return
+        with suppress(StoreError):
+            self._events.write([closed])
+
+    def _tell_subjects(self) -> None:
+        new = {names: subject for names, subject in self._subjects.items() if subject is not None}
+        # Of a line that is written only the names are kept: a wave's leaves take a megabyte.
+        self._subjects.update(dict.fromkeys(new))
+        now = this_process()["time"]
+        self._events.write_lines(write_event(subject.model_copy(update={"time": now})) for subject in new.values())
+
+    def _plan(self, kind: EventKind, refs: Collection[str]) -> None:
+        new = [ref for ref in refs if self._written.get(ref) != kind]
+        if new:
+            self._written.update(dict.fromkeys(new, kind))
+            sample = PlanEvent(event=kind, ref=new[0], time=this_process()["time"])
+            self._events.write_lines(write_plan(sample, new))

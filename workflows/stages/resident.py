@@ -1,0 +1,58 @@
+"""The one network that a process keeps: loaded when a task first asks for it, given up when a task asks for another."""
+
+import gc
+import os
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TypeVar
+
+from moseg.workflows.process.devices import current_device, network_context
+from moseg.workflows.stages.inputs import ArtifactView
+from moseg.workflows.weights.folder import open_weights
+
+Network = TypeVar("Network")
+
+_RESIDENT: list[tuple[tuple[str, str, str], object]] = []
+_IN_USE = threading.RLock()
+"""A worker of another cluster may have several threads; there is one network for all of them."""
+
+
+@contextmanager
+def open_network(build: Callable[..., Network], weights: ArtifactView) -> Iterator[Network]:
+    """The network that `build` makes of a checkpoint, on this process's device and ready to run.
+
+    Parameters
+    ----------
+    build : function of a `moseg.tasks.networks.Checkpoint`
+    weights : ArtifactView
+        The leaf that names the weights item and the digest of each of its files.
+
+    Raises
+    ------
+    InputError
+        A file of the item is missing here, is not the one whose digest the leaf names, or does not fit the network.
+    """
+    device = current_device()
+    wanted = (weights.ref, f"{build.__module__}.{build.__qualname__}", str(device))
+    with _IN_USE:
+        if not _RESIDENT or _RESIDENT[0][0] != wanted:
+            # Given up first: two networks at once may not fit.
+            _RESIDENT.clear()
+            gc.collect()
+            _RESIDENT.append((wanted, _load(build, weights).to(device)))
+        with network_context(device):
+            yield _RESIDENT[0][1]
+
+
+def _load(build: Callable[..., Network], weights: ArtifactView) -> Network:
+    leaf = weights.attributes
+    # What a task reads was fetched before the tasks were started; a worker never uses the network.
+    folder = open_weights(os.environ, offline=True, allow_non_commercial=True)
+    item = folder.item(leaf["item"]).model_copy(update={"config": leaf["config"]})
+    return build(folder.read(item, leaf["files"]))
+
+
+def made_on() -> dict[str, str]:
+    """What a network's result remembers of its making: it is no part of the key, and other devices round otherwise."""
+    return {"device": str(current_device())}
