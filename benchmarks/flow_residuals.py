@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+
 from moseg.schemas.parameters import FlowModelParams
 from moseg.tasks.motion_models import FLOW_MODELS, FlowModel, fit_from_moments, flow_moments, residuals_from_moments
 from moseg.tasks.motion_models.moments import depth_gauge

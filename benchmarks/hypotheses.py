@@ -9,6 +9,7 @@ import argparse
 import time
 
 import numpy as np
+
 from moseg.tasks.geometry.eight_point import eight_point, epipolar_equations
 from moseg.tasks.geometry.homography import homography_dlt, homography_sampson_squared
 from moseg.tasks.geometry.ransac import draw_samples

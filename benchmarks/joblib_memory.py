@@ -33,6 +33,7 @@ import joblib
 import numpy as np
 from engine.memory_inputs import Artifact, MemoryInputs
 from joblib.externals.loky import get_reusable_executor
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.recipes import Recipe
 from moseg.schemas.scores import SequenceScore

@@ -25,6 +25,7 @@ from statistics import median
 
 from engine.commands import IMPORT_MODULES, LIST_MODULES, MOSEG, run_timed
 from engine.stack_samples import FOLDER_VARIABLE
+
 from moseg.store import LocalStore
 
 IMPORT_APP = (sys.executable, "-c", "import moseg.workflows.cli.app")

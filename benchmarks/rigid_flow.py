@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.tasks.motion_models import FLOW_MODELS, FlowModel
 from moseg.tasks.motion_models.monomials import image_coordinates
 

@@ -31,6 +31,7 @@ from pathlib import Path
 
 from engine.empty_calls import measure_calls
 from engine.measured_run import measure
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.digests import digest_json
 from moseg.store import LocalStore

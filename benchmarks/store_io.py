@@ -14,9 +14,10 @@ from pathlib import Path
 
 import numpy as np
 import zarr
+from zarr.codecs import BloscCodec, Crc32cCodec
+
 from moseg.schemas.recipes import Recipe
 from moseg.store import LocalStore
-from zarr.codecs import BloscCodec, Crc32cCodec
 
 TASK = "benchmark"
 

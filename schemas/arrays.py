@@ -1,6 +1,7 @@
 """Layouts of the arrays that stages hand on: dtype, axes and unit of each."""
 
 import numpy as np
+
 from moseg.schemas.errors import StoreError
 from moseg.schemas.frozen import Frozen
 

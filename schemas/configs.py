@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from enum import StrEnum
 from typing import Annotated, Literal, Self
 
+from pydantic import Field, field_validator
+
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.parameters import (
     AccumulationParams,
@@ -41,7 +43,6 @@ from moseg.schemas.parameters import (
     TrajectoryClusteringParams,
 )
 from moseg.schemas.units import Unit
-from pydantic import Field, field_validator
 
 
 class Variant(StrEnum):

@@ -10,9 +10,10 @@ from collections.abc import Iterable
 from enum import StrEnum
 from typing import Annotated, Literal
 
+from pydantic import AwareDatetime, Field, JsonValue, TypeAdapter
+
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.recipes import Ref, split_ref
-from pydantic import AwareDatetime, Field, JsonValue, TypeAdapter
 
 
 class EventKind(StrEnum):

@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 from typing import Any, Self
 
-from moseg.schemas.errors import UnnamedParameterError
 from pydantic import BaseModel, ConfigDict
+
+from moseg.schemas.errors import UnnamedParameterError
 
 
 class Frozen(BaseModel):

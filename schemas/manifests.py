@@ -1,8 +1,9 @@
 """A manifest: what an artifact holds, from which recipe, and how it came to be."""
 
+from pydantic import JsonValue
+
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.recipes import Recipe
-from pydantic import JsonValue
 
 
 class ArrayEntry(Frozen):

@@ -4,9 +4,10 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import Annotated
 
+from pydantic import JsonValue, StringConstraints, TypeAdapter
+
 from moseg.schemas.digests import canonical_json, digest_bytes
 from moseg.schemas.frozen import Frozen
-from pydantic import JsonValue, StringConstraints, TypeAdapter
 
 TaskName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]{0,63}$")]
 Ref = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]{0,63}/[0-9a-f]{64}$")]

@@ -2,8 +2,9 @@
 
 from typing import Literal
 
-from moseg.schemas.frozen import Frozen
 from pydantic import ConfigDict, Field
+
+from moseg.schemas.frozen import Frozen
 
 GroundTruth = Literal["pixels", "points"]
 """What ground truth says something about: every pixel of a frame, or points in it."""

@@ -3,9 +3,10 @@
 import statistics
 from collections.abc import Sequence
 
+from pydantic import Field
+
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.scores import StoreUse
-from pydantic import Field
 
 
 class TrajectoryScore(Frozen):

@@ -5,9 +5,10 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 from urllib.parse import urlsplit
 
+from pydantic import AfterValidator, Field, StringConstraints, field_validator, model_validator
+
 from moseg.schemas.digests import canonical_json
 from moseg.schemas.frozen import Frozen
-from pydantic import AfterValidator, Field, StringConstraints, field_validator, model_validator
 
 Architecture = Literal[
     "raft",

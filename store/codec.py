@@ -19,15 +19,16 @@ from functools import cache, lru_cache
 
 import google_crc32c
 import numpy as np
-from moseg.schemas.digests import hash_array
-from moseg.schemas.errors import StoreError
-from moseg.schemas.manifests import ArrayEntry
-from moseg.store.inline_loop import run_inline
 from numcodecs import blosc
 from zarr.api.asynchronous import create_array, create_group, open_array
 from zarr.buffer.cpu import Buffer
 from zarr.codecs import BloscCodec, BytesCodec, Crc32cCodec
 from zarr.storage import MemoryStore
+
+from moseg.schemas.digests import hash_array
+from moseg.schemas.errors import StoreError
+from moseg.schemas.manifests import ArrayEntry
+from moseg.store.inline_loop import run_inline
 
 METADATA = "zarr.json"
 _INTEGERS = ("int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64")

@@ -6,6 +6,8 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
+from pydantic import JsonValue
+
 from moseg.schemas.arrays import check_arrays
 from moseg.schemas.digests import canonical_json
 from moseg.schemas.errors import StoreError
@@ -17,7 +19,6 @@ from moseg.store.medium import Medium
 from moseg.store.outcomes import GcReport, Pin, PutOutcome, StoredArtifact, TaskUsage, VerifyResult
 from moseg.store.provenance import library_versions, utc_now
 from moseg.store.sealing import digest_metadata, seal
-from pydantic import JsonValue
 
 
 class MediumStore:

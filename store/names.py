@@ -2,9 +2,10 @@
 
 import re
 
+from pydantic import TypeAdapter, ValidationError
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.recipes import Ref, split_ref
-from pydantic import TypeAdapter, ValidationError
 
 MANIFEST = "manifest.json"
 _KEY = re.compile(r"[0-9a-f]{64}")

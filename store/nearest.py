@@ -3,12 +3,13 @@
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from pydantic import JsonValue
+
 from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError
 from moseg.schemas.manifests import Manifest
 from moseg.schemas.recipes import Recipe
 from moseg.store.ahead import map_reads
 from moseg.store.protocol import ArtifactStore
-from pydantic import JsonValue
 
 ABSENT = "(absent)"
 """Stands for the value of a field that one of two recipes lacks."""

@@ -9,12 +9,13 @@ import os
 import time
 from collections.abc import Iterable
 
+from pydantic import ValidationError
+
 from moseg.schemas.errors import StoreError
 from moseg.store.medium import Medium
 from moseg.store.names import check_ref, check_run_id
 from moseg.store.outcomes import Pin
 from moseg.store.owners import is_running, process_space
-from pydantic import ValidationError
 
 FOLDER = "pins"
 

@@ -4,10 +4,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Protocol, runtime_checkable
 
 import numpy as np
+from pydantic import JsonValue
+
 from moseg.schemas.manifests import Manifest
 from moseg.schemas.recipes import Recipe
 from moseg.store.outcomes import GcReport, Pin, PutOutcome, StoredArtifact, TaskUsage, VerifyResult
-from pydantic import JsonValue
 
 
 @runtime_checkable

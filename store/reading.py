@@ -7,6 +7,7 @@ names, and only then are they decoded, from memory, with checksums.
 from collections.abc import Iterable, Mapping
 
 import numpy as np
+
 from moseg.schemas.digests import digest_array, hash_array
 from moseg.schemas.errors import CorruptArtifactError, InputError, StoreError
 from moseg.schemas.manifests import ArrayEntry, Manifest

@@ -7,10 +7,11 @@ of it counts: what is outside the sealed content is compared literally.
 
 from collections.abc import Mapping
 
+from pydantic import ValidationError
+
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.manifests import Manifest
-from pydantic import ValidationError
 
 _BEFORE, _BETWEEN, _AFTER = b'{"seal":"', b'","content":', b"}\n"
 _SEAL_LENGTH = 64

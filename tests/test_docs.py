@@ -19,6 +19,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from typer.core import TyperGroup
+from typer.exceptions import TyperException
+
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli.app import build_command
@@ -27,8 +30,6 @@ from moseg.workflows.config.preset_choice import choose_preset
 from moseg.workflows.datasets.registry import DATASETS
 from moseg.workflows.weights.catalogue import CATALOGUE
 from moseg.workflows.weights.needed import ARCHITECTURES, needed_items
-from typer.core import TyperGroup
-from typer.exceptions import TyperException
 
 ROOT = Path(__file__).resolve().parents[1]
 

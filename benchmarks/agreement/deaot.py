@@ -16,11 +16,12 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
+from torch.nn import functional as F
+
 from moseg.schemas.parameters.deaot import DeaotParams
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.deaot import Deaot, DeaotConfig, build_deaot
 from moseg.tasks.proposals.deaot import propagate_masks
-from torch.nn import functional as F
 
 BAR = 1e-5
 UNBOUNDED = 10**6

@@ -19,12 +19,13 @@ import numpy as np
 import torch
 import torchvision_parts
 from dinov2_names import official_backbone, random_state
+from transformers import DepthAnythingConfig, DepthAnythingForDepthEstimation, Dinov2Config
+
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams
 from moseg.tasks.depth import estimate_inverse_depth
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.depth import build_depth_anything
 from moseg.tasks.networks.frame_tensor import frame_tensor
-from transformers import DepthAnythingConfig, DepthAnythingForDepthEstimation, Dinov2Config
 
 BAR = 1e-4
 SIZES = ((518, 518), (140, 238), (266, 462))

@@ -21,12 +21,13 @@ import cv2
 import numpy as np
 import torch
 from dinov2_names import official_backbone, random_state
+from transformers import Dinov2Config, DPTConfig, DPTForDepthEstimation
+
 from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
 from moseg.tasks.depth import estimate_inverse_depth
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.depth import build_dpt_dinov2
 from moseg.tasks.networks.frame_tensor import frame_tensor
-from transformers import Dinov2Config, DPTConfig, DPTForDepthEstimation
 
 BAR = 1e-4
 LEAST_DEPTH, LARGEST_DEPTH = 0.001, 10.0

@@ -23,15 +23,16 @@ import cv2
 import numpy as np
 import torch
 import torchvision_parts
+from PIL import Image
+from torch.nn import init
+from transformers import BertConfig, BertModel, GroundingDinoConfig
+
 from moseg.schemas.parameters.grounding_dino import GroundingDinoParams
 from moseg.tasks.detections import detect_objects
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.frame_tensor import frame_tensor
 from moseg.tasks.networks.grounding_dino import GroundingDino, build_grounding_dino
 from moseg.workflows.weights.tiny.grounding_dino import make_grounding_dino
-from PIL import Image
-from torch.nn import init
-from transformers import BertConfig, BertModel, GroundingDinoConfig
 
 BAR = 1e-3
 NUM_LAYERS, NUM_QUERIES = 3, 100

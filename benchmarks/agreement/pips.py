@@ -17,6 +17,7 @@ from unittest import mock
 
 import numpy as np
 import torch
+
 from moseg.schemas.parameters import TrackParams
 from moseg.schemas.parameters.pips import PipsParams
 from moseg.tasks.networks.checkpoint import Checkpoint

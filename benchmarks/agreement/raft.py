@@ -14,6 +14,7 @@ from unittest import mock
 import cv2
 import numpy as np
 import torch
+
 from moseg.schemas.parameters.raft import RaftParams
 from moseg.tasks.flow.raft import estimate_raft_flow
 from moseg.tasks.networks import Checkpoint

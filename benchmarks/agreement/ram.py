@@ -21,12 +21,13 @@ import torch
 import torchvision_parts
 import transformers.modeling_utils
 import transformers.pytorch_utils
+from PIL import Image
+from torch import nn
+
 from moseg.schemas.parameters.ram import RamParams
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.ram import RamConfig, build_ram, build_ram_plus
 from moseg.tasks.tags import recognise_tags
-from PIL import Image
-from torch import nn
 
 LARGEST_DIFFERENCE = 1e-5
 DEPTHS_REDUCED = (2, 2, 2, 2)

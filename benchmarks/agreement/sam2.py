@@ -29,15 +29,16 @@ import numpy as np
 import torch
 import torchvision_parts
 import yaml
+from PIL import Image
+from torch.nn import functional
+from transformers import Sam2Model, Sam2VideoConfig, Sam2VideoModel
+
 from moseg.schemas.parameters.sam2 import Sam2Params
 from moseg.tasks.instances.sam2 import segment_boxes_sam2
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.frame_tensor import frame_tensor
 from moseg.tasks.networks.sam2 import build_sam2_image, build_sam2_video
 from moseg.tasks.proposals.sam2 import track_masks_sam2
-from PIL import Image
-from torch.nn import functional
-from transformers import Sam2Model, Sam2VideoConfig, Sam2VideoModel
 
 BAR = 1e-6
 SIDE, GRID = 256, 16

@@ -19,10 +19,11 @@ import cv2
 import numpy as np
 import torch
 import torchvision_parts
+from transformers import SamHQConfig, SamHQModel
+
 from moseg.schemas.parameters.sam_hq import SamHqParams
 from moseg.tasks.instances.sam_hq import segment_boxes_sam_hq
 from moseg.tasks.networks.sam_hq import decode_boxes, encode_image
-from transformers import SamHQConfig, SamHQModel
 
 BAR = 1e-3
 SIDE = 256

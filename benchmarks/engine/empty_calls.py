@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import psutil
 from engine.own_cluster import start_cluster
+
 from moseg.workflows.cluster.runners import Call, open_runner
 
 NUM_FIRST = 100

@@ -13,6 +13,7 @@ from engine.commands import MOSEG, run_timed
 from engine.memory_samples import MemorySamples
 from engine.own_cluster import start_cluster
 from engine.tiny_videos import write_videos
+
 from moseg.store import LocalStore
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from distributed import Client
+
 from moseg.workflows.process.memory import allocation_environ
 from moseg.workflows.process.threads import thread_environ
 

@@ -24,10 +24,11 @@ from typing import NamedTuple
 from contents import Contents, read_contents
 from damages import DAMAGES, KINDS, Damaged, choose_artifacts, descendants, folder_of, inflict, read_quarantine
 from ledger import Ledger
-from moseg.schemas.manifests import Manifest
-from moseg.store import open_store
 from processes import Ended, run_to_end
 from workload import MOSEG, Workload, write_workload
+
+from moseg.schemas.manifests import Manifest
+from moseg.store import open_store
 
 RESULTS = ("segmentation/", "score/")
 

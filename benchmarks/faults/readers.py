@@ -17,6 +17,8 @@ from format_mutations import (
     mutate_text,
     mutate_zip,
 )
+from trials import Reader
+
 from moseg.schemas.errors import InputError, StoreError
 from moseg.schemas.weights import PINS, WeightsItem
 from moseg.store import open_store
@@ -40,7 +42,6 @@ from moseg.workflows.sources.mat_tracks import decode_mat_tracks
 from moseg.workflows.weights.own_items import OWN_ITEMS, read_own_items
 from moseg.workflows.weights.pins import read_pins
 from moseg.workflows.weights.reading import read_checkpoint
-from trials import Reader
 
 SHAPE, NUM_FRAMES = pictures.SHAPE, pictures.NUM_FRAMES
 LARGEST_SIDE = 64

@@ -15,8 +15,9 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from moseg.schemas.errors import InputError
 from mutations import Mutate, mutate_bytes
+
+from moseg.schemas.errors import InputError
 
 TRIALS_A_PROCESS = 1000
 """After so many another process takes over: what leaks must not add up to a violation."""

@@ -13,6 +13,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from object_affinities import group
+from object_partitions import PARTITIONS, Case, Clip, cases, read_clips
+
 from moseg.schemas.parameters.affinity import HypothesisAffinityParams
 from moseg.schemas.parameters.clustering import MotionCountParams
 from moseg.tasks.affinity import hypothesis_affinity
@@ -22,8 +25,6 @@ from moseg.tasks.clustering.num_motions import count_by_eigengap
 from moseg.tasks.clustering.spectral import embed_views
 from moseg.tasks.clustering.stability import resampled_affinities
 from moseg.tasks.synthetic.rigid_tracks import rigid_tracks
-from object_affinities import group
-from object_partitions import PARTITIONS, Case, Clip, cases, read_clips
 
 METHODS = ("description_length", "geometric", "confidences", "stability", "eigengap")
 NUM_SYNTHETIC = 10

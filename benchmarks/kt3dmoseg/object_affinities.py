@@ -15,6 +15,10 @@ from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
+from object_partitions import PARTITIONS, Case, cases, read_clips
+from scipy.cluster.hierarchy import cut_tree, linkage
+from scipy.spatial.distance import squareform
+
 from moseg.schemas.parameters import AffinityParams, FundamentalParams
 from moseg.schemas.parameters.affinity import HypothesisAffinityParams
 from moseg.schemas.presets import GEOMETRIES
@@ -25,9 +29,6 @@ from moseg.tasks.clustering.spectral import embed_views
 from moseg.tasks.geometry import fit_fundamentals, fundamental_residuals
 from moseg.tasks.metrics.clustering_error import clustering_error
 from moseg.tasks.synthetic.rigid_tracks import rigid_tracks
-from object_partitions import PARTITIONS, Case, cases, read_clips
-from scipy.cluster.hierarchy import cut_tree, linkage
-from scipy.spatial.distance import squareform
 
 IMAGE_SHAPE = (375, 1242)
 WHOLE_FRAME = 10**6

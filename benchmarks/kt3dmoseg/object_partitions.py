@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from sklearn.cluster import KMeans
+
 from moseg.schemas.errors import MissingInputError
 from moseg.workflows.sources.mat_tracks import decode_mat_tracks
-from sklearn.cluster import KMeans
 
 PARTITIONS = ("one", "two", "big")
 BACKGROUND = 1

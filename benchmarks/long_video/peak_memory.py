@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+
 from moseg.workflows.exports.write_overlay import write_overlay
 
 MIB = 2**20

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import cv2
 import numpy as np
 import published
+
 from moseg.schemas.parameters import TrackParams
 from moseg.schemas.parameters.deaot import DeaotParams
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams

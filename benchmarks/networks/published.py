@@ -1,14 +1,6 @@
 """Networks of the published sizes with random weights, as the checkpoints that production builds them from."""
 
 import torch
-from moseg.tasks.networks import Checkpoint
-from moseg.tasks.networks.deaot import Deaot, DeaotConfig
-from moseg.tasks.networks.pips import Pips, PipsConfig
-from moseg.tasks.networks.raft import Raft
-from moseg.tasks.networks.raft.config import LARGE, SMALL
-from moseg.tasks.networks.ram import RamConfig
-from moseg.tasks.networks.ram.model import Ram, RamPlus
-from moseg.workflows.weights.tiny.grounding_dino import make_grounding_dino
 from torch.nn import init
 from transformers import (
     DepthAnythingConfig,
@@ -25,6 +17,15 @@ from transformers import (
     SamHQConfig,
     SamHQModel,
 )
+
+from moseg.tasks.networks import Checkpoint
+from moseg.tasks.networks.deaot import Deaot, DeaotConfig
+from moseg.tasks.networks.pips import Pips, PipsConfig
+from moseg.tasks.networks.raft import Raft
+from moseg.tasks.networks.raft.config import LARGE, SMALL
+from moseg.tasks.networks.ram import RamConfig
+from moseg.tasks.networks.ram.model import Ram, RamPlus
+from moseg.workflows.weights.tiny.grounding_dino import make_grounding_dino
 
 
 def ram(is_plus: bool) -> Checkpoint:

@@ -22,12 +22,13 @@ from pathlib import Path
 from textwrap import indent
 from typing import NamedTuple
 
-from moseg.workflows.cli.app import app
 from services import Services
 from shown_commands import DOCUMENTS, ROOT, shown_commands, variables, without_variables
 from stand_ins import SCENE, write_stand_ins
 from typer.core import TyperGroup
 from typer.main import get_command
+
+from moseg.workflows.cli.app import app
 
 BIN = ROOT / ".venv" / "bin"
 TIMEOUT = 180.0

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
 from moseg.workflows.datasets import open_dataset
@@ -20,7 +22,6 @@ from moseg.workflows.exports.overlay_style import OverlayMode, OverlayStyle
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.leaves import ingest_sequences
 from moseg.workflows.reports.matrices import clustering_params, fused_kernel
-from PIL import Image, ImageDraw, ImageFont
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
 STRIP = {"strong-parallax": 8, "two-motions": 12, "nonrigid": 8}

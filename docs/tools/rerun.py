@@ -13,10 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from measurements import DATA, Measurement
-from moseg.workflows.cli.app import app
-from moseg.workflows.cli.pipeline_options import PipelineOptions
 from typer.core import TyperGroup
 from typer.main import get_command
+
+from moseg.workflows.cli.app import app
+from moseg.workflows.cli.pipeline_options import PipelineOptions
 
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "benchmarks" / "results"

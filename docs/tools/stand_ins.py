@@ -9,10 +9,11 @@ from pathlib import Path
 
 import av
 import numpy as np
-from moseg.tasks.synthetic import SCENES, RenderedScene, render_scene
-from moseg.workflows.exports import davis_palette
 from PIL import Image
 from scipy.io import savemat
+
+from moseg.tasks.synthetic import SCENES, RenderedScene, render_scene
+from moseg.workflows.exports import davis_palette
 
 SCENE, NUM_FRAMES, FRAME_RATE = "two-motions", 6, 8
 MOST_TRACKS = 120

@@ -1,6 +1,7 @@
 """Motion affinity between objects from the residuals of one model over all frame pairs."""
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import AffinityParams
 from moseg.tasks.affinity.ork import ork_affinity

@@ -8,6 +8,7 @@ own, shared by none. No fit to a single object is needed, and no scale in pixels
 from collections.abc import Sequence
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.affinity import HypothesisAffinityParams
 from moseg.tasks.affinity.object_samples import draw_object_samples

@@ -1,6 +1,7 @@
 """The paper's weighted ordered-residual kernel (ORK) between objects."""
 
 import numpy as np
+
 from moseg.schemas.parameters import AffinityParams
 
 

@@ -3,6 +3,7 @@
 import warnings
 
 import numpy as np
+
 from moseg.schemas.parameters import AffinityParams
 
 _TAIL = 2.0  # distance from which the kernel's exponent grows linearly, so that large distances keep their order

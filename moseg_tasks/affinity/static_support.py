@@ -3,6 +3,7 @@
 import warnings
 
 import numpy as np
+
 from moseg.schemas.parameters import AffinityParams
 from moseg.tasks.affinity.residual import kernel, tolerated_error
 

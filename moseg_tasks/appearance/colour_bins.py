@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+
 from moseg.schemas.parameters import AppearanceParams
 
 _BYTES = np.arange(256)

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.parameters import AppearanceParams, ForegroundParams
 from moseg.tasks.saliency.logits import motion_logit, probability
 

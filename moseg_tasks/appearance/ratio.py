@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
+from scipy import ndimage
+
 from moseg.schemas.parameters import AppearanceParams
 from moseg.tasks.appearance.histograms import ColourCount
-from scipy import ndimage
 
 
 def pool_sections(counts: Sequence[ColourCount], centres: Sequence[float], at: float, memory: float) -> ColourCount:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+
 from moseg.tasks.clustering.spectral import embed_views
 
 _SAME = 1e-9  # below it indices differ by rounding

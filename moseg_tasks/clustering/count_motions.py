@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.clustering import TRACK_METHODS, MotionCountParams
 from moseg.tasks.clustering.confidences import combined_confidences, confidences

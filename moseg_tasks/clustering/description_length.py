@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+
 from moseg.schemas.parameters.clustering import MotionCountParams
 from moseg.tasks.clustering.epipolar_distances import EpipolarDistances, MotionDistances
 from moseg.tasks.clustering.motion_tracks import MotionTracks

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.parameters.clustering import MotionCountParams
 from moseg.tasks.clustering.affine_epipolar import affine_epipolar_distances
 from moseg.tasks.clustering.motion_tracks import MotionTracks, check_tracks, frame_pairs

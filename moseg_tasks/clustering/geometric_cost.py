@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+
 from moseg.schemas.parameters.clustering import MotionCountParams
 from moseg.tasks.clustering.epipolar_distances import EpipolarDistances
 from moseg.tasks.clustering.motion_tracks import MotionTracks

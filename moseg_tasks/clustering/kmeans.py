@@ -3,6 +3,7 @@
 from functools import lru_cache
 
 import numpy as np
+
 from moseg.tasks.clustering.random_kmeans import cluster_many_points
 
 MOST_EXACT = 10

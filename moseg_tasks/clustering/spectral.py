@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.tasks.clustering.eigenpairs import leading_eigenpairs
 
 FEW_ROWS, FEW_EIGENVALUES = 200, 20

@@ -4,6 +4,7 @@ import itertools
 from collections.abc import Sequence
 
 import numpy as np
+
 from moseg.schemas.parameters.clustering import MotionCountParams
 from moseg.tasks.affinity import hypothesis_affinity
 from moseg.tasks.clustering.fusion import fill_unknown

@@ -3,11 +3,12 @@
 import cv2
 import numpy as np
 import torch
+from torch.nn import functional
+from transformers import DepthAnythingForDepthEstimation
+
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams
 from moseg.tasks.depth.pixels import PATCH
 from moseg.tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
-from torch.nn import functional
-from transformers import DepthAnythingForDepthEstimation
 
 
 def predict_depth_anything(

@@ -2,10 +2,11 @@
 
 import numpy as np
 import torch
+from torch.nn import functional
+
 from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
 from moseg.tasks.depth.pixels import PATCH, resize_maps, see_frames
 from moseg.tasks.networks.depth import DptDinov2
-from torch.nn import functional
 
 
 def predict_dpt_dinov2(network: DptDinov2, images: np.ndarray, params: DptDinov2Params) -> torch.Tensor:

@@ -2,13 +2,14 @@
 
 import numpy as np
 import torch
+from transformers import DepthAnythingForDepthEstimation
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams
 from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
 from moseg.tasks.depth.depth_anything import predict_depth_anything
 from moseg.tasks.depth.dpt_dinov2 import predict_dpt_dinov2
 from moseg.tasks.networks.depth import DptDinov2
-from transformers import DepthAnythingForDepthEstimation
 
 
 def estimate_inverse_depth(

@@ -2,8 +2,9 @@
 
 import numpy as np
 import torch
-from moseg.tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
 from torch.nn import functional
+
+from moseg.tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
 
 PATCH = 14
 """Side of a patch of every DINOv2, px."""

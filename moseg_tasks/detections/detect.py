@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
+
 from moseg.schemas.parameters.grounding_dino import GroundingDinoParams
 from moseg.tasks.detections.suppression import suppress_boxes
 from moseg.tasks.networks.frame_tensor import check_frame, frame_tensor

@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import FlowParams
 

@@ -4,10 +4,11 @@ import cv2
 import numpy as np
 import torch
 import torch.nn.functional as F
+from torch import Tensor
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.raft import RaftParams
 from moseg.tasks.networks.raft import STRIDE, Raft
-from torch import Tensor
 
 
 def estimate_raft_flow(model: Raft, images0: np.ndarray, images1: np.ndarray, params: RaftParams) -> np.ndarray:

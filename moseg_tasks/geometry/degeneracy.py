@@ -3,6 +3,7 @@
 from enum import IntEnum
 
 import numpy as np
+
 from moseg.schemas.parameters import FundamentalParams
 from moseg.tasks.geometry.coordinates import hartley_transform
 from moseg.tasks.geometry.eight_point import SAMPLE_SIZE, epipolar_equations

@@ -1,6 +1,7 @@
 """The eight-point algorithm, batched over point sets."""
 
 import numpy as np
+
 from moseg.tasks.geometry.coordinates import hartley_transform
 from moseg.tasks.geometry.null_vector import null_vector
 

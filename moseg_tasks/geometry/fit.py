@@ -4,6 +4,7 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import FundamentalParams
 from moseg.tasks.geometry.coordinates import normalise_points, normalising_transform, pixel_scale

@@ -1,6 +1,7 @@
 """Homographies by the direct linear transform, and the squared Sampson distance to them."""
 
 import numpy as np
+
 from moseg.tasks.geometry.coordinates import hartley_transform, homogeneous
 from moseg.tasks.geometry.null_vector import null_vector
 

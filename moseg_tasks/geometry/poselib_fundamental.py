@@ -2,6 +2,7 @@
 
 import numpy as np
 import poselib
+
 from moseg.tasks.geometry.ransac import RobustFit
 from moseg.tasks.geometry.sampson import sampson_squared
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.tasks.geometry import eight_point, homography
 from moseg.tasks.geometry.sampson import sampson_squared
 

@@ -1,6 +1,7 @@
 """How well each object's two-view model explains every object's tracked points."""
 
 import numpy as np
+
 from moseg.schemas.parameters import FundamentalParams
 from moseg.tasks.geometry.fit import FundamentalFits, ModelKind, check_tracks
 from moseg.tasks.geometry.homography import homography_sampson_squared

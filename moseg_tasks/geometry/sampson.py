@@ -1,6 +1,7 @@
 """Squared Sampson distance: how far, to first order, a point pair must move to obey an epipolar geometry."""
 
 import numpy as np
+
 from moseg.tasks.geometry.coordinates import homogeneous
 
 

@@ -1,6 +1,7 @@
 """Boxes as prompts of a network that outlines what they hold."""
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 
 

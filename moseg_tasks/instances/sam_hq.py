@@ -2,11 +2,12 @@
 
 import numpy as np
 import torch
+from torch.nn import functional
+
 from moseg.schemas.parameters.sam_hq import SamHqParams
 from moseg.tasks.instances.boxes import as_boxes
 from moseg.tasks.networks.frame_tensor import check_frame, frame_tensor
 from moseg.tasks.networks.sam_hq import decode_boxes, encode_image
-from torch.nn import functional
 
 
 def segment_boxes_sam_hq(

@@ -3,10 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.instances import SeedParams
 from moseg.tasks.proposals.linking import count_overlaps
-from scipy.optimize import linear_sum_assignment
 
 
 class Seeds(NamedTuple):

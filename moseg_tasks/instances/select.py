@@ -1,6 +1,7 @@
 """The best of the masks that show the same thing."""
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.instances import InstanceParams
 

@@ -1,8 +1,9 @@
 """Which predicted object stands for which ground-truth object."""
 
 import numpy as np
-from moseg.tasks.metrics.overlaps import Overlaps
 from scipy.optimize import linear_sum_assignment
+
+from moseg.tasks.metrics.overlaps import Overlaps
 
 # Below any difference of two sums of F-measures that counts, above their rounding error.
 _TIE_WEIGHT = 1e-9

@@ -1,8 +1,9 @@
 """How many items a clustering puts in a wrong group."""
 
 import numpy as np
-from moseg.schemas.errors import InputError
 from scipy.optimize import linear_sum_assignment
+
+from moseg.schemas.errors import InputError
 
 
 def clustering_error(predicted: np.ndarray, truth: np.ndarray) -> float:

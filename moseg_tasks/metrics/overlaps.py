@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Iterable
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 
 _FEW_LABELS = 256

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.scores import SequenceScore
 from moseg.tasks.metrics.assign_objects import assign_objects

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+
 from moseg.tasks.motion_models.monomials import Frame, evaluate_monomials, image_coordinates
 from moseg.tasks.motion_models.pixel_sums import Pixels
 

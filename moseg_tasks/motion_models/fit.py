@@ -1,6 +1,7 @@
 """Least-squares fits of a flow model and the errors of every object under every fit, from moments alone."""
 
 import numpy as np
+
 from moseg.schemas.parameters import FlowModelParams
 from moseg.tasks.motion_models.flow_model import FlowModel
 from moseg.tasks.motion_models.moments import unpack_moments

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.tasks.motion_models.monomials import MONOMIALS, evaluate_monomials
 
 

@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import FlowModelParams
 from moseg.tasks.motion_models.coarse_sums import sum_coarsely

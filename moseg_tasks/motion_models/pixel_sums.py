@@ -8,6 +8,7 @@ a product for each pair of design columns.
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.tasks.motion_models.monomials import EXPONENTS, Frame, image_coordinates
 
 _BLOCK = 16384  # pixels handled at once: their planes stay in the processor's second-level cache

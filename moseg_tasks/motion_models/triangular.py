@@ -1,6 +1,7 @@
 """From sums over monomials to the triangular factor of a model's least-squares problem."""
 
 import numpy as np
+
 from moseg.tasks.motion_models.flow_model import FlowModel
 from moseg.tasks.motion_models.monomials import Frame, recentring
 

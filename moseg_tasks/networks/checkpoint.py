@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import torch
+
 from moseg.schemas.errors import InputError
 
 WRAPPERS = ("state_dict", "model", "model_state_dict")

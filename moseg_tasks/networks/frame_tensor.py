@@ -4,9 +4,10 @@ from enum import StrEnum
 
 import numpy as np
 import torch
-from moseg.schemas.errors import InputError
 from PIL import Image
 from torch.nn import functional
+
+from moseg.schemas.errors import InputError
 
 IMAGENET_MEAN = (0.485, 0.456, 0.406)
 IMAGENET_STD = (0.229, 0.224, 0.225)

@@ -5,11 +5,12 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 import torch
+from transformers import PreTrainedConfig, PreTrainedModel
+from transformers.utils import logging
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks.checkpoint import Checkpoint
 from moseg.tasks.networks.strict import SHOWN
-from transformers import PreTrainedConfig, PreTrainedModel
-from transformers.utils import logging
 
 CONFIG = "config.json"
 

@@ -1,6 +1,7 @@
 """The background cut into cells of the frame: parts that are known to move alike, about as large as objects."""
 
 import numpy as np
+
 from moseg.schemas.parameters import ObjectHypothesisParams
 
 

@@ -1,6 +1,7 @@
 """A scale for ranks: how alike the background's own parts are says what the same motion looks like."""
 
 import numpy as np
+
 from moseg.schemas.parameters import ObjectHypothesisParams
 
 

@@ -6,6 +6,7 @@ patch, and all its pixels count.
 """
 
 import numpy as np
+
 from moseg.schemas.parameters import FlowModelParams, ObjectHypothesisParams
 from moseg.tasks.motion_models import FlowModel, flow_moments, unpack_moments
 from moseg.tasks.motion_models.moments import depth_gauge

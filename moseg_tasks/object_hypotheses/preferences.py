@@ -1,6 +1,7 @@
 """The ordered residual kernel between nodes over many hypotheses: alike is what prefers the same hypotheses."""
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.affinity.preferences import share_preferences
 

@@ -1,6 +1,7 @@
 """Two-view models of minimal samples of a frame's tracks, and how well they explain every object."""
 
 import numpy as np
+
 from moseg.schemas.parameters import ObjectHypothesisParams
 from moseg.tasks.geometry.ransac import draw_samples
 from moseg.tasks.point_models import POINT_MODELS, Correspondences

@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import DTypeLike
+
 from moseg.tasks.point_models.blocks import combine_products
 from moseg.tasks.point_models.correspondences import Correspondences, checked, checked_for_fit
 from moseg.tasks.point_models.local_coordinates import local_coordinates
-from numpy.typing import DTypeLike
 
 _TINY = np.finfo(np.float64).tiny
 

@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import DTypeLike
+
 from moseg.tasks.motion_models import FlowModel
 from moseg.tasks.motion_models.monomials import evaluate_monomials
 from moseg.tasks.point_models.blocks import combine_products
 from moseg.tasks.point_models.correspondences import Correspondences, checked, checked_for_fit
-from numpy.typing import DTypeLike
 
 _TINY = np.finfo(np.float64).tiny
 

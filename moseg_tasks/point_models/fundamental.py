@@ -3,13 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import DTypeLike
+
 from moseg.tasks.geometry.coordinates import hartley_transform
 from moseg.tasks.geometry.eight_point import SAMPLE_SIZE, eight_point, epipolar_equations
 from moseg.tasks.geometry.null_vector import null_vector
 from moseg.tasks.point_models.blocks import combine_products
 from moseg.tasks.point_models.correspondences import Correspondences, checked, checked_for_fit
 from moseg.tasks.point_models.local_coordinates import local_coordinates
-from numpy.typing import DTypeLike
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import DTypeLike
+
 from moseg.tasks.geometry.coordinates import hartley_transform
 from moseg.tasks.geometry.homography import homography_dlt, transfer_equations
 from moseg.tasks.point_models.blocks import combine_products
 from moseg.tasks.point_models.correspondences import Correspondences, checked, checked_for_fit
 from moseg.tasks.point_models.local_coordinates import local_coordinates
-from numpy.typing import DTypeLike
 
 
 @dataclass(frozen=True)

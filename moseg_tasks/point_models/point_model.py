@@ -3,8 +3,9 @@
 from typing import Protocol
 
 import numpy as np
-from moseg.tasks.point_models.correspondences import Correspondences
 from numpy.typing import DTypeLike
+
+from moseg.tasks.point_models.correspondences import Correspondences
 
 
 class PointModel(Protocol):

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import poselib
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.geometry.poselib_fundamental import poselib_fundamental
 from moseg.tasks.geometry.ransac import search_model

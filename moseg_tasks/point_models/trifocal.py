@@ -3,12 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import DTypeLike
+
 from moseg.tasks.point_models.blocks import combine_products
 from moseg.tasks.point_models.correspondences import Correspondences, checked, checked_for_fit
 from moseg.tasks.point_models.local_coordinates import local_coordinates
 from moseg.tasks.point_models.trifocal_degeneracy import TrifocalDegeneracy, find_degeneracies
 from moseg.tasks.point_models.trifocal_tensor import SAMPLE_SIZE, transform_tensor, trifocal_tensor
-from numpy.typing import DTypeLike
 
 _TINY = np.finfo(np.float64).tiny
 

@@ -3,6 +3,7 @@
 from enum import IntEnum
 
 import numpy as np
+
 from moseg.tasks.geometry.coordinates import hartley_transform
 from moseg.tasks.point_models.trifocal_tensor import SAMPLE_SIZE, epipoles, trifocal_tensor, trilinear_equations
 

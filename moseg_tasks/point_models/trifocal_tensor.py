@@ -1,6 +1,7 @@
 """Trifocal tensors from points: the linear equations, and a fit that is a tensor of three cameras."""
 
 import numpy as np
+
 from moseg.tasks.geometry.coordinates import hartley_transform, homogeneous
 from moseg.tasks.point_models.inverse_iteration import least_vector
 

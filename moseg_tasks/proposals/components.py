@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from moseg.schemas.parameters import ComponentParams
 from scipy import ndimage
+
+from moseg.schemas.parameters import ComponentParams
 
 FOREGROUND = 0.5
 """Probability above which a pixel belongs to an object."""

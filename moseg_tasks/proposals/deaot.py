@@ -6,11 +6,12 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 import torch
+from torch.nn import functional as F
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.deaot import DeaotParams
 from moseg.tasks.networks.deaot import STRIDE, Deaot, extend_memory
 from moseg.tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
-from torch.nn import functional as F
 
 # Probabilities are kept this far from 0 and 1 where groups are merged, as in the authors' engine.
 _MARGIN = 1e-5

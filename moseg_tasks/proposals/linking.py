@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.linking import LinkingParams
-from scipy.optimize import linear_sum_assignment
 
 
 def count_overlaps(masks0: np.ndarray, masks1: np.ndarray, num_objects0: int, num_objects1: int) -> np.ndarray:

@@ -3,8 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from moseg.schemas.parameters.identity import IdentityParams
 from scipy.spatial import cKDTree
+
+from moseg.schemas.parameters.identity import IdentityParams
 
 CAP = 4.0
 """Deviation, in units of noise, from which on all say the same: not of this motion."""

@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+
 from moseg.schemas.parameters import RefinementParams
 from moseg.tasks.proposals.components import FOREGROUND
 from moseg.tasks.proposals.guided_filter import apply_coefficients, guided_coefficients

@@ -5,11 +5,12 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+from scipy import ndimage
+from scipy.optimize import linear_sum_assignment
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.identity import IdentityParams
 from moseg.tasks.saliency.consistency import NEXT, PREVIOUS
-from scipy import ndimage
-from scipy.optimize import linear_sum_assignment
 
 _LAB_BINS = (8, 32, 32)
 _LAB_RANGES = (0, 256) * 3

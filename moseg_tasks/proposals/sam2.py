@@ -4,12 +4,13 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 import torch
+from torch.nn import functional
+from transformers import Sam2VideoInferenceSession, Sam2VideoModel
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.sam2 import Sam2Params
 from moseg.tasks.networks.frame_tensor import Resizing, frame_tensor
 from moseg.tasks.networks.sam2 import forget_past, network_side, start_sessions
-from torch.nn import functional
-from transformers import Sam2VideoInferenceSession, Sam2VideoModel
 
 
 def track_masks_sam2(

@@ -5,6 +5,8 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+from scipy import ndimage
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.identity import IdentityParams
 from moseg.tasks.proposals.motion_layers import (
@@ -19,7 +21,6 @@ from moseg.tasks.proposals.motion_layers import (
     own_deviation,
     sample_velocity,
 )
-from scipy import ndimage
 
 _FEWEST_SAMPLES = 12
 

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 import cv2
 import numpy as np
+
 from moseg.schemas.parameters import AccumulationParams
 from moseg.tasks.half_floats import narrow, widen
 from moseg.tasks.saliency.grid import pixel_grid

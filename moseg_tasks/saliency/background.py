@@ -5,6 +5,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 import poselib
+
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.grid import pixel_grid
 

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 import poselib
+
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.background import sample_flow
 

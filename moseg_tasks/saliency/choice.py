@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
+
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.camera import fit_camera_motion, split_flow
 from moseg.tasks.saliency.gric import gric

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
+
 from moseg.schemas.parameters import AccumulationParams
 from moseg.tasks.saliency.grid import pixel_grid
 

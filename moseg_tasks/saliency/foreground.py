@@ -1,6 +1,7 @@
 """Probability of each pixel to move on its own: evidence of motion, of colour and of coherence."""
 
 import numpy as np
+
 from moseg.schemas.parameters import ForegroundParams
 from moseg.tasks.saliency.logits import motion_logit, probability
 

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.parameters import SaliencyParams
 
 _MINIMAL_SAMPLE = 3

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.background import AffineMotion, affine_flow, fit_background
 from moseg.tasks.saliency.grid import vector_length

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+
 from moseg.schemas.parameters import OwnMotionParams
 from moseg.tasks.saliency.background import MAD_TO_SIGMA, AffineMotion, affine_flow
 from moseg.tasks.saliency.grid import vector_length

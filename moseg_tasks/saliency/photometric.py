@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+
 from moseg.tasks.saliency.grid import pixel_grid
 
 

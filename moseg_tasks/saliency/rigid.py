@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.camera import CameraMotion, EpipolarFlow, split_flow
 from moseg.tasks.saliency.ground import fit_ground

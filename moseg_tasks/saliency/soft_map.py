@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.typical import typical_residual
 

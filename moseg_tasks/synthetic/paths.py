@@ -7,8 +7,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from moseg.schemas.frozen import Frozen
 from pydantic import Field
+
+from moseg.schemas.frozen import Frozen
 
 Vector = tuple[float, float, float]
 

@@ -9,6 +9,7 @@ and numpy may change its generators' streams between versions, and with them tex
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.synthetic.scene import Scene
 from moseg.tasks.synthetic.shade import shade_frame

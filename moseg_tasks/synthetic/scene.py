@@ -1,10 +1,11 @@
 """What a scene is: a backdrop, objects made of parts, and a moving camera, all declared as data."""
 
+from pydantic import Field, field_validator
+
 from moseg.schemas.frozen import Frozen
 from moseg.tasks.synthetic.paths import STILL, Path, Vector
 from moseg.tasks.synthetic.shapes import Billboard, Shape
 from moseg.tasks.synthetic.texture import Texture
-from pydantic import Field, field_validator
 
 
 class Part(Frozen):

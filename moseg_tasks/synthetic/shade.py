@@ -1,6 +1,7 @@
 """Colours of the pixels of a frame: filtered textures, and more rays where the outlines of surfaces pass."""
 
 import numpy as np
+
 from moseg.tasks.synthetic.texture import MipMap, sample_texture
 from moseg.tasks.synthetic.trace import Hits, trace_points
 from moseg.tasks.synthetic.view import View, material_points, rays_at

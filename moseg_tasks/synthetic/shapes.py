@@ -7,9 +7,10 @@ against each other. Only + - * / sqrt act on pixels, so that every IEEE-754 mach
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
+from pydantic import Field
+
 from moseg.schemas.frozen import Frozen
 from moseg.tasks.synthetic.paths import STILL, Path, Vector
-from pydantic import Field
 
 NEAREST_DEPTH = 0.05
 """Surfaces closer to the camera than this are not seen, metres."""

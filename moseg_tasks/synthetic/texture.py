@@ -3,8 +3,9 @@
 from typing import Literal, NamedTuple
 
 import numpy as np
-from moseg.schemas.frozen import Frozen
 from pydantic import Field
+
+from moseg.schemas.frozen import Frozen
 
 SIZE = 512
 """Texels along each side of a texture, a power of two; textures repeat beyond it."""

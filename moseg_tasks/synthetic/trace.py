@@ -4,6 +4,7 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.tasks.synthetic.shapes import NEAREST_DEPTH, Billboard
 from moseg.tasks.synthetic.view import View, rays_at
 

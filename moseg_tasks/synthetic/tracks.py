@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.tasks.synthetic.scene import Scene
 from moseg.tasks.synthetic.shapes import NEAREST_DEPTH
 from moseg.tasks.synthetic.trace import Hits, trace_points

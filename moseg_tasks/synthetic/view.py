@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.tasks.synthetic.camera import Camera, camera_at
 from moseg.tasks.synthetic.paths import Pose, Vector, compose, inverse, pose_of
 from moseg.tasks.synthetic.scene import Part, Scene

@@ -4,11 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
+from scipy.special import expit
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.ram import RamParams
 from moseg.tasks.networks.frame_tensor import frame_tensor
 from moseg.tasks.networks.ram import Tagger
-from scipy.special import expit
 
 
 class Tags(NamedTuple):

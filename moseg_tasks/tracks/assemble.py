@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.tracks.front import Front
 

@@ -1,6 +1,7 @@
 """Objects of tracks that come without one."""
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.tracks.labels_at import OUTSIDE, labels_at
 

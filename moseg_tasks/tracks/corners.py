@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+
 from moseg.tasks.tracks.spacing import spaced_subset
 
 BLOCK_SIZE = 5

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import TrackParams
 from moseg.tasks.tracks.corners import texture_strength

@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+
 from moseg.schemas.parameters import TrackParams
 
 _STOP = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 30, 0.01)

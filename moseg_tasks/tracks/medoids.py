@@ -1,6 +1,7 @@
 """k-medoids of an object's pixels: points that cover it evenly."""
 
 import numpy as np
+
 from moseg.tasks.tracks.spacing import far_from
 
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import TrackParams
 from moseg.schemas.parameters.pips import PipsParams

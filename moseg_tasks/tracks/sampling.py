@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+
 from moseg.schemas.parameters import TrackParams
 from moseg.tasks.tracks.corners import strongest_corners
 from moseg.tasks.tracks.medoids import covering_medoids

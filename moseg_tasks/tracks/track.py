@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 
 import cv2
 import numpy as np
+
 from moseg.schemas.parameters import TrackParams
 from moseg.tasks.tracks.assemble import Tracks, assemble_tracks
 from moseg.tasks.tracks.front import NO_TRACKS, Front, check_front

@@ -1,11 +1,12 @@
 """Objects that do not touch are motions of their own."""
 
 import numpy as np
-from moseg.schemas.parameters import SeparationParams
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.distance import cdist
+
+from moseg.schemas.parameters import SeparationParams
 
 
 def separate_objects(

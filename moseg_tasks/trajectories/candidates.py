@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.parameters import TrajectoryClusteringParams
 from moseg.tasks.clustering.eigenpairs import leading_eigenpairs
 from moseg.tasks.clustering.random_kmeans import cluster_many_points

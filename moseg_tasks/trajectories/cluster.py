@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import TrajectoryClusteringParams
 from moseg.tasks.clustering.count_motions import CountEvidence, count_motions

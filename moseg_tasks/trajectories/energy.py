@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.parameters import EnergyParams
 from moseg.tasks.trajectories.epipolar_cost import EpipolarCost
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.parameters import EnergyParams
 from moseg.tasks.geometry.eight_point import SAMPLE_SIZE, epipolar_equations, nearest_rank_two
 

@@ -1,6 +1,7 @@
 """The ordered residual kernel between trajectories, and which of its entries are kept."""
 
 import numpy as np
+
 from moseg.schemas.parameters import KernelParams
 
 

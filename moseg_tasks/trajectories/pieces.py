@@ -1,9 +1,10 @@
 """Pieces of trajectories, and the affinity between them from many hypotheses."""
 
 import numpy as np
-from moseg.schemas.parameters import PieceParams
 from scipy.cluster.hierarchy import cut_tree, linkage
 from scipy.spatial.distance import squareform
+
+from moseg.schemas.parameters import PieceParams
 
 
 def piece_affinity(residual: np.ndarray, pieces: np.ndarray, params: PieceParams) -> np.ndarray:

@@ -2,9 +2,10 @@
 
 from typing import Annotated
 
+from pydantic import Field
+
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.units import Unit
-from pydantic import Field
 
 
 class AppearanceParams(Frozen):

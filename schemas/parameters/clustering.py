@@ -2,10 +2,11 @@
 
 from typing import Annotated, Literal
 
+from pydantic import Field
+
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.parameters.affinity import HypothesisAffinityParams
 from moseg.schemas.units import Unit
-from pydantic import Field
 
 TRACK_METHODS = ("description_length", "geometric")
 """Ways to find the number of motions that compare how well each explains the tracks."""

@@ -2,8 +2,9 @@
 
 from typing import Literal
 
-from moseg.schemas.frozen import Frozen
 from pydantic import Field, field_validator
+
+from moseg.schemas.frozen import Frozen
 
 
 class DetectionParams(Frozen):

@@ -2,8 +2,9 @@
 
 from typing import Literal
 
-from moseg.schemas.frozen import Frozen
 from pydantic import Field
+
+from moseg.schemas.frozen import Frozen
 
 
 class FlowParams(Frozen):

@@ -2,9 +2,10 @@
 
 from typing import Annotated, Literal
 
+from pydantic import Field
+
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.units import Unit
-from pydantic import Field
 
 FlowModelName = Literal["oc_depth", "oc_depth_paper", "oc"]
 

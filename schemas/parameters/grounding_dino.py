@@ -2,9 +2,10 @@
 
 from typing import Annotated, Literal
 
+from pydantic import Field
+
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.units import Unit
-from pydantic import Field
 
 Separator = Literal["comma", "stop"]
 """What stands between two names in a text: after a full stop, words of one name do not see those of the next."""

@@ -2,10 +2,11 @@
 
 from typing import Annotated, Literal
 
+from pydantic import Field, PositiveInt, field_validator
+
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.parameters.clustering import MotionCountParams
 from moseg.schemas.units import Unit
-from pydantic import Field, PositiveInt, field_validator
 
 
 class HypothesisParams(Frozen):

@@ -26,10 +26,11 @@ from importlib.util import find_spec
 from typing import Any
 from urllib.parse import SplitResult, urlsplit
 
-from moseg.schemas.errors import InputError, StoreChoiceError
-from moseg.store.remote.faults import explain
 from obstore.exceptions import BaseError
 from obstore.store import ObjectStore, from_url
+
+from moseg.schemas.errors import InputError, StoreChoiceError
+from moseg.store.remote.faults import explain
 
 S3_SCHEMES = ("s3", "s3a")
 _BUCKET = re.compile(r"[A-Za-z0-9][A-Za-z0-9@._-]*")

@@ -8,8 +8,9 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from moseg.schemas.errors import StoreError
 from obstore.exceptions import BaseError, PermissionDeniedError, UnauthenticatedError
+
+from moseg.schemas.errors import StoreError
 
 _CODE = re.compile(r"<Code>(\w+)</Code>")
 _STATUS = re.compile(r"status code: (\d{3} [A-Za-z -]+)")

@@ -7,10 +7,11 @@ from functools import cache, cached_property, lru_cache
 from typing import NamedTuple, TypeVar
 
 import obstore
-from moseg.store.remote.connection import check_url, connect, environment
-from moseg.store.remote.faults import as_store_error, is_no_bucket, is_unsupported
 from obstore.exceptions import AlreadyExistsError, BaseError, NotSupportedError
 from obstore.store import ObjectStore
+
+from moseg.store.remote.connection import check_url, connect, environment
+from moseg.store.remote.faults import as_store_error, is_no_bucket, is_unsupported
 
 T = TypeVar("T")
 U = TypeVar("U")

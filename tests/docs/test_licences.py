@@ -7,6 +7,7 @@ from importlib.metadata import requires
 from pathlib import Path
 
 import pytest
+
 from moseg.workflows.weights.catalogue import CATALOGUE
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

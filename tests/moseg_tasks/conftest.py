@@ -13,8 +13,9 @@ import pytest
 @pytest.fixture(scope="session")
 def read_tiny() -> Callable:
     """Makes a Checkpoint of a TinyCheckpoint with safetensors."""
-    from moseg.tasks.networks import Checkpoint
     from safetensors.torch import load
+
+    from moseg.tasks.networks import Checkpoint
 
     def read(tiny):
         documents = {name: text.decode() for name, text in tiny.files.items() if name != "model.safetensors"}

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from moseg.schemas.digests import canonical_json, digest_array, digest_bytes, digest_json, domain_tag, hash_array
 
 OF_ARRAYS = pytest.mark.parametrize("digest", [partial(digest_array, "golden"), hash_array])

@@ -4,6 +4,8 @@ import json
 from datetime import UTC, datetime, timedelta
 
 import pytest
+from pydantic import ValidationError
+
 from moseg.schemas.events import (
     DegenerateEvent,
     EventKind,
@@ -20,7 +22,6 @@ from moseg.schemas.events import (
     write_event,
     write_plan,
 )
-from pydantic import ValidationError
 
 REF = f"flow/{'ab' * 32}"
 TIME = datetime(2026, 11, 22, 0, 43, 18, 123456, tzinfo=UTC)

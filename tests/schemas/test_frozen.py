@@ -1,6 +1,7 @@
 """Parameters as a recipe names them."""
 
 import pytest
+
 from moseg.schemas.errors import UnnamedParameterError
 from moseg.schemas.parameters import ClusteringParams
 

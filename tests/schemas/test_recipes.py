@@ -5,9 +5,10 @@ import pickle
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import ValidationError
+
 from moseg.schemas.digests import digest_json
 from moseg.schemas.recipes import Recipe, leaf_recipe, split_ref
-from pydantic import ValidationError
 
 FRAMES = [f"frame/{digit * 64}" for digit in "012"]
 

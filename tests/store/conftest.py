@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+
 from moseg.schemas.recipes import Recipe
 from moseg.store import LocalStore
 

@@ -1,6 +1,7 @@
 """Reading many artifacts at the same time."""
 
 import pytest
+
 from moseg.store.ahead import map_ahead
 
 

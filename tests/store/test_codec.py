@@ -9,6 +9,7 @@ import zarr
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
+
 from moseg.schemas.manifests import ArrayEntry
 from moseg.store.codec import DTYPES, array_files, chunk_shape, decode_array, encode_group
 

@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
+
 from moseg.schemas.errors import InputError, StoreError
 from moseg.store import LocalStore, collection, pins
 from moseg.store.owners import is_running, process_space

@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 import obstore
 import pytest
+
 from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
 from moseg.schemas.manifests import FileEntry
 from moseg.schemas.recipes import Recipe

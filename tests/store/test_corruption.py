@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import zarr
+
 from moseg.schemas.digests import digest_array, hash_array
 from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError
 from moseg.schemas.recipes import Recipe, split_ref

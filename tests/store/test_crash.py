@@ -9,6 +9,7 @@ import sys
 
 import numpy as np
 import pytest
+
 from moseg.schemas.recipes import Recipe
 from moseg.store import LocalStore, PutOutcome
 

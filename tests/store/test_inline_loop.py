@@ -4,6 +4,7 @@ import asyncio
 import threading
 
 import pytest
+
 from moseg.store.inline_loop import run_inline
 
 

@@ -4,6 +4,7 @@ import resource
 from pathlib import Path
 
 import pytest
+
 from moseg.schemas.errors import StoreError
 from moseg.store import LocalStore, logs
 

@@ -1,6 +1,7 @@
 """Explaining a miss."""
 
 import pytest
+
 from moseg.schemas.recipes import Recipe
 from moseg.store import FieldDifference, nearest
 

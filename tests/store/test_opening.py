@@ -9,6 +9,7 @@ from urllib.parse import quote
 
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError, StoreError
 from moseg.schemas.recipes import Recipe
 from moseg.store import LocalStore, PutOutcome, commit, open_store

@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+
 from moseg.schemas.recipes import Recipe
 from moseg.store import LocalStore, PutOutcome
 

@@ -3,6 +3,7 @@
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.manifests import Manifest
 from moseg.schemas.recipes import Recipe

@@ -10,6 +10,7 @@ import sys
 import numpy as np
 import pytest
 import zarr
+
 from moseg.schemas.errors import StoreError
 from moseg.store import LocalStore, open_store
 from moseg.store.remote.connection import connect

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.schemas.recipes import Recipe
 from moseg.store import open_store
 from moseg.workflows.engine.execution import execute_batches

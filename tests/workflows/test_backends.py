@@ -4,6 +4,7 @@ import json
 from typing import get_args
 
 import pytest
+
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import DepthParams, FlowParams, TrackParams
 from moseg.schemas.parameters.detections import DetectionParams

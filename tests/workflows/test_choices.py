@@ -1,6 +1,7 @@
 """Presets of networks and of geometry: what each sets, and that they do not get in each other's way."""
 
 import pytest
+
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.presets import GEOMETRIES, PRESETS
 from moseg.workflows.cli.pipeline_options import PipelineOptions

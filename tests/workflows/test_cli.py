@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
+
 from moseg.schemas.configs import Variant
 from moseg.store import open_store
-from PIL import Image
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 

@@ -5,12 +5,13 @@ import shutil
 
 import numpy as np
 import pytest
+from PIL import Image
+
 from moseg.store import open_store
 from moseg.workflows.exports.draw_contact_sheet import draw_contact_sheet
 from moseg.workflows.exports.sheet_column import TILE_SIDE, SheetFrame, draw_column
 from moseg.workflows.pipelines import contact_sheets
 from moseg.workflows.results.shown_frames import spread
-from PIL import Image
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 

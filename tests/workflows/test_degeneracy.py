@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.tasks.geometry import Degeneracy
 from moseg.workflows.runlog.degeneracy import REASONS, degenerate_event
 from moseg.workflows.stages.fundamental import RANSAC_FIT

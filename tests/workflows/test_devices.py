@@ -6,6 +6,7 @@ import sys
 import cv2
 import pytest
 import torch
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.process import devices
 from moseg.workflows.process.devices import current_device, list_accelerators, network_context, parse_device, set_device

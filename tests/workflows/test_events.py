@@ -5,6 +5,7 @@ import pickle
 from datetime import UTC, datetime, timedelta
 
 import pytest
+
 from moseg.schemas.errors import InputError, StoreError
 from moseg.schemas.events import EventKind, PlanEvent, read_event, write_plan
 from moseg.store import open_store

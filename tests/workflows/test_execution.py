@@ -1,6 +1,7 @@
 """What a task meets on a machine that lacks something becomes one line for the user."""
 
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.recipes import Recipe
 from moseg.store import LocalStore

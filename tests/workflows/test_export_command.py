@@ -8,10 +8,11 @@ from typing import get_args, get_type_hints
 import av
 import numpy as np
 import pytest
-from moseg.workflows.cli.overlay_options import OverlayOptions
-from moseg.workflows.exports import OverlayMode
 from PIL import Image
 from pycocotools.coco import COCO
+
+from moseg.workflows.cli.overlay_options import OverlayOptions
+from moseg.workflows.exports import OverlayMode
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.schemas.parameters import FlowModelParams
 from moseg.schemas.recipes import Recipe
 from moseg.store import open_store

@@ -5,9 +5,10 @@ from fractions import Fraction
 
 import av
 import cv2
-import moseg as python
 import numpy as np
 import pytest
+
+import moseg as python
 from moseg.workflows.exports.output_names import MOTION, OVERLAY
 from moseg.workflows.exports.write_overlay import write_overlay
 

@@ -6,10 +6,11 @@ from itertools import pairwise
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
+
 from moseg.schemas.parameters import FlowParams
 from moseg.store import open_store
 from moseg.tasks.flow import estimate_flow
-from PIL import Image
 
 SECTIONS = ("--section-length", "4", "--set", "sections.overlap=2")
 NUM_FRAMES, HEIGHT, WIDTH = 10, 96, 128

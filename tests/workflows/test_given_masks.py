@@ -6,8 +6,9 @@ import shutil
 import cv2
 import numpy as np
 import pytest
-from moseg.store import open_store
 from PIL import Image
+
+from moseg.store import open_store
 
 SECTIONS = ("--section-length", "4", "--set", "sections.overlap=2")
 VOID = np.s_[60:90, 4:40]

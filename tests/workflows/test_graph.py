@@ -1,6 +1,7 @@
 """What stands in the recipes of a sequence's graph, and so what an option recomputes."""
 
 import pytest
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.errors import InputError

@@ -6,6 +6,7 @@ import shutil
 import cv2
 import numpy as np
 import pytest
+
 from moseg.store import open_store
 from moseg.workflows.cluster.runners import SynchronousRunner
 from moseg.workflows.engine.ingest import IngestJob, preview_ingest

@@ -7,11 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from PIL import Image
+from scipy.io import savemat
+
 from moseg.tasks.synthetic import SCENES, RenderedScene, render_scene
 from moseg.workflows.exports.draw_contact_sheet import draw_contact_sheet
 from moseg.workflows.pipelines import contact_sheets
-from PIL import Image
-from scipy.io import savemat
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 

@@ -4,6 +4,7 @@ import shutil
 
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import CorruptArtifactError, MissingStoreError, StoreError
 from moseg.schemas.recipes import Recipe
 from moseg.store import LocalStore, open_store

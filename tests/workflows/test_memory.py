@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+
 from moseg.workflows.process.memory import allocation_environ
 
 ALLOCATE = """

@@ -1,6 +1,7 @@
 """What the recipe of a clustering reads where the number of motions is to be found."""
 
 import pytest
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.parameters.clustering import COUNT_READS, READ_TRACKS

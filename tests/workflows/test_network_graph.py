@@ -1,6 +1,7 @@
 """The graph of pipelines with networks: which weights and parameters stand in which keys."""
 
 import pytest
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.presets import PRESETS

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.parameters import FlowModelParams, ObjectHypothesisParams

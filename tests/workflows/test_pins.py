@@ -8,6 +8,7 @@ import sys
 from contextlib import closing
 
 import pytest
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.recipes import split_ref
 from moseg.store import open_store

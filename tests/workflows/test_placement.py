@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 from distributed import Client, LocalCluster
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.cluster import placement
 from moseg.workflows.cluster.placement import GPU, ForeignGpus, ForeignWorkers, OwnWorkers, share_out

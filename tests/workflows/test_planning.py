@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 from hypothesis import given
 from hypothesis import strategies as st
+
 from moseg.schemas.recipes import Recipe
 from moseg.workflows.engine.planning import make_plan
 

@@ -7,11 +7,12 @@ from functools import cache
 
 import numpy as np
 import pytest
+from PIL import Image
+
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.presets import PRESETS
 from moseg.store import open_store
 from moseg.workflows.weights.needed import needed_items
-from PIL import Image
 
 NUM_FRAMES = 12
 SECTIONS = ("--section-length", "6")

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.errors import UnnamedParameterError

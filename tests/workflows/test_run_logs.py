@@ -10,6 +10,7 @@ from contextlib import closing
 
 import numpy as np
 import pytest
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.events import EventKind
 from moseg.schemas.recipes import Recipe, split_ref

@@ -9,6 +9,7 @@ import time
 
 import pytest
 from distributed import Client, LocalCluster
+
 from moseg.store import open_store
 
 MOSEG = [sys.executable, "-c", "from moseg.workflows.cli import main; main()"]

@@ -6,6 +6,7 @@ from itertools import pairwise
 import cv2
 import numpy as np
 import pytest
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.runs import open_session

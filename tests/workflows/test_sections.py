@@ -4,6 +4,7 @@ from itertools import chain, pairwise
 
 from hypothesis import given
 from hypothesis import strategies as st
+
 from moseg.schemas.configs import SectionParams
 from moseg.workflows.graph.sections import Section, cut_sections
 

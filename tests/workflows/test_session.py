@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.recipes import split_ref
 from moseg.store import open_store

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.parameters import ClusteringParams

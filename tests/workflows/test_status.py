@@ -7,6 +7,7 @@ from contextlib import closing
 from datetime import UTC, datetime, timedelta
 
 import pytest
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.errors import InputError, StoreError
 from moseg.schemas.events import (

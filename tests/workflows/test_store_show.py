@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 import zarr
+
 from moseg.store import open_store
 
 

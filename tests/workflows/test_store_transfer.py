@@ -3,6 +3,7 @@
 import json
 
 import pytest
+
 from moseg.store import open_store, transfer
 
 

@@ -3,6 +3,7 @@
 import os
 
 import pytest
+
 from moseg.store import open_store
 
 LONG_AGO = 1_000_000_000

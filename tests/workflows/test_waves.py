@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 from hypothesis import given
 from hypothesis import strategies as st
+
 from moseg.workflows.engine import waves
 from moseg.workflows.engine.waves import cut_waves
 

@@ -4,6 +4,7 @@ from itertools import count
 
 import pytest
 from distributed import Client
+
 from moseg.workflows.cluster import runners
 from moseg.workflows.cluster.runners import Call, open_runner
 

@@ -4,6 +4,7 @@ import threading
 
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import StoreError
 from moseg.schemas.recipes import Recipe
 from moseg.store import LocalStore, PutOutcome

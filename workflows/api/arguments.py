@@ -8,6 +8,7 @@ from enum import Enum
 from numbers import Integral, Real
 
 import numpy as np
+
 from moseg.schemas.errors import InputError, MosegError
 from moseg.workflows.exports import OverlayStyle
 from moseg.workflows.sources import frame_rate

@@ -4,13 +4,14 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
+from pydantic import ValidationError
+
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.workflows.api.arguments import Kind, check_kinds, named_as_arguments
 from moseg.workflows.config.config_files import read_config_file
 from moseg.workflows.config.parameter_errors import parameter_error
 from moseg.workflows.config.preset_choice import choose_preset
-from pydantic import ValidationError
 
 ConfigLike = PipelineConfig | Mapping[str, Any] | str | os.PathLike
 """A whole configuration; parameters that differ from the preset's, as ``{"sections.length": 20}`` or ``{"sections":

@@ -7,6 +7,8 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
+
 from moseg.schemas.scores import StoreUse
 from moseg.store import ArtifactStore
 from moseg.workflows.api.arguments import (
@@ -30,7 +32,6 @@ from moseg.workflows.exports.saved_segmentation import open_segmentation
 from moseg.workflows.pipelines.segment import StoredSegmentation
 from moseg.workflows.pipelines.write_segmentation import write_segmentation
 from moseg.workflows.runlog.events import as_unicode
-from PIL import Image
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from html import escape
 
 import numpy as np
+from PIL import Image
+
 from moseg.workflows.api.moving_object import MovingObject
 from moseg.workflows.exports import identity_colours
 from moseg.workflows.exports.draw_labels import brightest
-from PIL import Image
 
 MOST_ROWS = 20
 """Objects in the table before the rest is only counted."""

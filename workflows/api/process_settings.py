@@ -9,6 +9,7 @@ from threading import Lock
 import cv2
 import dask
 import threadpoolctl
+
 from moseg.workflows.process import devices
 from moseg.workflows.process.memory import allocation_environ
 from moseg.workflows.process.threads import THREAD_VARIABLES

@@ -3,6 +3,7 @@
 import os
 
 import numpy as np
+
 from moseg.schemas.configs import Variant
 from moseg.schemas.errors import InputError
 from moseg.store import ArtifactStore

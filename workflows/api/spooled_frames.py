@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
+
 from moseg.schemas.digests import digest_json, hash_array
 from moseg.schemas.errors import InputError, StoreError
 from moseg.workflows.sources.frames import FrameDescription, shrink_to, working_size

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.api.spooled_frames import spool_frames
 from moseg.workflows.datasets import SequenceSource

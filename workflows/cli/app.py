@@ -7,6 +7,9 @@ from functools import cache
 from typing import Annotated, Any
 
 import typer
+from typer.exceptions import TyperException
+from typer.main import get_command
+
 from moseg.schemas.errors import ClusterError, InputError, StoreError
 from moseg.workflows.cli import contact_sheet, evaluate, export, inspect, report, score, segment, status
 from moseg.workflows.cli.config import config_app
@@ -16,8 +19,6 @@ from moseg.workflows.cli.help_texts import with_readable_help
 from moseg.workflows.cli.store import store_app
 from moseg.workflows.cli.usage_errors import describe_usage_error
 from moseg.workflows.cli.weights import weights_app
-from typer.exceptions import TyperException
-from typer.main import get_command
 
 EXIT_BAD_INPUT = 2
 FULL = (errno.ENOSPC, errno.EDQUOT)

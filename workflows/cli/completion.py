@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Iterable
 
 import typer
+
 from moseg.schemas.errors import MosegError
 from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES
 

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+
 from moseg.workflows.cli import completion
 from moseg.workflows.cli.option_groups import with_option_groups
 from moseg.workflows.cli.pipeline_options import PipelineOptions

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+
 from moseg.schemas.configs import Variant
 from moseg.workflows.cli.option_groups import with_option_groups
 from moseg.workflows.cli.options import DataOptions, RunOptions

@@ -4,6 +4,7 @@ import os
 from typing import Annotated
 
 import typer
+
 from moseg.workflows.cli.completion import complete_dataset
 
 datasets_app = typer.Typer()

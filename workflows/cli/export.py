@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli.export_options import EXPORT_FORMATS
 

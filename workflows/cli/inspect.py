@@ -10,11 +10,12 @@ def backends() -> None:
     --------
     moseg backends
     """
+    from rich.table import Table
+
     from moseg.workflows.cli.tables import console
     from moseg.workflows.weights.backends import BACKENDS, weights_rows
     from moseg.workflows.weights.folder import open_weights
     from moseg.workflows.weights.progress import describe_size
-    from rich.table import Table
 
     weights = open_weights(os.environ)
     methods = Table(title="backends")

@@ -5,6 +5,7 @@ from enum import StrEnum
 from typing import Annotated, ClassVar, TypeVar
 
 import typer
+
 from moseg.schemas.configs import TrajectoryVariant, Variant
 from moseg.schemas.errors import InputError
 from moseg.schemas.spelling import unknown_name

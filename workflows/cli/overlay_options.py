@@ -5,10 +5,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import typer
+
 from moseg.schemas.errors import InputError
 
 if TYPE_CHECKING:
     import numpy as np
+
     from moseg.workflows.exports import OverlayStyle
     from moseg.workflows.sources import ImageFiles, VideoFile
 

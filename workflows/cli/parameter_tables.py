@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 from itertools import groupby
 
+from rich.table import Table
+from rich.text import Text
+
 from moseg.workflows.cli.tables import console
 from moseg.workflows.config.config_files import spell_value
 from moseg.workflows.config.parameter_errors import unknown_parameter
 from moseg.workflows.config.parameters import Parameter, list_parameters, list_stages
-from rich.table import Table
-from rich.text import Text
 
 _TITLE = """# Parameters
 

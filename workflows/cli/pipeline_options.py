@@ -4,12 +4,13 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 import typer
+from pydantic import ValidationError
+
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli import completion
 from moseg.workflows.config.parameter_errors import parameter_error
 from moseg.workflows.config.preset_choice import choose_preset
-from pydantic import ValidationError
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+
 from moseg.workflows.cli.completion import complete_run
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption, sequence_names
 

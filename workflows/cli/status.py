@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+
 from moseg.workflows.cli.completion import complete_run
 from moseg.workflows.cli.options import DEFAULT_STORE, JsonOption, StoreOption
 
@@ -55,11 +56,12 @@ def status(
 
 def _print_runs(store, run_ids: list[str], num_earlier: int) -> str:
     """Print a list of runs, those whose logs cannot be read last; the others' statuses as JSON."""
+    from pydantic import TypeAdapter
+
     from moseg.schemas.errors import StoreError
     from moseg.workflows.cli.status_tables import runs_view
     from moseg.workflows.cli.tables import console
     from moseg.workflows.runlog.status import RunStatus, read_status
-    from pydantic import TypeAdapter
 
     runs, unreadable = [], []
     for run_id in run_ids:
@@ -80,10 +82,11 @@ def _print_runs(store, run_ids: list[str], num_earlier: int) -> str:
 
 def _show(store, run_id: str, follow: bool) -> str:
     """Print a run's status, or show it until the run ends; the last one as JSON."""
+    from rich.live import Live
+
     from moseg.workflows.cli.status_tables import status_view
     from moseg.workflows.cli.tables import console
     from moseg.workflows.runlog.status import RunState, read_status
-    from rich.live import Live
 
     found = read_status(store, run_id)
     if not follow:

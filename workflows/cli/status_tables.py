@@ -4,13 +4,14 @@ import shlex
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 
-from moseg.workflows.runlog.status import RunState, RunStatus
-from moseg.workflows.runlog.status_counts import StageStatus, Trouble
 from rich import box
 from rich.console import Group, RenderableType
 from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
+
+from moseg.workflows.runlog.status import RunState, RunStatus
+from moseg.workflows.runlog.status_counts import StageStatus, Trouble
 
 COLOURS = {
     RunState.RUNNING: "cyan",

@@ -1,6 +1,7 @@
 """`moseg store`: what lies in the artifact store, whether it is sound, how to make room, and how to copy it."""
 
 import typer
+
 from moseg.workflows.cli.store_commands import explaining, listing, showing, transferring, upkeep
 
 store_app = typer.Typer(

@@ -1,11 +1,12 @@
 """Tables on the terminal."""
 
+from rich.console import Console
+from rich.table import Table
+
 from moseg.schemas.scores import EvaluationReport, GroundTruth, SequenceScore
 from moseg.workflows.engine.session import StageUse
 from moseg.workflows.reports.published_scores import PAPER_COLUMNS, PAPER_ROWS
 from moseg.workflows.reports.score_columns import score_columns
-from rich.console import Console
-from rich.table import Table
 
 
 def console() -> Console:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, fields
 from typing import Annotated, ClassVar
 
 import typer
+
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli.pipeline_options import PipelineOptions

@@ -1,10 +1,11 @@
 """Tables of evaluations on labelled trajectories."""
 
+from rich.console import Console
+from rich.table import Table
+
 from moseg.schemas.trajectory_scores import TrajectoryReport, TrajectoryRow
 from moseg.workflows.cli.tables import console
 from moseg.workflows.reports.published_scores import ONE_MOTION_ERROR, PUBLISHED_CLIPS, PUBLISHED_ERRORS
-from rich.console import Console
-from rich.table import Table
 
 
 def print_trajectory_report(report: TrajectoryReport, notes: tuple[str, ...] = ()) -> None:

@@ -3,9 +3,10 @@
 import re
 from typing import Any
 
+from typer.core import TyperGroup
+
 from moseg.schemas.spelling import closest
 from moseg.workflows.cli.help_texts import examples_of
-from typer.core import TyperGroup
 
 _NOT_ONE_OF = re.compile(r"'([^']*)' is not one of (.*)$")
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli import completion
 from moseg.workflows.cli.options import NonCommercialOption, QuietOption

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from distributed import Client
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.cluster.code_fingerprint import refuse_other_code
 from moseg.workflows.cluster.process_facts import process_facts

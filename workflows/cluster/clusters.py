@@ -8,6 +8,7 @@ from typing import Protocol
 
 import dask
 from distributed import Client, LocalCluster
+
 from moseg.schemas.errors import ClusterError, MosegError
 from moseg.workflows.cluster.check import ClusterCheck
 from moseg.workflows.cluster.code_fingerprint import code_fingerprint

@@ -14,6 +14,7 @@ from distributed.comm.addressing import parse_host_port
 from distributed.comm.registry import get_backend
 from distributed.security import Security
 from distributed.versions import VersionMismatchWarning
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.cluster.scheduler_probe import knock
 

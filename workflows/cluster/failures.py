@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 from distributed.client import ClosedClientError
 from distributed.comm import CommClosedError
 from distributed.scheduler import KilledWorker
+
 from moseg.schemas.errors import ClusterError, MosegError
 from moseg.workflows.cluster.clusters import Cluster
 from moseg.workflows.cluster.submission_window import CallError

@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import NamedTuple, Protocol
 
 from distributed import Client, Status, WorkerPlugin
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.process.devices import list_accelerators, set_device
 from moseg.workflows.process.threads import pin_threads

@@ -9,6 +9,7 @@ from threading import Lock
 from typing import Any, NamedTuple
 
 from distributed import get_worker
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.cluster.code_fingerprint import code_fingerprint, refuse_other_code
 from moseg.workflows.cluster.placement import Plan

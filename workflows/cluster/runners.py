@@ -8,6 +8,7 @@ from typing import Any
 import dask
 from dask.callbacks import Callback
 from dask.task_spec import Task, TaskRef
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.cluster.calls import Call, Runner
 from moseg.workflows.cluster.clusters import Cluster, ForeignCluster, LocalWorkers

@@ -10,6 +10,7 @@ from dask.highlevelgraph import HighLevelGraph, MaterializedLayer
 from dask.task_spec import Task, TaskRef
 from distributed import Client, Future, as_completed
 from distributed.client import ClosedClientError
+
 from moseg.workflows.cluster.calls import Call
 from moseg.workflows.cluster.remote_calls import Setup, run_call
 

@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from pydantic import BaseModel, ValidationError
+
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.config.parameter_errors import parameter_error
 from moseg.workflows.config.parameters import Parameter, list_parameters, list_stages, stage_model, value_of
-from pydantic import BaseModel, ValidationError
 
 MAX_BYTES = 1 << 18
 """Every parameter with its comment takes a tenth of this."""

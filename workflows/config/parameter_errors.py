@@ -2,11 +2,12 @@
 
 from typing import Any
 
+from pydantic import ValidationError
+
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.schemas.spelling import closest, unknown_name
 from moseg.workflows.config.parameters import list_parameters, list_stages, stage_model
-from pydantic import ValidationError
 
 
 def parameter_error(error: ValidationError, where: object = None) -> InputError:

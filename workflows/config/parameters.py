@@ -5,10 +5,11 @@ from functools import cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
-from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.units import Unit
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
+
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.units import Unit
 
 _SIGNS = {"ge": ">=", "gt": ">", "le": "<=", "lt": "<"}
 

@@ -6,6 +6,7 @@ from contextlib import contextmanager, suppress
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
 from moseg.schemas.events import EventKind
 from moseg.schemas.recipes import Recipe

@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+
 from moseg.schemas.digests import digest_json, hash_array
 from moseg.schemas.errors import MissingArtifactError
 from moseg.schemas.recipes import Recipe, leaf_recipe

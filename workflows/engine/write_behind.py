@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.errors import StoreError
 from moseg.schemas.manifests import Manifest
 from moseg.schemas.recipes import Recipe

@@ -4,10 +4,11 @@ from collections.abc import Iterable
 from functools import cache
 
 import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
 from moseg.workflows.exports.colour_maps import SOFT_COLOURS, draw_colour_bar
 from moseg.workflows.exports.draw_errors import ERROR_COLOURS
 from moseg.workflows.exports.sheet_column import SheetFrame, draw_column
-from PIL import Image, ImageDraw, ImageFont
 
 PAPER, INK = (255, 255, 255), (32, 32, 32)
 MARGIN, GAP = 16, 6

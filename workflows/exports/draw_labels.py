@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+
 from moseg.workflows.exports.overlay_style import DEFAULT_STYLE, LINED, TINTED, OverlayMode, OverlayStyle
 from moseg.workflows.exports.palette import identity_colours
 

@@ -3,9 +3,10 @@
 from functools import cache
 
 import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
 from moseg.workflows.exports.draw_labels import draw_labels
 from moseg.workflows.exports.overlay_style import OverlayStyle
-from PIL import Image, ImageDraw, ImageFont
 
 # Of the frame's height, and the least height in px that is read.
 _TEXT_SHARE, _LEAST_TEXT = 1 / 18, 12

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+
 from moseg.workflows.exports.draw_errors import ERROR_COLOURS, draw_errors, sort_errors
 
 POINT_RADIUS = 2

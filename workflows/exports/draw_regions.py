@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-from moseg.workflows.sources.resize import resize_labels
 from PIL import Image, ImageDraw, ImageFont
+
+from moseg.workflows.sources.resize import resize_labels
 
 LINE = 2
 """Usual width of a region's border, px, half of it to either side."""

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+
 from moseg.workflows.exports.draw_regions import reduce_transparent
 
 TAIL_FRAMES = 8

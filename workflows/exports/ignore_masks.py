@@ -5,11 +5,12 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+from PIL import Image
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.exports.owned_folder import OwnedFolder
 from moseg.workflows.exports.saved_segmentation import SavedSegmentation
 from moseg.workflows.process.atomic_write import atomic_path, blame_output
-from PIL import Image
 
 DEFAULT_DILATION = 5
 """Px. Features are found on the borders of moving objects, and masks are a few pixels off there."""

@@ -4,13 +4,14 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
+from pydantic import Field, ValidationError
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.frozen import Frozen
 from moseg.workflows.exports.write_text import write_text
 from moseg.workflows.runlog.events import as_unicode
 from moseg.workflows.sources import FrameSource, ImageFiles
 from moseg.workflows.sources.files import read_bytes
-from pydantic import Field, ValidationError
 
 
 class ObjectSummary(Frozen):

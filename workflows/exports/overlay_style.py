@@ -2,8 +2,9 @@
 
 from enum import StrEnum
 
-from moseg.schemas.frozen import Frozen
 from pydantic import Field
+
+from moseg.schemas.frozen import Frozen
 
 DEFAULT_OPACITY = 0.45
 """Seen on foliage, with the texture still visible."""

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import av
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.exports.motion_json import read_motion
 from moseg.workflows.process.atomic_write import blame_output

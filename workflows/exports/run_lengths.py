@@ -1,8 +1,9 @@
 """Masks as COCO's compressed run lengths, and the categories of what moves."""
 
 import numpy as np
-from moseg.workflows.exports.motion_json import SequenceSummary
 from pycocotools import mask as coco_mask
+
+from moseg.workflows.exports.motion_json import SequenceSummary
 
 UNNAMED = "moving object"
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.exports.motion_json import SequenceSummary, check_file_name, read_motion
 from moseg.workflows.exports.output_names import MASKS, MOTION, mask_name

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+
 from moseg.workflows.exports.colour_maps import colour_soft_map
 from moseg.workflows.exports.draw_errors import draw_errors
 from moseg.workflows.exports.draw_labels import draw_labels

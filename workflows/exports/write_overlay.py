@@ -10,6 +10,7 @@ from pathlib import Path
 import av
 import numpy as np
 from av.video.reformatter import ColorRange, Colorspace
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.exports.draw_overlay import draw_overlay
 from moseg.workflows.exports.overlay_style import DEFAULT_STYLE, OverlayStyle

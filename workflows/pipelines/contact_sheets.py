@@ -5,6 +5,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from PIL import Image
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
 from moseg.tasks.metrics import Overlaps, count_overlaps, count_point_overlaps, region_similarity
@@ -24,7 +26,6 @@ from moseg.workflows.results.shown_frames import (
     spread,
 )
 from moseg.workflows.sources.resize import resize_labels
-from PIL import Image
 
 
 class SoftMap(NamedTuple):

@@ -5,6 +5,7 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.scores import GroundTruth, SequenceScore
 from moseg.tasks.metrics import sample_points, score_points, score_sequence
 from moseg.workflows.datasets import Dataset, SequenceSource, find_ground_truth

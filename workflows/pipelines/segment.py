@@ -5,6 +5,7 @@ from itertools import chain
 from typing import NamedTuple, TypeVar
 
 import numpy as np
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
 from moseg.workflows.datasets import SequenceSource

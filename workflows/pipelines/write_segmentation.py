@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
+
 from moseg.store import ArtifactStore
 from moseg.workflows.exports.motion_json import SequenceSummary, summarise_sequence, write_motion
 from moseg.workflows.exports.output_names import MASKS, MOTION, OVERLAY

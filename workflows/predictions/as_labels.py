@@ -1,6 +1,7 @@
 """What a file holds, as labels of a frame."""
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.predictions.as_labels import as_labels
 from moseg.workflows.predictions.frame_files import FrameFiles

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.predictions.em_layers import open_em_layers
 from moseg.workflows.predictions.frame_list import FrameList

@@ -4,6 +4,7 @@ import io
 from pathlib import Path
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.predictions.as_labels import as_labels
 from moseg.workflows.predictions.frame_files import FrameFiles

@@ -5,6 +5,7 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
+
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.predictions.as_labels import as_labels
 from moseg.workflows.predictions.frame_list import FrameList

@@ -7,6 +7,7 @@ import sys
 import cv2
 import dask
 import threadpoolctl
+
 from moseg.schemas.errors import InputError
 
 MOST_ANYWHERE, MOST_PER_CPU = 64, 4

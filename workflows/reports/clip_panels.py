@@ -1,6 +1,7 @@
 """What one variant made of a clip of labelled trajectories: kernels in the order of the motions, and eigenvalues."""
 
 import numpy as np
+
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
 from moseg.schemas.parameters import TrajectoryClusteringParams
 from moseg.store import ArtifactStore

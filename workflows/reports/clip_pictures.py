@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
+
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
 from moseg.store import ArtifactStore
 from moseg.workflows.exports.draw_errors import ERROR_COLOURS
@@ -15,7 +17,6 @@ from moseg.workflows.reports.planned_layer import PlannedLayer, SequencePictures
 from moseg.workflows.reports.sequence_view import as_hex
 from moseg.workflows.results.shown_frames import spread
 from moseg.workflows.sources.frames import working_size
-from scipy.optimize import linear_sum_assignment
 
 CLIP_SIDE = 960
 """Longer side of a clip's pictures, px: hundreds of points lie on one car, and blank pictures are small files."""

@@ -4,6 +4,8 @@ from collections.abc import Callable, Sequence
 
 import cv2
 import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
 from moseg.schemas.configs import Variant
 from moseg.workflows.exports.colour_maps import (
     DEPTH_COLOURS,
@@ -19,7 +21,6 @@ from moseg.workflows.reports.picture_content import Layer, LayerKind, Picture
 from moseg.workflows.reports.planned_layer import PlannedLayer
 from moseg.workflows.reports.sequence_view import SequenceView
 from moseg.workflows.sources.frames import shrink_to
-from PIL import Image, ImageDraw, ImageFont
 
 WHEEL_SIDE = 96
 BAR_SHAPE = (24, 220)

@@ -3,8 +3,9 @@
 import io
 
 import numpy as np
-from moseg.workflows.reports.picture_content import Picture
 from PIL import Image
+
+from moseg.workflows.reports.picture_content import Picture
 
 QUALITY = 80
 """Of pictures that lose a little, 0..100: at the size of a report the loss is not seen."""

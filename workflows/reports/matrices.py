@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.parameters import ClusteringParams
 from moseg.store import ArtifactStore

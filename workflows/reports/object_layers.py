@@ -5,6 +5,7 @@ from itertools import groupby
 from operator import itemgetter
 
 import numpy as np
+
 from moseg.schemas.configs import Variant
 from moseg.schemas.parameters.clustering import READ_TRACKS
 from moseg.workflows.exports.draw_regions import RegionStyle, draw_regions

@@ -5,6 +5,7 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
 from moseg.workflows.exports.draw_labels import brightest

@@ -3,12 +3,13 @@
 import json
 from typing import Literal, NamedTuple
 
+from pydantic import TypeAdapter, ValidationError
+
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
 from moseg.schemas.errors import InputError
 from moseg.schemas.events import EventKind, SubjectEvent, line_time, read_event
 from moseg.store import ArtifactStore
 from moseg.workflows.graph import SequenceLeaves, TrajectoryLeaves
-from pydantic import TypeAdapter, ValidationError
 
 _LEAVES = {True: TypeAdapter(SequenceLeaves), False: TypeAdapter(TrajectoryLeaves)}
 _MARK = f'"{EventKind.SUBJECT}"'.encode("ascii")

@@ -1,6 +1,7 @@
 """Layers of the ground truth, and of where a variant differs from it."""
 
 import numpy as np
+
 from moseg.schemas.configs import Variant
 from moseg.workflows.exports.draw_errors import ERROR_COLOURS, sort_errors
 from moseg.workflows.exports.draw_regions import HATCH, RegionStyle, draw_regions

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 
 import numpy as np
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
 from moseg.workflows.graph import SequenceGraph

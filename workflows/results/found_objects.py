@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.configs import Variant
 from moseg.store import ArtifactStore
 from moseg.workflows.graph import SequenceGraph

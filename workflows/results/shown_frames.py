@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.store import ArtifactStore
 from moseg.tasks.metrics import sample_points
 from moseg.workflows.exports.draw_point_errors import PointLabels

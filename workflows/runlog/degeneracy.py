@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from enum import IntEnum
 
 import numpy as np
+
 from moseg.schemas.events import DegenerateEvent
 from moseg.tasks.geometry import Degeneracy
 from moseg.workflows.runlog.events import this_process

@@ -5,6 +5,8 @@ from collections.abc import Collection, Iterable, Iterator
 from datetime import UTC, datetime
 from enum import StrEnum
 
+from pydantic import ValidationError
+
 from moseg.schemas.errors import InputError, StoreError
 from moseg.schemas.events import Event, Outcome, RunClosed, RunOpened, SubjectEvent, line_time, read_event
 from moseg.schemas.frozen import Frozen
@@ -12,7 +14,6 @@ from moseg.schemas.spelling import closest
 from moseg.store import ArtifactStore
 from moseg.store.owners import is_running
 from moseg.workflows.runlog.status_counts import InFlight, RunCounts, StageStatus, Trouble
-from pydantic import ValidationError
 
 LATEST = "latest"
 """Stands for the run that began last."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.files import digest_file, read_bytes

@@ -2,9 +2,10 @@
 
 import io
 
+from PIL import Image
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
-from PIL import Image
 
 MOST_PIXELS = 2**27
 """Of one frame: 16384 x 8192. What claims more is a damaged or malicious file."""

@@ -7,6 +7,7 @@ from functools import reduce
 from typing import Literal, Protocol
 
 import numpy as np
+
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.files import digest_file, read_bytes

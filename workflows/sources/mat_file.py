@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 
 _HEADER_BYTES, _TAG_BYTES, _ALIGNMENT = 128, 8, 8

@@ -9,6 +9,7 @@ counted from 0 with their centres at integers, as everywhere here: visible coord
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.mat_file import read_struct
 

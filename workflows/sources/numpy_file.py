@@ -14,8 +14,9 @@ import zlib
 from typing import NamedTuple
 
 import numpy as np
-from moseg.schemas.errors import InputError
 from numpy.lib import format as npy_format
+
+from moseg.schemas.errors import InputError
 
 HEADER_BYTES = 2**14
 """The start of a file that is read for its header; numpy itself refuses headers beyond 10,000 characters."""

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import cv2
 import numpy as np
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.image_header import MOST_PIXELS
 from moseg.workflows.sources.quiet_decoding import decode_quietly

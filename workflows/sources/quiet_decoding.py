@@ -4,6 +4,7 @@ from functools import partial
 
 import cv2
 import numpy as np
+
 from moseg.workflows.sources.decoder_noise import listen_to
 
 

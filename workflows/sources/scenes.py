@@ -6,6 +6,7 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
+
 from moseg.schemas.digests import digest_json
 from moseg.schemas.spelling import unknown_name
 from moseg.tasks.synthetic import SCENES, RenderedScene, Scene, render_scene

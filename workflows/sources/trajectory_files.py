@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+
 from moseg.schemas.digests import digest_json
 from moseg.workflows.sources.files import digest_file, read_bytes
 from moseg.workflows.sources.mat_tracks import decode_mat_tracks

@@ -10,6 +10,7 @@ from av.container import InputContainer
 from av.sidedata.sidedata import SideDataContainer
 from av.stream import Disposition
 from av.video.stream import VideoStream
+
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.sources.display_matrix import upright

@@ -4,6 +4,7 @@ A pass goes on where it left the section before, so that no frame is computed tw
 """
 
 import numpy as np
+
 from moseg.schemas.parameters import AccumulationParams
 from moseg.tasks.half_floats import narrow, widen
 from moseg.tasks.saliency import accumulate, flow_consistency, memory_weight

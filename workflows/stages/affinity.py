@@ -1,6 +1,7 @@
 """Motion affinity between the objects of a sequence, and their support as static, under one motion model."""
 
 import numpy as np
+
 from moseg.schemas.parameters import AffinityParams, ObjectHypothesisParams
 from moseg.tasks.affinity import estimate_affinity, static_support
 from moseg.tasks.object_hypotheses import geometric_mean, preference_kernel, scale_by_background

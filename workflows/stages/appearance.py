@@ -1,6 +1,7 @@
 """Colours of a section's moving and static pixels."""
 
 import numpy as np
+
 from moseg.schemas.parameters import AppearanceParams, ForegroundParams
 from moseg.tasks.appearance import colour_bins, count_colours
 from moseg.tasks.saliency import reduce_frame

@@ -1,6 +1,7 @@
 """Objects of a section on the working grid: space-time components of the foreground, split and rejoined by motion."""
 
 import numpy as np
+
 from moseg.schemas.parameters import ComponentParams, IdentityParams
 from moseg.tasks.half_floats import widen
 from moseg.tasks.proposals import keep_best, label_components, rejoin_components, split_touching

@@ -1,6 +1,7 @@
 """Relative inverse depth of a frame."""
 
 import numpy as np
+
 from moseg.schemas.parameters import DepthAnythingParams, DptDinov2Params
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.task import Output, Task

@@ -1,6 +1,7 @@
 """Dense optical flow of a frame pair."""
 
 import numpy as np
+
 from moseg.schemas.parameters import FlowParams, RaftParams
 from moseg.tasks.flow.dis import estimate_flow
 from moseg.workflows.stages.resident import made_on, open_network

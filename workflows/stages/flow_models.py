@@ -4,6 +4,7 @@ The pairs of a section are stacked in one artifact: fitting a pair takes less ti
 """
 
 import numpy as np
+
 from moseg.schemas.parameters import FlowModelParams
 from moseg.tasks.motion_models import FLOW_MODELS, fit_from_moments, flow_energy, flow_moments, residuals_from_moments
 from moseg.workflows.stages.task import Output, Task

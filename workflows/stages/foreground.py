@@ -1,6 +1,7 @@
 """Probability of each pixel of a section's frames to move on its own."""
 
 import numpy as np
+
 from moseg.schemas.parameters import AppearanceParams, ForegroundParams
 from moseg.tasks.appearance import ColourCount, colour_ratio, pool_sections
 from moseg.tasks.half_floats import narrow

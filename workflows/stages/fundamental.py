@@ -4,6 +4,7 @@ The pairs of a section are stacked in one artifact: fitting a pair takes less ti
 """
 
 import numpy as np
+
 from moseg.schemas.parameters import FundamentalParams
 from moseg.tasks.geometry import FundamentalFits, fit_fundamentals, fundamental_residuals
 from moseg.workflows.stages.task import Output, Task

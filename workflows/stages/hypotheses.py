@@ -5,6 +5,7 @@ whole takes no part, then the background's cells.
 """
 
 import numpy as np
+
 from moseg.schemas.parameters import FlowModelParams, ObjectHypothesisParams
 from moseg.tasks.motion_models import FLOW_MODELS
 from moseg.tasks.object_hypotheses import (

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
+
 from moseg.schemas.manifests import Manifest
 from moseg.schemas.recipes import Recipe
 from moseg.workflows.stages.array_cache import ARRAYS

@@ -3,6 +3,7 @@
 from itertools import pairwise
 
 import numpy as np
+
 from moseg.schemas.parameters import LinkingParams
 from moseg.tasks.proposals.given import link_identities
 from moseg.tasks.proposals.linking import count_overlaps, link_sections

@@ -1,6 +1,7 @@
 """How badly each pixel of a section's frames follows the motion of what is salient."""
 
 import numpy as np
+
 from moseg.schemas.parameters import OwnMotionParams
 from moseg.tasks.half_floats import narrow, widen
 from moseg.tasks.saliency import motion_logit, own_motion_misfit, probability

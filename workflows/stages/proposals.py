@@ -1,6 +1,7 @@
 """Object proposals of a section: outlines of what moves, masks tracked from the first frame, or given ones."""
 
 import numpy as np
+
 from moseg.schemas.parameters import DeaotParams, RefinementParams, Sam2Params
 from moseg.tasks.half_floats import widen
 from moseg.tasks.proposals.boxes import object_boxes

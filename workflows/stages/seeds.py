@@ -1,6 +1,7 @@
 """Objects with which a section's tracking starts: those found in its first frame and those tracked into it."""
 
 import numpy as np
+
 from moseg.schemas.parameters import SeedParams
 from moseg.workflows.stages.task import Output, Task
 

@@ -1,6 +1,7 @@
 """Labels of a section: 0 where static, else the moving object's identity (its own label where masks were given)."""
 
 import numpy as np
+
 from moseg.workflows.stages.task import Output, Task
 
 

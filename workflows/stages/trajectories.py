@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+
 from moseg.schemas.parameters import HypothesisParams, KernelParams, TrajectoryClusteringParams
 from moseg.schemas.trajectory_scores import TrajectoryScore
 from moseg.tasks.metrics import clustering_error

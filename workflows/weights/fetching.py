@@ -7,6 +7,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 from filelock import FileLock, Timeout
+
 from moseg.schemas.weights import WeightsFile
 from moseg.workflows.process.atomic_write import blame_output
 from moseg.workflows.weights.download import Downloaded, Source, download

@@ -4,9 +4,10 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
+from pydantic import ValidationError
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.weights import WeightsItem, WeightsList
-from pydantic import ValidationError
 
 FOLDER_VARIABLE = "MOSEG_WEIGHTS"
 OWN_ITEMS = "weights.json"

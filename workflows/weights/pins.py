@@ -2,11 +2,12 @@
 
 from pathlib import Path
 
+from pydantic import Field, ValidationError
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.weights import PINS, Sha256, WeightsFile
 from moseg.workflows.process.atomic_write import atomic_path, blame_output
-from pydantic import Field, ValidationError
 
 
 class FilePin(Frozen):

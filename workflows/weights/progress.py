@@ -4,8 +4,9 @@ import sys
 import time
 from contextlib import AbstractContextManager
 
-from moseg.workflows.process.progress import bars_console
 from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TimeRemainingColumn, TransferSpeedColumn
+
+from moseg.workflows.process.progress import bars_console
 
 PLAIN_INTERVAL_SEC = 15.0
 

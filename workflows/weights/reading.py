@@ -14,6 +14,7 @@ from moseg.workflows.weights.numpy_numbers import STAND_INS
 
 if TYPE_CHECKING:
     import torch
+
     from moseg.tasks.networks import Checkpoint
 
 
@@ -47,6 +48,7 @@ def _read_tensors(path: Path, name: str) -> "Mapping[str, torch.Tensor]":
     if path.suffix == ".safetensors":
         return _read_safetensors(path)
     import torch
+
     from moseg.tasks.networks import unwrap_state
 
     try:

@@ -1,9 +1,10 @@
 """Gated propagation: attention whose result is gated, smoothed in space and projected."""
 
 import torch
-from moseg.tasks.networks.deaot.window import Window
 from torch import nn
 from torch.nn import functional as F
+
+from moseg.tasks.networks.deaot.window import Window
 
 MAX_SCORES = 1 << 24
 """Attention scores held at a time (64 MB): queries beyond are taken in turn, which changes nothing but the peak."""

@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import torch
+from torch import nn
+
 from moseg.tasks.networks.deaot.config import DeaotConfig
 from moseg.tasks.networks.deaot.memory import LayerMemory
 from moseg.tasks.networks.deaot.propagation import GatedPropagationModule, Projected
 from moseg.tasks.networks.deaot.window import Window
-from torch import nn
 
 
 class Grid(NamedTuple):

@@ -1,11 +1,12 @@
 """DeAOT from a checkpoint."""
 
+from pydantic import ValidationError
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks.checkpoint import Checkpoint
 from moseg.tasks.networks.deaot.config import DeaotConfig
 from moseg.tasks.networks.deaot.network import Deaot
 from moseg.tasks.networks.strict import load_strictly
-from pydantic import ValidationError
 
 
 def build_deaot(checkpoint: Checkpoint) -> Deaot:

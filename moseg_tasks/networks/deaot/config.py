@@ -1,7 +1,8 @@
 """Sizes of DeAOT."""
 
-from moseg.schemas.frozen import Frozen
 from pydantic import Field
+
+from moseg.schemas.frozen import Frozen
 
 
 class DeaotConfig(Frozen):

@@ -1,10 +1,11 @@
 """The decoder: propagated features to logits at a quarter of the frame's resolution."""
 
 import torch
-from moseg.tasks.networks.deaot.config import DeaotConfig
-from moseg.tasks.networks.deaot.encoder import EXPANSION, Pyramid
 from torch import nn
 from torch.nn import functional as F
+
+from moseg.tasks.networks.deaot.config import DeaotConfig
+from moseg.tasks.networks.deaot.encoder import EXPANSION, Pyramid
 
 NORM_GROUPS = 8
 

@@ -3,9 +3,10 @@
 from typing import NamedTuple
 
 import torch
-from moseg.tasks.networks.deaot.config import DeaotConfig
 from torch import nn
 from torch.nn import functional as F
+
+from moseg.tasks.networks.deaot.config import DeaotConfig
 
 EXPANSION = 4
 """Channels that a bottleneck puts out, as a multiple of its inner ones."""

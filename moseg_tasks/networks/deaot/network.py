@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import torch
+from torch import nn
+
 from moseg.tasks.networks.deaot.attention import at_least_float32
 from moseg.tasks.networks.deaot.branches import DualBranchPropagation, Grid
 from moseg.tasks.networks.deaot.config import DeaotConfig
@@ -12,7 +14,6 @@ from moseg.tasks.networks.deaot.encoder import EXPANSION, Pyramid, ResNetEncoder
 from moseg.tasks.networks.deaot.memory import LayerMemory
 from moseg.tasks.networks.deaot.propagation import Projected
 from moseg.tasks.networks.deaot.window import neighbourhood
-from torch import nn
 
 STRIDE = 16
 """Side of a cell, px; a frame's sides are 1 modulo this, so that corner cells lie on corner pixels."""

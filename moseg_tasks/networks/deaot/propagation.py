@@ -3,11 +3,12 @@
 from typing import NamedTuple
 
 import torch
+from torch import nn
+from torch.nn import functional as F
+
 from moseg.tasks.networks.deaot.attention import GatedPropagation, LocalGatedPropagation, SelfGatedPropagation
 from moseg.tasks.networks.deaot.memory import LayerMemory
 from moseg.tasks.networks.deaot.window import Window
-from torch import nn
-from torch.nn import functional as F
 
 
 class Projected(NamedTuple):

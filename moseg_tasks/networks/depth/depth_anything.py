@@ -1,10 +1,11 @@
 """Depth Anything V2: affine inverse depth of a single image."""
 
+from transformers import DepthAnythingConfig, DepthAnythingForDepthEstimation
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks.checkpoint import Checkpoint
 from moseg.tasks.networks.depth.positions import resample_as_trained
 from moseg.tasks.networks.transformers_model import build_transformers
-from transformers import DepthAnythingConfig, DepthAnythingForDepthEstimation
 
 
 def build_depth_anything(checkpoint: Checkpoint) -> DepthAnythingForDepthEstimation:

@@ -4,11 +4,12 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import torch
+from transformers import DPTConfig, DPTForDepthEstimation
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks.checkpoint import Checkpoint
 from moseg.tasks.networks.depth.positions import resample_as_trained
 from moseg.tasks.networks.transformers_model import CONFIG, build_transformers, read_json
-from transformers import DPTConfig, DPTForDepthEstimation
 
 
 class DptDinov2(NamedTuple):

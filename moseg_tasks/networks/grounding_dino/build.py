@@ -3,10 +3,11 @@
 from typing import NamedTuple
 
 import torch
+from transformers import BertTokenizer, GroundingDinoConfig, GroundingDinoForObjectDetection
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks.checkpoint import Checkpoint
 from moseg.tasks.networks.transformers_model import build_transformers, read_json
-from transformers import BertTokenizer, GroundingDinoConfig, GroundingDinoForObjectDetection
 
 VOCABULARY = "vocab.txt"
 PREPROCESSOR = "preprocessor_config.json"

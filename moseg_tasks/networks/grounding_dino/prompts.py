@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from transformers import BertTokenizer
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.grounding_dino import Separator
-from transformers import BertTokenizer
 
 _SIGNS: dict[Separator, str] = {"comma": ",", "stop": "."}
 

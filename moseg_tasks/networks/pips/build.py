@@ -1,6 +1,7 @@
 """A PIPs network from its checkpoint."""
 
 import torch
+
 from moseg.tasks.networks.checkpoint import Checkpoint
 from moseg.tasks.networks.pips.config import PipsConfig
 from moseg.tasks.networks.pips.model import Pips

@@ -2,8 +2,9 @@
 
 import torch
 import torch.nn.functional as F
-from moseg.tasks.networks.pips.config import PipsConfig
 from torch import nn
+
+from moseg.tasks.networks.pips.config import PipsConfig
 
 
 class ResidualBlock(nn.Module):

@@ -3,8 +3,9 @@
 from collections import OrderedDict
 
 import torch
-from moseg.tasks.networks.pips.config import PipsConfig
 from torch import nn
+
+from moseg.tasks.networks.pips.config import PipsConfig
 
 EXPANSION = 4
 """Channels inside a mixing layer to each one outside."""

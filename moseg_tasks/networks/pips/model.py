@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import torch
+from torch import nn
+
 from moseg.tasks.networks.pips.config import PipsConfig
 from moseg.tasks.networks.pips.correlation import correlate, feature_pyramid, sample_appearances
 from moseg.tasks.networks.pips.encoder import Encoder
 from moseg.tasks.networks.pips.mixer import Update
-from torch import nn
 
 
 class Trajectories(NamedTuple):

@@ -1,12 +1,13 @@
 """RAFT from a checkpoint."""
 
+from pydantic import ValidationError
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks.checkpoint import Checkpoint
 from moseg.tasks.networks.raft.config import LARGE, SMALL, RaftConfig
 from moseg.tasks.networks.raft.layouts import to_own_names
 from moseg.tasks.networks.raft.network import Raft
 from moseg.tasks.networks.strict import load_strictly
-from pydantic import ValidationError
 
 
 def build_raft(checkpoint: Checkpoint) -> Raft:

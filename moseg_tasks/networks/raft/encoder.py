@@ -2,8 +2,9 @@
 
 from typing import Literal
 
-from moseg.tasks.networks.raft.convolution import Norm, conv_norm_relu
 from torch import Tensor, nn
+
+from moseg.tasks.networks.raft.convolution import Norm, conv_norm_relu
 
 
 class Encoder(nn.Module):

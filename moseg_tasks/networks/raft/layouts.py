@@ -3,8 +3,9 @@
 import re
 from collections.abc import Mapping
 
-from moseg.schemas.errors import InputError
 from torch import Tensor
+
+from moseg.schemas.errors import InputError
 
 _PRINCETON_ENCODERS = {"fnet.": "feature_encoder.", "cnet.": "context_encoder."}
 _ENCODER_RULES = (

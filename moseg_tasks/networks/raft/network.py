@@ -1,12 +1,13 @@
 """RAFT as a module: its attributes are named as in torchvision's state dicts."""
 
 import torch
+from torch import Tensor, nn
+
 from moseg.tasks.networks.raft.config import RaftConfig
 from moseg.tasks.networks.raft.correlation import CorrelationPyramid
 from moseg.tasks.networks.raft.encoder import Encoder
 from moseg.tasks.networks.raft.update import UpdateBlock
 from moseg.tasks.networks.raft.upsampling import STRIDE, MaskPredictor, upsample_bilinear, upsample_convex
-from torch import Tensor, nn
 
 
 class Raft(nn.Module):

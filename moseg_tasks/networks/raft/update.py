@@ -1,9 +1,10 @@
 """RAFT's update block: from what was looked up at the current flow to a step of the flow."""
 
 import torch
+from torch import Tensor, nn
+
 from moseg.tasks.networks.raft.config import RaftConfig
 from moseg.tasks.networks.raft.convolution import conv_norm_relu
-from torch import Tensor, nn
 
 
 class UpdateBlock(nn.Module):

@@ -1,8 +1,9 @@
 """From flow on an eighth of the grid to flow of every pixel."""
 
 import torch.nn.functional as F
-from moseg.tasks.networks.raft.convolution import conv_norm_relu
 from torch import Tensor, nn
+
+from moseg.tasks.networks.raft.convolution import conv_norm_relu
 
 STRIDE = 8
 """Pixels along a cell's side: the encoders halve the resolution three times."""

@@ -5,13 +5,14 @@ from collections.abc import Mapping
 
 import numpy as np
 import torch
+from pydantic import ValidationError
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks.checkpoint import Checkpoint
 from moseg.tasks.networks.ram.config import RamConfig
 from moseg.tasks.networks.ram.model import Ram, RamPlus
 from moseg.tasks.networks.ram.tagger import Tagger
 from moseg.tasks.networks.strict import load_strictly
-from pydantic import ValidationError
 
 TRAINING_ONLY = ("tag_encoder.", "text_decoder.", "logit_scale")
 """Beginnings of the names of what tagging does not use: the captioner, and the temperature of a training loss."""

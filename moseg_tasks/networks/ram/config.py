@@ -1,8 +1,9 @@
 """Sizes of RAM and RAM++."""
 
+from pydantic import Field, model_validator
+
 from moseg.schemas.frozen import Frozen
 from moseg.tasks.networks.swin import SwinConfig
-from pydantic import Field, model_validator
 
 
 class RamConfig(Frozen):

@@ -1,9 +1,10 @@
 """The tagging head: tags attend to the image's tokens."""
 
 import torch
-from moseg.tasks.networks.ram.config import RamConfig
 from torch import nn
 from torch.nn import functional
+
+from moseg.tasks.networks.ram.config import RamConfig
 
 # Of BERT, whose layers the head's are.
 _NORM_EPS = 1e-12

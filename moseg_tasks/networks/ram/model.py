@@ -1,11 +1,12 @@
 """RAM and RAM++: logits of every tag of the list for an image."""
 
 import torch
+from torch import nn
+from torch.nn import functional
+
 from moseg.tasks.networks.ram.config import RamConfig
 from moseg.tasks.networks.ram.head import TaggingHead
 from moseg.tasks.networks.swin import SwinEncoder
-from torch import nn
-from torch.nn import functional
 
 
 class Ram(nn.Module):

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
+
 from moseg.tasks.networks.ram.model import Ram
 
 

@@ -1,8 +1,9 @@
 """The part of SAM 2.1 that outlines what is prompted on one image."""
 
+from transformers import Sam2Config, Sam2Model
+
 from moseg.tasks.networks.checkpoint import Checkpoint
 from moseg.tasks.networks.transformers_model import build_transformers
-from transformers import Sam2Config, Sam2Model
 
 
 def build_sam2_image(checkpoint: Checkpoint) -> Sam2Model:

@@ -1,9 +1,10 @@
 """SAM 2.1 with its memory: an object's mask carried through a video."""
 
-from moseg.tasks.networks.checkpoint import Checkpoint
-from moseg.tasks.networks.transformers_model import build_transformers
 from torch.nn import functional
 from transformers import Sam2VideoConfig, Sam2VideoModel
+
+from moseg.tasks.networks.checkpoint import Checkpoint
+from moseg.tasks.networks.transformers_model import build_transformers
 
 
 class Sam2Video(Sam2VideoModel):

@@ -1,8 +1,9 @@
 """The modules of SAM-HQ with their weights."""
 
+from transformers import SamHQConfig, SamHQModel
+
 from moseg.tasks.networks.checkpoint import Checkpoint
 from moseg.tasks.networks.transformers_model import build_transformers
-from transformers import SamHQConfig, SamHQModel
 
 
 def build_sam_hq(checkpoint: Checkpoint) -> SamHQModel:

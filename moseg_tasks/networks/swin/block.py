@@ -1,9 +1,10 @@
 """The block of a Swin Transformer: attention within windows, then a perceptron."""
 
 import torch
-from moseg.tasks.networks.swin.windows import cut_windows, join_windows, relative_positions, shifted_sight
 from torch import nn
 from torch.nn import functional
+
+from moseg.tasks.networks.swin.windows import cut_windows, join_windows, relative_positions, shifted_sight
 
 
 class WindowAttention(nn.Module):

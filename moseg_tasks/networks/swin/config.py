@@ -1,7 +1,8 @@
 """Sizes of a Swin Transformer."""
 
-from moseg.schemas.frozen import Frozen
 from pydantic import Field, model_validator
+
+from moseg.schemas.frozen import Frozen
 
 
 class SwinConfig(Frozen):

@@ -1,9 +1,10 @@
 """The Swin image encoder: patches, four stages of blocks, and a mean token."""
 
 import torch
+from torch import nn
+
 from moseg.tasks.networks.swin.block import SwinBlock
 from moseg.tasks.networks.swin.config import SwinConfig
-from torch import nn
 
 
 class PatchEmbedding(nn.Module):

@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy.cluster.hierarchy import cut_tree, linkage
+from scipy.spatial.distance import squareform
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import AffinityParams, FundamentalParams
 from moseg.schemas.parameters.affinity import HypothesisAffinityParams
@@ -16,8 +19,6 @@ from moseg.tasks.clustering.fusion import unit_diagonal
 from moseg.tasks.geometry import fit_fundamentals, fundamental_residuals
 from moseg.tasks.metrics.clustering_error import clustering_error
 from moseg.tasks.synthetic.rigid_tracks import IMAGE_SHAPE, rigid_tracks
-from scipy.cluster.hierarchy import cut_tree, linkage
-from scipy.spatial.distance import squareform
 
 PARAMS = HypothesisAffinityParams()
 ONE_EACH = (6, 1, 1)  # objects of the static scene and of two movers

@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.schemas.parameters import AppearanceParams
 from moseg.tasks.appearance import colour_bins
 

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.schemas.parameters import AppearanceParams, ForegroundParams
 from moseg.tasks.appearance import count_colours
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import AffinityParams, ClusteringParams
 from moseg.tasks.affinity import estimate_affinity

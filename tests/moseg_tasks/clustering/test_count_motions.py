@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import ClusteringParams
 from moseg.schemas.parameters.clustering import COUNT_READS, TRACK_METHODS, MotionCountParams

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.schemas.parameters.clustering import MotionCountParams
 from moseg.tasks.clustering.affine_epipolar import affine_epipolar_distances
 from moseg.tasks.clustering.description_length import description_length

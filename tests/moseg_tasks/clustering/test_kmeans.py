@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.tasks.clustering.kmeans import MOST_EXACT, cluster_points
 
 

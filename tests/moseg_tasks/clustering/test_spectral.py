@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.tasks.clustering import embed_views
 from moseg.tasks.clustering.spectral import normalise_affinity, unit_rows
 

@@ -5,6 +5,10 @@ import cv2
 import numpy as np
 import pytest
 import torch
+from safetensors.torch import load
+from torch.nn import functional
+from transformers import DPTImageProcessorPil
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams
 from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
@@ -14,9 +18,6 @@ from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.depth import DptDinov2, build_depth_anything, build_dpt_dinov2
 from moseg.workflows.weights.tiny.depth_anything import make_depth_anything
 from moseg.workflows.weights.tiny.dpt_dinov2 import make_dpt_dinov2
-from safetensors.torch import load
-from torch.nn import functional
-from transformers import DPTImageProcessorPil
 
 CPU = torch.device("cpu")
 SMALL = DepthAnythingParams(short_side=56)

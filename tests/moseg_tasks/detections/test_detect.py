@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 import torch
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.grounding_dino import GroundingDinoParams
 from moseg.tasks.detections import detect_objects

@@ -1,6 +1,7 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks.grounding_dino import compose_prompts
 

@@ -1,6 +1,7 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
+
 from moseg.tasks.detections import suppress_boxes
 
 BOXES = np.array([[0, 0, 10, 10], [0, 0, 10, 8], [20, 0, 30, 10]], float)

@@ -1,6 +1,7 @@
 import cv2
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import FlowParams
 from moseg.tasks.flow import estimate_flow

@@ -1,4 +1,5 @@
 import numpy as np
+
 from moseg.tasks.flow.fill_unknown import fill_unknown
 
 

@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 import pytest
 import torch
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.raft import RaftParams
 from moseg.tasks.flow.raft import estimate_raft_flow

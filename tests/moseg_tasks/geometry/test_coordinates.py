@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from moseg.tasks.geometry import normalise_points, normalising_transform, pixel_scale
 from moseg.tasks.geometry.coordinates import hartley_transform, homogeneous
 

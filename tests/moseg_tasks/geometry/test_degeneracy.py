@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from moseg.schemas.parameters import FundamentalParams
 from moseg.tasks.geometry import Degeneracy, fit_fundamentals
 

@@ -1,6 +1,7 @@
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.tasks.geometry.eight_point import eight_point
 from moseg.tasks.geometry.sampson import sampson_squared
 

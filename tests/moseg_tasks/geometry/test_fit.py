@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import FundamentalParams
 from moseg.tasks.geometry import ModelKind, fit_fundamentals, fundamental_residuals

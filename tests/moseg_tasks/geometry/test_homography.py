@@ -1,4 +1,5 @@
 import numpy as np
+
 from moseg.tasks.geometry.homography import homography_dlt, homography_sampson_squared
 
 H_TRUE = np.array([[1.02, 0.03, 5.0], [-0.02, 0.98, -3.0], [1e-5, -2e-5, 1.0]])

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import loadmat
+
 from moseg.schemas.parameters import FundamentalParams
 from moseg.tasks.geometry import fit_fundamentals, fundamental_residuals
-from scipy.io import loadmat
 
 SHARED = Path(os.environ.get("MOSEG_TEST_DATA", Path(__file__).parents[4] / "shared" / "data"))
 FOLDER = SHARED / "kt3dmoseg"

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from moseg.tasks.geometry.poselib_fundamental import poselib_fundamental
 from moseg.tasks.geometry.ransac import FUNDAMENTAL, HOMOGRAPHY, draw_samples, ransac
 from moseg.tasks.geometry.sampson import sampson_squared

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
+from scipy.optimize import minimize
+
 from moseg.tasks.geometry.homography import homography_sampson_squared
 from moseg.tasks.geometry.sampson import sampson_squared
-from scipy.optimize import minimize
 
 SIDEWAYS = np.array([[0.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 """A camera that translates along x: epipolar lines are the rows."""

@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.instances import paint_instances
 

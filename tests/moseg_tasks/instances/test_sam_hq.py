@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 import torch
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.sam_hq import SamHqParams
 from moseg.tasks.instances.sam_hq import segment_boxes_sam_hq

@@ -2,10 +2,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import ValidationError
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.instances import InstanceParams
 from moseg.tasks.instances import select_instances
-from pydantic import ValidationError
 
 
 def boxes_as_masks(*boxes, size=(20, 30)):

@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from moseg.tasks.metrics import BOUNDARY_TOLERANCE, boundary_map, boundary_similarity
 from scipy.ndimage import distance_transform_edt
+
+from moseg.tasks.metrics import BOUNDARY_TOLERANCE, boundary_map, boundary_similarity
 
 masks = arrays(bool, (9, 12), elements=st.booleans())
 

@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.metrics import clustering_error
 

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.metrics import sample_points, score_points, score_sequence
 

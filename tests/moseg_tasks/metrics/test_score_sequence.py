@@ -8,6 +8,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.metrics import boundary_similarity, score_sequence
 

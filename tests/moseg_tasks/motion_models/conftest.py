@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+
 from moseg.tasks.motion_models.monomials import image_coordinates
 
 HEIGHT, WIDTH = 90, 128

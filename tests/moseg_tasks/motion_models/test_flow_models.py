@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import FlowModelParams
 from moseg.tasks.motion_models import (

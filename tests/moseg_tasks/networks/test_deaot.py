@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 import torch
+
 from moseg.tasks.networks.deaot import Deaot, DeaotConfig, LayerMemory, extend_memory
 from moseg.tasks.networks.deaot.window import neighbourhood
 

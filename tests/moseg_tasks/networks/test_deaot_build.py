@@ -3,6 +3,7 @@ import io
 
 import pytest
 import torch
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks import Checkpoint, unwrap_state
 from moseg.tasks.networks.deaot import Deaot, DeaotConfig, build_deaot

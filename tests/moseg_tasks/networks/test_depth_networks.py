@@ -4,13 +4,14 @@ import json
 
 import pytest
 import torch
+from safetensors.torch import load
+from transformers import DepthAnythingConfig, DepthAnythingForDepthEstimation, DPTConfig, DPTForDepthEstimation
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.depth import build_depth_anything, build_dpt_dinov2
 from moseg.workflows.weights.tiny.depth_anything import make_depth_anything
 from moseg.workflows.weights.tiny.dpt_dinov2 import make_dpt_dinov2
-from safetensors.torch import load
-from transformers import DepthAnythingConfig, DepthAnythingForDepthEstimation, DPTConfig, DPTForDepthEstimation
 
 NETWORKS = {
     "dpt_dinov2": (make_dpt_dinov2, build_dpt_dinov2),

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 import torch
-from moseg.tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD, Resizing, frame_tensor
 from PIL import Image
+
+from moseg.tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD, Resizing, frame_tensor
 
 CPU = torch.device("cpu")
 

@@ -5,9 +5,10 @@ import pytest
 import torch
 from hypothesis import given
 from hypothesis import strategies as st
+from transformers import GroundingDinoConfig, GroundingDinoForObjectDetection
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks.grounding_dino import build_grounding_dino, compose_prompts
-from transformers import GroundingDinoConfig, GroundingDinoForObjectDetection
 
 # Of a network that agreed with the authors' code at a larger size: logits to 3e-4 of 6.6, boxes to 1e-6.
 BOXES = [[0.02241374, 0.76484888, 0.08950461, 0.20601495], [0.03767552, 0.40874618, 0.10301681, 0.07459364]]

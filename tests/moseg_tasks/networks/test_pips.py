@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import torch
 import torch.nn.functional as F
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks.checkpoint import Checkpoint
 from moseg.tasks.networks.pips import Pips, PipsConfig, Resolution, build_pips

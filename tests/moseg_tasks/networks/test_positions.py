@@ -1,6 +1,7 @@
 import torch
-from moseg.tasks.networks.depth.positions import resample_as_trained
 from torch import nn
+
+from moseg.tasks.networks.depth.positions import resample_as_trained
 
 SIDE, PATCH = 37, 14
 

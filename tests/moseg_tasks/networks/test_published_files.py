@@ -5,6 +5,8 @@ import json
 
 import pytest
 import torch
+from safetensors.torch import load
+
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.depth import build_depth_anything, build_dpt_dinov2
 from moseg.tasks.networks.grounding_dino import build_grounding_dino
@@ -15,7 +17,6 @@ from moseg.workflows.weights.tiny.dpt_dinov2 import make_dpt_dinov2
 from moseg.workflows.weights.tiny.grounding_dino import make_grounding_dino
 from moseg.workflows.weights.tiny.sam2 import make_sam2
 from moseg.workflows.weights.tiny.sam_hq import make_sam_hq
-from safetensors.torch import load
 
 UNUSED = ("attention_probs_dropout_prob", "backbone_featmap_shape", "backbone_out_indices", "hidden_dropout_prob")
 UNUSED += ("image_size", "intermediate_size", "layer_norm_eps", "num_attention_heads", "num_channels")

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 import torch
+
 from moseg.tasks.networks.raft import LARGE, SMALL, Raft, RaftConfig
 from moseg.tasks.networks.raft.correlation import CorrelationPyramid
 from moseg.tasks.networks.raft.upsampling import upsample_bilinear, upsample_convex

@@ -2,6 +2,7 @@ import hashlib
 
 import pytest
 import torch
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.raft import LARGE, SMALL, Raft, build_raft

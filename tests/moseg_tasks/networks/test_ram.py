@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 import torch
+
 from moseg.tasks.networks.ram import Ram, RamConfig, RamPlus
 from moseg.tasks.networks.swin import SwinConfig
 from moseg.tasks.networks.swin.windows import cut_windows, join_windows, relative_positions, shifted_sight

@@ -3,6 +3,7 @@ import hashlib
 import numpy as np
 import pytest
 import torch
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.ram import Ram, RamConfig, RamPlus, build_ram, build_ram_plus

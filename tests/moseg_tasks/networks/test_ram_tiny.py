@@ -3,6 +3,7 @@ import io
 import numpy as np
 import pytest
 import torch
+
 from moseg.schemas.parameters.ram import RamParams
 from moseg.tasks.networks import Checkpoint, unwrap_state
 from moseg.tasks.networks.ram import build_ram, build_ram_plus

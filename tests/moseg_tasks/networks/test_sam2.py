@@ -4,14 +4,15 @@ import re
 import numpy as np
 import pytest
 import torch
+from safetensors.torch import load
+from transformers import Sam2Config, Sam2Model, Sam2VideoConfig, Sam2VideoModel
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.sam2 import Sam2Params
 from moseg.tasks.instances.sam2 import segment_boxes_sam2
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.sam2 import build_sam2_image, build_sam2_video
 from moseg.workflows.weights.tiny.sam2 import make_sam2
-from safetensors.torch import load
-from transformers import Sam2Config, Sam2Model, Sam2VideoConfig, Sam2VideoModel
 
 PARAMS = Sam2Params()
 BOXES = np.array([[20, 20, 60, 50], [80, 50, 110, 80], [0, 0, 30, 30], [5, 40, 100, 95]], np.float32)

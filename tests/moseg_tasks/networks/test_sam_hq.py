@@ -2,9 +2,10 @@ import hashlib
 
 import pytest
 import torch
+from transformers import SamHQConfig, SamHQModel
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks.sam_hq import build_sam_hq, decode_boxes, encode_image
-from transformers import SamHQConfig, SamHQModel
 
 BOXES = torch.tensor([[10.0, 20, 60, 90], [40, 5, 120, 100]])
 # Every 21st logit of both masks, and the quality, by the authors' code with the same weights; by the high-quality token

@@ -3,9 +3,10 @@ import logging
 
 import pytest
 import torch
+from transformers import SamHQConfig, SamHQModel
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks.transformers_model import build_transformers, quiet_transformers
-from transformers import SamHQConfig, SamHQModel
 
 QKV = "vision_encoder.layers.0.attn.qkv.weight"
 SHARED = "prompt_encoder.shared_embedding.positional_embedding"

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.tasks.motion_models.monomials import image_coordinates
 
 HEIGHT, WIDTH = 96, 128

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.schemas.parameters import ObjectHypothesisParams
 from moseg.tasks.object_hypotheses import background_cells, scale_by_background, split_background
 from moseg.tasks.object_hypotheses.background_scale import geometric_mean

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.object_hypotheses import preference_kernel
 

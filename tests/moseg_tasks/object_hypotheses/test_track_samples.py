@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.schemas.parameters import ObjectHypothesisParams
 from moseg.tasks.object_hypotheses import track_sample_residuals
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
+
 from moseg.tasks.motion_models import FLOW_MODELS
 from moseg.tasks.point_models import Correspondences
-from scipy.spatial.transform import Rotation
 
 WIDTH, HEIGHT, FOCAL = 1242, 375, 720.0
 CENTRE = ((WIDTH - 1) / 2, (HEIGHT - 1) / 2)

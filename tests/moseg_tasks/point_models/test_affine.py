@@ -1,6 +1,7 @@
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.tasks.point_models import Correspondences, point_model
 
 MODEL = point_model("affine")

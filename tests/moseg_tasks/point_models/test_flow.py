@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.motion_models import FLOW_MODELS
 from moseg.tasks.point_models import POINT_MODELS, Correspondences, point_model

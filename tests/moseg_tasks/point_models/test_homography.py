@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.tasks.geometry.coordinates import homogeneous
 from moseg.tasks.geometry.homography import homography_dlt, homography_sampson_squared
 from moseg.tasks.point_models import Correspondences, point_model

@@ -1,6 +1,7 @@
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.tasks.point_models.inverse_iteration import least_vector
 
 

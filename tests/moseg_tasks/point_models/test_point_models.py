@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.geometry.ransac import draw_samples
 from moseg.tasks.point_models import POINT_MODELS, Correspondences, point_model

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.point_models import POINT_MODELS, Correspondences, NoFit, point_model, robust_fit
 

@@ -2,10 +2,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import least_squares
+
 from moseg.tasks.geometry.coordinates import homogeneous
 from moseg.tasks.point_models import Correspondences, TrifocalDegeneracy, point_model
 from moseg.tasks.point_models.trifocal_tensor import epipoles, transform_tensor
-from scipy.optimize import least_squares
 
 MODEL = point_model("trifocal")
 properties = settings(max_examples=15, deadline=None)

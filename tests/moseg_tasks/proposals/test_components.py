@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.schemas.parameters import ComponentParams
 from moseg.tasks.proposals import Components, keep_best, label_components, object_boxes
 

@@ -3,6 +3,7 @@ import io
 import numpy as np
 import pytest
 import torch
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import DeaotParams
 from moseg.tasks.networks import Checkpoint, unwrap_state

@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.tasks.proposals.guided_filter import apply_coefficients, guided_coefficients
 
 SHAPE = (40, 56)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.linking import LinkingParams
 from moseg.tasks.proposals import count_overlaps, link_sections

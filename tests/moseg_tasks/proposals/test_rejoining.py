@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.identity import IdentityParams
 from moseg.tasks.proposals.rejoining import rejoin_components

@@ -1,6 +1,9 @@
 import numpy as np
 import pytest
 import torch
+from safetensors.torch import load
+from transformers import Sam2VideoModel
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.sam2 import Sam2Params
 from moseg.tasks.networks import Checkpoint
@@ -8,8 +11,6 @@ from moseg.tasks.networks.frame_tensor import frame_tensor
 from moseg.tasks.networks.sam2 import build_sam2_video, forget_past, start_sessions
 from moseg.tasks.proposals.sam2 import track_masks_sam2
 from moseg.workflows.weights.tiny.sam2 import make_sam2
-from safetensors.torch import load
-from transformers import Sam2VideoModel
 
 PARAMS = Sam2Params()
 SIZE = (96, 128)

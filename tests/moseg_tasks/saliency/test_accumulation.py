@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.schemas.parameters import AccumulationParams
 from moseg.tasks.saliency import accumulate, flow_consistency, memory_weight
 

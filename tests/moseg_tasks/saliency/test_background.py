@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.background import affine_flow, fit_background, sample_flow
 from moseg.tasks.saliency.grid import pixel_grid, reduce_flow, working_shape

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.camera import fit_camera_motion, split_flow
 from moseg.tasks.saliency.grid import pixel_grid

@@ -3,6 +3,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+
 from moseg.schemas.parameters import FlowParams, SaliencyParams
 from moseg.tasks.flow.dis import estimate_flow
 from moseg.tasks.saliency import choose_background, estimate_saliency

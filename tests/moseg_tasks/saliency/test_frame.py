@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency import BackgroundChoice, estimate_saliency

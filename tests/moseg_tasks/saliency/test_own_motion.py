@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.schemas.parameters import OwnMotionParams
 from moseg.tasks.saliency import own_motion_misfit
 from moseg.tasks.saliency.grid import pixel_grid

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from moseg.tasks.saliency.photometric import blur_error, colour_error, photometric_gate
 
 SHAPE = (20, 30)

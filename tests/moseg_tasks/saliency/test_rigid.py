@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.camera import CameraMotion
 from moseg.tasks.saliency.ground import fit_ground

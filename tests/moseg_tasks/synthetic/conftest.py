@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+
 from moseg.tasks.synthetic import SCENES, render_scene
 from moseg.tasks.synthetic.trace import trace_frame
 from moseg.tasks.synthetic.tracks import Tracks, track_points

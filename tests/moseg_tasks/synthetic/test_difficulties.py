@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.tasks.synthetic import camera_at
 
 HEIGHT, WIDTH = 60, 106

@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 import pytest
+
 from moseg.tasks.synthetic import SCENES, camera_at
 
 WIDTH, HEIGHT = 106, 60

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.synthetic import SCENES, render_scene
 from moseg.tasks.synthetic.paths import compose, inverse, pose_of

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.tasks.geometry.eight_point import eight_point
 from moseg.tasks.geometry.sampson import sampson_squared
 from moseg.tasks.synthetic.rigid_tracks import IMAGE_SHAPE, rigid_tracks

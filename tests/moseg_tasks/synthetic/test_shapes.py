@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from moseg.tasks.synthetic.paths import Path, Sway, compose, inverse, pose_of
 from moseg.tasks.synthetic.props import texture
 from moseg.tasks.synthetic.shapes import Billboard, Box, Ellipsoid, Plane

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 import torch
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.ram import RamParams
 from moseg.tasks.networks.ram import Ram, RamConfig, Tagger

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.tracks import assign_tracks
 from moseg.tasks.tracks.labels_at import labels_at

@@ -6,6 +6,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+
 from moseg.schemas.parameters import FundamentalParams, TrackParams
 from moseg.tasks.tracks import track_points
 

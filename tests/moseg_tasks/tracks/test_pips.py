@@ -3,6 +3,7 @@ from io import BytesIO
 import numpy as np
 import pytest
 import torch
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import TrackParams
 from moseg.schemas.parameters.pips import PipsParams

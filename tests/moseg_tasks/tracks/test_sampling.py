@@ -1,10 +1,11 @@
 import numpy as np
 import pytest
+from scipy.spatial.distance import pdist
+
 from moseg.schemas.parameters import TrackParams
 from moseg.tasks.tracks.corners import BLOCK_SIZE, strongest_corners, texture_strength
 from moseg.tasks.tracks.medoids import covering_medoids
 from moseg.tasks.tracks.sampling import interior, sample_points
-from scipy.spatial.distance import pdist
 
 NONE = np.zeros((0, 2), np.float32)
 

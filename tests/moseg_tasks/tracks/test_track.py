@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import TrackParams
 from moseg.tasks.tracks import track_points

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.schemas.parameters import SeparationParams
 from moseg.tasks.trajectories.apart import separate_objects
 

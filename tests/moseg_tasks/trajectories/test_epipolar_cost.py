@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.schemas.parameters import EnergyParams
 from moseg.tasks.trajectories.epipolar_cost import EpipolarCost
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import HypothesisParams, KernelParams
 from moseg.tasks.point_models import POINT_MODELS

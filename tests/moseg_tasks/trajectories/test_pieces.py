@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.schemas.parameters import PieceParams
 from moseg.tasks.trajectories.pieces import link_pieces, piece_affinity
 

@@ -8,6 +8,8 @@ import time
 import numpy as np
 import obstore
 import pytest
+from obstore.exceptions import AlreadyExistsError
+
 from moseg.schemas.errors import StoreError
 from moseg.schemas.recipes import Recipe
 from moseg.store import collection, open_store
@@ -17,7 +19,6 @@ from moseg.store.remote import requests as remote_requests
 from moseg.store.remote.connection import connect
 from moseg.store.remote.layout import aside_name, manifest_name
 from moseg.store.remote.object_trash import ObjectTrash
-from obstore.exceptions import AlreadyExistsError
 
 DAY = 86_400.0
 

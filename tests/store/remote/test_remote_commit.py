@@ -8,6 +8,8 @@ from collections import Counter
 import numpy as np
 import obstore
 import pytest
+from obstore.exceptions import AlreadyExistsError, GenericError, NotSupportedError
+
 from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError
 from moseg.schemas.recipes import Recipe
 from moseg.store import PutOutcome, open_store
@@ -15,7 +17,6 @@ from moseg.store.remote import requests as remote_requests
 from moseg.store.remote.connection import connect
 from moseg.store.remote.layout import manifest_name, payload_folder
 from moseg.store.sealing import unseal
-from obstore.exceptions import AlreadyExistsError, GenericError, NotSupportedError
 
 RECIPE = Recipe(task="toy", version=1)
 DIMS = {"x": ("frame", "y", "x")}

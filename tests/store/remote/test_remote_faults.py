@@ -1,9 +1,10 @@
 """What the server, the network or the client says, in a few words and without secrets."""
 
 import pytest
+from obstore.exceptions import GenericError, PermissionDeniedError, UnauthenticatedError
+
 from moseg.schemas.errors import StoreError
 from moseg.store.remote.faults import as_store_error, explain, is_no_bucket, is_unsupported
-from obstore.exceptions import GenericError, PermissionDeniedError, UnauthenticatedError
 
 SECRET = "sig=a-secret"
 AZURE = f"Error performing GET https://me.blob.core.windows.net/c/p/x?sv=1&{SECRET} in 3ms"

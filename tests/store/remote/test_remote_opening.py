@@ -6,6 +6,7 @@ import sys
 
 import obstore
 import pytest
+
 from moseg.schemas.errors import InputError, MissingStoreError, StoreChoiceError, StoreError
 from moseg.store import open_store
 from moseg.store.remote import connection

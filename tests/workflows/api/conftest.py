@@ -6,6 +6,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 import pytest
+
 from moseg.workflows.api import MotionSegmentation, segment_video
 
 CONFIG = {"sections.length": 4, "sections.overlap": 2}

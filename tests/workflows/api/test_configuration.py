@@ -1,6 +1,7 @@
 """However parameters are spelt, they give the same configuration."""
 
 import pytest
+
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.workflows.api import load_config

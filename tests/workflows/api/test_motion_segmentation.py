@@ -7,10 +7,11 @@ import re
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.api import MovingObject, segment_video
 from moseg.workflows.exports import OverlayMode, OverlayStyle
-from PIL import Image
 
 
 def test_nothing_is_read_before_it_is_asked_for(segmented, config):

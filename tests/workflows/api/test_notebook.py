@@ -1,8 +1,9 @@
 """The table beside the picture."""
 
+from PIL import Image
+
 from moseg.workflows.api import MovingObject
 from moseg.workflows.api.notebook import MOST_ROWS, draw_html
-from PIL import Image
 
 PICTURE = Image.new("RGB", (30, 20))
 

@@ -6,8 +6,9 @@ import tomllib
 from operator import attrgetter
 from pathlib import Path
 
-import moseg
 import pytest
+
+import moseg
 
 ROOT = Path(__file__).resolve().parents[3]
 

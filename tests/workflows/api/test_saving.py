@@ -4,8 +4,9 @@ import json
 from dataclasses import replace
 
 import av
-import moseg
 import pytest
+
+import moseg
 from moseg.schemas.errors import InputError
 
 

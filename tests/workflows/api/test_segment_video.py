@@ -10,11 +10,12 @@ import cv2
 import dask
 import numpy as np
 import pytest
+from PIL import Image
+
 from moseg.schemas.errors import InputError, MosegError, StoreError
 from moseg.workflows.api import segment_video
 from moseg.workflows.api.process_settings import kept_process_settings
 from moseg.workflows.process.threads import pin_threads
-from PIL import Image
 
 
 def _masks(folder) -> np.ndarray:

@@ -8,9 +8,10 @@ import zlib
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
+
 from moseg.workflows.sources import open_frames
 from moseg.workflows.sources.image_files import decode_image
-from PIL import Image
 
 
 def _as(mode, **options):

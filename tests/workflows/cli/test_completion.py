@@ -1,6 +1,7 @@
 """What the shell offers for a word that is being typed."""
 
 import pytest
+
 from moseg.workflows.cli.app import run
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")

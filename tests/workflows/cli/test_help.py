@@ -5,10 +5,11 @@ import re
 from pathlib import Path
 
 import pytest
-from moseg.workflows.cli.app import app
-from moseg.workflows.cli.help_texts import examples_of, with_readable_help
 from typer.core import TyperGroup
 from typer.main import get_command
+
+from moseg.workflows.cli.app import app
+from moseg.workflows.cli.help_texts import examples_of, with_readable_help
 
 COMMAND = with_readable_help(get_command(app))
 _SPEC = importlib.util.spec_from_file_location("documents", Path(__file__).resolve().parents[2] / "test_docs.py")

@@ -4,9 +4,10 @@ import json
 import re
 
 import pytest
+from PIL import Image
+
 from moseg.workflows.exports import saved_segmentation
 from moseg.workflows.pipelines.segment import StoredSegmentation
-from PIL import Image
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 

@@ -4,10 +4,11 @@ import re
 from pathlib import Path
 
 import pytest
+from pydantic import BaseModel
+
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.units import Unit
 from moseg.workflows.config.parameters import list_parameters, list_stages, value_of
-from pydantic import BaseModel
 
 NUMBER = re.compile(r"\b(int|float)\b|Positive(Int|Float)")
 

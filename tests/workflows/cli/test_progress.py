@@ -3,6 +3,7 @@
 import time
 
 import pytest
+
 from moseg.workflows.process import progress
 from moseg.workflows.process.progress import StageProgress, Waiting
 

@@ -6,6 +6,7 @@ import sys
 from collections import Counter
 
 import pytest
+
 from moseg.store import open_store
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from distributed import LocalCluster
+
 from moseg.workflows.cluster.connection import TlsFiles
 
 DEADLINE_SEC = 600

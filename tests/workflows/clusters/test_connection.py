@@ -7,6 +7,7 @@ from contextlib import contextmanager
 
 import dask
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.cluster.connection import TlsFiles, connect
 from moseg.workflows.cluster.runners import Call, open_runner

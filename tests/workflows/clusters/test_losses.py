@@ -12,6 +12,7 @@ import pytest
 from distributed.client import ClosedClientError
 from distributed.comm import CommClosedError
 from distributed.scheduler import KilledWorker
+
 from moseg.schemas.errors import ClusterError
 from moseg.store import open_store
 from moseg.workflows.cluster.clusters import ForeignCluster

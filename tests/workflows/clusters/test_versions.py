@@ -4,6 +4,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.cluster import code_fingerprint as fingerprints
 from moseg.workflows.cluster import runners

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import savemat
+
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.datasets import open_dataset
 from moseg.workflows.sources import TrajectoryFile, TrajectoryLabels
-from scipy.io import savemat
 
 REPOSITORY = Path(__file__).parents[3]
 DATA = Path(os.environ.get("MOSEG_TEST_DATA", REPOSITORY.parent / "shared" / "data")) / "kt3dmoseg"

@@ -4,10 +4,11 @@ import pickle
 
 import numpy as np
 import pytest
+from scipy.io import savemat
+
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.datasets import describe_dataset, find_ground_truth, open_dataset
 from moseg.workflows.datasets.kt3dinsmoseg import find_tracks
-from scipy.io import savemat
 
 CLIP = "Seq028_clip03"
 NAME = f"{CLIP}_Tracks.mat"

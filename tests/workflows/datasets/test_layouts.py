@@ -1,6 +1,7 @@
 import pickle
 
 import pytest
+
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.datasets import DATASETS, open_dataset
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from moseg.workflows.datasets import open_dataset
 from moseg.workflows.sources import open_frames
 

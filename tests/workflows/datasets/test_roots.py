@@ -1,4 +1,5 @@
 import pytest
+
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.datasets import DATASETS, describe_datasets, open_dataset
 

@@ -1,4 +1,5 @@
 import pytest
+
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.tasks.synthetic import SCENES
 from moseg.workflows.datasets import open_dataset

@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.exports import write_text
 from moseg.workflows.process.atomic_write import atomic_path

@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 import pytest
+
 from moseg.workflows.exports.colour_maps import DEPTH_COLOURS, SOFT_COLOURS, colour_inverse_depth, draw_colour_bar
 
 

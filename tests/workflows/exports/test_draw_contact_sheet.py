@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 import pytest
+
 from moseg.workflows.exports.colour_maps import colour_soft_map
 from moseg.workflows.exports.draw_contact_sheet import draw_contact_sheet
 from moseg.workflows.exports.draw_errors import draw_errors

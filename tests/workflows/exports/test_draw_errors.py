@@ -4,6 +4,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+
 from moseg.workflows.exports.draw_errors import DIMMING, ERROR_COLOURS, OPACITY, draw_errors
 
 VOID = 255

@@ -4,6 +4,7 @@ import colorsys
 
 import numpy as np
 import pytest
+
 from moseg.workflows.exports.draw_flow import UNKNOWN_FLOW, colour_flow, draw_flow_wheel
 
 

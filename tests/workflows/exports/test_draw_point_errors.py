@@ -1,4 +1,5 @@
 import numpy as np
+
 from moseg.workflows.exports.draw_errors import ERROR_COLOURS, draw_errors
 from moseg.workflows.exports.draw_point_errors import POINT_RADIUS, PointLabels, draw_point_errors
 

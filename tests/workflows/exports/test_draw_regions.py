@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.workflows.exports.draw_regions import RIM, RegionStyle, draw_regions
 
 COLOURS = np.array([(0, 0, 0), (255, 0, 0), (0, 255, 0)], np.uint8)

@@ -1,6 +1,7 @@
 """Points lie where they are seen, with a tail where they came from."""
 
 import numpy as np
+
 from moseg.workflows.exports.draw_tracks import TAIL_FRAMES, DrawnPoints, draw_tracks
 
 RED = np.array([(255, 0, 0)], np.uint8)

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.exports import summarise_sequence, write_motion
 from moseg.workflows.exports.motion_json import frame_names, read_motion

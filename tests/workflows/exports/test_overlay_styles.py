@@ -6,6 +6,7 @@ import io
 import av
 import numpy as np
 import pytest
+
 from moseg.workflows.exports import (
     OverlayMode,
     OverlayStyle,

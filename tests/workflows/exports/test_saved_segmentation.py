@@ -4,10 +4,11 @@ import json
 
 import numpy as np
 import pytest
+from PIL import Image
+
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.exports import summarise_sequence, write_masks, write_motion
 from moseg.workflows.exports.saved_segmentation import open_segmentation
-from PIL import Image
 
 LABELS = np.zeros((3, 6, 8), np.uint16)
 LABELS[:, 2:4, 2:5] = 4

@@ -5,10 +5,11 @@ import uuid
 
 import numpy as np
 import pytest
+from PIL import Image
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.exports import davis_palette, identity_colours, write_masks
 from moseg.workflows.predictions import FrameList, open_predictions
-from PIL import Image
 
 
 @pytest.fixture

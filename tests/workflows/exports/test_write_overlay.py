@@ -5,6 +5,7 @@ from fractions import Fraction
 import av
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.exports import draw_labels, identity_colours, write_overlay
 

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from PIL import Image
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.predictions import FrameList, open_predictions
-from PIL import Image
 
 SHAPE = (4, 6)
 LABELS = np.random.default_rng(0).integers(0, 3, (2, *SHAPE)).astype(np.uint8)

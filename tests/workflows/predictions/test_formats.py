@@ -4,9 +4,10 @@ import zipfile
 
 import numpy as np
 import pytest
+from PIL import Image
+
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.predictions import FORMATS, FrameList, open_predictions
-from PIL import Image
 
 SHAPE = (6, 9)
 

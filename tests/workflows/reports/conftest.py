@@ -10,6 +10,7 @@ import av
 import cv2
 import numpy as np
 import pytest
+
 from moseg.workflows.reports.content import GroupedObject, ReportPage, SequencePanel, VariantPanel
 from moseg.workflows.reports.figure_content import EigenvaluePlot, Matrix
 from moseg.workflows.reports.page import render_page

@@ -4,6 +4,8 @@ import io
 
 import numpy as np
 import pytest
+from PIL import Image
+
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
 from moseg.schemas.recipes import leaf_recipe
 from moseg.store import open_store
@@ -14,7 +16,6 @@ from moseg.workflows.reports.missing import WhyAbsent
 from moseg.workflows.reports.panels import Panels
 from moseg.workflows.reports.pictures import gather_clip_pictures
 from moseg.workflows.reports.sequence_view import as_hex
-from PIL import Image
 
 CONFIG = PipelineConfig()
 FUSED = TrajectoryVariant.FUSED

@@ -4,6 +4,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.parameters import ClusteringParams, TrajectoryClusteringParams
 from moseg.store import open_store

@@ -1,6 +1,7 @@
 """The report page in a browser: what is seen, what is pressed, and that nothing else runs or is asked for."""
 
 import pytest
+
 from moseg.workflows.reports.page import render_page
 
 HOSTILE = '</script><script>window.ran=1</script><img src=x onerror="window.ran=1">\'"<!--'

@@ -4,6 +4,7 @@ import itertools
 import re
 
 import pytest
+
 from moseg.schemas.scores import SequenceScore
 from moseg.workflows.reports.page import render_page
 from moseg.workflows.reports.score_tables import score_tables

@@ -4,6 +4,7 @@ import re
 from importlib.resources import files
 
 import pytest
+
 from moseg.schemas.scores import SequenceScore
 from moseg.workflows.reports.clip_tables import clip_tables
 from moseg.workflows.reports.page import render_page

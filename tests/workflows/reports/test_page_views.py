@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.workflows.reports.figure_content import EigenvaluePlot, Matrix
 from moseg.workflows.reports.page.eigenvalue_plots import gather_plot
 from moseg.workflows.reports.page.heat_maps import gather_heat_map

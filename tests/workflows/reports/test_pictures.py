@@ -5,6 +5,8 @@ import io
 import av
 import numpy as np
 import pytest
+from PIL import Image
+
 from moseg.schemas.configs import PipelineConfig, SectionParams, Variant
 from moseg.schemas.errors import CorruptArtifactError
 from moseg.schemas.parameters import DepthParams, FlowParams
@@ -21,7 +23,6 @@ from moseg.workflows.reports.missing import WhyAbsent
 from moseg.workflows.reports.picture_content import LayerKind
 from moseg.workflows.reports.pictures import gather_pictures, picture_refs
 from moseg.workflows.reports.sequence_view import all_colours, all_tints, as_hex
-from PIL import Image
 
 CONFIG = PipelineConfig(sections=SectionParams(length=4, overlap=2))
 FUSED = (Variant.FUSED,)

@@ -6,6 +6,7 @@ import shutil
 import sys
 
 import pytest
+
 from moseg.schemas.recipes import split_ref
 from moseg.store import open_store
 from moseg.workflows.reports import panels

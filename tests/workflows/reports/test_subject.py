@@ -4,6 +4,7 @@ import json
 import shlex
 
 import pytest
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.errors import InputError
 from moseg.store import open_store

@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.depth_files import decode_depth
 from moseg.workflows.sources.flow_files import decode_flow
 from moseg.workflows.sources.image_files import decode_image
 from moseg.workflows.sources.mask_files import decode_mask
 from moseg.workflows.sources.track_files import decode_tracks
-from PIL import Image
 
 RNG = np.random.default_rng(0)
 FLOW = RNG.normal(0, 5, (4, 6, 2)).astype(np.float32)

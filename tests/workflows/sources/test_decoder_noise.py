@@ -8,6 +8,7 @@ import threading
 import cv2
 import numpy as np
 import pytest
+
 from moseg.workflows.sources.decoder_noise import listen_to
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from moseg.workflows.sources import DepthFiles, ImageFiles, MaskFiles, SceneFrames, SceneMasks, VideoFile
 
 

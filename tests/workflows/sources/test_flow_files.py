@@ -3,6 +3,7 @@ import struct
 import cv2
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources import FlowFiles
 

@@ -2,9 +2,10 @@ import struct
 
 import numpy as np
 import pytest
+from PIL import Image
+
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.sources import ImageFiles
-from PIL import Image
 
 
 def read_one(path, max_side=1000):

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.io import savemat
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources import LabelledPointFile
-from scipy.io import savemat
 
 SIZE, NUM_FRAMES = (48, 64), 3
 POINTS = np.random.default_rng(0).uniform(0, 47, (6, NUM_FRAMES, 2))

@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
+from PIL import Image
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources import MaskFiles
 from moseg.workflows.sources.mask_files import find_mask_kind
-from PIL import Image
 
 IDS = np.array([[0, 1, 2], [7, 254, 255]], np.uint8)
 

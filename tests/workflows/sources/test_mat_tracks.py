@@ -4,9 +4,10 @@ import io
 
 import numpy as np
 import pytest
+from scipy.io import savemat
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.mat_tracks import decode_mat_tracks
-from scipy.io import savemat
 
 NUM_TRACKS, NUM_FRAMES = 7, 5
 POINTS = np.random.default_rng(0).uniform(0, 40, (NUM_TRACKS, NUM_FRAMES, 2))

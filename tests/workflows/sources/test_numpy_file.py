@@ -6,9 +6,10 @@ import zipfile
 
 import numpy as np
 import pytest
+from numpy.lib import format as npy_format
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.numpy_file import decode_array, decode_arrays
-from numpy.lib import format as npy_format
 
 VALUES = np.arange(24.0).reshape(4, 6)
 ARRAYS = [

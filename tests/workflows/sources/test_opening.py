@@ -2,6 +2,7 @@ import os
 
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.sources import ImageFiles, VideoFile, open_depth, open_flow, open_frames, open_masks
 

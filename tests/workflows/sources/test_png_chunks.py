@@ -5,6 +5,7 @@ import struct
 import cv2
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.png_file import check_png_size, decode_png
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+
 from moseg.workflows.sources import LabelledPointFile
 from moseg.workflows.sources.labelled_points import BACKGROUND_LABEL
 from moseg.workflows.sources.mat_tracks import decode_mat_tracks

@@ -2,6 +2,7 @@ import pickle
 
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.synthetic import SCENES, render_scene
 from moseg.workflows.sources import SceneDepth, SceneFlow, SceneFrames, SceneMasks, SceneTracks

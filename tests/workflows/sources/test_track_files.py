@@ -2,6 +2,7 @@ import io
 
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources import TrackFile
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.sources import VideoFile, video_file
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from moseg.store import open_store
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")

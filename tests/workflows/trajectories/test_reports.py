@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+
 from moseg.store import open_store
 from moseg.tasks.clustering.spectral import normalise_affinity
 

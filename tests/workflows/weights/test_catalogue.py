@@ -3,6 +3,7 @@
 from typing import get_args
 
 import pytest
+
 from moseg.schemas.weights import TENSOR_SUFFIXES, Architecture
 from moseg.workflows.weights.catalogue import CATALOGUE
 from moseg.workflows.weights.hub import parse_hub_url

@@ -8,6 +8,7 @@ from email.utils import format_datetime
 from urllib.error import HTTPError
 
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.weights.connection import _Redirects
 from moseg.workflows.weights.download import CHUNK_BYTES, Retries, Source, download

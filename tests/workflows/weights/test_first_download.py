@@ -3,6 +3,7 @@
 import json
 
 import pytest
+
 from moseg.schemas.errors import InputError
 
 COMMIT, LATER = "a" * 40, "b" * 40

@@ -9,6 +9,7 @@ import threading
 from pathlib import Path
 
 import pytest
+
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.weights.fetch_command import fetch_command
 from moseg.workflows.weights.folder import Weights

@@ -7,8 +7,9 @@ from argparse import Namespace
 import numpy as np
 import pytest
 import torch
-from moseg.schemas.errors import InputError
 from safetensors.torch import save_file
+
+from moseg.schemas.errors import InputError
 
 TENSORS = {"a.weight": torch.arange(6.0).reshape(2, 3), "a.bias": torch.ones(2)}
 

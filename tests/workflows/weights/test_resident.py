@@ -4,6 +4,7 @@ import threading
 from typing import NamedTuple
 
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks.pips import build_pips
 from moseg.tasks.networks.raft import build_raft

@@ -3,6 +3,7 @@
 import json
 
 import pytest
+
 from moseg.schemas.weights import DOCUMENTS
 
 CONTENT = b"weights" * 1000

@@ -4,6 +4,7 @@ import re
 from typing import Annotated
 
 import typer
+
 from moseg.schemas.arrays import LAYOUTS
 from moseg.schemas.errors import InputError
 

@@ -4,6 +4,7 @@ from datetime import UTC, datetime
 from typing import Annotated
 
 import typer
+
 from moseg.schemas.arrays import LAYOUTS
 from moseg.schemas.spelling import closest, unknown_name
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption

@@ -5,13 +5,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated
 
 import typer
+from pydantic import JsonValue
+
 from moseg.schemas.manifests import Manifest
 from moseg.schemas.recipes import split_ref
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import KeyArgument, find_artifact, open_existing
 from moseg.workflows.cli.store_commands.writing import short, size
 from moseg.workflows.process.progress import StageProgress
-from pydantic import JsonValue
 
 LONG_PASS = 5_000
 """Manifests from which a pass over them takes seconds behind a network, and is worth a bar."""

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Annotated, NamedTuple
 
 import typer
+
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError, MissingStoreError
 from moseg.schemas.recipes import split_ref

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Annotated
 
 import typer
+
 from moseg.schemas.errors import MissingArtifactError
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import find_pins, open_existing

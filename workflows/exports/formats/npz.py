@@ -4,6 +4,7 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
+
 from moseg.workflows.exports.formats.export_format import ExportFormat
 from moseg.workflows.exports.ownership import MARK, OwnedFile, is_own_archive
 from moseg.workflows.exports.saved_segmentation import SavedSegmentation

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+
 from moseg.workflows.reports.figure_content import EigenvaluePlot
 from moseg.workflows.reports.page.numbers import short_number
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+
 from moseg.workflows.reports.figure_content import Matrix
 from moseg.workflows.reports.page.colour_map import paint, steps_of
 from moseg.workflows.reports.page.numbers import short_number

@@ -6,6 +6,7 @@ import hashlib
 from importlib.resources import files
 
 import jinja2
+
 from moseg.workflows.reports.content import ReportPage
 from moseg.workflows.reports.page.colour_map import colour_map_style
 from moseg.workflows.reports.page.score_tables import gather_score_tables

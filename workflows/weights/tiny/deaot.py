@@ -4,6 +4,7 @@ import io
 
 import numpy as np
 import torch
+
 from moseg.tasks.networks.deaot import Deaot, DeaotConfig
 from moseg.tasks.networks.deaot.decoder import NORM_GROUPS
 from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint

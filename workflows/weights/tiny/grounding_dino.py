@@ -4,10 +4,11 @@ import json
 import string
 
 import torch
+from transformers import GroundingDinoConfig, GroundingDinoForObjectDetection
+
 from moseg.tasks.networks.grounding_dino.build import SPECIAL_TOKENS
 from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
 from moseg.workflows.weights.tiny.saved_model import save_to_bytes
-from transformers import GroundingDinoConfig, GroundingDinoForObjectDetection
 
 _WIDTH = 32
 _NUM_QUERIES = 10

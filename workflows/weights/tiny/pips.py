@@ -3,6 +3,7 @@
 from io import BytesIO
 
 import torch
+
 from moseg.tasks.networks.pips import Pips, PipsConfig
 from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
 

@@ -3,6 +3,7 @@
 import io
 
 import torch
+
 from moseg.tasks.networks.raft import LARGE, Raft, RaftConfig
 from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
 

@@ -4,6 +4,7 @@ import io
 
 import numpy as np
 import torch
+
 from moseg.tasks.networks.ram import Ram, RamConfig, RamPlus
 from moseg.tasks.networks.swin import SwinConfig
 from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint

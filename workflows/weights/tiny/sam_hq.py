@@ -3,9 +3,10 @@
 import json
 
 import torch
+from transformers import SamHQConfig, SamHQModel
+
 from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
 from moseg.workflows.weights.tiny.saved_model import save_to_bytes
-from transformers import SamHQConfig, SamHQModel
 
 _SIDE = 128
 _PATCH = 8

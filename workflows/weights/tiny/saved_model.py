@@ -3,8 +3,9 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from moseg.tasks.networks.transformers_model import quiet_transformers
 from transformers import PreTrainedModel
+
+from moseg.tasks.networks.transformers_model import quiet_transformers
 
 
 def save_to_bytes(model: PreTrainedModel) -> dict[str, bytes]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from moseg.workflows.exports import summarise_sequence, write_masks, write_motion
 from moseg.workflows.exports.saved_segmentation import open_segmentation
 

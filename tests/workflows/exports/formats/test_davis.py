@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from PIL import Image
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.exports import davis_palette
 from moseg.workflows.exports.formats import FORMATS, export
 from moseg.workflows.predictions import FrameList, open_predictions
-from PIL import Image
 
 
 def test_palette_indices_are_the_identities(saved, volume):

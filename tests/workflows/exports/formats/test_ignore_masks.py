@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from PIL import Image
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.exports.formats import FORMATS
-from PIL import Image
 
 PNG_NAMES = tuple(f"{index}.png" for index in range(4))
 

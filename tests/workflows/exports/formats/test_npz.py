@@ -1,6 +1,7 @@
 """The archive loads without pickle and holds the labels."""
 
 import numpy as np
+
 from moseg.workflows.exports.formats import FORMATS
 from moseg.workflows.predictions import FrameList, open_predictions
 

@@ -5,6 +5,7 @@ import uuid
 
 import numpy as np
 import pytest
+
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli.export_options import EXPORT_FORMATS
 from moseg.workflows.exports.formats import FORMATS, check_exports, choose_formats, export

@@ -4,8 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from moseg.workflows.exports.formats import FORMATS
 from pycocotools import mask as coco_mask
+
+from moseg.workflows.exports.formats import FORMATS
 
 # pycocotools decodes into a class whose __array__ takes no copy argument, which NumPy 2 asks for.
 pytestmark = pytest.mark.filterwarnings("ignore:__array__ implementation:DeprecationWarning")
