@@ -29,6 +29,7 @@ def check_png_size(content: bytes, path: object, what: str, most_bytes: int = MO
     """
     header = _read_header(content)
     if header is None:
+        _refuse_other_first_chunk(content, path, what)
         return
     _check_chunk_lengths(content, path, what)
     width, height, num_bytes = header
@@ -88,6 +89,13 @@ def _read_header(content: bytes) -> tuple[int, int, int] | None:
     if signature != _SIGNATURE or chunk != _FIRST_CHUNK:
         return None
     return width, height, height * (width * bits * _CHANNELS.get(colour, 1) // 8)
+
+
+def _refuse_other_first_chunk(content: bytes, path: object, what: str) -> None:
+    """Raise InputError if the bytes are a PNG that does not begin with its header (PNG, 5.6): its size is not known."""
+    if content.startswith(_SIGNATURE):
+        got, expected = content[12:16], f"{_FIRST_CHUNK} as the first chunk"
+        raise InputError(f"{what} cannot be decoded", where=path, got=got, expected=expected)
 
 
 def _check_chunk_lengths(content: bytes, path: object, what: str) -> None:

@@ -22,7 +22,7 @@ def missing_bytes(path: str) -> int:
         if file.read(8)[4:] in (b"ftyp", b"moov", b"mdat", b"wide", b"free", b"skip"):
             end = _media_data_end(file, length)
         else:
-            end = _segment_end(file)
+            end = _segment_end(file, length)
     return max(0, end - length)
 
 
@@ -44,12 +44,19 @@ def _media_data_end(file: BinaryIO, length: int) -> int:
     return end
 
 
-def _segment_end(file: BinaryIO) -> int:
-    """Position at which the segment should end; 0 for an unknown (streamed) size and for other formats."""
+def _segment_end(file: BinaryIO, length: int) -> int:
+    """Position at which the segment should end, or the header if it alone is longer than the file of `length` bytes.
+
+    0 for an unknown (streamed) size and for other formats.
+    """
     file.seek(0)
     if _read_vint(file, keep_marker=True) != EBML_HEADER:
         return 0
-    file.seek(_read_vint(file), os.SEEK_CUR)
+    header_end = _read_vint(file) + file.tell()
+    if header_end > length:
+        # Up to 2^56 bytes, further than a file can be read.
+        return header_end
+    file.seek(header_end)
     if _read_vint(file, keep_marker=True) != MATROSKA_SEGMENT:
         return 0
     size = _read_vint(file)

@@ -8,6 +8,7 @@ import pytest
 
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.sources import VideoFile, video_file
+from moseg.workflows.sources.truncation import missing_bytes
 
 
 @pytest.fixture
@@ -87,6 +88,15 @@ def test_a_truncated_video_is_refused(tmp_path, write_video, moving, suffix, kep
     path.write_bytes(content[: int(kept * len(content))])
     with pytest.raises(InputError, match=rf"cut short in .*a{suffix}; got {len(content) - int(kept * len(content))} "):
         list(VideoFile(str(path), 1000).read())
+
+
+def test_a_header_longer_than_any_file_counts_as_missing_bytes(tmp_path, write_video, moving):
+    path = tmp_path / "a.mkv"
+    write_video(path, moving)
+    content = bytearray(path.read_bytes())
+    content[4] = 0x01  # the length of the EBML header now takes the seven bytes that follow
+    path.write_bytes(content)
+    assert missing_bytes(str(path)) > 2**48
 
 
 def test_a_video_whose_header_was_never_written_is_refused(tmp_path, write_video, moving):
