@@ -110,7 +110,7 @@ def as_unicode(text: str) -> str:
 def describe_error(error: BaseException) -> str:
     """One line about an error; of a fault also its kind, which our own errors say in words."""
     text = as_unicode(" ".join(str(error).split()))
-    if not type(error).__module__.startswith("schemas."):
+    if not type(error).__module__.startswith("moseg.schemas."):
         text = f"{type(error).__name__}: {text}".removesuffix(": ")
     return text if len(text) <= MAX_MESSAGE else f"{text[: MAX_MESSAGE - 1]}…"
 

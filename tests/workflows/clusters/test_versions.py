@@ -13,6 +13,10 @@ from moseg.workflows.cluster.runners import Call, open_runner
 
 DEADLINE_SEC = 600
 ROOT = Path(__file__).resolve().parents[3]
+FOLDERS = ("schemas", "store", "moseg_tasks", "workflows")
+"""Of the packages, in the checkout."""
+EDITOR = "docs/editor"
+"""Links to them, by which a copy is imported."""
 NO_SUCH_PACKAGE = """
 import sys
 
@@ -28,11 +32,12 @@ sys.meta_path.insert(0, Lacking)
 @pytest.fixture
 def other_version(tmp_path) -> Path:
     """A folder of the same packages with a word more in one of them."""
-    for room in fingerprints.ROOMS:
-        shutil.copytree(ROOT / room, tmp_path / "other" / room, ignore=shutil.ignore_patterns("__pycache__"))
+    for folder in FOLDERS:
+        shutil.copytree(ROOT / folder, tmp_path / "other" / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT / EDITOR, tmp_path / "other" / EDITOR, symlinks=True)
     path = tmp_path / "other" / "moseg_tasks" / "flow" / "dis.py"
     path.write_text(path.read_text() + "\nWORD = 1\n")
-    return tmp_path / "other"
+    return tmp_path / "other" / EDITOR
 
 
 @pytest.fixture
@@ -92,7 +97,7 @@ def test_a_scheduler_of_another_version_is_refused(start_cluster, other_version,
 
 @pytest.mark.parametrize(
     ("packages", "what"),
-    [(fingerprints.ROOMS, "no moseg"), (["cv2"], "no package cv2"), (["poselib"], "no package poselib")],
+    [(["moseg"], "no moseg"), (["cv2"], "no package cv2"), (["poselib"], "no package poselib")],
 )
 def test_a_worker_that_lacks_a_package_is_refused_by_name(
     with_a_worker, without, moseg, in_empty_folder, packages, what
@@ -135,20 +140,20 @@ def test_a_worker_without_moseg_that_joins_later_leaves_its_calls_to_the_others(
     def join(name, result):
         found[name] = result
         if not late:
-            late.append(cluster.add_worker("late", path=without(*fingerprints.ROOMS)))
+            late.append(cluster.add_worker("late", path=without("moseg")))
 
     with open_runner(scheduler=cluster.address) as runner:
         runner.run(_slow_calls(40), join)
     assert len(found) == 40
     late[0].wait(timeout=DEADLINE_SEC)
-    assert "No module named 'workflows'" in cluster.log("late")
+    assert "No module named 'moseg'" in cluster.log("late")
 
 
 def test_nothing_of_a_run_stays_on_the_cluster(with_a_worker, without):
     with open_runner(scheduler=with_a_worker.address) as runner:
         runner.run(_slow_calls(3), lambda name, result: None)
     # A plugin that was left behind would keep it from joining.
-    with_a_worker.add_worker("strange", path=without(*fingerprints.ROOMS))
+    with_a_worker.add_worker("strange", path=without("moseg"))
 
 
 class _Workers:
@@ -181,14 +186,14 @@ def test_other_libraries_are_told_once_in_one_line_and_not_refused(capsys):
 
 
 def test_a_late_worker_that_cannot_answer_is_left_out_and_told_once(capsys):
-    missing = ModuleNotFoundError("No module named 'workflows'")
+    missing = ModuleNotFoundError("No module named 'moseg'")
     check = ClusterCheck(_Workers({}, {"b": missing, "c": OSError("gone")}))
     assert check.check_workers("a") == ["a"]
     for new in (["d"], []):
         assert check.check_late_workers("abcd") == new
         assert check.speechless == {"b"}
     (line,) = capsys.readouterr().err.splitlines()
-    assert "in worker b" in line and "No module named 'workflows'" in line
+    assert "in worker b" in line and "No module named 'moseg'" in line
     # Once a call has failed for want of a module it is named as the reason.
     check.forget_workers()
     with pytest.raises(InputError, match="no moseg, or another version of it in worker b"):
@@ -206,7 +211,7 @@ def _installed(folder: Path, **files: str) -> Path:
         (folder / room).mkdir(parents=True)
         (folder / room / "__init__.py").write_bytes(b"")
     for name, text in files.items():
-        (folder / "store" / f"{name}.py").write_bytes(text.encode())
+        (folder / "moseg.store" / f"{name}.py").write_bytes(text.encode())
     return folder
 
 
@@ -226,7 +231,7 @@ def test_the_code_is_its_files_names_and_texts(tmp_path, monkeypatch):
     ]
     found = [_fingerprint(_installed(tmp_path / f"o{i}", **files), monkeypatch) for i, files in enumerate(others)]
     assert len({first, *found}) == 5
-    (tmp_path / "0" / "store" / "a.pyc").write_bytes(b"compiled")
+    (tmp_path / "0" / "moseg.store" / "a.pyc").write_bytes(b"compiled")
     assert _fingerprint(tmp_path / "0", monkeypatch) == first
 
 
