@@ -6,6 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator
 
+from moseg.schemas.choices import ChoiceOf
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.parameters import (
     AccumulationParams,
@@ -18,7 +19,6 @@ from moseg.schemas.parameters import (
     DepthParams,
     DetectionParams,
     DptDinov2Params,
-    FlowModelName,
     FlowModelParams,
     FlowParams,
     ForegroundParams,
@@ -84,7 +84,9 @@ class PipelineConfig(Frozen):
         description="object proposals: motion saliency, detections (objects that networks name, find, outline and"
         " track), the ground truth's objects, or a folder of masks",
     )
-    fused_flow_model: FlowModelName = Field("oc_depth", description="flow model that the fused variant combines")
+    fused_flow_model: Annotated[str, ChoiceOf("fused_flow_model")] = Field(
+        "oc_depth", description="flow model that the fused variant combines"
+    )
     flow: FlowParams = FlowParams()
     depth: DepthParams = DepthParams()
     sections: SectionParams = SectionParams()

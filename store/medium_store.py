@@ -8,7 +8,6 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 from pydantic import JsonValue
 
-from moseg.schemas.arrays import check_arrays
 from moseg.schemas.digests import canonical_json
 from moseg.schemas.errors import StoreError
 from moseg.schemas.manifests import FileEntry, Manifest
@@ -57,26 +56,26 @@ class MediumStore:
         Parameters
         ----------
         arrays : dict of ndarray
-            By name; checked against the task's layout in `moseg.schemas.arrays`.
+            By name.
         attributes : dict of JSON values
             Results that are not arrays; finite and exact, as in a recipe.
         seconds : float
             Time that the task took.
         dims : dict of axis names, optional
-            Axis names of each array, for a task without a layout.
+            Axis names of each array; none may be left out.
         digests : dict of str, optional
             `hash_array` of arrays of which the caller has it.
 
         Raises
         ------
         StoreError
-            Arrays that are not the task's, or a medium that refuses.
+            Axis names that do not fit the arrays, or a medium that refuses.
         TypeError, ValueError
             Attributes that JSON does not keep exactly.
         """
         if self.has(recipe.ref):
             return PutOutcome.LOST_RACE
-        axes = check_arrays(recipe.task, dict(arrays)) if dims is None else _check_dims(arrays, dims)
+        axes = _check_dims(arrays, dims or {})
         attributes = dict(attributes or {})
         canonical_json(attributes)
         files, entries = encode_group(arrays, axes, digests)

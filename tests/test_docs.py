@@ -28,8 +28,8 @@ from moseg.workflows.cli.app import build_command
 from moseg.workflows.cli.pipeline_options import PipelineOptions
 from moseg.workflows.config.preset_choice import choose_preset
 from moseg.workflows.datasets.registry import DATASETS
+from moseg.workflows.stages.needed_weights import ARCHITECTURES, needed_items
 from moseg.workflows.weights.catalogue import CATALOGUE
-from moseg.workflows.weights.needed import ARCHITECTURES, needed_items
 
 ROOT = Path(__file__).resolve().parents[1]
 

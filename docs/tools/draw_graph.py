@@ -13,7 +13,7 @@ from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.presets import PRESETS
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
-from moseg.workflows.weights.needed import needed_items
+from moseg.workflows.stages.needed_weights import needed_items
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
 DRAWINGS = {

@@ -1,13 +1,12 @@
 """Flow models by name."""
 
 from moseg.schemas.errors import InputError
-from moseg.schemas.parameters import FlowModelName
 from moseg.tasks.motion_models.flow_model import FlowModel
 from moseg.tasks.motion_models.oc import OC
 from moseg.tasks.motion_models.oc_depth import OC_DEPTH
 from moseg.tasks.motion_models.oc_depth_paper import OC_DEPTH_PAPER
 
-FLOW_MODELS: dict[FlowModelName, FlowModel] = {model.name: model for model in (OC_DEPTH, OC_DEPTH_PAPER, OC)}
+FLOW_MODELS: dict[str, FlowModel] = {model.name: model for model in (OC_DEPTH, OC_DEPTH_PAPER, OC)}
 
 
 def flow_model(name: str) -> FlowModel:

@@ -11,7 +11,7 @@ from moseg.schemas.parameters.depth_anything import DepthAnythingParams
 from moseg.schemas.parameters.detections import DetectionParams
 from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
 from moseg.schemas.parameters.flow import FlowParams
-from moseg.schemas.parameters.flow_models import FlowModelName, FlowModelParams
+from moseg.schemas.parameters.flow_models import FlowModelParams
 from moseg.schemas.parameters.foreground import ForegroundParams
 from moseg.schemas.parameters.fundamental import FundamentalParams
 from moseg.schemas.parameters.grounding_dino import GroundingDinoParams
@@ -49,7 +49,6 @@ __all__ = [
     "DetectionParams",
     "DptDinov2Params",
     "EnergyParams",
-    "FlowModelName",
     "FlowModelParams",
     "FlowParams",
     "ForegroundParams",

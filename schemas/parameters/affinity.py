@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from moseg.schemas.choices import ChoiceOf
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.units import Unit
 
@@ -11,7 +12,7 @@ from moseg.schemas.units import Unit
 class AffinityParams(Frozen):
     """How pairwise residuals become affinities."""
 
-    method: Literal["residual", "ork", "hypotheses", "combined"] = Field(
+    method: Annotated[str, ChoiceOf("affinity.method")] = Field(
         "residual",
         description="residual size, the paper's weighted ORK, ORK over many hypotheses (hypotheses), or residual size"
         " and many hypotheses together (combined)",

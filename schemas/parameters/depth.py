@@ -1,15 +1,16 @@
 """Parameters of monocular depth."""
 
-from typing import Literal
+from typing import Annotated
 
 from pydantic import Field
 
+from moseg.schemas.choices import ChoiceOf
 from moseg.schemas.frozen import Frozen
 
 
 class DepthParams(Frozen):
     """Where the relative inverse depth of each frame comes from."""
 
-    method: Literal["none", "dpt-dinov2", "depth-anything-v2", "groundtruth", "folder"] = Field(
+    method: Annotated[str, ChoiceOf("depth.method")] = Field(
         "none", description="none, a network, exact maps of the data set, or a folder"
     )

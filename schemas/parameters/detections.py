@@ -1,19 +1,26 @@
 """Parameters of object proposals by foundation models."""
 
-from typing import Literal
+from typing import Annotated
 
 from pydantic import Field, field_validator
 
+from moseg.schemas.choices import ChoiceOf
 from moseg.schemas.frozen import Frozen
 
 
 class DetectionParams(Frozen):
     """Which networks name, find, outline and track the objects of a section (proposals: detections)."""
 
-    tagger: Literal["ram", "ram-plus"] = Field("ram", description="names what is in a section's first frame")
+    tagger: Annotated[str, ChoiceOf("detections.tagger")] = Field(
+        "ram", description="names what is in a section's first frame"
+    )
     tags: tuple[str, ...] | None = Field(None, description="names of objects to look for; with them nothing is tagged")
-    masks: Literal["sam-hq", "sam2"] = Field("sam-hq", description="outlines what the detector's boxes hold")
-    tracker: Literal["deaot", "sam2"] = Field("deaot", description="carries the masks through the section")
+    masks: Annotated[str, ChoiceOf("detections.masks")] = Field(
+        "sam-hq", description="outlines what the detector's boxes hold"
+    )
+    tracker: Annotated[str, ChoiceOf("detections.tracker")] = Field(
+        "deaot", description="carries the masks through the section"
+    )
 
     @field_validator("tags", mode="before")
     @classmethod

@@ -1,16 +1,17 @@
 """Parameters of dense optical flow."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
+from moseg.schemas.choices import ChoiceOf
 from moseg.schemas.frozen import Frozen
 
 
 class FlowParams(Frozen):
     """Where the flow of each frame pair comes from."""
 
-    method: Literal["dis", "raft", "groundtruth", "folder"] = Field(
+    method: Annotated[str, ChoiceOf("flow.method")] = Field(
         "dis", description="backend: dis (OpenCV DIS), raft, exact maps of the data set, or a folder"
     )
     preset: Literal["ultrafast", "fast", "medium", "fine"] = Field(

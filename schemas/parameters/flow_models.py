@@ -1,13 +1,11 @@
 """Parameters of the parametric flow models."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field
 
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.units import Unit
-
-FlowModelName = Literal["oc_depth", "oc_depth_paper", "oc"]
 
 
 class FlowModelParams(Frozen):

@@ -1,9 +1,10 @@
 """Parameters of object-specific point tracks."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field
 
+from moseg.schemas.choices import ChoiceOf
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.units import Unit
 
@@ -11,7 +12,7 @@ from moseg.schemas.units import Unit
 class TrackParams(Frozen):
     """Points sampled in every object and followed through a section."""
 
-    method: Literal["lucas-kanade", "pips", "groundtruth", "folder"] = Field(
+    method: Annotated[str, ChoiceOf("tracks.method")] = Field(
         "lucas-kanade", description="point tracker, exact tracks of the data set, or a folder"
     )
     points_per_object: Annotated[int, Unit.COUNT] = Field(60, ge=8, description="points kept in each object")

@@ -9,10 +9,10 @@ from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import DepthParams, FlowParams, TrackParams
 from moseg.schemas.parameters.detections import DetectionParams
 from moseg.schemas.weights import Architecture
+from moseg.workflows.stages.needed_weights import needed_items
 from moseg.workflows.stages.registry import TASKS
 from moseg.workflows.weights.backends import BACKENDS, describe_pin, weights_rows
 from moseg.workflows.weights.folder import open_weights
-from moseg.workflows.weights.needed import needed_items
 
 CHOICES = {
     "flow": (FlowParams, "method"),

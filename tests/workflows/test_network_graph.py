@@ -6,8 +6,8 @@ from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.presets import PRESETS
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
+from moseg.workflows.stages.needed_weights import items_of_preset, needed_items
 from moseg.workflows.stages.registry import TASKS
-from moseg.workflows.weights.needed import items_of_preset, needed_items
 
 AFTER_PROPOSALS = {"linking", "tracks", "fundamental", "fundamental_residual", "flow_model", "flow_residual"}
 GROUPS = {"affinity", "clustering", "segmentation"}

@@ -12,7 +12,7 @@ from PIL import Image
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.presets import PRESETS
 from moseg.store import open_store
-from moseg.workflows.weights.needed import needed_items
+from moseg.workflows.stages.needed_weights import needed_items
 
 NUM_FRAMES = 12
 SECTIONS = ("--section-length", "6")

@@ -105,9 +105,9 @@ def plan(
     from moseg.workflows.cli.tables import print_stages
     from moseg.workflows.pipelines.plan_evaluation import EmptyStore, plan_evaluation
     from moseg.workflows.pipelines.plan_trajectories import plan_trajectories
+    from moseg.workflows.stages.needed_weights import needed_items
     from moseg.workflows.weights.fetch_command import fetch_command
     from moseg.workflows.weights.folder import open_weights
-    from moseg.workflows.weights.needed import needed_items
 
     config, folders = pipeline.read()
     dataset = data.open(config.max_side)

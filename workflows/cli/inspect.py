@@ -13,20 +13,24 @@ def backends() -> None:
     from rich.table import Table
 
     from moseg.workflows.cli.tables import console
-    from moseg.workflows.weights.backends import BACKENDS, weights_rows
+    from moseg.workflows.stages.needed_weights import parameters_of
+    from moseg.workflows.stages.registry import all_choices
     from moseg.workflows.weights.folder import open_weights
+    from moseg.workflows.weights.overview import weights_rows
     from moseg.workflows.weights.progress import describe_size
 
     weights = open_weights(os.environ)
     methods = Table(title="backends")
     for column in ("stage", "method", "chosen by", "code", "weights"):
         methods.add_column(column)
-    for backend in BACKENDS:
-        methods.add_row(backend.stage, backend.what, backend.option, backend.code, backend.weights[1])
+    for choice in all_choices():
+        for backend in choice.backends:
+            weights_item = "" if backend.network is None else backend.network.default
+            methods.add_row(choice.name, backend.what, choice.option_of(backend), backend.code, weights_item)
     items = Table(title="weights")
     for column in ("weights", "named by --set", "licence", "size", "here", "fixed by"):
         items.add_column(column)
-    rows = weights_rows(weights)
+    rows = weights_rows(weights, parameters_of)
     for row in rows:
         licence = row.item.licence + (" (opt-in)" if row.item.is_non_commercial else "")
         size, here = describe_size(row.size), "yes" if row.is_present else "no"

@@ -150,7 +150,7 @@ def tiny(
 
 
 def _items_of(preset: str | None) -> tuple[str, ...]:
-    from moseg.workflows.weights.needed import items_of_preset
+    from moseg.workflows.stages.needed_weights import items_of_preset
 
     if preset is None:
         return ()

@@ -1,20 +1,23 @@
 """The parameters of the pipeline as a list: what each means, in which unit and range, and what it is by default."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from functools import cache
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from moseg.schemas.choices import ChoiceOf
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.units import Unit
 
 _SIGNS = {"ge": ">=", "gt": ">", "le": "<=", "lt": "<"}
 
 
-class Parameter(NamedTuple):
+@dataclass(frozen=True)
+class Parameter:
     """A single parameter.
 
     Attributes
@@ -23,10 +26,8 @@ class Parameter(NamedTuple):
         Stages from the outermost, and the name.
     default : object
         As `PipelineConfig` has it.
-    values : str
-        Range or choices: ``>= 1``, ``0 to 1``, ``dis, raft``, ``true or false``.
-    choices : tuple of str
-        Names that it may be; empty where it is no name out of a closed set.
+    kind : type
+        Annotation of its field.
     unit : Unit or None
         None where it is no number.
     description : str
@@ -35,8 +36,7 @@ class Parameter(NamedTuple):
 
     path: tuple[str, ...]
     default: Any
-    values: str
-    choices: tuple[str, ...]
+    kind: Any
     unit: Unit | None
     description: str
 
@@ -44,6 +44,16 @@ class Parameter(NamedTuple):
     def name(self) -> str:
         """``stage.name``, as `--set` takes it."""
         return ".".join(self.path)
+
+    @property
+    def values(self) -> str:
+        """Range or choices: ``>= 1``, ``0 to 1``, ``dis, raft``, ``true or false``."""
+        return _values(self.kind)
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """Names that it may be; empty unless it is a name out of a set. Plug-ins may add some."""
+        return tuple(_choices(self.kind))
 
 
 @cache
@@ -80,9 +90,8 @@ def _walk(model: type[BaseModel], path: tuple[str, ...]) -> Iterator[Parameter]:
             continue
         unit = next((each for each in field.metadata if isinstance(each, Unit)), None)
         kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
-        choices = tuple(_choices(field.annotation))
         description = (field.description or "").removesuffix(f", {unit}")
-        yield Parameter((*path, name), field.default, _values(kind), choices, unit, description)
+        yield Parameter((*path, name), field.default, kind, unit, description)
 
 
 def _walk_stages(model: type[BaseModel], path: tuple[str, ...]) -> Iterator[tuple[str, str]]:
@@ -94,7 +103,11 @@ def _walk_stages(model: type[BaseModel], path: tuple[str, ...]) -> Iterator[tupl
 
 
 def _choices(kind: Any) -> Iterator[str]:
-    if get_origin(kind) is Literal:
+    if get_origin(kind) is Annotated:
+        inner, *metadata = get_args(kind)
+        declared = [each for each in metadata if isinstance(each, ChoiceOf)]
+        yield from declared[0].names if declared else _choices(inner)
+    elif get_origin(kind) is Literal:
         yield from get_args(kind)
     elif get_origin(kind) in (Union, UnionType):
         for each in get_args(kind):
@@ -107,7 +120,8 @@ def _values(kind: Any, bounds: tuple = ()) -> str:
         inner, *metadata = arguments
         # A field within an annotation carries its bounds along.
         metadata = [each for item in metadata for each in (item.metadata if isinstance(item, FieldInfo) else [item])]
-        return _values(inner, (*bounds, *metadata))
+        declared = [each for each in metadata if isinstance(each, ChoiceOf)]
+        return ", ".join(declared[0].names) if declared else _values(inner, (*bounds, *metadata))
     if origin is Literal:
         return ", ".join(map(str, arguments))
     if origin in (Union, UnionType):

@@ -15,6 +15,7 @@ from moseg.schemas.digests import digest_json, hash_array
 from moseg.schemas.errors import MissingArtifactError
 from moseg.schemas.recipes import Recipe, leaf_recipe
 from moseg.store import ArtifactStore, map_reads, open_store
+from moseg.workflows.stages.registry import axes_of
 
 INGEST_VERSION = 1
 
@@ -137,7 +138,7 @@ def _put_leaf(store: ArtifactStore, kind: str, arrays: dict[str, np.ndarray], at
     digests = _digests(arrays)
     recipe = _content_recipe(kind, digests, attributes)
     if not store.has(recipe.ref):
-        store.put(recipe, arrays, attributes, digests=digests)
+        store.put(recipe, arrays, attributes, dims=axes_of(kind, arrays), digests=digests)
     return recipe.ref
 
 

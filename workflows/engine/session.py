@@ -278,7 +278,7 @@ class Session:
             return 1 if task.run_together is None else batch_size
 
         def is_brief(recipe: Recipe) -> bool:
-            return find_task(recipe.task, recipe.params["method"]).is_brief
+            return find_task(recipe.task, recipe.params["method"]).is_cheap
 
         call_of: dict[str, str] = {}
         # Where there is little to do, no worker is to wait for another's long call.

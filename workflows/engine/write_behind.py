@@ -12,6 +12,7 @@ from moseg.schemas.errors import StoreError
 from moseg.schemas.manifests import Manifest
 from moseg.schemas.recipes import Recipe
 from moseg.store import ArtifactStore, PutOutcome
+from moseg.workflows.stages.registry import axes_of
 from moseg.workflows.stages.task import Output
 
 MAX_WAITING = 2
@@ -67,7 +68,10 @@ class WriteBehind(AbstractContextManager):
 
     def put(self, recipe: Recipe, output: Output, seconds: float) -> None:
         """Have an output stored soon; waits where too many are not stored yet."""
-        outcome = self._writer.submit(self._store.put, recipe, output.arrays, output.attributes, seconds=seconds)
+        axes = axes_of(recipe.task, output.arrays)
+        outcome = self._writer.submit(
+            self._store.put, recipe, output.arrays, output.attributes, seconds=seconds, dims=axes
+        )
         self._outcomes[recipe.ref] = outcome
         self._waiting.append(Put(recipe, output, seconds, outcome))
         self._settle(MAX_WAITING)

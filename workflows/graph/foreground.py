@@ -21,18 +21,13 @@ class Foreground:
     def components(self, index: int) -> str:
         """Reference of a section's objects, to the end of the frames that it shares with the next."""
         section = self._sections[index]
-        params = {
-            "num_frames": section.proposal_stop - section.start,
-            "components": self._config.components.model_dump(mode="json"),
-            "identity": self._config.identity.model_dump(mode="json"),
-        }
         frames = range(section.start, section.proposal_stop)
         inputs = {
             "foreground": self.foregrounds(index),
             "frames": self._leaves.frames[section.start : section.proposal_stop],
             "saliency": tuple(self._cues.saliency(frame) for frame in frames),
         }
-        return self._nodes.add("components", "space-time", params, inputs)
+        return self._nodes.add("components", inputs, num_frames=len(frames))
 
     def foregrounds(self, index: int) -> tuple[str, ...]:
         """References of the foreground of all frames that a section's objects are labelled in."""
@@ -50,27 +45,21 @@ class Foreground:
         first = max(index - reach, 0)
         near = range(first, min(index + reach + 1, len(self._sections)))
         start = self._sections[index].start
-        params = {
-            # Frames are counted from the first section that is read: a cut elsewhere in the video moves no key.
+        # Frames are counted from the first section that is read: a cut elsewhere in the video moves no key.
+        place = {
             "start": start - self._sections[first].start,
             "centres": [self._centre(other) - self._sections[first].start for other in near],
             "own": index - first,
-            "appearance": self._config.appearance.model_dump(
-                mode="json", include={"levels", "smoothing", "floor", "doubt", "clip", "memory", "reach"}
-            ),
-            "foreground": self._config.foreground.model_dump(mode="json"),
         }
         inputs = {"appearance": tuple(self.appearance(other) for other in near), **self._accumulated(index)}
-        return self._nodes.add("foreground", "motion-and-colour", params, inputs)
+        return self._nodes.add("foreground", inputs, **place)
 
     @once
     def appearance(self, index: int) -> str:
         """Reference of the colours of a section's moving and static pixels."""
-        unread = {"smoothing", "floor", "doubt", "clip", "memory", "reach"}
-        params = {**self._evidence(), "appearance": self._config.appearance.model_dump(mode="json", exclude=unread)}
         section = self._sections[index]
         inputs = {"frames": self._leaves.frames[section.start : section.stop], **self._accumulated(index)}
-        return self._nodes.add("appearance", "lab-histograms", params, inputs)
+        return self._nodes.add("appearance", inputs)
 
     def _accumulated(self, index: int) -> dict[str, str]:
         """What both passes accumulate in a section: saliency, consistency and misfit."""
@@ -79,50 +68,33 @@ class Foreground:
     @once
     def _own_motion(self, index: int) -> str:
         section, num_frames = self._sections[index], len(self._leaves.frames)
-        params = {
-            # Only whether a neighbour is missing matters, not where in the video a section lies.
+        # Only whether a neighbour is missing matters, not where in the video a section lies.
+        place = {
             "start": min(section.start, 1),
             "num_frames": min(section.start, 1) + min(num_frames, section.stop + 1) - section.start,
-            **self._evidence(),
-            "own_motion": self._config.own_motion.model_dump(mode="json"),
         }
         inputs = {"saliency": self._saliency(index), **self._both("accumulation", self._accumulate, index)}
-        return self._nodes.add("own_motion", "affine", params, inputs)
+        return self._nodes.add("own_motion", inputs, **place)
 
     def _accumulate(self, index: int, origin: str, carried: dict[str, str]) -> str:
-        read = self._config.accumulation.model_dump(
-            mode="json", exclude={"consistency_relative", "consistency_absolute"}
-        )
         inputs = {"saliency": self._saliency(index), "consistency": self._consistency(index), **carried}
-        return self._nodes.add("accumulation", "along-flow", {"from": origin, "accumulation": read}, inputs)
+        return self._nodes.add("accumulation", inputs, origin=origin)
 
     def _cohere(self, index: int, origin: str, carried: dict[str, str]) -> str:
-        params = {"from": origin, "memory": self._config.accumulation.memory}
         inputs = {"saliency": self._saliency(index), "own_motion": self._own_motion(index), **carried}
-        return self._nodes.add("coherence", "along-flow", params, inputs)
+        return self._nodes.add("coherence", inputs, origin=origin)
 
     @once
     def _consistency(self, index: int) -> str:
         section = self._sections[index]
         first, last = max(section.start - 1, 0), min(section.stop + 1, len(self._leaves.frames))
-        params = {
-            "first": section.start - first,
-            "last": section.stop - first,
-            "accumulation": self._config.accumulation.model_dump(
-                mode="json", include={"consistency_relative", "consistency_absolute"}
-            ),
-        }
         inputs = {"saliency": tuple(self._cues.saliency(frame) for frame in range(first, last))}
-        return self._nodes.add("consistency", "forward-backward", params, inputs)
+        return self._nodes.add("consistency", inputs, first=section.start - first, last=section.stop - first)
 
     @once
     def _saliency(self, index: int) -> tuple[str, ...]:
         section = self._sections[index]
         return tuple(self._cues.saliency(frame) for frame in range(section.start, section.stop))
-
-    def _evidence(self) -> dict[str, float]:
-        """How saliency becomes a probability to move."""
-        return self._config.foreground.model_dump(mode="json", include={"threshold", "sharpness"})
 
     def _centre(self, index: int) -> float:
         section = self._sections[index]

@@ -1,22 +1,8 @@
 """Cues of frames and frame pairs: flow, inverse depth, motion saliency."""
 
-from moseg.schemas.recipes import Recipe
 from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.once import once
 from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES
-
-PAIRS_PARAMS = frozenset({"selection_length", "selection_step"})
-"""They only say which flows the selection of the background's model reads."""
-SELECTION_PARAMS = PAIRS_PARAMS | {
-    *("background", "gric_noise", "gric_step", "focals", "focal_residual", "focal_slack"),
-    *("ground_agreement", "ground_hint", "ground_tilt"),
-}
-"""Read by the selection alone."""
-RESIDUAL_PARAMS = frozenset(
-    {"ground_relief", "support_slope", "support_noise", "residual_blur", "floor", "floor_medians", "floor_motion"}
-    | {"otsu_percentile", "outline_share", "outline_reach", "gate_blur", "gate_error", "strict_gate_error"}
-)
-"""Read by the saliency of a frame alone."""
 
 
 class FrameCues:
@@ -34,15 +20,7 @@ class FrameCues:
         if params.method in GIVEN_SOURCES:
             direction = "flow_forward" if frame1 > frame0 else "flow_backward"
             return self._nodes.required(direction, f"flow: {params.method}")[min(frame0, frame1)]
-        inputs = {"frame0": self._leaves.frames[frame0], "frame1": self._leaves.frames[frame1]}
-        if params.method == "dis":
-            return self._nodes.add_like(self._dis(), inputs)
-        read, weights = self._nodes.network(params.method)
-        return self._nodes.add("flow", params.method, read, {**inputs, "weights": weights})
-
-    @once
-    def _dis(self) -> Recipe:
-        return self._nodes.kind("flow", "dis", self._config.flow.model_dump(mode="json", exclude={"method"}))
+        return self._nodes.add("flow", {"frame0": self._leaves.frames[frame0], "frame1": self._leaves.frames[frame1]})
 
     @once
     def depth(self, frame: int) -> str:
@@ -50,8 +28,7 @@ class FrameCues:
         method = self._config.depth.method
         if method in GIVEN_SOURCES:
             return self._nodes.required("depth", f"depth: {method}")[frame]
-        params, weights = self._nodes.network(method)
-        return self._nodes.add("depth", method, params, {"frame": self._leaves.frames[frame], "weights": weights})
+        return self._nodes.add("depth", {"frame": self._leaves.frames[frame]})
 
     def background(self, frame: int) -> str | None:
         """Reference of the background's model in a frame; None where layers are asked for, or there is no frame pair.
@@ -72,9 +49,8 @@ class FrameCues:
     def _select_background(self, start: int) -> str:
         params = self._config.saliency
         stop = min(start + params.selection_length, len(self._leaves.frames) - 1)
-        read = params.model_dump(mode="json", exclude=RESIDUAL_PARAMS | PAIRS_PARAMS)
         flows = tuple(self.flow(frame0, frame0 + 1) for frame0 in range(start, stop, params.selection_step))
-        return self._nodes.add("background", "model-selection", read, {"flows": flows})
+        return self._nodes.add("background", {"flows": flows})
 
     @once
     def saliency(self, frame: int) -> str:
@@ -88,9 +64,4 @@ class FrameCues:
             inputs |= {"previous": frames[frame - 1], "flow_previous": self.flow(frame, frame - 1)}
         if frame + 1 < len(frames):
             inputs |= {"next": frames[frame + 1], "flow_next": self.flow(frame, frame + 1)}
-        return self._nodes.add_like(self._background_residual(), inputs)
-
-    @once
-    def _background_residual(self) -> Recipe:
-        read = self._config.saliency.model_dump(mode="json", exclude=SELECTION_PARAMS)
-        return self._nodes.kind("saliency", "background-residual", read)
+        return self._nodes.add("saliency", inputs)

@@ -1,14 +1,13 @@
-"""The nodes written so far, and what every part of the graph needs to write one."""
-
-from collections.abc import Set
+"""Nodes of a graph: the recipes written so far, and how a stage's recipe is written."""
 
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
-from moseg.schemas.frozen import Frozen
 from moseg.schemas.recipes import Recipe
 from moseg.workflows.graph.sequence_leaves import SequenceLeaves
 from moseg.workflows.graph.trajectory_leaves import TrajectoryLeaves
-from moseg.workflows.stages.registry import find_task
+from moseg.workflows.stages.registry import find_stage
+
+Inputs = dict[str, str | tuple[str, ...]]
 
 
 class Nodes:
@@ -18,33 +17,32 @@ class Nodes:
         self.leaves = leaves
         self.config = config
         self.recipes: dict[str, Recipe] = {}
+        self._without_place: dict[tuple[str, str | None], tuple[Recipe, dict[str, str]]] = {}
 
-    def add(self, name: str, method: str, params: dict, inputs: dict) -> str:
-        """Reference of a stage's recipe."""
-        return self.add_like(self.kind(name, method, params), inputs)
+    def add(self, stage: str, inputs: Inputs, method: str | None = None, **place) -> str:
+        """Write the recipe of a stage and return its reference.
 
-    def kind(self, name: str, method: str, params: dict) -> Recipe:
-        """What nodes of a stage with the same parameters have in common: a recipe without inputs, for `add_like`."""
-        return Recipe(task=name, version=find_task(name, method).version, params={"method": method, **params})
-
-    def add_like(self, kind: Recipe, inputs: dict) -> str:
-        """Reference of a recipe of this kind."""
-        recipe = kind.about(inputs)
+        Parameters
+        ----------
+        inputs : dict of reference or tuple of references
+            By role, but for the weights.
+        method : str, optional
+            The configuration chooses it unless it is given.
+        place
+            What the recipe says of the place in the sequence; see the stage's `Task.params`.
+        """
+        if place:
+            head, weights = self._head(stage, method, place)
+        elif (stage, method) in self._without_place:
+            head, weights = self._without_place[stage, method]
+        else:
+            head, weights = self._without_place[stage, method] = self._head(stage, method, place)
+        recipe = head.about(inputs | weights)
         self.recipes[recipe.ref] = recipe
         return recipe.ref
 
-    def network(self, method: str, unread: Set[str] = frozenset()) -> tuple[dict, str]:
-        """The parameters that a network reads, under its name, and its weights; `unread` are of its other uses."""
-        name = method.replace("-", "_")
-        params: Frozen = getattr(self.config, name)
-        return {name: params.model_dump(mode="json", exclude={"weights", *unread})}, self.weights(params.weights)
-
-    def weights(self, item: str) -> str:
-        """Reference of a weights item."""
-        return self.leaves.weights[item]
-
     def required(self, leaf: str, option: str):
-        """A leaf that an option takes as given; raises InputError where the sequence lacks it."""
+        """Return a leaf that an option takes as given; raises InputError if the sequence lacks it."""
         value = getattr(self.leaves, leaf)
         if value is None:
             raise InputError(
@@ -52,3 +50,13 @@ class Nodes:
                 where=f"sequence {self.leaves.name}",
             )
         return value
+
+    def _head(self, name: str, method: str | None, place: dict) -> tuple[Recipe, dict[str, str]]:
+        """Return a recipe without inputs, and the weights that are one of them."""
+        stage = find_stage(name)
+        task = stage.task(stage.chosen(self.config) if method is None else method)
+        params = {"method": task.method, **task.params(self.config, **place)}
+        if task.code is not None:
+            params["code"] = task.code
+        weights = {} if task.network is None else {"weights": self.leaves.weights[task.network.item(self.config)]}
+        return Recipe(task=name, version=task.version, params=params), weights

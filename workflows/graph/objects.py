@@ -5,7 +5,6 @@ from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.once import once
 from moseg.workflows.graph.sections import Section
 from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES
-from moseg.workflows.weights.needed import tagger_item
 
 
 class Objects:
@@ -31,12 +30,9 @@ class Objects:
         """Reference of the identities of the sections' objects."""
         proposals = tuple(self.proposals(index) for index in range(len(self._sections)))
         if self._config.proposal_source != "saliency":
-            return self._nodes.add("linking", "identity", {}, {"proposals": proposals})
-        params = {
-            "lengths": [section.stop - section.start for section in self._sections],
-            "linking": self._config.linking.model_dump(mode="json"),
-        }
-        return self._nodes.add("linking", "overlap", params, {"proposals": proposals})
+            return self._nodes.add("linking", {"proposals": proposals})
+        lengths = [section.stop - section.start for section in self._sections]
+        return self._nodes.add("linking", {"proposals": proposals}, lengths=lengths)
 
     def labelled_until(self, index: int) -> int:
         """End of the frames in which a section's objects are labelled."""
@@ -50,9 +46,9 @@ class Objects:
         section = self._sections[index]
         if self._config.proposal_source in GIVEN_SOURCES:
             masks = self._nodes.required("masks", f"proposals: {self._config.proposal_source}")
-            params = {"start": section.start, "stop": section.proposal_stop, "shape": list(self._leaves.shape)}
-            params["void"] = self._leaves.masks_void
-            return self._nodes.add("proposals", "given", params, {"masks": masks})
+            place = {"start": section.start, "stop": section.proposal_stop}
+            given = {"shape": self._leaves.shape, "void": self._leaves.masks_void}
+            return self._nodes.add("proposals", {"masks": masks}, **place, **given)
         if self._config.proposal_source == "detections":
             return self._track_objects(index)
         frames = self._leaves.frames[section.start : section.proposal_stop]
@@ -61,44 +57,28 @@ class Objects:
             "components": self._foreground.components(index),
             "foreground": self._foreground.foregrounds(index),
         }
-        params = {"refinement": self._config.refinement.model_dump(mode="json")}
-        return self._nodes.add("proposals", "saliency", params, inputs)
+        return self._nodes.add("proposals", inputs)
 
     def _track_objects(self, index: int) -> str:
         """A section's objects from the masks of its first frame on."""
         section = self._sections[index]
         frames = self._leaves.frames[section.start : self.labelled_until(index)]
-        tracker = self._config.detections.tracker
-        params, weights = self._nodes.network(tracker, unread={"boxes_per_pass"})
-        inputs = {"frames": frames, "seeds": self._seeds(index), "weights": weights}
-        return self._nodes.add("proposals", tracker, params, inputs)
+        return self._nodes.add("proposals", {"frames": frames, "seeds": self._seeds(index)})
 
     def _seeds(self, index: int) -> str:
         """What is found in a section's first frame, linked with what was tracked into it."""
         inputs = {"found": self._instances(self._sections[index].start)}
         if index:
             inputs["tracked"] = self.proposals(index - 1)
-        params = {"seeds": self._config.seeds.model_dump(mode="json")}
-        return self._nodes.add("seeds", "mask-overlap", params, inputs)
+        return self._nodes.add("seeds", inputs)
 
     def _instances(self, frame: int) -> str:
         """Reference of the objects that the networks find in one frame."""
-        image, masks = self._leaves.frames[frame], self._config.detections.masks
-        params, weights = self._nodes.network(masks, unread={"objects_per_pass", "memory_reach"})
-        params["instances"] = self._config.instances.model_dump(mode="json")
-        inputs = {"frame": image, "detections": self._detections(image), "weights": weights}
-        return self._nodes.add("instances", masks, params, inputs)
+        image = self._leaves.frames[frame]
+        return self._nodes.add("instances", {"frame": image, "detections": self._detections(image)})
 
     def _detections(self, image: str) -> str:
-        params, weights = self._nodes.network("grounding-dino")
-        inputs = {"frame": image, "weights": weights}
-        if self._config.detections.tags is not None:
-            params["tags"] = list(self._config.detections.tags)
-        else:
-            inputs["tags"] = self._tags(image)
-        return self._nodes.add("detections", "grounding-dino", params, inputs)
-
-    def _tags(self, image: str) -> str:
-        params = {"ram": self._config.ram.model_dump(mode="json", exclude={"weights"})}
-        inputs = {"frame": image, "weights": self._nodes.weights(tagger_item(self._config))}
-        return self._nodes.add("tags", self._config.detections.tagger, params, inputs)
+        inputs = {"frame": image}
+        if self._config.detections.tags is None:
+            inputs["tags"] = self._nodes.add("tags", {"frame": image})
+        return self._nodes.add("detections", inputs)

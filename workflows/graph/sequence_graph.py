@@ -6,7 +6,7 @@ the same recipe, whichever variant or run asks.
 
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.errors import InputError
-from moseg.schemas.parameters.clustering import COUNT_READS, READ_TRACKS
+from moseg.schemas.parameters.clustering import READ_TRACKS
 from moseg.schemas.recipes import Recipe
 from moseg.workflows.graph.foreground import Foreground
 from moseg.workflows.graph.frame_cues import FrameCues
@@ -46,16 +46,13 @@ class SequenceGraph:
 
     def score(self, variant: Variant) -> str:
         """Reference of the variant's score."""
-        leaves, length = self.leaves, self._config.sections.length
+        leaves, labels = self.leaves, {"segmentation": self.segmentations(variant)}
         if leaves.annotation is not None:
-            method, params = "motion-segmentation", {"void": leaves.void, "section_length": length}
-            truth = {"annotation": leaves.annotation}
-        elif leaves.labelled_points is not None:
-            method, params = "labelled-points", {"section_length": length}
-            truth = {"labelled_points": leaves.labelled_points}
-        else:
-            raise InputError("no ground truth to score against", where=f"sequence {leaves.name}")
-        return self._nodes.add("score", method, params, {"segmentation": self.segmentations(variant), **truth})
+            inputs = {**labels, "annotation": leaves.annotation}
+            return self._nodes.add("score", inputs, "motion-segmentation", void=leaves.void)
+        if leaves.labelled_points is not None:
+            return self._nodes.add("score", {**labels, "labelled_points": leaves.labelled_points}, "labelled-points")
+        raise InputError("no ground truth to score against", where=f"sequence {leaves.name}")
 
     def segmentations(self, variant: Variant) -> tuple[str, ...]:
         """References of the labels of every section."""
@@ -65,8 +62,8 @@ class SequenceGraph:
             inputs = {"proposals": self.objects.proposals(index), "linking": self.objects.linking()}
             if clustering is not None:
                 inputs["clustering"] = clustering
-            params = {"section": index, "num_frames": section.stop - section.start}
-            refs.append(self._nodes.add("segmentation", "moving-objects", params, inputs))
+            num_frames = section.stop - section.start
+            refs.append(self._nodes.add("segmentation", inputs, section=index, num_frames=num_frames))
         return tuple(refs)
 
     def clustering(self, variant: Variant) -> str | None:
@@ -89,37 +86,8 @@ class SequenceGraph:
         if num_motions == "auto" and params.auto in READ_TRACKS:
             inputs["tracks"] = tuple(self.motions.tracks(index) for index in range(len(self._sections)))
             inputs["linking"] = self.objects.linking()
-        return self._nodes.add(
-            "clustering",
-            "motion-groups",
-            {
-                "num_motions": None if num_motions == "auto" else num_motions,
-                "clustering": self._clustering_params(len(views), num_motions == "auto"),
-            },
-            inputs,
-        )
-
-    def _clustering_params(self, num_views: int, is_auto: bool) -> dict:
-        """The parameters that a clustering of so many views reads."""
-        params = self._config.clustering
-        by_agreement = params.static == "agreement"
-        if params.static == "auto":
-            by_agreement = self._config.proposal_source == "saliency"
-        unread = {"motions", "count"}
-        if not is_auto:
-            unread |= {"auto", "threshold", "static"}
-        elif params.auto != "threshold" and not by_agreement:
-            unread.add("threshold")
-        if num_views == 1 or params.fusion != "coregularised":
-            unread |= {"co_regularisation", "num_iterations", "tolerance"}
-        if num_views == 1:
-            unread.add("fusion")
-        read = params.model_dump(mode="json", exclude=unread)
-        if is_auto:
-            read["static"] = "agreement" if by_agreement else "group"
-            if params.auto in COUNT_READS:
-                read["count"] = params.count.model_dump(mode="json", include=COUNT_READS[params.auto])
-        return read
+        found = None if num_motions == "auto" else num_motions
+        return self._nodes.add("clustering", inputs, num_views=len(views), num_motions=found)
 
     def cues(self) -> tuple[str, ...]:
         """References of the tracks and of the forward flow: what every motion model starts from."""

@@ -5,11 +5,11 @@ frames stacked, for storing a pair alone would take longer than computing it.
 """
 
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
-from moseg.schemas.parameters.clustering import COUNT_READS
 from moseg.schemas.recipes import Recipe
 from moseg.tasks.point_models import POINT_MODELS
 from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.trajectory_leaves import TrajectoryLeaves
+from moseg.workflows.stages.trajectory_clustering import clustering_method
 
 
 class TrajectoryGraph:
@@ -28,7 +28,7 @@ class TrajectoryGraph:
     def score(self, variant: TrajectoryVariant) -> str:
         """Reference of the variant's score."""
         inputs = {"clustering": self.clustering(variant), "labels": self.leaves.labels}
-        return self._nodes.add("score", "trajectories", {}, inputs)
+        return self._nodes.add("score", inputs, "trajectories")
 
     def clustering(self, variant: TrajectoryVariant) -> str:
         """Reference of the motion groups."""
@@ -36,45 +36,21 @@ class TrajectoryGraph:
         models = sorted(self._config.point_models(variant), key=list(POINT_MODELS).index)
         motions = self._config.clustering.motions
         num_motions = self.leaves.num_motions if motions == "gt" else motions
-        params = {
-            "num_motions": None if num_motions == "auto" else num_motions,
-            "clustering": self._clustering_params(len(models), num_motions == "auto"),
-        }
         inputs = {"kernels": tuple(self.kernel(model) for model in models), "trajectories": self.leaves.trajectories}
-        if params["clustering"]["method"] == "energy":
+        if clustering_method(self._config, len(models)) == "energy":
             inputs["residuals"] = tuple(self.residuals(model) for model in models)
-        return self._nodes.add("trajectory_clustering", "motion-groups", params, inputs)
+        found = None if num_motions == "auto" else num_motions
+        return self._nodes.add("trajectory_clustering", inputs, num_views=len(models), num_motions=found)
 
     def kernel(self, model: str) -> str:
         """Reference of the affinity between trajectories under one model."""
-        params = {"num_draws": self._config.hypotheses.num_draws, "kernel": self._config.kernel.model_dump(mode="json")}
-        return self._nodes.add("kernel", "ordered-residuals", params, {"residuals": self.residuals(model)})
+        return self._nodes.add("kernel", {"residuals": self.residuals(model)})
 
     def residuals(self, model: str) -> str:
         """Reference of every trajectory's distance to every hypothesis of one model."""
         inputs = {"hypotheses": self.hypotheses(model), "trajectories": self.leaves.trajectories}
-        return self._nodes.add("hypothesis_residual", "point-model", {"model": model}, inputs)
+        return self._nodes.add("hypothesis_residual", inputs, model=model)
 
     def hypotheses(self, model: str) -> str:
         """Reference of the hypotheses of one model; of what is written here they alone depend on the seed."""
-        params = {"model": model, "hypotheses": self._config.hypotheses.model_dump(mode="json")}
-        return self._nodes.add("hypotheses", "minimal-samples", params, {"trajectories": self.leaves.trajectories})
-
-    def _clustering_params(self, num_views: int, is_auto: bool) -> dict:
-        """The parameters that a clustering of so many views reads."""
-        params = self._config.trajectory_clustering
-        # A row of one model is what was published of it: spectral clustering of its kernel.
-        method = params.method if num_views > 1 else "sum"
-        unread = set() if is_auto else {"most_motions", "auto", "separate"}
-        if not is_auto or not params.separate:
-            unread.add("separation")
-        counts = COUNT_READS.get(params.auto, frozenset()) - {"most_motions"} if is_auto else frozenset()
-        if params.auto == "stability":
-            # Draws of hypotheses are the resamples.
-            counts &= {"least_agreement"}
-        if method != "coregularised":
-            unread |= {"co_regularisation", "num_iterations", "tolerance"}
-        if method != "energy":
-            unread.add("pieces")
-        read = params.model_copy(update={"method": method}).model_dump(mode="json", exclude=unread | {"count"})
-        return read | ({"count": params.count.model_dump(mode="json", include=counts)} if counts else {})
+        return self._nodes.add("hypotheses", {"trajectories": self.leaves.trajectories}, model=model)

@@ -10,7 +10,7 @@ from moseg.workflows.engine.ingest import IngestJob
 from moseg.workflows.engine.session import Session
 from moseg.workflows.graph import GIVEN_SOURCES, SequenceLeaves
 from moseg.workflows.sources import SceneFrames
-from moseg.workflows.weights.needed import needed_items
+from moseg.workflows.stages.needed_weights import needed_items
 
 FRAMES_PER_JOB = 16
 

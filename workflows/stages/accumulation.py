@@ -1,14 +1,16 @@
-"""Accumulation along the flow: a pass from the past and one from the future, a section at a time.
+"""Accumulation: saliency along the flow, in a pass from the past and one from the future, a section at a time.
 
 A pass goes on where it left the section before, so that no frame is computed twice and no cut shows.
 """
 
 import numpy as np
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import AccumulationParams
-from moseg.tasks.half_floats import narrow, widen
-from moseg.tasks.saliency import accumulate, flow_consistency, memory_weight
+from moseg.workflows.stages.consistency import CONSISTENCY_PARAMS
 from moseg.workflows.stages.inputs import Inputs
+from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 PASSES = ("past", "future")
@@ -16,20 +18,19 @@ PASSES = ("past", "future")
 
 
 def mean_of_passes(inputs: Inputs, role: str, name: str) -> np.ndarray:
-    """Mean float32 of an array over both passes."""
+    """Return the mean float32 of an array over both passes."""
+    from moseg.tasks.half_floats import widen
+
     past, future = (inputs[f"{role}_{each}"].array(name) for each in PASSES)
     return np.stack([(widen(before) + widen(after)) / 2 for before, after in zip(past, future, strict=True)])
 
 
-def _run_consistency(params, inputs, rng):
-    flows = [widen(frame.array("flows")) for frame in inputs.all("saliency")]
-    consistency = flow_consistency(flows, AccumulationParams.of_recipe(params["accumulation"]))
-    return Output({"consistency": narrow(consistency[params["first"] : params["last"]])})
+def _run(params, inputs, rng):
+    from moseg.tasks.half_floats import widen
+    from moseg.tasks.saliency import accumulate, memory_weight
 
-
-def _run_saliency(params, inputs, rng):
     accumulation_params = AccumulationParams.of_recipe(params["accumulation"])
-    direction, order = _direction(params["from"])
+    direction, order = pass_direction(params["from"])
     frames = inputs.all("saliency")[order]
     consistency = inputs["consistency"].array("consistency")[order]
 
@@ -44,42 +45,48 @@ def _run_saliency(params, inputs, rng):
     # A frame at a time: all of a section's at once would be the run's peak of memory.
     accumulated = accumulate(
         (see(*each) for each in zip(frames, consistency, strict=True)),
-        _flows(frames, direction),
+        pass_flows(frames, direction),
         (weigh(agreement) for agreement in consistency),
-        _carried(inputs, "maps", params["from"]),
+        carried_row(inputs, "maps", params["from"]),
     )
     return Output({"maps": np.ascontiguousarray(accumulated[order])})
 
 
-def _run_misfit(params, inputs, rng):
-    direction, order = _direction(params["from"])
-    frames, misfits = inputs.all("saliency")[order], inputs["own_motion"].array("misfit")[order]
-    accumulated = accumulate(
-        (widen(misfit) for misfit in misfits),
-        _flows(frames, direction),
-        [params["memory"]] * len(frames),
-        _carried(inputs, "misfit", params["from"]),
-    )
-    return Output({"misfit": np.ascontiguousarray(accumulated[order])})
-
-
-def _direction(origin):
-    """Index of the flow to the frame before in a pass, and the order in which the pass meets the frames."""
+def pass_direction(origin: str) -> tuple[int, slice]:
+    """Return the index of the flow to the frame before in a pass, and the order in which the pass visits the frames."""
     return PASSES.index(origin), slice(None) if origin == "past" else slice(None, None, -1)
 
 
-def _flows(frames, direction):
+def pass_flows(frames, direction: int):
+    """Yield the flow float32 (y, x, uv) of each frame in the direction of a pass."""
+    from moseg.tasks.half_floats import widen
+
     return (widen(frame.array("flows")[direction]) for frame in frames)
 
 
-def _carried(inputs, name, origin):
-    """What the pass brings along from the section before."""
+def carried_row(inputs: Inputs, name: str, origin: str) -> np.ndarray | None:
+    """Return what a pass carries on from the section before; None in its first section."""
     if "carried" not in inputs:
         return None
     row = inputs["carried"].shape(name)[0] - 1 if origin == "past" else 0
     return inputs["carried"].rows(name, row, row + 1)[0]
 
 
-FLOW_CONSISTENCY = Task("consistency", "forward-backward", version=1, run=_run_consistency)
-ALONG_FLOW = Task("accumulation", "along-flow", version=1, run=_run_saliency)
-MISFIT_ALONG_FLOW = Task("coherence", "along-flow", version=1, run=_run_misfit)
+def _params(config: PipelineConfig, origin: str) -> dict:
+    read = config.accumulation.model_dump(mode="json", exclude=CONSISTENCY_PARAMS)
+    return {"from": origin, "accumulation": read}
+
+
+ALONG_FLOW = Task("accumulation", "along-flow", version=1, run=_run, params=_params)
+
+STAGE = Stage(
+    name="accumulation",
+    about="saliency accumulated along the flow through a section",
+    inputs={
+        "saliency": "saliency of the section's frames",
+        "consistency": "of their flows",
+        "carried": "the same pass in the section before",
+    },
+    arrays={"maps": layout("float16", "frame y x map", "0..1: strict saliency, saliency, consistency")},
+    tasks=(ALONG_FLOW,),
+)

@@ -1,15 +1,19 @@
-"""Motion affinity between the objects of a sequence, and their support as static, under one motion model."""
+"""Affinity: likeness of the motions of a sequence's objects under one motion model, and their support as static."""
 
 import numpy as np
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import AffinityParams, ObjectHypothesisParams
-from moseg.tasks.affinity import estimate_affinity, static_support
-from moseg.tasks.object_hypotheses import geometric_mean, preference_kernel, scale_by_background
+from moseg.workflows.stages.object_hypotheses import CELL_PARAMS, PREFERENCE_PARAMS
+from moseg.workflows.stages.stage import Backend, Choice, Stage
 from moseg.workflows.stages.task import Output, Task
 
 
 def _runner(method: str):
     def run(params, inputs, rng):
+        from moseg.tasks.affinity import estimate_affinity, static_support
+
         affinity_params = AffinityParams.of_recipe({"method": method, **params["affinity"]})
         sections = inputs.all("residuals")
         residuals = np.concatenate([section.array("residual") for section in sections])
@@ -24,8 +28,13 @@ def _runner(method: str):
     return run
 
 
+_run_residual, _run_ork = _runner("residual"), _runner("ork")
+
+
 def _preferences(params, inputs):
-    """Affinity (K, K) of objects by the hypotheses that they prefer, the mean over models."""
+    """Return the affinity (K, K) of objects by the hypotheses that they prefer, the mean over models."""
+    from moseg.tasks.object_hypotheses import preference_kernel, scale_by_background
+
     read = ObjectHypothesisParams.of_recipe(params["hypotheses"])
     residuals = np.concatenate([section.array("residual") for section in inputs.all("hypotheses")])
     noise_floor = read.noise_floor if params["is_flow"] else 0.0
@@ -40,7 +49,9 @@ def _run_hypotheses(params, inputs, rng):
 
 
 def _run_combined(params, inputs, rng):
-    size, preferences = _BY_SIZE(params, inputs, rng).arrays, _preferences(params, inputs)
+    from moseg.tasks.object_hypotheses import geometric_mean
+
+    size, preferences = _run_residual(params, inputs, rng).arrays, _preferences(params, inputs)
     return Output(
         {
             "affinity": geometric_mean(size["affinity"], preferences),
@@ -49,8 +60,66 @@ def _run_combined(params, inputs, rng):
     )
 
 
-_BY_SIZE = _runner("residual")
-RESIDUAL_SIZE = Task("affinity", "residual", version=2, run=_runner("residual"))
-ORDERED_RESIDUAL_KERNEL = Task("affinity", "ork", version=2, run=_runner("ork"))
-MANY_HYPOTHESES = Task("affinity", "hypotheses", version=1, run=_run_hypotheses)
-SIZE_AND_HYPOTHESES = Task("affinity", "combined", version=1, run=_run_combined)
+def _size_params(config: PipelineConfig, view: str) -> dict:
+    """Return what an affinity from residuals under the objects' own models reads."""
+    unread = {"method", "ork_threshold", "ork_reading"} | _unread_of(view)
+    return {"is_flow": view != "trajs", "affinity": config.affinity.model_dump(mode="json", exclude=unread)}
+
+
+def _ork_params(config: PipelineConfig, view: str) -> dict:
+    # Support for static has a scale also where the affinity has none.
+    unread = {"method", "direction"} | _unread_of(view)
+    return {"is_flow": view != "trajs", "affinity": config.affinity.model_dump(mode="json", exclude=unread)}
+
+
+def _hypothesis_params(config: PipelineConfig, view: str) -> dict:
+    """Return what an affinity from preferences of hypotheses reads."""
+    names = PREFERENCE_PARAMS | CELL_PARAMS
+    if view == "trajs":
+        names -= {"noise_floor"}
+    read = config.object_hypotheses.model_dump(mode="json", include=names)
+    return {"is_flow": view != "trajs", "hypotheses": read}
+
+
+def _combined_params(config: PipelineConfig, view: str) -> dict:
+    return _size_params(config, view) | _hypothesis_params(config, view)
+
+
+def _unread_of(view: str) -> set[str]:
+    return {"relative_flow"} if view == "trajs" else set()
+
+
+RESIDUAL_SIZE = Task("affinity", "residual", version=2, run=_run_residual, params=_size_params)
+ORDERED_RESIDUAL_KERNEL = Task("affinity", "ork", version=2, run=_run_ork, params=_ork_params)
+MANY_HYPOTHESES = Task("affinity", "hypotheses", version=1, run=_run_hypotheses, params=_hypothesis_params)
+SIZE_AND_HYPOTHESES = Task("affinity", "combined", version=1, run=_run_combined, params=_combined_params)
+BY_HYPOTHESES = (MANY_HYPOTHESES.method, SIZE_AND_HYPOTHESES.method)
+"""Methods that compare objects under many hypotheses of motion, alone or beside their own models."""
+
+STAGE = Stage(
+    name="affinity",
+    about="affinity of a sequence's objects under one motion model",
+    inputs={
+        "residuals": "residuals of every section under the objects' models",
+        "hypotheses": "residuals of every section under many hypotheses (hypotheses, combined)",
+    },
+    arrays={
+        "affinity": layout("float64", "object object"),
+        "static_support": layout("float64", "object"),
+    },
+    tasks=(RESIDUAL_SIZE, ORDERED_RESIDUAL_KERNEL, MANY_HYPOTHESES, SIZE_AND_HYPOTHESES),
+    method=lambda config: config.affinity.method,
+    choices=(
+        Choice(
+            "affinity",
+            "affinity.method",
+            "--affinity",
+            (
+                Backend("residual", "size of residuals"),
+                Backend("ork", "ordered residual kernel, as in the paper"),
+                Backend("hypotheses", "ordered residuals of many hypotheses"),
+                Backend("combined", "size of residuals and many hypotheses"),
+            ),
+        ),
+    ),
+)

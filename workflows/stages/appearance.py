@@ -1,15 +1,23 @@
-"""Colours of a section's moving and static pixels."""
+"""Appearance: colours of a section's moving and static pixels."""
 
 import numpy as np
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import AppearanceParams, ForegroundParams
-from moseg.tasks.appearance import colour_bins, count_colours
-from moseg.tasks.saliency import reduce_frame
 from moseg.workflows.stages.accumulation import mean_of_passes
+from moseg.workflows.stages.own_motion import EVIDENCE_PARAMS
+from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
+
+RATIO_PARAMS = frozenset({"smoothing", "floor", "doubt", "clip", "memory", "reach"})
+"""Read by the foreground alone, of the parameters of the appearance."""
 
 
 def _run(params, inputs, rng):
+    from moseg.tasks.appearance import colour_bins, count_colours
+    from moseg.tasks.saliency import reduce_frame
+
     appearance = AppearanceParams.of_recipe(params["appearance"])
     foreground = ForegroundParams.of_recipe({"threshold": params["threshold"], "sharpness": params["sharpness"]})
     accumulated = mean_of_passes(inputs, "accumulation", "maps")
@@ -24,4 +32,28 @@ def _run(params, inputs, rng):
     return Output({"bins": np.stack(bins), "histograms": histograms.astype(np.float32)}, totals)
 
 
-COLOUR_HISTOGRAMS = Task("appearance", "lab-histograms", version=1, run=_run)
+def _params(config: PipelineConfig) -> dict:
+    return {
+        **config.foreground.model_dump(mode="json", include=EVIDENCE_PARAMS),
+        "appearance": config.appearance.model_dump(mode="json", exclude=RATIO_PARAMS),
+    }
+
+
+COLOUR_HISTOGRAMS = Task("appearance", "lab-histograms", version=1, run=_run, params=_params)
+
+STAGE = Stage(
+    name="appearance",
+    about="colours of a section's moving and static pixels",
+    inputs={
+        "frames": "frames of the section",
+        "accumulation_past": "saliency accumulated from the past",
+        "accumulation_future": "saliency accumulated from the future",
+        "coherence_past": "deviations accumulated from the past",
+        "coherence_future": "deviations accumulated from the future",
+    },
+    arrays={
+        "bins": layout("uint16", "frame y x", "bin of CIELAB"),
+        "histograms": layout("float32", "side bin", "weight of what moves, of the background"),
+    },
+    tasks=(COLOUR_HISTOGRAMS,),
+)

@@ -1,13 +1,17 @@
-"""Motion groups of a sequence's objects from the affinities of one or several motion models."""
+"""Clustering: motion groups of a sequence's objects from the affinities of one or several motion models."""
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import ClusteringParams
-from moseg.schemas.parameters.clustering import READ_TRACKS
-from moseg.tasks.clustering import MotionTracks, agreed_static, cluster_motions
+from moseg.schemas.parameters.clustering import COUNT_READS, READ_TRACKS
+from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 
-def _tracks(inputs) -> list[MotionTracks]:
-    """Tracks of every section, owned by the objects of the sequence."""
+def _tracks(inputs):
+    """Return the tracks of every section, owned by the objects of the sequence."""
+    from moseg.tasks.clustering import MotionTracks
+
     identities = inputs["linking"].cached("identity")
     return [
         MotionTracks(section.cached("points"), section.cached("visible"), identity[section.cached("object")])
@@ -16,6 +20,8 @@ def _tracks(inputs) -> list[MotionTracks]:
 
 
 def _run(params, inputs, rng):
+    from moseg.tasks.clustering import agreed_static, cluster_motions
+
     views = inputs.all("affinities")
     clustering_params = ClusteringParams.of_recipe(params["clustering"])
     is_found, is_static = params["num_motions"] is None, None
@@ -32,4 +38,43 @@ def _run(params, inputs, rng):
     )
 
 
-MOTION_GROUPS = Task("clustering", "motion-groups", version=4, run=_run)
+def _params(config: PipelineConfig, num_views: int, num_motions: int | None) -> dict:
+    """Return what a clustering of so many views reads; `num_motions` is None where it has to be found."""
+    params, is_auto = config.clustering, num_motions is None
+    by_agreement = params.static == "agreement"
+    if params.static == "auto":
+        by_agreement = config.proposal_source == "saliency"
+    unread = {"motions", "count"}
+    if not is_auto:
+        unread |= {"auto", "threshold", "static"}
+    elif params.auto != "threshold" and not by_agreement:
+        unread.add("threshold")
+    if num_views == 1 or params.fusion != "coregularised":
+        unread |= {"co_regularisation", "num_iterations", "tolerance"}
+    if num_views == 1:
+        unread.add("fusion")
+    read = params.model_dump(mode="json", exclude=unread)
+    if is_auto:
+        read["static"] = "agreement" if by_agreement else "group"
+        if params.auto in COUNT_READS:
+            read["count"] = params.count.model_dump(mode="json", include=COUNT_READS[params.auto])
+    return {"num_motions": num_motions, "clustering": read}
+
+
+MOTION_GROUPS = Task("clustering", "motion-groups", version=4, run=_run, params=_params)
+
+STAGE = Stage(
+    name="clustering",
+    about="motion groups of a sequence's objects",
+    inputs={
+        "affinities": "affinity under every motion model",
+        "tracks": "tracks of every section, where the number of motions is found from them",
+        "linking": "identities of the objects, beside the tracks",
+    },
+    arrays={
+        "motion": layout("uint16", "object", "motion group, 0 = the background's"),
+        "embedding": layout("float64", "object coordinate"),
+        "eigenvalues": layout("float64", "view eigenvalue"),
+    },
+    tasks=(MOTION_GROUPS,),
+)

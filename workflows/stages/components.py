@@ -1,16 +1,16 @@
-"""Objects of a section on the working grid: space-time components of the foreground, split and rejoined by motion."""
+"""Components: objects of a section on the working grid, cut out of the foreground, split and rejoined by motion."""
 
 import numpy as np
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import ComponentParams, IdentityParams
-from moseg.tasks.half_floats import widen
-from moseg.tasks.proposals import keep_best, label_components, rejoin_components, split_touching
-from moseg.tasks.saliency import reduce_frame
+from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 
 def join_rows(sections, name: str, num_rows: int) -> np.ndarray:
-    """The first `num_rows` rows of an array that goes on from section to section."""
+    """Return the first `num_rows` rows of an array that continues from section to section."""
     parts = []
     for section in sections:
         parts.append(section.rows(name, 0, min(num_rows, section.shape(name)[0])))
@@ -19,6 +19,10 @@ def join_rows(sections, name: str, num_rows: int) -> np.ndarray:
 
 
 def _run(params, inputs, rng):
+    from moseg.tasks.half_floats import widen
+    from moseg.tasks.proposals import keep_best, label_components, rejoin_components, split_touching
+    from moseg.tasks.saliency import reduce_frame
+
     identity = IdentityParams.of_recipe(params["identity"])
     foreground = join_rows(inputs.all("foreground"), "foreground", params["num_frames"])
     component_params = ComponentParams.of_recipe(params["components"])
@@ -37,4 +41,27 @@ def _run(params, inputs, rng):
     return Output({"labels": components.labels, "scores": components.scores})
 
 
-SPACE_TIME = Task("components", "space-time", version=1, run=_run)
+def _params(config: PipelineConfig, num_frames: int) -> dict:
+    return {
+        "num_frames": num_frames,
+        "components": config.components.model_dump(mode="json"),
+        "identity": config.identity.model_dump(mode="json"),
+    }
+
+
+SPACE_TIME = Task("components", "space-time", version=1, run=_run, params=_params)
+
+STAGE = Stage(
+    name="components",
+    about="objects of a section on the working grid",
+    inputs={
+        "foreground": "probability to move, of every section with a frame of this one",
+        "frames": "frames of the section, and those that it shares with the next",
+        "saliency": "saliency of these frames",
+    },
+    arrays={
+        "labels": layout("uint16", "frame y x", "object of the section, 0 = background"),
+        "scores": layout("float64", "object"),
+    },
+    tasks=(SPACE_TIME,),
+)

@@ -1,10 +1,13 @@
-"""Relative inverse depth of a frame."""
+"""Depth: relative inverse depth of a frame."""
 
 import numpy as np
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import DepthAnythingParams, DptDinov2Params
 from moseg.workflows.stages.resident import made_on, open_network
-from moseg.workflows.stages.task import Output, Task
+from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
+from moseg.workflows.stages.task import Network, Output, Task
 
 
 def _run_dpt_dinov2(params, inputs):
@@ -28,5 +31,50 @@ def _estimate(build, depth_params, inputs):
     return [Output({"inverse_depth": inverse_depth}, made_on()) for inverse_depth in maps]
 
 
-DPT_DINOV2 = Task("depth", "dpt-dinov2", version=2, run_together=_run_dpt_dinov2)
-DEPTH_ANYTHING_V2 = Task("depth", "depth-anything-v2", version=2, run_together=_run_depth_anything)
+def _dpt_dinov2_params(config: PipelineConfig) -> dict:
+    return {"dpt_dinov2": config.dpt_dinov2.model_dump(mode="json", exclude={"weights"})}
+
+
+def _depth_anything_params(config: PipelineConfig) -> dict:
+    return {"depth_anything_v2": config.depth_anything_v2.model_dump(mode="json", exclude={"weights"})}
+
+
+DPT_DINOV2 = Task(
+    "depth",
+    "dpt-dinov2",
+    version=2,
+    run_together=_run_dpt_dinov2,
+    params=_dpt_dinov2_params,
+    network=Network("dpt_dinov2", "dpt_dinov2.weights", "dpt-dinov2-large-nyu"),
+)
+DEPTH_ANYTHING_V2 = Task(
+    "depth",
+    "depth-anything-v2",
+    version=2,
+    run_together=_run_depth_anything,
+    params=_depth_anything_params,
+    network=Network("depth_anything", "depth_anything_v2.weights", "depth-anything-v2-small"),
+)
+
+STAGE = Stage(
+    name="depth",
+    about="inverse depth of a frame",
+    inputs={"frame": "the frame", "weights": "of the network"},
+    arrays={"inverse_depth": layout("float32", "y x", "relative")},
+    tasks=(DPT_DINOV2, DEPTH_ANYTHING_V2),
+    method=lambda config: config.depth.method,
+    choices=(
+        Choice(
+            "depth",
+            "depth.method",
+            "--depth",
+            (
+                Backend("none", "none"),
+                Backend("dpt-dinov2", "DINOv2 with DPT", TRANSFORMERS, DPT_DINOV2.network),
+                Backend("depth-anything-v2", "Depth Anything V2", TRANSFORMERS, DEPTH_ANYTHING_V2.network),
+                Backend("groundtruth", "exact (synthetic)"),
+                Backend("folder", "your own maps"),
+            ),
+        ),
+    ),
+)

@@ -1,8 +1,11 @@
-"""Boxes of the named objects in a frame."""
+"""Detections: boxes of the named objects in a frame."""
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import GroundingDinoParams
 from moseg.workflows.stages.resident import made_on, open_network
-from moseg.workflows.stages.task import Output, Task
+from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
+from moseg.workflows.stages.task import Network, Output, Task
 
 
 def _run(params, inputs, rng):
@@ -17,4 +20,43 @@ def _run(params, inputs, rng):
     return Output({"boxes": found.boxes, "scores": found.scores}, {"tags": list(found.tags), **made_on()})
 
 
-GROUNDING_DINO = Task("detections", "grounding-dino", version=2, run=_run)
+def _params(config: PipelineConfig) -> dict:
+    params = {"grounding_dino": config.grounding_dino.model_dump(mode="json", exclude={"weights"})}
+    if config.detections.tags is not None:
+        params["tags"] = list(config.detections.tags)
+    return params
+
+
+GROUNDING_DINO = Task(
+    "detections",
+    "grounding-dino",
+    version=2,
+    run=_run,
+    params=_params,
+    network=Network("grounding_dino", "grounding_dino.weights", "grounding-dino-tiny"),
+)
+
+STAGE = Stage(
+    name="detections",
+    about="boxes of the named objects in a frame",
+    inputs={"frame": "the frame", "tags": "names to look for, unless the user gives them", "weights": "of the network"},
+    arrays={"boxes": layout("float32", "detection xyxy", "px"), "scores": layout("float64", "detection", "0..1")},
+    tasks=(GROUNDING_DINO,),
+    method=lambda config: "grounding-dino" if config.proposal_source == "detections" else None,
+    choices=(
+        Choice(
+            "detector",
+            "",
+            "--proposals",
+            (
+                Backend(
+                    "grounding-dino",
+                    "Grounding DINO",
+                    TRANSFORMERS,
+                    GROUNDING_DINO.network,
+                    option="--proposals detections",
+                ),
+            ),
+        ),
+    ),
+)

@@ -1,16 +1,24 @@
-"""Dense optical flow of a frame pair."""
+"""Flow: dense optical flow from one frame to a neighbour."""
 
 import numpy as np
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import FlowParams, RaftParams
-from moseg.tasks.flow.dis import estimate_flow
 from moseg.workflows.stages.resident import made_on, open_network
-from moseg.workflows.stages.task import Output, Task
+from moseg.workflows.stages.stage import OPENCV, Backend, Choice, Stage
+from moseg.workflows.stages.task import Network, Output, Task
 
 
 def _run_dis(params, inputs, rng):
+    from moseg.tasks.flow.dis import estimate_flow
+
     image0, image1 = (inputs[role].cached("image") for role in ("frame0", "frame1"))
     return Output({"flow": estimate_flow(image0, image1, FlowParams.of_recipe(params))})
+
+
+def _dis_params(config: PipelineConfig) -> dict:
+    return config.flow.model_dump(mode="json", exclude={"method"})
 
 
 def _run_raft(params, inputs):
@@ -23,5 +31,38 @@ def _run_raft(params, inputs):
     return [Output({"flow": flow}, made_on()) for flow in flows]
 
 
-DIS = Task("flow", "dis", version=1, run=_run_dis, is_brief=True)
-RAFT = Task("flow", "raft", version=1, run_together=_run_raft)
+def _raft_params(config: PipelineConfig) -> dict:
+    return {"raft": config.raft.model_dump(mode="json", exclude={"weights"})}
+
+
+DIS = Task("flow", "dis", version=1, run=_run_dis, params=_dis_params, is_cheap=True)
+RAFT = Task(
+    "flow",
+    "raft",
+    version=1,
+    run_together=_run_raft,
+    params=_raft_params,
+    network=Network("raft", "raft.weights", "raft-large"),
+)
+
+STAGE = Stage(
+    name="flow",
+    about="optical flow of a frame pair",
+    inputs={"frame0": "frame that the flow starts in", "frame1": "its neighbour", "weights": "of the network"},
+    arrays={"flow": layout("float32", "y x uv", "px/frame")},
+    tasks=(DIS, RAFT),
+    method=lambda config: config.flow.method,
+    choices=(
+        Choice(
+            "flow",
+            "flow.method",
+            "--flow",
+            (
+                Backend("dis", "DIS, both directions", OPENCV),
+                Backend("raft", "RAFT", network=RAFT.network),
+                Backend("groundtruth", "exact (synthetic)"),
+                Backend("folder", "your own flow"),
+            ),
+        ),
+    ),
+)

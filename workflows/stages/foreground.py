@@ -1,16 +1,21 @@
-"""Probability of each pixel of a section's frames to move on its own."""
+"""Foreground: probability of each pixel of a section's frames to move on its own."""
 
 import numpy as np
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import AppearanceParams, ForegroundParams
-from moseg.tasks.appearance import ColourCount, colour_ratio, pool_sections
-from moseg.tasks.half_floats import narrow
-from moseg.tasks.saliency import foreground_probability
 from moseg.workflows.stages.accumulation import mean_of_passes
+from moseg.workflows.stages.appearance import RATIO_PARAMS
+from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):
+    from moseg.tasks.appearance import colour_ratio, pool_sections
+    from moseg.tasks.half_floats import narrow
+    from moseg.tasks.saliency import foreground_probability
+
     appearance, foreground = (
         AppearanceParams.of_recipe(params["appearance"]),
         ForegroundParams.of_recipe(params["foreground"]),
@@ -20,7 +25,7 @@ def _run(params, inputs, rng):
     looks = {}
 
     def look(section):
-        """Log ratio of colours and usual reliability at the middle of a section."""
+        """Return the log ratio of colours and the usual reliability at the middle of a section."""
         if section not in looks:
             near = slice(max(section - appearance.reach, 0), section + appearance.reach + 1)
             pooled = pool_sections(counts[near], centres[near], centres[section], appearance.memory)
@@ -38,13 +43,15 @@ def _run(params, inputs, rng):
     return Output({"foreground": np.stack(probabilities)})
 
 
-def _read_count(section) -> ColourCount:
+def _read_count(section):
+    from moseg.tasks.appearance import ColourCount
+
     moving, static = section.array("histograms").astype(np.float64)
     return ColourCount(moving, static, section.attributes["reliability"], section.attributes["weight"])
 
 
 def _blend(look, centres, own, frame):
-    """What is looked up between the middles of two sections: without steps, so that no cut between sections shows."""
+    """Return what `look` gives, interpolated between the middles of two sections so that no cut between them shows."""
     ratio0, usual0 = look(own)
     other = own + (1 if frame > centres[own] else -1)
     if frame == centres[own] or not 0 <= other < len(centres):
@@ -54,4 +61,28 @@ def _blend(look, centres, own, frame):
     return (1 - np.float32(share)) * ratio0 + np.float32(share) * ratio1, (1 - share) * usual0 + share * usual1
 
 
-MOTION_AND_COLOUR = Task("foreground", "motion-and-colour", version=1, run=_run)
+def _params(config: PipelineConfig, start: int, centres: list[float], own: int) -> dict:
+    return {
+        "start": start,
+        "centres": centres,
+        "own": own,
+        "appearance": config.appearance.model_dump(mode="json", include=RATIO_PARAMS | {"levels"}),
+        "foreground": config.foreground.model_dump(mode="json"),
+    }
+
+
+MOTION_AND_COLOUR = Task("foreground", "motion-and-colour", version=1, run=_run, params=_params)
+
+STAGE = Stage(
+    name="foreground",
+    about="probability to move of a section's pixels",
+    inputs={
+        "appearance": "colours of the section and of those near it",
+        "accumulation_past": "saliency accumulated from the past",
+        "accumulation_future": "saliency accumulated from the future",
+        "coherence_past": "deviations accumulated from the past",
+        "coherence_future": "deviations accumulated from the future",
+    },
+    arrays={"foreground": layout("float16", "frame y x", "probability")},
+    tasks=(MOTION_AND_COLOUR,),
+)

@@ -1,8 +1,11 @@
-"""Objects of a frame: masks of the detections, the best of those that show the same thing."""
+"""Instances: objects of a frame, the best mask of each that the detections show."""
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import InstanceParams, Sam2Params, SamHqParams
 from moseg.workflows.stages.resident import made_on, open_network
-from moseg.workflows.stages.task import Output, Task
+from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
+from moseg.workflows.stages.task import Network, Output, Task
 
 
 def _run_sam_hq(params, inputs, rng):
@@ -35,5 +38,53 @@ def _outline(build, segment_boxes, network_params, params, inputs):
     )
 
 
-SAM_HQ = Task("instances", "sam-hq", version=2, run=_run_sam_hq)
-SAM2 = Task("instances", "sam2", version=2, run=_run_sam2)
+def _sam_hq_params(config: PipelineConfig) -> dict:
+    network = config.sam_hq.model_dump(mode="json", exclude={"weights"})
+    return {"sam_hq": network, "instances": config.instances.model_dump(mode="json")}
+
+
+def _sam2_params(config: PipelineConfig) -> dict:
+    # The others are of the tracker.
+    network = config.sam2.model_dump(mode="json", exclude={"weights", "objects_per_pass", "memory_reach"})
+    return {"sam2": network, "instances": config.instances.model_dump(mode="json")}
+
+
+SAM_HQ = Task(
+    "instances",
+    "sam-hq",
+    version=2,
+    run=_run_sam_hq,
+    params=_sam_hq_params,
+    network=Network("sam_hq", "sam_hq.weights", "sam-hq-vit-large"),
+)
+SAM2 = Task(
+    "instances",
+    "sam2",
+    version=2,
+    run=_run_sam2,
+    params=_sam2_params,
+    network=Network("sam2", "sam2.weights", "sam2.1-hiera-large"),
+)
+
+STAGE = Stage(
+    name="instances",
+    about="objects that the networks find in a frame",
+    inputs={"frame": "the frame", "detections": "boxes of its objects", "weights": "of the network"},
+    arrays={
+        "labels": layout("uint16", "y x", "object of the frame, 0 = background"),
+        "scores": layout("float64", "object"),
+    },
+    tasks=(SAM_HQ, SAM2),
+    method=lambda config: config.detections.masks if config.proposal_source == "detections" else None,
+    choices=(
+        Choice(
+            "masks",
+            "detections.masks",
+            "--masks",
+            (
+                Backend("sam-hq", "SAM-HQ", TRANSFORMERS, SAM_HQ.network),
+                Backend("sam2", "SAM 2.1", TRANSFORMERS, SAM2.network),
+            ),
+        ),
+    ),
+)

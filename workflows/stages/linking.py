@@ -1,16 +1,19 @@
-"""Linking: a section's objects become objects of the sequence."""
+"""Linking: which object of the sequence each object of a section is."""
 
 from itertools import pairwise
 
 import numpy as np
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import LinkingParams
-from moseg.tasks.proposals.given import link_identities
-from moseg.tasks.proposals.linking import count_overlaps, link_sections
+from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 
 def _run_overlap(params, inputs, rng):
+    from moseg.tasks.proposals.linking import count_overlaps, link_sections
+
     sections = inputs.all("proposals")
     num_objects = [section.shape("scores")[0] for section in sections]
     overlaps = []
@@ -25,6 +28,8 @@ def _run_overlap(params, inputs, rng):
 
 
 def _run_given(params, inputs, rng):
+    from moseg.tasks.proposals.given import link_identities
+
     sections = [section.attributes for section in inputs.all("proposals")]
     identity, given = link_identities([np.array(section["identities"], np.uint16) for section in sections])
     result = {"num_objects": len(given) + 1, "given": given.tolist()}
@@ -36,5 +41,19 @@ def _run_given(params, inputs, rng):
     return Output({"identity": identity}, result)
 
 
-BY_OVERLAP = Task("linking", "overlap", version=1, run=_run_overlap)
+def _overlap_params(config: PipelineConfig, lengths: list[int]) -> dict:
+    return {"lengths": lengths, "linking": config.linking.model_dump(mode="json")}
+
+
+BY_OVERLAP = Task("linking", "overlap", version=1, run=_run_overlap, params=_overlap_params)
 BY_IDENTITY = Task("linking", "identity", version=1, run=_run_given)
+
+STAGE = Stage(
+    name="linking",
+    about="identities of the objects of all sections",
+    inputs={"proposals": "objects of every section"},
+    arrays={"identity": layout("uint16", "section object", "object of the sequence, 0 = background")},
+    tasks=(BY_OVERLAP, BY_IDENTITY),
+    # Only outlines of what moves are found anew in each section.
+    method=lambda config: "overlap" if config.proposal_source == "saliency" else "identity",
+)

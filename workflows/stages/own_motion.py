@@ -1,15 +1,22 @@
-"""How badly each pixel of a section's frames follows the motion of what is salient."""
+"""Own motion: how far each pixel of a section's frames deviates from the motion of what is salient."""
 
 import numpy as np
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import OwnMotionParams
-from moseg.tasks.half_floats import narrow, widen
-from moseg.tasks.saliency import motion_logit, own_motion_misfit, probability
 from moseg.workflows.stages.accumulation import mean_of_passes
+from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
+
+EVIDENCE_PARAMS = frozenset({"threshold", "sharpness"})
+"""How saliency becomes a probability to move, of the parameters of the foreground."""
 
 
 def _run(params, inputs, rng):
+    from moseg.tasks.half_floats import narrow, widen
+    from moseg.tasks.saliency import motion_logit, own_motion_misfit, probability
+
     own_motion_params = OwnMotionParams.of_recipe(params["own_motion"])
     num_frames, start = params["num_frames"], params["start"]
     misfits = []
@@ -24,4 +31,25 @@ def _run(params, inputs, rng):
     return Output({"misfit": np.stack(misfits)})
 
 
-AFFINE_MISFIT = Task("own_motion", "affine", version=1, run=_run)
+def _params(config: PipelineConfig, start: int, num_frames: int) -> dict:
+    return {
+        "start": start,
+        "num_frames": num_frames,
+        **config.foreground.model_dump(mode="json", include=EVIDENCE_PARAMS),
+        "own_motion": config.own_motion.model_dump(mode="json"),
+    }
+
+
+AFFINE_MISFIT = Task("own_motion", "affine", version=1, run=_run, params=_params)
+
+STAGE = Stage(
+    name="own_motion",
+    about="deviation of a section's pixels from the motion of what is salient",
+    inputs={
+        "saliency": "saliency of the section's frames",
+        "accumulation_past": "saliency accumulated from the past",
+        "accumulation_future": "saliency accumulated from the future",
+    },
+    arrays={"misfit": layout("float16", "frame y x", "log(1 + squared deviation in spreads)")},
+    tasks=(AFFINE_MISFIT,),
+)

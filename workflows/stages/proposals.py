@@ -1,19 +1,22 @@
-"""Object proposals of a section: outlines of what moves, masks tracked from the first frame, or given ones."""
+"""Proposals: objects of a section, outlined where something moves, tracked from its first frame, or given."""
 
 import numpy as np
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import DeaotParams, RefinementParams, Sam2Params
-from moseg.tasks.half_floats import widen
-from moseg.tasks.proposals.boxes import object_boxes
-from moseg.tasks.proposals.given import relabel_masks
-from moseg.tasks.proposals.refinement import refine_outlines
 from moseg.workflows.sources.resize import resize_labels
 from moseg.workflows.stages.components import join_rows
 from moseg.workflows.stages.resident import made_on, open_network
-from moseg.workflows.stages.task import Output, Task
+from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
+from moseg.workflows.stages.task import Network, Output, Task
 
 
 def _run_saliency(params, inputs, rng):
+    from moseg.tasks.half_floats import widen
+    from moseg.tasks.proposals.boxes import object_boxes
+    from moseg.tasks.proposals.refinement import refine_outlines
+
     refinement = RefinementParams.of_recipe(params["refinement"])
     components, frames = inputs["components"], inputs.all("frames")
     labels, scores = components.array("labels"), components.array("scores")
@@ -28,6 +31,9 @@ def _run_saliency(params, inputs, rng):
 
 
 def _run_given(params, inputs, rng):
+    from moseg.tasks.proposals.boxes import object_boxes
+    from moseg.tasks.proposals.given import relabel_masks
+
     # A frame without a given mask shows no object.
     given = np.zeros((params["stop"] - params["start"], *params["shape"]), np.uint16)
     for row, frame in enumerate(inputs["masks"].attributes["indices"]):
@@ -59,6 +65,8 @@ def _run_sam2(params, inputs, rng):
 
 
 def _track(build, track_masks, tracker_params, inputs):
+    from moseg.tasks.proposals.boxes import object_boxes
+
     seeds = inputs["seeds"]
     frames = (frame.cached("image") for frame in inputs.all("frames"))
     identities = seeds.array("identities")
@@ -75,7 +83,86 @@ def _track(build, track_masks, tracker_params, inputs):
     )
 
 
-SALIENCY = Task("proposals", "saliency", version=2, run=_run_saliency)
-GIVEN_MASKS = Task("proposals", "given", version=1, run=_run_given)
-DEAOT = Task("proposals", "deaot", version=1, run=_run_deaot)
-SAM2 = Task("proposals", "sam2", version=2, run=_run_sam2)
+def _saliency_params(config: PipelineConfig) -> dict:
+    return {"refinement": config.refinement.model_dump(mode="json")}
+
+
+def _given_params(config: PipelineConfig, start: int, stop: int, shape: tuple[int, int], void: int | None) -> dict:
+    return {"start": start, "stop": stop, "shape": list(shape), "void": void}
+
+
+def _deaot_params(config: PipelineConfig) -> dict:
+    return {"deaot": config.deaot.model_dump(mode="json", exclude={"weights"})}
+
+
+def _sam2_params(config: PipelineConfig) -> dict:
+    # The other is of the masks of boxes.
+    return {"sam2": config.sam2.model_dump(mode="json", exclude={"weights", "boxes_per_pass"})}
+
+
+def _method(config: PipelineConfig) -> str:
+    if config.proposal_source == "detections":
+        return config.detections.tracker
+    return "saliency" if config.proposal_source == "saliency" else "given"
+
+
+SALIENCY = Task("proposals", "saliency", version=2, run=_run_saliency, params=_saliency_params)
+GIVEN_MASKS = Task("proposals", "given", version=1, run=_run_given, params=_given_params)
+DEAOT = Task(
+    "proposals",
+    "deaot",
+    version=1,
+    run=_run_deaot,
+    params=_deaot_params,
+    network=Network("deaot", "deaot.weights", "deaot-r50-l"),
+)
+SAM2 = Task(
+    "proposals",
+    "sam2",
+    version=2,
+    run=_run_sam2,
+    params=_sam2_params,
+    network=Network("sam2", "sam2.weights", "sam2.1-hiera-large"),
+)
+
+STAGE = Stage(
+    name="proposals",
+    about="objects of a section",
+    inputs={
+        "frames": "frames of the section, and those that it shares with the next",
+        "components": "objects on the working grid (saliency)",
+        "foreground": "probability to move, of every section with a frame of this one (saliency)",
+        "seeds": "objects that tracking starts with (trackers)",
+        "masks": "given masks of the sequence (given)",
+        "weights": "of the network",
+    },
+    arrays={
+        "masks": layout("uint16", "frame y x", "object of the section, 0 = background"),
+        "scores": layout("float64", "object"),
+        "boxes": layout("int32", "object frame xyxy", "px, -1 where absent"),
+    },
+    tasks=(SALIENCY, GIVEN_MASKS, DEAOT, SAM2),
+    method=_method,
+    choices=(
+        Choice(
+            "proposals",
+            "proposal_source",
+            "--proposals",
+            (
+                Backend("saliency", "motion saliency"),
+                Backend("detections", "named, found, outlined and tracked objects"),
+                Backend("groundtruth", "annotated objects (an oracle)"),
+                Backend("folder", "your own masks"),
+            ),
+        ),
+        Choice(
+            "tracker",
+            "detections.tracker",
+            "--tracker",
+            (
+                Backend("deaot", "DeAOT", network=DEAOT.network),
+                Backend("sam2", "SAM 2.1 video", TRANSFORMERS, SAM2.network),
+            ),
+        ),
+    ),
+)

@@ -1,21 +1,35 @@
-"""Every task that can stand in a recipe, by stage and method. A new backend is one more line here."""
+"""Registry of the stages, in the order in which a run comes to them, and of what plug-ins add to them."""
 
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from moseg.schemas.arrays import LEAF_LAYOUTS, ArrayLayout, check_arrays
 from moseg.schemas.errors import InputError
 from moseg.workflows.stages import (
     accumulation,
     affinity,
     appearance,
+    background,
     clustering,
+    coherence,
     components,
+    consistency,
     depth,
     detections,
     flow,
-    flow_models,
+    flow_model,
+    flow_residual,
     foreground,
     fundamental,
+    fundamental_residual,
     hypotheses,
+    hypothesis_residual,
     instances,
+    kernel,
     linking,
+    object_hypotheses,
     own_motion,
     proposals,
     saliency,
@@ -24,68 +38,89 @@ from moseg.workflows.stages import (
     segmentation,
     tags,
     tracks,
-    trajectories,
+    trajectory_clustering,
 )
+from moseg.workflows.stages.stage import Backend, Choice, Stage
 from moseg.workflows.stages.task import Task
 
-TASKS: dict[tuple[str, str], Task] = {
-    (task.name, task.method): task
-    for task in (
-        flow.DIS,
-        flow.RAFT,
-        depth.DPT_DINOV2,
-        depth.DEPTH_ANYTHING_V2,
-        tags.RAM,
-        tags.RAM_PLUS,
-        detections.GROUNDING_DINO,
-        instances.SAM_HQ,
-        instances.SAM2,
-        seeds.MASK_OVERLAP,
-        saliency.MODEL_SELECTION,
-        saliency.BACKGROUND_RESIDUAL,
-        accumulation.FLOW_CONSISTENCY,
-        accumulation.ALONG_FLOW,
-        own_motion.AFFINE_MISFIT,
-        accumulation.MISFIT_ALONG_FLOW,
-        appearance.COLOUR_HISTOGRAMS,
-        foreground.MOTION_AND_COLOUR,
-        components.SPACE_TIME,
-        proposals.SALIENCY,
-        proposals.DEAOT,
-        proposals.SAM2,
-        proposals.GIVEN_MASKS,
-        linking.BY_OVERLAP,
-        linking.BY_IDENTITY,
-        tracks.LUCAS_KANADE,
-        tracks.PIPS,
-        tracks.GIVEN_TRACKS,
-        fundamental.RANSAC_FIT,
-        fundamental.SAMPSON_RESIDUAL,
-        flow_models.LEAST_SQUARES_FIT,
-        flow_models.MSE_RESIDUAL,
-        hypotheses.FLOW_PATCHES,
-        hypotheses.TRACK_SAMPLES,
-        affinity.RESIDUAL_SIZE,
-        affinity.ORDERED_RESIDUAL_KERNEL,
-        affinity.MANY_HYPOTHESES,
-        affinity.SIZE_AND_HYPOTHESES,
-        clustering.MOTION_GROUPS,
-        segmentation.MOVING_OBJECTS,
-        trajectories.MINIMAL_SAMPLES,
-        trajectories.POINT_MODEL,
-        trajectories.ORDERED_RESIDUALS,
-        trajectories.MOTION_GROUPS,
-        trajectories.SCORE,
-        score.MOTION_SEGMENTATION,
-        score.LABELLED_POINTS,
+STAGES: dict[str, Stage] = {
+    module.STAGE.name: module.STAGE
+    for module in (
+        *(tags, detections, instances, seeds),
+        *(flow, background, saliency, consistency, accumulation, own_motion, coherence),
+        *(appearance, foreground, components, proposals, linking),
+        *(depth, tracks, fundamental, fundamental_residual, flow_model, flow_residual, object_hypotheses),
+        *(affinity, clustering, segmentation),
+        *(hypotheses, hypothesis_residual, kernel, trajectory_clustering),
+        score,
     )
 }
 
 
-def find_task(name: str, method: str) -> Task:
-    """The task of a stage and method; raises InputError where there is none."""
+def find_stage(name: str) -> Stage:
+    """Return the stage of this name; raises InputError if there is none."""
     try:
-        return TASKS[name, method]
+        return STAGES[name]
     except KeyError:
-        known = sorted(m for n, m in TASKS if n == name)
-        raise InputError(f"unknown method of stage {name}", got=method, expected=" or ".join(known)) from None
+        raise InputError("unknown stage", got=name, expected=f"one of {', '.join(sorted(STAGES))}") from None
+
+
+def find_task(name: str, method: str) -> Task:
+    """Return the task of a stage and method; raises InputError if there is none."""
+    return find_stage(name).task(method)
+
+
+def all_tasks() -> tuple[Task, ...]:
+    """Return the tasks of all stages."""
+    return tuple(task for stage in STAGES.values() for task in stage.tasks)
+
+
+def all_choices() -> tuple[Choice, ...]:
+    """Return every parameter that chooses a method."""
+    return tuple(choice for stage in STAGES.values() for choice in stage.choices)
+
+
+def add_method(name: str, task: Task, backend: Backend) -> None:
+    """Add a method to a stage, and the line of `moseg backends` to the parameter that chooses between its methods.
+
+    Raises
+    ------
+    InputError
+        There is no such stage, nothing chooses its method, or the method exists.
+    """
+    stage = find_stage(name)
+    if task.name != name or task.method != backend.method:
+        got = f"{task.name} by {task.method}, {backend.method}"
+        raise InputError("a task of another stage or method", where=f"stage {name}", got=got)
+    if not stage.choices or not stage.choices[-1].parameter:
+        raise InputError("no parameter chooses the method of this stage", where=f"stage {name}", got=task.method)
+    if task.method in {each.method for each in stage.tasks}:
+        raise InputError("method exists", where=f"stage {name}", got=task.method, expected="another name")
+    choice = stage.choices[-1]
+    choices = (*stage.choices[:-1], choice._replace(backends=(*choice.backends, backend)))
+    STAGES[name] = replace(stage, tasks=(*stage.tasks, task), choices=choices)
+
+
+def names_of(parameter: str) -> tuple[str, ...]:
+    """Return the names that a parameter may have: methods of a stage, or motion models."""
+    if parameter == "fused_flow_model":
+        from moseg.tasks.motion_models import FLOW_MODELS
+
+        return tuple(FLOW_MODELS)
+    (names,) = (choice.names for choice in all_choices() if choice.parameter == parameter)
+    return names
+
+
+def artifact_names() -> tuple[str, ...]:
+    """Return the names of what an artifact can be: leaves of what was decoded, then stages."""
+    return (*LEAF_LAYOUTS, *STAGES)
+
+
+def layouts_of(name: str) -> Mapping[str, ArrayLayout]:
+    """Return the layouts of the arrays of a stage, or of what ingest decodes; none if the name is of neither."""
+    return STAGES[name].arrays if name in STAGES else LEAF_LAYOUTS.get(name, {})
+
+
+def axes_of(name: str, arrays: Mapping[str, np.ndarray]) -> dict[str, tuple[str, ...]]:
+    """Return the axis names of a stage's, or a leaf's, arrays; raises StoreError if they do not have its layouts."""
+    return check_arrays(name, arrays, layouts_of(name))

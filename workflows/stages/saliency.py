@@ -1,20 +1,17 @@
-"""Motion saliency of a frame from the flows to its neighbours, and the background's model that it follows."""
+"""Saliency: how far a frame's flow departs from that of the background."""
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import SaliencyParams
-from moseg.tasks.flow.fill_unknown import fill_unknown
-from moseg.tasks.saliency import BackgroundChoice, choose_background, estimate_saliency, reduce_flow, working_shape
+from moseg.workflows.stages.background import SELECTION_PARAMS
+from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 
-def _run_choice(params, inputs, rng):
-    saliency_params = SaliencyParams.of_recipe(params)
-    # Given flow has gaps where its files know none; every pixel of a map needs some.
-    flows = [fill_unknown(pair.array("flow")) for pair in inputs.all("flows")]
-    reduced = [reduce_flow(flow, working_shape(flow.shape[:2], saliency_params.working_side)) for flow in flows]
-    return Output({}, choose_background(reduced, saliency_params)._asdict())
+def _run(params, inputs, rng):
+    from moseg.tasks.flow.fill_unknown import fill_unknown
+    from moseg.tasks.saliency import BackgroundChoice, estimate_saliency
 
-
-def _run_saliency(params, inputs, rng):
     def image(role):
         return inputs[role].cached("image") if role in inputs else None
 
@@ -34,5 +31,28 @@ def _run_saliency(params, inputs, rng):
     return Output(result._asdict())
 
 
-MODEL_SELECTION = Task("background", "model-selection", version=1, run=_run_choice)
-BACKGROUND_RESIDUAL = Task("saliency", "background-residual", version=3, run=_run_saliency, is_brief=True)
+def _params(config: PipelineConfig) -> dict:
+    return config.saliency.model_dump(mode="json", exclude=SELECTION_PARAMS)
+
+
+BACKGROUND_RESIDUAL = Task("saliency", "background-residual", version=3, run=_run, params=_params, is_cheap=True)
+
+STAGE = Stage(
+    name="saliency",
+    about="motion saliency of a frame",
+    inputs={
+        "frame": "the frame",
+        "background": "the background's model, unless layers of motion are asked for",
+        "previous": "frame before",
+        "flow_previous": "flow to the frame before",
+        "next": "frame after",
+        "flow_next": "flow to the frame after",
+    },
+    arrays={
+        "saliency": layout("float16", "y x", "0..1"),
+        "strict_saliency": layout("float16", "y x", "0..1"),
+        "flows": layout("float16", "direction y x uv", "px/frame of the working grid"),
+        "residual_flows": layout("float16", "direction y x uv", "px/frame of the working grid"),
+    },
+    tasks=(BACKGROUND_RESIDUAL,),
+)

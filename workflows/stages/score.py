@@ -1,14 +1,16 @@
-"""Scores of a sequence's labels against its ground truth: annotated masks, or labelled points."""
+"""Score: labels against ground truth, which is annotated masks, labelled points, or labelled trajectories."""
 
 from functools import partial
 
-from moseg.tasks.metrics import sample_points, score_points, score_sequence
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.trajectory_scores import TrajectoryScore
 from moseg.workflows.sources.resize import resize_labels
+from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 
 def _annotated_frames(inputs, indices, section_length):
-    """Pairs of predicted and annotated labels at the annotation's size, one frame at a time."""
+    """Yield pairs of predicted and annotated labels at the annotation's size, one frame at a time."""
     sections = [section.row_reader("labels") for section in inputs.all("segmentation")]
     annotation = inputs["annotation"].row_reader("masks")
     for row, index in enumerate(indices):
@@ -17,17 +19,18 @@ def _annotated_frames(inputs, indices, section_length):
         yield resize_labels(sections[section](offset), truth.shape), truth
 
 
-def _run(params, inputs, rng):
+def _run_masks(params, inputs, rng):
+    from moseg.tasks.metrics import score_sequence
+
     indices = inputs["annotation"].attributes["indices"]
     frames = partial(_annotated_frames, inputs, indices, params["section_length"])
     return Output({}, score_sequence(frames, void=params["void"]).model_dump())
 
 
-MOTION_SEGMENTATION = Task("score", "motion-segmentation", version=1, run=_run)
-
-
 def _labelled_frames(inputs, section_length):
-    """Predicted and true labels of the visible points of every frame, looked up at the original size."""
+    """Yield predicted and true labels of the visible points of every frame, looked up at the original size."""
+    from moseg.tasks.metrics import sample_points
+
     sections = [section.row_reader("labels") for section in inputs.all("segmentation")]
     ground_truth = inputs["labelled_points"]
     size = ground_truth.attributes["size"]
@@ -39,8 +42,46 @@ def _labelled_frames(inputs, section_length):
 
 
 def _run_points(params, inputs, rng):
+    from moseg.tasks.metrics import score_points
+
     score = score_points(_labelled_frames(inputs, params["section_length"]))
     return Output({}, score.model_dump(exclude_none=True))
 
 
-LABELLED_POINTS = Task("score", "labelled-points", version=1, run=_run_points)
+def _run_trajectories(params, inputs, rng):
+    from moseg.tasks.metrics import clustering_error
+
+    labels = inputs["labels"].array("labels")
+    score = TrajectoryScore(
+        error=clustering_error(inputs["clustering"].array("motion"), labels),
+        num_motions=inputs["clustering"].attributes["num_motions"],
+        num_motions_true=len(set(labels.tolist())),
+    )
+    return Output({}, score.model_dump())
+
+
+def _mask_params(config: PipelineConfig, void: int | None) -> dict:
+    return {"void": void, "section_length": config.sections.length}
+
+
+def _point_params(config: PipelineConfig) -> dict:
+    return {"section_length": config.sections.length}
+
+
+MOTION_SEGMENTATION = Task("score", "motion-segmentation", version=1, run=_run_masks, params=_mask_params)
+LABELLED_POINTS = Task("score", "labelled-points", version=1, run=_run_points, params=_point_params)
+TRAJECTORIES = Task("score", "trajectories", version=1, run=_run_trajectories)
+
+STAGE = Stage(
+    name="score",
+    about="score of a sequence or clip",
+    inputs={
+        "segmentation": "labels of every section",
+        "annotation": "annotated masks (motion-segmentation)",
+        "labelled_points": "labelled points (labelled-points)",
+        "clustering": "motion groups of trajectories (trajectories)",
+        "labels": "true motions of trajectories (trajectories)",
+    },
+    arrays={},
+    tasks=(MOTION_SEGMENTATION, LABELLED_POINTS, TRAJECTORIES),
+)

@@ -1,8 +1,11 @@
-"""Objects with which a section's tracking starts: those found in its first frame and those tracked into it."""
+"""Seeds: objects with which the tracking of a section starts, found in its first frame or tracked into it."""
 
 import numpy as np
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import SeedParams
+from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 
@@ -39,4 +42,20 @@ def _run(params, inputs, rng):
     )
 
 
-MASK_OVERLAP = Task("seeds", "mask-overlap", version=2, run=_run)
+def _params(config: PipelineConfig) -> dict:
+    return {"seeds": config.seeds.model_dump(mode="json")}
+
+
+MASK_OVERLAP = Task("seeds", "mask-overlap", version=2, run=_run, params=_params)
+
+STAGE = Stage(
+    name="seeds",
+    about="objects that a section's tracking starts with",
+    inputs={"found": "instances of the section's first frame", "tracked": "proposals of the section before"},
+    arrays={
+        "labels": layout("uint16", "y x", "object of the section, 0 = background"),
+        "scores": layout("float64", "object"),
+        "identities": layout("uint16", "object", "object of the sequence"),
+    },
+    tasks=(MASK_OVERLAP,),
+)

@@ -1,7 +1,10 @@
-"""Labels of a section: 0 where static, else the moving object's identity (its own label where masks were given)."""
+"""Segmentation: labels of a section, 0 where static, else the moving object's identity or its label in given masks."""
 
 import numpy as np
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
+from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 
@@ -17,10 +20,26 @@ def _run(params, inputs, rng):
     label = np.where(moves[identity], names[identity], 0)
     masks = inputs["proposals"].cached("masks")[: params["num_frames"]]
     labels = np.empty(masks.shape, np.uint16)
-    # Frame by frame: for indexing NumPy turns labels into integers of four times their size.
+    # Frame by frame: NumPy converts labels that index an array to integers of four times their size.
     for mask, out in zip(masks, labels, strict=True):
         out[:] = label[mask]
     return Output({"labels": labels})
 
 
-MOVING_OBJECTS = Task("segmentation", "moving-objects", version=1, run=_run)
+def _params(config: PipelineConfig, section: int, num_frames: int) -> dict:
+    return {"section": section, "num_frames": num_frames}
+
+
+MOVING_OBJECTS = Task("segmentation", "moving-objects", version=1, run=_run, params=_params)
+
+STAGE = Stage(
+    name="segmentation",
+    about="labels of a section's moving objects",
+    inputs={
+        "proposals": "objects of the section",
+        "linking": "identities of its objects",
+        "clustering": "motion groups, for a variant that has them",
+    },
+    arrays={"labels": layout("uint16", "frame y x", "0 static, else the moving object's identity")},
+    tasks=(MOVING_OBJECTS,),
+)

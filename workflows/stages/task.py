@@ -1,4 +1,4 @@
-"""A task: a named, versioned adapter from a recipe's inputs to a pure function and back to arrays."""
+"""Task: one method of one stage, from the parameters that it reads to the arrays that it leaves."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -6,11 +6,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError
 from moseg.workflows.stages.inputs import Inputs
 
 
 class Output(NamedTuple):
-    """What a task leaves in the store: arrays by name, and small results as attributes."""
+    """Result of a task: arrays by name, and small results as attributes."""
 
     arrays: Mapping[str, np.ndarray]
     attributes: Mapping[str, Any] = {}
@@ -20,14 +22,58 @@ Run = Callable[[Mapping[str, Any], Inputs, np.random.Generator], Output]
 RunTogether = Callable[[Mapping[str, Any], Sequence[Inputs]], Sequence[Output]]
 
 
+class Network(NamedTuple):
+    """The network that a task runs.
+
+    Attributes
+    ----------
+    architecture : str
+        Of the weights that it takes.
+    parameter : str
+        ``stage.name`` of the parameter that names the weights item.
+    default : str
+        Item that is read if the parameter names none.
+    """
+
+    architecture: str
+    parameter: str
+    default: str
+
+    def item(self, config: PipelineConfig) -> str:
+        """Return the name of the weights item that a configuration chooses."""
+        stage, _, name = self.parameter.partition(".")
+        return getattr(getattr(config, stage), name) or self.default
+
+
+def no_params(config: PipelineConfig) -> dict:
+    """Return the parameters of a task that reads none."""
+    return {}
+
+
 @dataclass(frozen=True)
 class Task:
-    """One way (`method`) to do one stage (`name`).
+    """One method of one stage.
 
-    `version` rises whenever the code behind it may give other bytes; a test compares it with a fingerprint of the code.
-    `run` takes the recipe's parameters, its inputs and a generator seeded by the recipe. A task that draws no random
-    numbers may have `run_together` instead, which takes the inputs of several recipes of the same parameters.
-    One that `is_brief` does a frame's share in a fraction of a second: several share a call.
+    Attributes
+    ----------
+    name, method : str
+        Stage and method, as they stand in the recipe.
+    version : int
+        Raised whenever the code behind the task may give other bytes; a test compares it with a digest of the code.
+    run : function, optional
+        Takes the recipe's parameters, its inputs and a generator seeded by the recipe.
+    run_together : function, optional
+        In place of `run`, for a task that draws no random numbers: takes the inputs of several recipes that have the
+        same parameters.
+    params : function
+        Returns what the recipe names of a `PipelineConfig`: exactly the parameters that the task reads. The graph gives
+        it, by keyword, what depends on the place in the sequence.
+    network : Network, optional
+        The weights are the input ``weights`` then.
+    is_cheap : bool
+        Computing one frame takes a fraction of a second, so that several recipes share a call.
+    code : str, optional
+        Fingerprint of the plug-in that the task comes from, set when it is registered; it stands in the recipes.
     """
 
     name: str
@@ -35,12 +81,25 @@ class Task:
     version: int
     run: Run | None = None
     run_together: RunTogether | None = None
-    is_brief: bool = False
+    params: Callable[..., dict] = no_params
+    network: Network | None = None
+    is_cheap: bool = False
+    code: str | None = None
 
     def compute(
         self, params: Mapping[str, Any], inputs: Sequence[Inputs], generators: Sequence[np.random.Generator]
     ) -> Sequence[Output]:
-        """The outputs of recipes of the same parameters."""
+        """Return the outputs of recipes that have the same parameters.
+
+        Raises
+        ------
+        InputError
+            The recipe was written for other code of the plug-in than this process has.
+        """
+        params = dict(params)
+        if self.code is not None and (wanted := params.pop("code", None)) != self.code:
+            where, got = f"{self.name} by {self.method}", f"code {self.code}"
+            raise InputError("another version of a plug-in", where=where, got=got, expected=f"code {wanted}")
         if self.run_together is not None:
             return self.run_together(params, inputs)
         return [self.run(params, each, rng) for each, rng in zip(inputs, generators, strict=True)]

@@ -1,12 +1,18 @@
-"""Point tracks of a section's objects."""
+"""Tracks: points of a section's objects, followed through its frames."""
 
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import PipsParams, TrackParams
-from moseg.tasks.tracks import assign_tracks, track_points
 from moseg.workflows.stages.resident import made_on, open_network
-from moseg.workflows.stages.task import Output, Task
+from moseg.workflows.stages.stage import OPENCV, Backend, Choice, Stage
+from moseg.workflows.stages.task import Network, Output, Task
+
+LUCAS_KANADE_PARAMS = frozenset({"window", "pyramid_levels", "forward_backward"})
 
 
 def _run_lucas_kanade(params, inputs, rng):
+    from moseg.tasks.tracks import track_points
+
     frames = (frame.cached("image") for frame in inputs.all("frames"))
     masks = inputs["proposals"].cached("masks")[: params["num_frames"]]
     tracks = track_points(frames, masks, TrackParams.of_recipe(params["tracks"]), rng)
@@ -26,6 +32,8 @@ def _run_pips(params, inputs, rng):
 
 
 def _run_given(params, inputs, rng):
+    from moseg.tasks.tracks import assign_tracks
+
     start, stop = params["start"], params["stop"]
     points = inputs["tracks"].cached("points")[:, start:stop]
     visible = inputs["tracks"].cached("visible")[:, start:stop]
@@ -35,6 +43,59 @@ def _run_given(params, inputs, rng):
     return Output({"points": points, "visible": visible, "object": assign_tracks(points, visible, masks)})
 
 
-LUCAS_KANADE = Task("tracks", "lucas-kanade", version=1, run=_run_lucas_kanade)
-PIPS = Task("tracks", "pips", version=2, run=_run_pips)
-GIVEN_TRACKS = Task("tracks", "given", version=1, run=_run_given)
+def _lucas_kanade_params(config: PipelineConfig, num_frames: int) -> dict:
+    return {"num_frames": num_frames, "tracks": config.tracks.model_dump(mode="json", exclude={"method"})}
+
+
+def _pips_params(config: PipelineConfig, num_frames: int) -> dict:
+    return {
+        "num_frames": num_frames,
+        "tracks": config.tracks.model_dump(mode="json", exclude={"method"} | LUCAS_KANADE_PARAMS),
+        "pips": config.pips.model_dump(mode="json", exclude={"weights"}),
+    }
+
+
+def _given_params(config: PipelineConfig, start: int, stop: int) -> dict:
+    return {"start": start, "stop": stop}
+
+
+def _method(config: PipelineConfig) -> str:
+    return "given" if config.tracks.method in ("groundtruth", "folder") else config.tracks.method
+
+
+LUCAS_KANADE = Task("tracks", "lucas-kanade", version=1, run=_run_lucas_kanade, params=_lucas_kanade_params)
+PIPS = Task(
+    "tracks", "pips", version=2, run=_run_pips, params=_pips_params, network=Network("pips", "pips.weights", "pips")
+)
+GIVEN_TRACKS = Task("tracks", "given", version=1, run=_run_given, params=_given_params)
+
+STAGE = Stage(
+    name="tracks",
+    about="point tracks of a section's objects",
+    inputs={
+        "frames": "frames of the section, and as many of the next as a pair reaches",
+        "proposals": "objects of the section",
+        "tracks": "given tracks of the sequence (given)",
+        "weights": "of the network",
+    },
+    arrays={
+        "points": layout("float32", "track frame xy", "px"),
+        "visible": layout("bool", "track frame"),
+        "object": layout("uint16", "track", "object of the section"),
+    },
+    tasks=(LUCAS_KANADE, PIPS, GIVEN_TRACKS),
+    method=_method,
+    choices=(
+        Choice(
+            "tracks",
+            "tracks.method",
+            "--tracks",
+            (
+                Backend("lucas-kanade", "pyramidal Lucas-Kanade", OPENCV),
+                Backend("pips", "PIPs", network=PIPS.network),
+                Backend("groundtruth", "exact (synthetic)"),
+                Backend("folder", "your own tracks"),
+            ),
+        ),
+    ),
+)

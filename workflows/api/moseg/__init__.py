@@ -11,6 +11,8 @@ What is here is imported when it is first used, so that ``import moseg`` itself 
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from moseg.schemas.declared_names import find_names_by
+
 if TYPE_CHECKING:
     from moseg.schemas.configs import PipelineConfig, Variant
     from moseg.schemas.errors import InputError, MosegError
@@ -43,6 +45,10 @@ _HOMES = {
     "load_config": "moseg.workflows.api",
     "segment_video": "moseg.workflows.api",
 }
+
+
+# Before any room is imported: a parameter that takes the name of a method, or of a model, is checked against them.
+find_names_by(lambda parameter: import_module("moseg.workflows.stages.registry").names_of(parameter))
 
 
 def __getattr__(name: str):

@@ -5,7 +5,6 @@ from typing import Annotated
 
 import typer
 
-from moseg.schemas.arrays import LAYOUTS
 from moseg.schemas.errors import InputError
 
 KeyArgument = Annotated[str, typer.Argument(help="<task>/<key>, or the first letters of a key.")]
@@ -31,13 +30,15 @@ def find_artifact(store, key: str) -> str:
     InputError
         No artifact begins so, or several do.
     """
+    from moseg.workflows.stages.registry import artifact_names
+
     task, _, start = key.rpartition("/")
     found: list[str] | set[str] = set()
     is_whole = _FULL_KEY.fullmatch(start) is not None
     if is_whole:
-        tasks = [task] if task else LAYOUTS
+        tasks = [task] if task else artifact_names()
         found = store.present(f"{each}/{start}" for each in tasks if _TASK.fullmatch(each))
-    # Tasks without arrays are in no list: their whole keys, without the task's name, take a listing.
+    # What ingest and weights leave is in no list: their whole keys, without a name, take a listing.
     if not found and not (is_whole and task):
         listed = store.refs(task) if _TASK.fullmatch(task) else store.refs()
         found = [ref for ref in listed if ref.startswith(key) or ref.partition("/")[2].startswith(key)]

@@ -5,7 +5,6 @@ from typing import Annotated
 
 import typer
 
-from moseg.schemas.arrays import LAYOUTS
 from moseg.schemas.spelling import closest, unknown_name
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import open_existing
@@ -36,9 +35,12 @@ def list_artifacts(
     ref = None
     for ref in opened.refs(task):
         print(ref)
-    # A task that is known has no artifacts yet; of others nobody knows, unless one is meant that is.
-    if ref is None and task is not None and task not in LAYOUTS and closest(task, LAYOUTS) is not None:
-        raise unknown_name("task", task, LAYOUTS, where="--task")
+    # A known task without artifacts is no error, and neither is an unknown one, unless its name is nearly a known one.
+    from moseg.workflows.stages.registry import artifact_names
+
+    names = artifact_names()
+    if ref is None and task is not None and task not in names and closest(task, names) is not None:
+        raise unknown_name("task", task, names, where="--task")
 
 
 def disk_use(quiet: QuietOption = False, store: StoreOption = DEFAULT_STORE) -> None:

@@ -1,0 +1,19 @@
+"""Where the names come from that a parameter of type `ChoiceOf` takes.
+
+The names are declared in rooms that this one does not import. The package `moseg`, which is imported before any of its
+rooms, says how they are found; they are looked up when a value is checked or listed.
+"""
+
+from collections.abc import Callable, Iterable
+
+_find: list[Callable[[str], Iterable[str]]] = []
+
+
+def find_names_by(find: Callable[[str], Iterable[str]]) -> None:
+    """Set the function that returns the names declared for a parameter, given as ``stage.name``."""
+    _find[:] = [find]
+
+
+def declared_names(parameter: str) -> tuple[str, ...]:
+    """Return the names declared for a parameter, in the order of the declarations."""
+    return tuple(_find[0](parameter))

@@ -1,0 +1,45 @@
+"""Background: which model the background's flow follows, chosen for a run of frames."""
+
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.parameters import SaliencyParams
+from moseg.workflows.stages.stage import Stage
+from moseg.workflows.stages.task import Output, Task
+
+PAIRS_PARAMS = frozenset({"selection_length", "selection_step"})
+"""They only say which flows the selection reads."""
+SELECTION_PARAMS = PAIRS_PARAMS | {
+    *("background", "gric_noise", "gric_step", "focals", "focal_residual", "focal_slack"),
+    *("ground_agreement", "ground_hint", "ground_tilt"),
+}
+"""Read by the selection alone, of the parameters of saliency."""
+RESIDUAL_PARAMS = frozenset(
+    {"ground_relief", "support_slope", "support_noise", "residual_blur", "floor", "floor_medians", "floor_motion"}
+    | {"otsu_percentile", "outline_share", "outline_reach", "gate_blur", "gate_error", "strict_gate_error"}
+)
+"""Read by the saliency of a frame alone."""
+
+
+def _run(params, inputs, rng):
+    from moseg.tasks.flow.fill_unknown import fill_unknown
+    from moseg.tasks.saliency import choose_background, reduce_flow, working_shape
+
+    saliency_params = SaliencyParams.of_recipe(params)
+    # Given flow has gaps where its files know none; every pixel of a map needs some.
+    flows = [fill_unknown(pair.array("flow")) for pair in inputs.all("flows")]
+    reduced = [reduce_flow(flow, working_shape(flow.shape[:2], saliency_params.working_side)) for flow in flows]
+    return Output({}, choose_background(reduced, saliency_params)._asdict())
+
+
+def _params(config: PipelineConfig) -> dict:
+    return config.saliency.model_dump(mode="json", exclude=RESIDUAL_PARAMS | PAIRS_PARAMS)
+
+
+MODEL_SELECTION = Task("background", "model-selection", version=1, run=_run, params=_params)
+
+STAGE = Stage(
+    name="background",
+    about="the background's model of flow",
+    inputs={"flows": "flow of frame pairs at fixed places"},
+    arrays={},
+    tasks=(MODEL_SELECTION,),
+)

@@ -1,0 +1,79 @@
+"""Trajectory clustering: motion groups of a clip's trajectories from the kernels of one or several point models."""
+
+import numpy as np
+
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.parameters import TrajectoryClusteringParams
+from moseg.schemas.parameters.clustering import COUNT_READS
+from moseg.workflows.stages.hypotheses import points_of
+from moseg.workflows.stages.stage import Stage
+from moseg.workflows.stages.task import Output, Task
+
+
+def _run(params, inputs, rng):
+    from moseg.tasks.trajectories import View, cluster_trajectories
+
+    kernels = [model.array("kernel") for model in inputs.all("kernels")]
+    num_draws = len(kernels[0])
+    residuals = [[None] * num_draws] * len(kernels)
+    if "residuals" in inputs:
+        residuals = [np.split(model.array("residual"), num_draws, axis=1) for model in inputs.all("residuals")]
+    draws = [
+        [View(kernel[draw], residual[draw]) for kernel, residual in zip(kernels, residuals, strict=True)]
+        for draw in range(num_draws)
+    ]
+    clustering_params = TrajectoryClusteringParams.of_recipe(params["clustering"])
+    result = cluster_trajectories(draws, *points_of(inputs), params["num_motions"], clustering_params, rng)
+    arrays = ("motion", "embedding", "eigenvalues", "costs", "cuts")
+    return Output(
+        {name: getattr(result, name) for name in arrays},
+        {"num_motions": int(result.num_motions), "objective": [float(value) for value in result.objective]},
+    )
+
+
+def clustering_method(config: PipelineConfig, num_views: int) -> str:
+    """Return how so many views are clustered; a single one as published: spectral clustering of its kernel."""
+    return config.trajectory_clustering.method if num_views > 1 else "sum"
+
+
+def _params(config: PipelineConfig, num_views: int, num_motions: int | None) -> dict:
+    """Return what a clustering of so many views reads; `num_motions` is None where it has to be found."""
+    params, is_auto = config.trajectory_clustering, num_motions is None
+    method = clustering_method(config, num_views)
+    unread = set() if is_auto else {"most_motions", "auto", "separate"}
+    if not is_auto or not params.separate:
+        unread.add("separation")
+    counts = COUNT_READS.get(params.auto, frozenset()) - {"most_motions"} if is_auto else frozenset()
+    if params.auto == "stability":
+        # Draws of hypotheses are the resamples.
+        counts &= {"least_agreement"}
+    if method != "coregularised":
+        unread |= {"co_regularisation", "num_iterations", "tolerance"}
+    if method != "energy":
+        unread.add("pieces")
+    read = params.model_copy(update={"method": method}).model_dump(mode="json", exclude=unread | {"count"})
+    if counts:
+        read["count"] = params.count.model_dump(mode="json", include=counts)
+    return {"num_motions": num_motions, "clustering": read}
+
+
+MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=1, run=_run, params=_params)
+
+STAGE = Stage(
+    name="trajectory_clustering",
+    about="motion groups of a clip's trajectories",
+    inputs={
+        "kernels": "affinity under every point model",
+        "trajectories": "points of the clip",
+        "residuals": "residuals under every point model, for clustering by energy",
+    },
+    arrays={
+        "motion": layout("uint16", "track", "motion group"),
+        "embedding": layout("float64", "track coordinate"),
+        "eigenvalues": layout("float64", "view eigenvalue"),
+        "costs": layout("float64", "num_motions", "0..1, from one motion on"),
+        "cuts": layout("float64", "num_motions", "from one motion on"),
+    },
+    tasks=(MOTION_GROUPS,),
+)
