@@ -22,6 +22,7 @@ ROOT = Path(__file__).resolve().parents[1]
 RECORD = Path(__file__).with_suffix(".json")
 FOLLOWED = {"moseg.tasks": "moseg_tasks", "moseg.workflows": "workflows"}
 """Packages whose code is followed, and their folders."""
+CODE_KEYWORDS = ("run", "run_together")
 PLUMBING = ("moseg.workflows.stages.task", "moseg.workflows.stages.inputs", "moseg.workflows.stages.resident")
 LEAF_READERS = (
     ("ingest:leaves", "moseg.workflows.engine.ingest", "_LEAVES", "INGEST_VERSION"),
@@ -136,13 +137,13 @@ def reach(root: ModuleName, read: SourceReader = read_source) -> list[list]:
 
 
 def _roots() -> dict[str, tuple[int, ModuleName]]:
-    from moseg.workflows.stages.registry import TASKS
+    from moseg.workflows.stages.registry import all_tasks
 
     roots = {}
-    for (name, method), task in TASKS.items():
+    for task in all_tasks():
         adapter = (task.run or task.run_together).__module__
         (variable,) = (key for key, value in vars(import_module(adapter)).items() if value is task)
-        roots[f"{name}:{method}"] = (task.version, ModuleName(adapter, variable))
+        roots[f"{task.name}:{task.method}"] = (task.version, ModuleName(adapter, variable))
     for name, module, variable, version in LEAF_READERS:
         roots[name] = (getattr(import_module(module), version), ModuleName(module, variable))
     return roots
@@ -212,8 +213,8 @@ def _names(statement: ast.stmt) -> set[str]:
 
 
 def _tree(node) -> object:
-    """An AST as lists, the same on every Python: without positions, empty fields, texts that stand alone, and the
-    version of a task."""
+    """An AST as lists, the same on every Python: without positions, empty fields, texts that stand alone, and what a
+    task says of itself beside its code: its version, and what stands in its recipe."""
     if isinstance(node, list):
         return [_tree(item) for item in node if not _is_text(item)]
     if not isinstance(node, ast.AST):
@@ -222,7 +223,7 @@ def _tree(node) -> object:
     fields = []
     for field, value in ast.iter_fields(node):
         if is_task and field == "keywords":
-            value = [keyword for keyword in value if keyword.arg != "version"]
+            value = [keyword for keyword in value if keyword.arg in CODE_KEYWORDS]
         if value is not None and value != [] and field not in ("ctx", "kind", "type_comment"):
             fields.append([field, _tree(value)])
     return [type(node).__name__, *fields]

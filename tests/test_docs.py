@@ -28,7 +28,8 @@ from moseg.workflows.cli.app import build_command
 from moseg.workflows.cli.pipeline_options import PipelineOptions
 from moseg.workflows.config.preset_choice import choose_preset
 from moseg.workflows.datasets.registry import DATASETS
-from moseg.workflows.stages.needed_weights import ARCHITECTURES, needed_items
+from moseg.workflows.stages.needed_weights import needed_items
+from moseg.workflows.stages.registry import all_tasks
 from moseg.workflows.weights.catalogue import CATALOGUE
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -117,10 +118,10 @@ def _check_parsed(values: dict) -> None:
     config, _ = PipelineOptions(**{name: values[name] for name in names} | own).read()
     for item, architecture in needed_items(config).items():
         _check_item(item, architecture)
-    for method, architecture in ARCHITECTURES.items():
-        item = getattr(getattr(config, method.replace("-", "_"), None), "weights", None)
-        if item is not None:
-            _check_item(item, architecture)
+    for network in filter(None, (task.network for task in all_tasks())):
+        # The tagger's item may be of either architecture.
+        if network.parameter != "ram.weights":
+            _check_item(network.item(config), network.architecture)
 
 
 def _check_item(item: str, architecture: str | None) -> None:

@@ -41,7 +41,7 @@ class Rule(NamedTuple):
 
 
 RULES = {
-    "schemas": Rule(set(), {"numpy", "pydantic"}),
+    "schemas": Rule(set(), {"numpy", "pydantic", "pydantic_core"}),
     "store": Rule({"schemas"}, {"botocore", "google_crc32c", "numcodecs", "numpy", "obstore", "pydantic", "zarr"}),
     "moseg_tasks": Rule({"schemas"}, SCIENCE, OUTSIDE_WORLD),
     "workflows": Rule(

@@ -12,18 +12,18 @@ FRONT = ("api", "moseg")
 ALLOWED = {
     "cli": {
         *("cluster", "config", "datasets", "engine", "exports", "pipelines", "predictions", "process", "reports"),
-        *("runlog", "sources", "weights"),
+        *("runlog", "sources", "stages", "weights"),
     },
     "api": {"config", "datasets", "engine", "exports", "pipelines", "process", "reports", "runlog", "sources"},
     "pipelines": {
         *("datasets", "engine", "exports", "graph", "predictions", "process", "reports", "results", "runlog"),
-        *("sources", "weights"),
+        *("sources", "stages", "weights"),
     },
     "reports": {"config", "engine", "exports", "graph", "process", "results", "runlog", "sources"},
     "results": {"exports", "graph", "sources"},
     "exports": {"process", "runlog", "sources"},
     "engine": {"cluster", "datasets", "process", "runlog", "stages", "weights"},
-    "graph": {"stages", "weights"},
+    "graph": {"stages"},
     "stages": {"process", "sources", "weights"},
     "cluster": {"process", "weights"},
     "weights": {"process"},

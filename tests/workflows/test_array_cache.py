@@ -8,7 +8,13 @@ from moseg.store import open_store
 from moseg.workflows.engine.execution import execute_batches
 from moseg.workflows.stages.array_cache import ArrayCache
 from moseg.workflows.stages.inputs import ArtifactView, Inputs
+from moseg.workflows.stages.registry import axes_of
 from moseg.workflows.stages.task import Output, Task
+
+
+def _put(store, recipe, arrays, attributes=None):
+    """Store an artifact of a stage or a leaf."""
+    return store.put(recipe, arrays, attributes, dims=axes_of(recipe.task, arrays))
 
 
 @pytest.fixture
@@ -63,7 +69,7 @@ def test_what_was_just_computed_is_not_read_back(store, monkeypatch):
 
 def test_rows_outside_a_kept_array_are_refused_as_by_the_store(store):
     recipe = Recipe(task="segmentation", version=1)
-    store.put(recipe, {"labels": np.zeros((2, 3, 4), np.uint16)})
+    _put(store, recipe, {"labels": np.zeros((2, 3, 4), np.uint16)})
     view = ArtifactView(store, recipe.ref)
     view.cached("labels")
     with pytest.raises(ValueError, match="rows outside the array"):

@@ -3,81 +3,81 @@
 import json
 from typing import get_args
 
+import numpy as np
 import pytest
 
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.parameters import DepthParams, FlowParams, TrackParams
-from moseg.schemas.parameters.detections import DetectionParams
+from moseg.schemas.errors import StoreError
 from moseg.schemas.weights import Architecture
-from moseg.workflows.stages.needed_weights import needed_items
-from moseg.workflows.stages.registry import TASKS
-from moseg.workflows.weights.backends import BACKENDS, describe_pin, weights_rows
+from moseg.workflows.config.parameters import list_parameters
+from moseg.workflows.stages.needed_weights import needed_items, parameters_of
+from moseg.workflows.stages.registry import STAGES, all_choices, axes_of
 from moseg.workflows.weights.folder import open_weights
+from moseg.workflows.weights.overview import describe_pin, weights_rows
 
-CHOICES = {
-    "flow": (FlowParams, "method"),
-    "depth": (DepthParams, "method"),
-    "tracks": (TrackParams, "method"),
-    "proposals": (PipelineConfig, "proposal_source"),
-    "tagger": (DetectionParams, "tagger"),
-    "masks": (DetectionParams, "masks"),
-    "tracker": (DetectionParams, "tracker"),
-}
-TASK_OF_STAGE = {"tagger": "tags", "detector": "detections", "masks": "instances", "tracker": "proposals"}
-NO_PARAMETER = {"tagger": {"given"}}
-"""Chosen otherwise than by the stage's parameter."""
+BACKENDS = [(choice, backend) for choice in all_choices() for backend in choice.backends]
+NETWORKS = [(choice, backend) for choice, backend in BACKENDS if backend.network is not None]
 
 
-@pytest.mark.parametrize("stage", CHOICES)
-def test_every_choice_of_a_stage_is_listed_and_no_other(stage):
-    params, name = CHOICES[stage]
-    listed = [backend.method for backend in BACKENDS if backend.stage == stage]
-    assert sorted(listed) == sorted({*get_args(params.model_fields[name].annotation), *NO_PARAMETER.get(stage, ())})
+@pytest.mark.parametrize("choice", [choice for choice in all_choices() if choice.parameter], ids=lambda c: c.name)
+def test_a_parameter_takes_the_methods_that_are_listed(choice):
+    assert list_parameters()[choice.parameter].choices == choice.names
 
 
-def test_every_network_is_a_task():
-    networks = {
-        (TASK_OF_STAGE.get(backend.stage, backend.stage), backend.method)
-        for backend in BACKENDS
-        if backend.architecture
-    }
-    assert networks <= set(TASKS)
+@pytest.mark.parametrize("stage", [stage for stage in STAGES.values() if stage.choices], ids=lambda stage: stage.name)
+def test_every_method_of_a_stage_with_a_choice_is_listed(stage):
+    listed = {backend.method for choice in stage.choices for backend in choice.backends}
+    assert {task.method for task in stage.tasks} - {"given"} <= listed
 
 
-def test_every_task_of_a_stage_is_listed():
-    stages = {TASK_OF_STAGE.get(backend.stage, backend.stage) for backend in BACKENDS}
-    listed = {(TASK_OF_STAGE.get(backend.stage, backend.stage), backend.method) for backend in BACKENDS}
-    given = {(stage, "given") for stage in stages}
-    assert {task for task in TASKS if task[0] in stages} - given <= listed
+@pytest.mark.parametrize("stage", STAGES.values(), ids=lambda stage: stage.name)
+def test_a_stage_computes_itself(stage):
+    assert {task.name for task in stage.tasks} == {stage.name}
+    assert (stage.method is None) <= (len(stage.tasks) == 1 or stage.name in BY_PLACE)
+    assert all((task.run is None) != (task.run_together is None) for task in stage.tasks)
+    assert all(("weights" in stage.inputs) for task in stage.tasks if task.network is not None)
 
 
-def _choose(backend):
+BY_PLACE = ("score", "object_hypotheses")
+"""Stages whose method follows from what the sequence has, or from the kind of motion model."""
+
+
+def _choose(choice, backend):
     """The configuration in which a backend is chosen and nothing else."""
-    if backend.stage in ("flow", "depth", "tracks"):
-        return PipelineConfig.model_validate({backend.stage: {"method": backend.method}})
-    detections = {} if backend.stage == "detector" else {backend.stage: backend.method}
-    return PipelineConfig.model_validate({"proposal_source": "detections", "detections": detections})
+    stage, _, name = choice.parameter.rpartition(".")
+    values = {stage: {name: backend.method}} if stage else {}
+    return PipelineConfig.model_validate({"proposal_source": "detections", **values})
 
 
-@pytest.mark.parametrize("backend", [backend for backend in BACKENDS if backend.architecture], ids=lambda b: b.option)
-def test_a_network_reads_the_weights_that_are_listed_for_it(backend):
-    assert needed_items(_choose(backend)).get(backend.weights[1]) == backend.architecture
+@pytest.mark.parametrize(("choice", "backend"), NETWORKS, ids=lambda each: getattr(each, "name", None))
+def test_a_network_reads_the_weights_that_are_listed_for_it(choice, backend):
+    network = backend.network
+    assert needed_items(_choose(choice, backend)).get(network.default) == network.architecture
+    default = getattr(PipelineConfig(), network.parameter.partition(".")[0]).weights
+    assert default in (None, network.default)
 
 
 def test_every_weights_item_is_taken_by_a_backend_and_every_default_exists():
     weights = open_weights({"MOSEG_WEIGHTS": "/nowhere"})
-    assert {backend.architecture for backend in BACKENDS} - {None} == set(get_args(Architecture))
-    assert all(row.parameters for row in weights_rows(weights))
-    for backend in BACKENDS:
-        if backend.architecture:
-            assert weights.item(backend.weights[1]).architecture == backend.architecture
+    assert {backend.network.architecture for _, backend in NETWORKS} == set(get_args(Architecture))
+    assert all(row.parameters for row in weights_rows(weights, parameters_of))
+    for _, backend in NETWORKS:
+        assert weights.item(backend.network.default).architecture == backend.network.architecture
+
+
+def test_arrays_that_are_not_those_of_the_stage_are_refused():
+    flow = np.zeros((4, 5, 2), np.float32)
+    assert axes_of("flow", {"flow": flow}) == {"flow": ("y", "x", "uv")}
+    for arrays in ({"flow": flow.astype(float)}, {"flow": flow[0]}, {"flows": flow}, {}):
+        with pytest.raises(StoreError, match="flow"):
+            axes_of("flow", arrays)
 
 
 def test_sizes_are_those_on_disk_where_the_files_are_here(tmp_path):
     weights = open_weights({"MOSEG_WEIGHTS": str(tmp_path)})
     (tmp_path / "pips").mkdir()
     (tmp_path / "pips" / "model.pth").write_bytes(b"12345")
-    sizes = {row.item.name: row.size for row in weights_rows(weights)}
+    sizes = {row.item.name: row.size for row in weights_rows(weights, parameters_of)}
     assert sizes["pips"] == 5
     assert sizes["raft-small"] == 4_006_189
 

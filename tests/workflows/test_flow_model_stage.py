@@ -7,10 +7,16 @@ from moseg.schemas.parameters import FlowModelParams
 from moseg.schemas.recipes import Recipe
 from moseg.store import open_store
 from moseg.tasks.motion_models import unpack_moments
-from moseg.workflows.stages.flow_models import LEAST_SQUARES_FIT
+from moseg.workflows.stages.flow_model import LEAST_SQUARES_FIT
 from moseg.workflows.stages.inputs import Inputs
+from moseg.workflows.stages.registry import axes_of
 
 HEIGHT, WIDTH = 24, 32
+
+
+def _put(store, recipe, arrays, attributes=None):
+    """Store an artifact of a stage or a leaf."""
+    return store.put(recipe, arrays, attributes, dims=axes_of(recipe.task, arrays))
 
 
 @pytest.fixture
@@ -22,7 +28,7 @@ def fit(tmp_path):
 
     def put(task, arrays, attributes=None):
         recipe = Recipe(task=task, version=1, params={"number": sum(1 for _ in store.refs())})
-        store.put(recipe, arrays, attributes)
+        _put(store, recipe, arrays, attributes)
         return recipe.ref
 
     def call(step, known=None):

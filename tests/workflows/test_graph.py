@@ -7,7 +7,7 @@ from moseg.schemas.digests import digest_bytes
 from moseg.schemas.errors import InputError
 from moseg.workflows.engine.execution import seeded_generator
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
-from moseg.workflows.stages.registry import TASKS
+from moseg.workflows.stages.registry import find_stage
 
 OBJECTS = {"components", "proposals", "linking", "tracks"}
 FOREGROUND = {"accumulation", "own_motion", "coherence", "appearance", "foreground"} | OBJECTS
@@ -190,7 +190,9 @@ def test_every_input_is_a_leaf_or_a_node():
         leaves |= {*LEAVES.depth, *LEAVES.flow_forward, *LEAVES.flow_backward}
         for recipe in recipes.values():
             assert set(recipe.input_refs()) <= recipes.keys() | leaves
-            assert (recipe.task, recipe.params["method"]) in TASKS
+            stage = find_stage(recipe.task)
+            assert stage.task(recipe.params["method"]).version == recipe.version
+        assert set(recipe.inputs) <= set(stage.inputs)
 
 
 def test_given_cues_are_not_estimated():

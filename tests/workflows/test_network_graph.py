@@ -7,7 +7,7 @@ from moseg.schemas.digests import digest_bytes
 from moseg.schemas.presets import PRESETS
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 from moseg.workflows.stages.needed_weights import items_of_preset, needed_items
-from moseg.workflows.stages.registry import TASKS
+from moseg.workflows.stages.registry import find_stage
 
 AFTER_PROPOSALS = {"linking", "tracks", "fundamental", "fundamental_residual", "flow_model", "flow_residual"}
 GROUPS = {"affinity", "clustering", "segmentation"}
@@ -128,7 +128,9 @@ def test_every_node_is_a_task_and_its_inputs_nodes_or_leaves(preset):
     leaves = {*graph.leaves.frames, *graph.leaves.weights.values()}
     for recipe in graph.recipes.values():
         assert set(recipe.input_refs()) <= graph.recipes.keys() | leaves
-        assert (recipe.task, recipe.params["method"]) in TASKS
+        stage = find_stage(recipe.task)
+        assert stage.task(recipe.params["method"]).version == recipe.version
+        assert set(recipe.inputs) <= set(stage.inputs)
 
 
 def test_presets_read_the_weights_of_their_networks_only():

@@ -12,10 +12,16 @@ from moseg.schemas.recipes import Recipe
 from moseg.store import open_store
 from moseg.workflows.cli.app import run
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
-from moseg.workflows.stages.hypotheses import FLOW_PATCHES, TRACK_SAMPLES
 from moseg.workflows.stages.inputs import Inputs
+from moseg.workflows.stages.object_hypotheses import FLOW_PATCHES, TRACK_SAMPLES
+from moseg.workflows.stages.registry import axes_of
 
 END = {"affinity", "clustering", "segmentation", "score"}
+
+
+def _put(store, recipe, arrays, attributes=None):
+    """Store an artifact of a stage or a leaf."""
+    return store.put(recipe, arrays, attributes, dims=axes_of(recipe.task, arrays))
 
 
 def _refs(task, count):
@@ -86,7 +92,7 @@ def residuals(tmp_path):
 
     def put(task, arrays, attributes=None):
         recipe = Recipe(task=task, version=1, params={"number": sum(1 for _ in store.refs())})
-        store.put(recipe, arrays, attributes)
+        _put(store, recipe, arrays, attributes)
         return recipe.ref
 
     boxes = np.zeros((1, 2, 4), np.int32)

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from moseg.schemas.choices import ChoiceOf
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.errors import UnnamedParameterError
@@ -21,7 +22,10 @@ from moseg.workflows.graph.trajectory_leaves import TrajectoryLeaves
 from moseg.workflows.stages.registry import find_task
 
 NUM_OBJECTS, NUM_FRAMES = 4, 6
-BY_METHOD = {"proposal_source", "flow.method", "depth.method", "tracks.method"}
+BY_METHOD = {
+    *("proposal_source", "flow.method", "depth.method", "tracks.method"),
+    *("detections.tagger", "detections.masks", "detections.tracker"),
+}
 """Choices between stages, not values that one stage reads."""
 
 
@@ -145,6 +149,8 @@ def _choices(model: type, prefix: str = "") -> dict[str, tuple]:
     for name, field in model.model_fields.items():
         if isinstance(field.annotation, type) and hasattr(field.annotation, "model_fields"):
             found |= _choices(field.annotation, f"{prefix}{name}.")
+        elif declared := [each for each in field.metadata if isinstance(each, ChoiceOf)]:
+            found[prefix + name] = declared[0].names
         elif typing.get_origin(field.annotation) is typing.Literal:
             found[prefix + name] = typing.get_args(field.annotation)
         elif field.annotation is bool:

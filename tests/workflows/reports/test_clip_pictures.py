@@ -16,12 +16,18 @@ from moseg.workflows.reports.missing import WhyAbsent
 from moseg.workflows.reports.panels import Panels
 from moseg.workflows.reports.pictures import gather_clip_pictures
 from moseg.workflows.reports.sequence_view import as_hex
+from moseg.workflows.stages.registry import axes_of
 
 CONFIG = PipelineConfig()
 FUSED = TrajectoryVariant.FUSED
 LABELS = np.array([1, 1, 1, 2, 2], np.uint16)
 GROUPS = np.array([5, 5, 0, 0, 0], np.uint16)
 PLACES = [(20, 20), (60, 20), (100, 20), (140, 60), (180, 60)]
+
+
+def _put(store, recipe, arrays, attributes=None):
+    """Store an artifact of a stage or a leaf."""
+    return store.put(recipe, arrays, attributes, dims=axes_of(recipe.task, arrays))
 
 
 @pytest.fixture
@@ -32,12 +38,12 @@ def clip(tmp_path):
     points[:, :, 0] += [-9, -6, -3, 0]
     visible = np.ones((5, 4), bool)
     recipes = leaf_recipe("trajectories", "1" * 64), leaf_recipe("trajectory_labels", "2" * 64)
-    store.put(recipes[0], {"points": points, "visible": visible})
-    store.put(recipes[1], {"labels": LABELS})
+    _put(store, recipes[0], {"points": points, "visible": visible})
+    _put(store, recipes[1], {"labels": LABELS})
     graph = TrajectoryGraph(TrajectoryLeaves("clip", recipes[0].ref, recipes[1].ref, 2), CONFIG)
     ref = graph.clustering(FUSED)
     arrays = {"embedding": np.zeros((5, 2)), "eigenvalues": np.zeros((1, 2)), "costs": np.zeros(2), "cuts": np.zeros(2)}
-    store.put(graph.recipes[ref], {"motion": GROUPS, **arrays}, {"num_motions": 2, "objective": [0.0]})
+    _put(store, graph.recipes[ref], {"motion": GROUPS, **arrays}, {"num_motions": 2, "objective": [0.0]})
     return store, graph
 
 
@@ -85,7 +91,7 @@ def test_the_canvas_holds_all_points_at_the_display_s_size():
 def test_a_large_clip_is_reduced(tmp_path, clip):
     store, graph = clip
     recipe = leaf_recipe("trajectories", "3" * 64)
-    store.put(recipe, {"points": np.full((5, 1, 2), 2 * CLIP_SIDE - 1.0), "visible": np.ones((5, 1), bool)})
+    _put(store, recipe, {"points": np.full((5, 1, 2), 2 * CLIP_SIDE - 1.0), "visible": np.ones((5, 1), bool)})
     graph = TrajectoryGraph(graph.leaves._replace(trajectories=recipe.ref), CONFIG)
     pictures = gather_clip_pictures(store, graph, CONFIG, (), 4)
     canvas = pictures.layers[0].pictures[0]

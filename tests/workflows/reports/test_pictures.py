@@ -23,12 +23,18 @@ from moseg.workflows.reports.missing import WhyAbsent
 from moseg.workflows.reports.picture_content import LayerKind
 from moseg.workflows.reports.pictures import gather_pictures, picture_refs
 from moseg.workflows.reports.sequence_view import all_colours, all_tints, as_hex
+from moseg.workflows.stages.registry import axes_of
 
 CONFIG = PipelineConfig(sections=SectionParams(length=4, overlap=2))
 FUSED = (Variant.FUSED,)
 SHAPE = (96, 128)
 OPAQUE = ["frame", "motion saliency", "optical flow", "flow relative to the background"]
 OVER = ["moving objects (fused)", "ground truth", "errors (fused)", "proposals", "tracks"]
+
+
+def _put(store, recipe, arrays, attributes=None):
+    """Store an artifact of a stage or a leaf."""
+    return store.put(recipe, arrays, attributes, dims=axes_of(recipe.task, arrays))
 
 
 class _Recorder:
@@ -272,7 +278,7 @@ def test_depth_is_shown_where_it_is_given_lighter_where_near(evaluated_copy):
     store, _ = _open(evaluated_copy)
     recipe = leaf_recipe("given_depth", "0" * 64)
     depth = np.tile(np.linspace(0, 2, SHAPE[1], dtype=np.float32), (SHAPE[0], 1))
-    store.put(recipe, {"inverse_depth": depth})
+    _put(store, recipe, {"inverse_depth": depth})
     config = CONFIG.model_copy(update={"depth": DepthParams(method="groundtruth")})
     _, graph = _open(evaluated_copy, config, depth=(recipe.ref,) * 10)
     layer = _layer(gather_pictures(store, graph, config, FUSED, 2, fps=5.0), "inverse depth")
@@ -289,7 +295,7 @@ def test_ground_truth_at_points_is_drawn_as_points(evaluated_copy):
     visible = np.ones((3, 10), bool)
     visible[:, :4] = False
     labels = np.array([1, 2, 0], np.uint16)
-    store.put(recipe, {"points": points, "visible": visible, "labels": labels}, {"size": [192, 256]})
+    _put(store, recipe, {"points": points, "visible": visible, "labels": labels}, {"size": [192, 256]})
     _, graph = _open(evaluated_copy, annotation=None, labelled_points=recipe.ref)
     pictures = gather_pictures(store, graph, CONFIG, FUSED, 2, fps=5.0)
     assert pictures.frames == (5, 8)
@@ -324,8 +330,8 @@ def test_cues_that_a_run_does_not_read_are_not_asked_for(evaluated):
 def test_ground_truth_of_no_frame_leaves_all_frames_and_their_depth_to_see(evaluated_copy):
     store, _ = _open(evaluated_copy)
     depth, annotation = leaf_recipe("given_depth", "0" * 64), leaf_recipe("annotation", "1" * 64)
-    store.put(depth, {"inverse_depth": np.ones(SHAPE, np.float32)})
-    store.put(annotation, {"masks": np.zeros((0, *SHAPE), np.uint16)}, {"indices": []})
+    _put(store, depth, {"inverse_depth": np.ones(SHAPE, np.float32)})
+    _put(store, annotation, {"masks": np.zeros((0, *SHAPE), np.uint16)}, {"indices": []})
     config = CONFIG.model_copy(update={"depth": DepthParams(method="groundtruth")})
     _, graph = _open(evaluated_copy, config, depth=(depth.ref,) * 10, annotation=annotation.ref)
     pictures = gather_pictures(store, graph, config, FUSED, 2, fps=5.0)
@@ -347,7 +353,7 @@ def test_tracks_are_read_once_a_section_and_labelled_points_once_a_layer(evaluat
     store, _ = _open(evaluated_copy)
     recipe = leaf_recipe("labelled_points", "0" * 64)
     arrays = {"points": np.full((3, 10, 2), 9.0), "visible": np.ones((3, 10), bool), "labels": np.ones(3, np.uint16)}
-    store.put(recipe, arrays, {"size": list(SHAPE)})
+    _put(store, recipe, arrays, {"size": list(SHAPE)})
     _, graph = _open(evaluated_copy, annotation=None, labelled_points=recipe.ref)
     counted = count_reads(store)
     pictures = gather_pictures(counted, graph, CONFIG, FUSED, 10, fps=5.0)
@@ -362,14 +368,14 @@ def test_what_is_left_of_flow_is_black_where_flow_is_unknown(evaluated_copy):
     flow = np.full((*SHAPE, 2), 3.0, np.float32)
     flow[:40, :60] = np.nan
     recipe = leaf_recipe("given_flow", "0" * 64)
-    store.put(recipe, {"flow": flow})
+    _put(store, recipe, {"flow": flow})
     config = CONFIG.model_copy(update={"flow": FlowParams(method="folder")})
     _, graph = _open(evaluated_copy, config, flow_forward=(recipe.ref,) * 9, flow_backward=(recipe.ref,) * 9)
     view = sequence_view.SequenceView(store, graph, config, (2, 7))
     for frame in view.frames:
         found = plain.recipes[plain.frame_cues.saliency(frame)].ref
         arrays = {name: store.read(found, name) for name in ("saliency", "strict_saliency", "flows", "residual_flows")}
-        store.put(graph.recipes[graph.frame_cues.saliency(frame)], arrays)
+        _put(store, graph.recipes[graph.frame_cues.saliency(frame)], arrays)
     (planned,) = [plan for plan in plan_cue_layers(view, FUSED) if plan.name == "flow relative to the background"]
     assert recipe.ref in planned.refs
     for picture in planned.make().pictures:
