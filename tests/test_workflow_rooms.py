@@ -12,7 +12,7 @@ FRONT = ("api", "moseg")
 ALLOWED = {
     "cli": {
         *("cluster", "config", "datasets", "engine", "exports", "pipelines", "predictions", "process", "reports"),
-        *("runlog", "sources", "stages", "weights"),
+        *("plugins", "runlog", "sources", "stages", "weights"),
     },
     "api": {"config", "datasets", "engine", "exports", "pipelines", "process", "reports", "runlog", "sources"},
     "pipelines": {
@@ -25,7 +25,8 @@ ALLOWED = {
     "engine": {"cluster", "datasets", "process", "runlog", "stages", "weights"},
     "graph": {"stages"},
     "stages": {"process", "sources", "weights"},
-    "cluster": {"process", "weights"},
+    "cluster": {"plugins", "process", "weights"},
+    "plugins": {"datasets", "exports", "stages"},
     "weights": {"process"},
     "datasets": {"sources"},
     "predictions": {"sources"},

@@ -1,6 +1,6 @@
 """What a motion model of point correspondences offers: a fit, residuals, and whether a sample determines it."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -8,6 +8,7 @@ from numpy.typing import DTypeLike
 from moseg.tasks.point_models.correspondences import Correspondences
 
 
+@runtime_checkable
 class PointModel(Protocol):
     """A motion model of points followed over two or three frames.
 

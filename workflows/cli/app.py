@@ -19,6 +19,7 @@ from moseg.workflows.cli.help_texts import with_readable_help
 from moseg.workflows.cli.store import store_app
 from moseg.workflows.cli.usage_errors import describe_usage_error
 from moseg.workflows.cli.weights import weights_app
+from moseg.workflows.plugins.loading import load_plugins
 
 EXIT_BAD_INPUT = 2
 FULL = (errno.ENOSPC, errno.EDQUOT)
@@ -74,6 +75,7 @@ def build_command() -> Any:
 def run(arguments: list[str]) -> int:
     """Run `moseg` and return its exit code: 0 done, 2 bad use or input, 1 a fault, 130 interrupted."""
     try:
+        load_plugins()
         command = build_command()
         code = command(arguments or ["--help"], prog_name="moseg", standalone_mode=False) or 0
         # Typer turns an interruption into its exit code.

@@ -15,6 +15,7 @@ from moseg.workflows.cluster.code_fingerprint import code_fingerprint
 from moseg.workflows.cluster.connection import SHORT_LOGS, TlsFiles, connect
 from moseg.workflows.cluster.placement import ForeignGpus, ForeignWorkers, OwnGpus, OwnWorkers, Plan, set_up_workers
 from moseg.workflows.cluster.remote_calls import Setup, prepare_worker
+from moseg.workflows.plugins.registered import plugins_of_process
 from moseg.workflows.process.interrupts import defer_interrupts
 from moseg.workflows.process.memory import allocation_environ
 from moseg.workflows.process.threads import thread_environ
@@ -210,4 +211,4 @@ class ForeignCluster:
 
 def _setup(threads: int, plan: Plan | None = None) -> Setup:
     packages = tuple(name for name in PACKAGES if find_spec(name) is not None)
-    return Setup(code_fingerprint(), threads, packages, plan)
+    return Setup(code_fingerprint(), threads, packages, plan, plugins_of_process())

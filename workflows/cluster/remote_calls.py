@@ -14,6 +14,8 @@ from moseg.schemas.errors import InputError
 from moseg.workflows.cluster.code_fingerprint import code_fingerprint, refuse_other_code
 from moseg.workflows.cluster.placement import Plan
 from moseg.workflows.cluster.process_facts import lacking
+from moseg.workflows.plugins.loading import match_plugins
+from moseg.workflows.plugins.registered import PluginSet
 from moseg.workflows.process.devices import set_device
 from moseg.workflows.process.threads import pin_threads
 
@@ -30,12 +32,15 @@ class Setup(NamedTuple):
         Packages for networks that the client has.
     plan : Plan, optional
         None where the worker was given its threads and its device when it started.
+    plugins : PluginSet
+        What is registered in the client.
     """
 
     code: str
     threads: int
     network_packages: tuple[str, ...]
     plan: Plan | None = None
+    plugins: PluginSet = PluginSet(())
 
 
 _lock = Lock()
@@ -52,6 +57,7 @@ def prepare_process(setup: Setup, worker=None) -> None:
         if _ready == (setup, device):
             return
         refuse_other_code(f"worker {worker.address}", code_fingerprint(), setup.code)
+        match_plugins(setup.plugins, f"worker {worker.address}")
         if device is not None:
             pin_threads(setup.threads)
             set_device(device)

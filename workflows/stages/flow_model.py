@@ -8,7 +8,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import FlowModelParams
-from moseg.workflows.stages.model_names import flow_model_params
+from moseg.workflows.stages.model_codes import flow_model_of, model_params
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -30,9 +30,9 @@ def read_pairs(params, inputs, fit_params: FlowModelParams):
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.motion_models import FLOW_MODELS, fit_from_moments, flow_moments
+    from moseg.tasks.motion_models import fit_from_moments, flow_moments
 
-    model = FLOW_MODELS[params["model"]]
+    model = flow_model_of(params)
     fit_params = FlowModelParams.of_recipe(params["flow_model"])
     num_objects = inputs["linking"].attributes["num_objects"]
     moments, theta, valid = [], [], []
@@ -45,7 +45,7 @@ def _run(params, inputs, rng):
 
 
 def _params(config: PipelineConfig, section: int, model: str) -> dict:
-    return {"section": section, **flow_model_params(model), "flow_model": config.flow_model.model_dump(mode="json")}
+    return {"section": section, **model_params("flow", model), "flow_model": config.flow_model.model_dump(mode="json")}
 
 
 LEAST_SQUARES_FIT = Task("flow_model", "least-squares", version=2, run=_run, params=_params)

@@ -8,7 +8,7 @@ from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import HypothesisParams
 from moseg.workflows.stages.inputs import Inputs
-from moseg.workflows.stages.model_names import point_model_params
+from moseg.workflows.stages.model_codes import model_params, point_model_of
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -19,11 +19,10 @@ def points_of(inputs: Inputs) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.point_models import POINT_MODELS
     from moseg.tasks.trajectories import draw_hypotheses
 
     hypothesis_params = HypothesisParams.of_recipe(params["hypotheses"])
-    found = draw_hypotheses(*points_of(inputs), POINT_MODELS[params["model"]], hypothesis_params, rng)
+    found = draw_hypotheses(*points_of(inputs), point_model_of(params), hypothesis_params, rng)
     shape = found.parameters.shape
     # A matrix or a tensor: the store's layout has one axis for both.
     flat = found.parameters.reshape(*shape[:2], math.prod(shape[2:]))
@@ -31,7 +30,7 @@ def _run(params, inputs, rng):
 
 
 def _params(config: PipelineConfig, model: str) -> dict:
-    return {**point_model_params(model), "hypotheses": config.hypotheses.model_dump(mode="json")}
+    return {**model_params("point", model), "hypotheses": config.hypotheses.model_dump(mode="json")}
 
 
 MINIMAL_SAMPLES = Task("hypotheses", "minimal-samples", version=1, run=_run, params=_params)

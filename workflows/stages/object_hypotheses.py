@@ -11,7 +11,7 @@ from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import FlowModelParams, ObjectHypothesisParams
 from moseg.workflows.stages.flow_model import read_pairs
 from moseg.workflows.stages.fundamental import pair_tracks
-from moseg.workflows.stages.model_names import flow_model_params
+from moseg.workflows.stages.model_codes import flow_model_of, model_params
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -22,10 +22,9 @@ PREFERENCE_PARAMS = frozenset({"window", "noise_floor", "scale_quantile"})
 
 
 def _run_flow(params, inputs, rng):
-    from moseg.tasks.motion_models import FLOW_MODELS
     from moseg.tasks.object_hypotheses import background_cells, flow_patch_residuals, split_background
 
-    model, flow_params = FLOW_MODELS[params["model"]], FlowModelParams.of_recipe(params["flow_model"])
+    model, flow_params = flow_model_of(params), FlowModelParams.of_recipe(params["flow_model"])
     drawn = ObjectHypothesisParams.of_recipe(params["hypotheses"])
     num_objects = inputs["linking"].attributes["num_objects"]
     num_nodes = num_objects + drawn.background_rows * drawn.background_columns
@@ -55,7 +54,7 @@ def _flow_params(config: PipelineConfig, section: int, model: str) -> dict:
     names = PATCH_PARAMS | CELL_PARAMS | {"num_hypotheses"}
     return {
         "section": section,
-        **flow_model_params(model),
+        **model_params("flow", model),
         "flow_model": config.flow_model.model_dump(mode="json"),
         "hypotheses": config.object_hypotheses.model_dump(mode="json", include=names),
     }

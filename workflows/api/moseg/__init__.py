@@ -8,6 +8,7 @@
 What is here is imported when it is first used, so that ``import moseg`` itself costs nothing.
 """
 
+from collections.abc import Iterable
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -18,9 +19,11 @@ if TYPE_CHECKING:
     from moseg.schemas.errors import InputError, MosegError
     from moseg.workflows.api import MotionSegmentation, MovingObject, load_config, segment_video
     from moseg.workflows.exports import OverlayMode, OverlayStyle
+    from moseg.workflows.plugins.registration import Method, register
 
 __all__ = [
     "InputError",
+    "Method",
     "MosegError",
     "MotionSegmentation",
     "MovingObject",
@@ -30,11 +33,13 @@ __all__ = [
     "Variant",
     "__version__",
     "load_config",
+    "register",
     "segment_video",
 ]
 
 _HOMES = {
     "InputError": "moseg.schemas.errors",
+    "Method": "moseg.workflows.plugins.registration",
     "MosegError": "moseg.schemas.errors",
     "MotionSegmentation": "moseg.workflows.api",
     "MovingObject": "moseg.workflows.api",
@@ -43,12 +48,19 @@ _HOMES = {
     "PipelineConfig": "moseg.schemas.configs",
     "Variant": "moseg.schemas.configs",
     "load_config": "moseg.workflows.api",
+    "register": "moseg.workflows.plugins.registration",
     "segment_video": "moseg.workflows.api",
 }
 
 
-# Before any room is imported: a parameter that takes the name of a method, or of a model, is checked against them.
-find_names_by(lambda parameter: import_module("moseg.workflows.stages.registry").names_of(parameter))
+def _find_names(parameter: str) -> Iterable[str]:
+    """Return the names of methods or models that a parameter may have, those of plug-ins among them."""
+    import_module("moseg.workflows.plugins.loading").load_plugins()
+    return import_module("moseg.workflows.stages.registry").names_of(parameter)
+
+
+# Before any room is imported: it is where a parameter's value is checked.
+find_names_by(_find_names)
 
 
 def __getattr__(name: str):

@@ -1,0 +1,175 @@
+"""Plug-ins: what a package or a script adds is found by its name everywhere, and its code stands in the keys."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from moseg.store import open_store
+
+METADATA = "Metadata-Version: 2.1\nName: nova\nVersion: 1.0\n"
+ENTRY_POINT = "[moseg.plugins]\nnova = nova:PLUGIN\n"
+NOVA = '''
+"""A package that adds one of each kind."""
+
+import cv2
+import numpy as np
+
+from moseg import Method
+from moseg.tasks.motion_models.flow_model import FlowModel, terms_matrix
+from moseg.tasks.point_models.affine import AffineModel
+from moseg.workflows.datasets.two_trees import TwoTrees
+from moseg.workflows.exports.formats import ExportFormat
+from moseg.workflows.exports.owned_folder import OwnedFolder
+from moseg.workflows.exports.write_text import write_text
+from moseg.workflows.stages.task import Output, Task
+
+
+def run_flow(params, inputs, rng):
+    grey0, grey1 = (cv2.cvtColor(inputs[role].cached("image"), cv2.COLOR_RGB2GRAY) for role in ("frame0", "frame1"))
+    return Output({"flow": cv2.calcOpticalFlowFarneback(grey0, grey1, None, 0.5, 5, 15, 3, 5, 1.2, 0)})
+
+
+def run_affinity(params, inputs, rng):
+    residuals = np.concatenate([section.array("residual") for section in inputs.all("residuals")])
+    affinity = np.exp(-np.nan_to_num(residuals).mean(axis=0))
+    return Output({"affinity": (affinity + affinity.T) / 2, "static_support": affinity[0]})
+
+
+def view_params(config, view):
+    return {}
+
+
+def write_count(saved, folder, dilation=None):
+    with count_folder(folder, saved.summary.name, saved.names) as target:
+        write_text(target.folder / "count.txt", f"{len(saved.names)}\\n")
+    return target.folder
+
+
+def count_folder(folder, sequence, names):
+    return OwnedFolder(folder / "count", ("count.txt",))
+
+
+_SHIFT = tuple("ab")
+PLUGIN = [
+    Method(Task("flow", "farneback", version=1, run=run_flow), "Farneback", "OpenCV, Apache-2.0"),
+    Method(Task("affinity", "nova-mean", version=1, run=run_affinity, params=view_params), "mean of residuals"),
+    FlowModel(
+        name="shift",
+        parameters=_SHIFT,
+        u_terms=terms_matrix(_SHIFT, {"a": (1, "1")}),
+        v_terms=terms_matrix(_SHIFT, {"b": (1, "1")}),
+        uses_depth=False,
+        has_free_shift=True,
+    ),
+    AffineModel(name="nova-affine"),
+    TwoTrees("nova-set", "frames", "masks", "instance", None, None, None, "masks", "https://example.org"),
+    ExportFormat("count", "number of frames", write_count, count_folder),
+]
+'''
+SCRIPT = """
+import sys
+
+import moseg
+import nova
+
+moseg.register(*nova.PLUGIN)
+
+if __name__ == "__main__":
+    from moseg.workflows.cli import main
+
+    main()
+"""
+CUES = ("--set", "sections.length=4", "--set", "sections.overlap=2")
+
+
+@pytest.fixture
+def site(tmp_path) -> Path:
+    """A folder of installed packages with the plug-in."""
+    folder = tmp_path / "site"
+    (folder / "nova").mkdir(parents=True)
+    (folder / "nova" / "__init__.py").write_text(NOVA)
+    (folder / "nova-1.0.dist-info").mkdir()
+    (folder / "nova-1.0.dist-info" / "METADATA").write_text(METADATA)
+    (folder / "nova-1.0.dist-info" / "entry_points.txt").write_text(ENTRY_POINT)
+    return folder
+
+
+@pytest.fixture
+def run_with(site, tmp_path):
+    """Runs `moseg` in a process of its own that finds the packages of `site`; returns its code and outputs."""
+
+    def call(*words: object, script: Path | None = None) -> tuple[int, str, str]:
+        start = ["-c", "from moseg.workflows.cli import main; main()"] if script is None else [str(script)]
+        environ = os.environ | {"PYTHONPATH": str(site), "COLUMNS": "200", "_TYPER_FORCE_DISABLE_TERMINAL": "1"}
+        command = [sys.executable, *start, *map(str, words)]
+        ran = subprocess.run(command, env=environ, cwd=tmp_path, capture_output=True, text=True, check=False)
+        return ran.returncode, ran.stdout, ran.stderr
+
+    return call
+
+
+def _recipe(store: Path, task: str):
+    opened = open_store(str(store), create=False)
+    return opened.manifest(next(iter(opened.refs(task)))).recipe
+
+
+def test_an_installed_package_is_seen_everywhere(run_with):
+    assert "--flow farneback" in run_with("backends")[1] and "mean of residuals" in run_with("backends")[1]
+    assert "nova-set" in run_with("datasets")[1]
+    code, _, err = run_with("eval", "--flow", "nonsense")
+    assert code == 2 and "'folder' or 'farneback'" in err
+    assert "farneback" in run_with("config", "show", "flow.method")[1]
+
+
+def test_a_method_and_a_model_are_computed_and_their_code_stands_in_the_keys(run_with, site, squares, tmp_path):
+    store = tmp_path / "store"
+    data = ("--dataset", "folder", "--root", squares, "--store", store, *CUES)
+    chosen = ("--flow", "farneback", "--affinity", "nova-mean", "--set", "fused_flow_model=shift")
+    code, _, err = run_with("eval", *data, *chosen, "--quiet")
+    assert code == 0, err
+    flow, model = _recipe(store, "flow"), _recipe(store, "flow_model")
+    assert flow.params["method"] == "farneback" and len(flow.params["code"]) == 32
+    assert model.params["model"] == "shift" and model.params["model_code"] == flow.params["code"]
+    assert "\n0 artifacts to compute" in run_with("plan", *data, *chosen)[1]
+    path = site / "nova" / "__init__.py"
+    path.write_text(path.read_text() + "# Changed.\n")
+    planned = run_with("plan", *data, *chosen)[1]
+    assert "\n0 artifacts to compute" not in planned and "flow" in planned
+    # What does not read it is as it was.
+    assert "code" not in _recipe(store, "tracks").params
+
+
+def test_a_script_registers_for_worker_processes_too(run_with, site, squares, tmp_path):
+    (site / "nova-1.0.dist-info" / "entry_points.txt").unlink()
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT)
+    words = ("eval", "--dataset", "folder", "--root", squares, "--store", tmp_path / "store", *CUES)
+    code, _, err = run_with(*words, "--flow", "farneback", "--workers", "1", "--quiet", script=script)
+    assert code == 0, err
+    assert run_with(*words, "--flow", "farneback")[0] == 2
+
+
+def test_an_export_of_a_plug_in_is_written(run_with, squares, tmp_path):
+    video = squares / "squares" / "frames"
+    code, _, err = run_with("segment", video, "--out", tmp_path / "out", "--export", "count", *CUES, "--quiet")
+    assert code == 0, err
+    assert (tmp_path / "out" / "count" / "count.txt").read_text() == "10\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("import nowhere", "plug-in cannot be imported in nova:PLUGIN; got ModuleNotFoundError: No module named"),
+        ("PLUGIN = 3", "nothing that a plug-in can add in nova; got 3"),
+        (NOVA.replace('"farneback"', '"dis"'), "method exists in stage flow; got dis"),
+        (NOVA.replace('Task("flow"', 'Task("flows"'), "unknown stage; got flows"),
+        (NOVA.replace('"nova-set"', '"davis16"'), "data set exists in plug-in; got davis16"),
+    ],
+)
+def test_a_plug_in_that_does_not_fit_is_refused_in_one_line(run_with, site, text, message):
+    (site / "nova" / "__init__.py").write_text(text)
+    code, _, err = run_with("backends")
+    assert code == 2 and message in err and len(err.splitlines()) == 1

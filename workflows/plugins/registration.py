@@ -1,0 +1,104 @@
+"""Registration: what a plug-in declares takes its place beside what this project has."""
+
+import sys
+from dataclasses import replace
+from typing import NamedTuple
+
+from moseg.schemas.errors import InputError
+from moseg.tasks.motion_models import FLOW_MODELS
+from moseg.tasks.motion_models.flow_model import FlowModel
+from moseg.tasks.point_models import POINT_MODELS
+from moseg.tasks.point_models.point_model import PointModel
+from moseg.workflows.datasets import DATASETS
+from moseg.workflows.datasets.dataset import FrameLayout, TrajectoryLayout
+from moseg.workflows.exports.formats import FORMATS, ExportFormat
+from moseg.workflows.plugins.code import code_of_plugin
+from moseg.workflows.plugins.registered import Registered, entries
+from moseg.workflows.stages.model_codes import set_model_code
+from moseg.workflows.stages.registry import add_method, find_stage
+from moseg.workflows.stages.stage import Backend
+from moseg.workflows.stages.task import Task
+
+SPAWNED_MAIN = "__mp_main__"
+"""Name of the main script in a process that multiprocessing has spawned."""
+
+
+class Method(NamedTuple):
+    """A method of a stage: an affinity, a backend of flow, depth or tracks, a tagger, an outliner, a tracker.
+
+    Attributes
+    ----------
+    task : Task
+        Names the stage and the method, and computes it.
+    about : str
+        In words, for `moseg backends`.
+    licence : str
+        Whose code it is, and its licence, for `moseg backends`.
+    """
+
+    task: Task
+    about: str
+    licence: str = "plug-in"
+
+
+Declared = Method | FlowModel | PointModel | FrameLayout | TrajectoryLayout | ExportFormat
+
+
+def register(*declared: Declared) -> None:
+    """Add data sets, exports, motion models and methods of stages to those of this project.
+
+    They are then found by their names in options, configurations, help and completion. The keys of what a method or a
+    motion model computes contain the fingerprint of the code of the caller's package, so that a change of the code
+    computes its artifacts anew. Worker processes get what is registered here. A package that is always to be there
+    names what it adds in an entry point of the group ``moseg.plugins``.
+
+    Parameters
+    ----------
+    *declared : Method, FlowModel, PointModel, data set layout or ExportFormat
+
+    Raises
+    ------
+    InputError
+        A name is taken, a method belongs to no stage, the plug-in's code lies in no file, or an object is of none of
+        these kinds.
+
+    Examples
+    --------
+    >>> from moseg.workflows.datasets.two_trees import TwoTrees
+    >>> layout = TwoTrees("my-benchmark", "frames", "masks", "instance", 255, None, None, "masks", "https://example.org")
+    >>> moseg.register(layout)  # doctest: +SKIP
+    """
+    package = sys._getframe(1).f_globals["__name__"].partition(".")[0]
+    code = code_of_plugin(package)
+    if package == SPAWNED_MAIN:
+        package = "__main__"
+    for each in declared:
+        add_entry(Registered(each, package, code, is_installed=False))
+
+
+def add_entry(entry: Registered) -> None:
+    """Add one declaration to those of this project; see `register`."""
+    declared = entry.declared
+    if isinstance(declared, Method):
+        backend = Backend(declared.task.method, declared.about, declared.licence, declared.task.network)
+        add_method(find_stage(declared.task.name).name, replace(declared.task, code=entry.code), backend)
+    elif isinstance(declared, FlowModel):
+        _insert(FLOW_MODELS, declared, "flow model")
+        set_model_code("flow", declared.name, entry.code)
+    elif isinstance(declared, ExportFormat):
+        _insert(FORMATS, declared, "export format")
+    elif isinstance(declared, FrameLayout | TrajectoryLayout):
+        _insert(DATASETS, declared, "data set")
+    elif isinstance(declared, PointModel):
+        _insert(POINT_MODELS, declared, "point model")
+        set_model_code("point", declared.name, entry.code)
+    else:
+        expected = "a Method, a FlowModel, a PointModel, the layout of a data set, or an ExportFormat"
+        raise InputError("nothing that a plug-in can add", where=entry.package, got=repr(declared), expected=expected)
+    entries.append(entry)
+
+
+def _insert(names: dict, declared: Declared, kind: str) -> None:
+    if declared.name in names:
+        raise InputError(f"{kind} exists", where="plug-in", got=declared.name, expected="another name")
+    names[declared.name] = declared
