@@ -7,6 +7,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from textwrap import dedent
 from typing import NamedTuple
@@ -31,6 +32,7 @@ RUN_ON_LESS = (
     "moseg segment holiday.mp4 --out holiday --export areas --export coco",
     "moseg eval --dataset synthetic --proposals groundtruth --affinity mean",
     "moseg eval --dataset synthetic --flow farneback",
+    "moseg eval --dataset synthetic --proposals groundtruth --affinity median",
 )
 """Run below with the same options on a smaller input."""
 # Runs lines of a command's words until there are no more, and answers each with its exit code and output.
@@ -84,9 +86,24 @@ def extended(tmp_path_factory):
     for name in PACKAGES:
         shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copytree(ROOT / EDITOR, root / EDITOR, symlinks=True)
-    for step in read_steps(PAGE.read_text(encoding="utf-8")):
+    text = PAGE.read_text(encoding="utf-8")
+    for step in read_steps(text):
         apply(step, root)
+    _install_plugin(text, root)
     return root
+
+
+def _install_plugin(text: str, root: Path) -> None:
+    """Put the metadata that the page's ``pyproject.toml`` makes where Python looks for installed packages."""
+    block = re.search(r"`pyproject.toml` of the package:\n\n((?: {4}.*\n|\n)+)", text)[1]
+    project = tomllib.loads(dedent(block))["project"]
+    folder = root / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
+    folder.mkdir()
+    heads = {"Metadata-Version": "2.1", "Name": project["name"], "Version": project["version"]}
+    (folder / "METADATA").write_text("".join(f"{name}: {value}\n" for name, value in heads.items()), encoding="utf-8")
+    points = project["entry-points"]["moseg.plugins"]
+    lines = "".join(f"{name} = {value}\n" for name, value in points.items())
+    (folder / "entry_points.txt").write_text(f"[moseg.plugins]\n{lines}", encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -127,7 +144,7 @@ def test_every_command_of_the_page_is_run_here():
 
 def test_the_page_has_an_example_of_everything():
     steps = read_steps(PAGE.read_text(encoding="utf-8"))
-    assert sum(step.is_new for step in steps) == 8
+    assert sum(step.is_new for step in steps) == 10
     assert {step.path for step in steps if not step.is_new} >= {
         "workflows/datasets/registry.py",
         "moseg_tasks/motion_models/registry.py",
@@ -135,7 +152,8 @@ def test_the_page_has_an_example_of_everything():
         "workflows/exports/formats/registry.py",
         "workflows/stages/registry.py",
         "workflows/graph/frame_cues.py",
-        "workflows/weights/backends.py",
+        "workflows/stages/affinity.py",
+        "workflows/stages/flow.py",
     }
 
 
@@ -155,6 +173,25 @@ def test_the_affinity_is_computed(run, extended, sequence):
     options = "--proposals groundtruth --variant fused --store means"
     run(f"moseg eval --dataset my-benchmark --root my-data --affinity mean {options}")
     assert '"mean"' in _recipe(extended / "means", "affinity")
+
+
+def test_the_affinity_of_the_plug_in_is_computed(run, extended, sequence):
+    options = "--proposals groundtruth --variant fused --store medians"
+    run(f"moseg eval --dataset my-benchmark --root my-data --affinity median {options}")
+    recipe = _recipe(extended / "medians", "affinity")
+    assert '"median"' in recipe and '"code"' in recipe
+    assert "median of residuals" in run("moseg backends")
+
+
+def test_the_script_registers_the_method(extended, sequence):
+    shutil.rmtree(next(extended.glob("my_affinities-*.dist-info")))
+    # A folder of frames is as good as a video.
+    shutil.copytree(sequence / "frames", extended / "holiday.mp4")
+    options = {"cwd": extended, "env": _environ(extended), "text": True, "capture_output": True}
+    ran = subprocess.run([sys.executable, "median.py"], check=False, **options)
+    assert ran.returncode == 0, ran.stderr
+    manifests = (extended / ".moseg" / "store" / "objects" / "affinity").rglob("manifest.json")
+    assert any('"median"' in manifest.read_text(encoding="utf-8") for manifest in manifests)
 
 
 def test_the_backend_gives_the_flow(run, extended, sequence):

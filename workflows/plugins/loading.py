@@ -22,14 +22,14 @@ def load_plugins() -> None:
     found = entry_points(group=GROUP)
     if not found:
         return
-    from moseg.workflows.plugins.registration import add_entry
+    from moseg.workflows.plugins.registration import add_entry, check_kind
 
     for entry in sorted(found, key=lambda entry: entry.name):
         try:
             declared = entry.load()
-            package = entry.module.partition(".")[0]
             for each in declared if type(declared) in (tuple, list) else (declared,):
-                add_entry(Registered(each, package, code_of_plugin(package), is_installed=True))
+                check_kind(each, entry.module)
+                add_entry(Registered(each, *code_of_plugin(each, entry.module), is_installed=True))
         except MosegError as error:
             raise InputError("plug-in cannot be registered", where=entry.value, got=error) from error
         except Exception as error:

@@ -11,9 +11,9 @@ class Registered(NamedTuple):
     declared : object
         Such as `moseg.register` takes.
     package : str
-        Top-level package or module that it comes from.
+        Top-level packages and modules that it comes from, separated by blanks.
     code : str
-        Fingerprint of the package's code.
+        Fingerprint of their code.
     is_installed : bool
         Whether an entry point names it, so that other processes find it by themselves.
     """

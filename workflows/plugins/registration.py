@@ -19,9 +19,6 @@ from moseg.workflows.stages.registry import add_method, find_stage
 from moseg.workflows.stages.stage import Backend
 from moseg.workflows.stages.task import Task
 
-SPAWNED_MAIN = "__mp_main__"
-"""Name of the main script in a process that multiprocessing has spawned."""
-
 
 class Method(NamedTuple):
     """A method of a stage: an affinity, a backend of flow, depth or tracks, a tagger, an outliner, a tracker.
@@ -48,9 +45,10 @@ def register(*declared: Declared) -> None:
     """Add data sets, exports, motion models and methods of stages to those of this project.
 
     They are then found by their names in options, configurations, help and completion. The keys of what a method or a
-    motion model computes contain the fingerprint of the code of the caller's package, so that a change of the code
-    computes its artifacts anew. Worker processes get what is registered here. A package that is always to be there
-    names what it adds in an entry point of the group ``moseg.plugins``.
+    motion model computes contain the fingerprint of the code that it comes from (see `code_of_plugin`), so that a
+    change of the code computes its artifacts anew. What is registered already is left as it is. Worker processes get
+    what is registered here. A package that is always to be there names what it adds in an entry point of the group
+    ``moseg.plugins``.
 
     Parameters
     ----------
@@ -68,12 +66,18 @@ def register(*declared: Declared) -> None:
     >>> layout = TwoTrees("my-benchmark", "frames", "masks", "instance", 255, None, None, "masks", "https://example.org")
     >>> moseg.register(layout)  # doctest: +SKIP
     """
-    package = sys._getframe(1).f_globals["__name__"].partition(".")[0]
-    code = code_of_plugin(package)
-    if package == SPAWNED_MAIN:
-        package = "__main__"
+    caller = sys._getframe(1).f_globals["__name__"]
     for each in declared:
-        add_entry(Registered(each, package, code, is_installed=False))
+        check_kind(each, caller)
+        if all(entry.declared is not each for entry in entries):
+            add_entry(Registered(each, *code_of_plugin(each, caller), is_installed=False))
+
+
+def check_kind(declared: object, where: str) -> None:
+    """Raise InputError if an object is of no kind that can be registered."""
+    if not isinstance(declared, Declared):
+        expected = "a Method, a FlowModel, a PointModel, the layout of a data set, or an ExportFormat"
+        raise InputError("nothing that a plug-in can add", where=where, got=repr(declared), expected=expected)
 
 
 def add_entry(entry: Registered) -> None:
@@ -89,12 +93,9 @@ def add_entry(entry: Registered) -> None:
         _insert(FORMATS, declared, "export format")
     elif isinstance(declared, FrameLayout | TrajectoryLayout):
         _insert(DATASETS, declared, "data set")
-    elif isinstance(declared, PointModel):
+    else:
         _insert(POINT_MODELS, declared, "point model")
         set_model_code("point", declared.name, entry.code)
-    else:
-        expected = "a Method, a FlowModel, a PointModel, the layout of a data set, or an ExportFormat"
-        raise InputError("nothing that a plug-in can add", where=entry.package, got=repr(declared), expected=expected)
     entries.append(entry)
 
 
