@@ -9,14 +9,14 @@ import time
 from collections.abc import Collection, Iterable, Sequence
 
 from moseg.schemas.errors import CorruptArtifactError
-from moseg.store.medium import ManifestSource, Medium
+from moseg.store.backend import Backend, ManifestSource
 from moseg.store.names import check_ref
 from moseg.store.outcomes import GcReport, Pin
 from moseg.store.pins import discard_ended, ended_pins, pinned
 from moseg.store.reading import check_seal
 
 
-def collect(medium: Medium, *, is_dry: bool = True, grace_seconds: float = 86_400.0) -> GcReport:
+def collect(backend: Backend, *, is_dry: bool = True, grace_seconds: float = 86_400.0) -> GcReport:
     """Delete the artifacts that no pin reaches and that lie here longer than the grace period, or only say which.
 
     Pins reach what they name and, through the inputs in manifests, all that it was made from; an input that is not
@@ -24,23 +24,23 @@ def collect(medium: Medium, *, is_dry: bool = True, grace_seconds: float = 86_40
     no longer go too.
     """
     now = time.time()
-    reached = reachable(pinned(medium).values(), [medium])
-    committed = medium.committed()
+    reached = reachable(pinned(backend).values(), [backend])
+    committed = backend.committed()
     doomed = [ref for ref, moment in committed.items() if ref not in reached and moment <= now - grace_seconds]
-    leftovers = medium.leftovers(now, now - grace_seconds)
-    ended = ended_pins(medium)
-    nbytes = sum(medium.nbytes(doomed).values()) + sum(leftovers.values()) + sum(ended.values())
+    leftovers = backend.leftovers(now, now - grace_seconds)
+    ended = ended_pins(backend)
+    nbytes = sum(backend.nbytes(doomed).values()) + sum(leftovers.values()) + sum(ended.values())
     if not is_dry:
-        doomed = _sweep(medium, doomed)
-        medium.discard(leftovers)
-        discard_ended(medium, ended)
+        doomed = _sweep(backend, doomed)
+        backend.discard(leftovers)
+        discard_ended(backend, ended)
     return GcReport(len(committed) - len(doomed), tuple(doomed), (*leftovers, *ended), nbytes, is_dry)
 
 
-def remove(medium: Medium, ref: str) -> bool:
+def remove(backend: Backend, ref: str) -> bool:
     """Delete one artifact; False where there is none. It vanishes whole."""
     check_ref(ref)
-    trash = medium.new_trash()
+    trash = backend.new_trash()
     try:
         trash.take([ref])
     finally:
@@ -58,12 +58,12 @@ def reachable(pins: Iterable[Pin], sources: Sequence[ManifestSource]) -> set[str
     return reached
 
 
-def _sweep(medium: Medium, doomed: list[str]) -> list[str]:
-    trash = medium.new_trash()
+def _sweep(backend: Backend, doomed: list[str]) -> list[str]:
+    trash = backend.new_trash()
     try:
         try:
             trash.take(doomed)
-            rescued = reachable(pinned(medium).values(), [medium, trash]) & trash.taken
+            rescued = reachable(pinned(backend).values(), [backend, trash]) & trash.taken
         except BaseException:
             trash.give_back(list(trash.taken))
             raise

@@ -2,15 +2,15 @@
 
 from moseg.schemas.errors import CorruptArtifactError
 from moseg.schemas.manifests import Manifest
+from moseg.store.backend import Backend
 from moseg.store.codec import METADATA, array_files
-from moseg.store.medium import Medium
 from moseg.store.outcomes import PutOutcome, StoredArtifact
 from moseg.store.reading import decode_checked, read_files
 from moseg.store.sealing import digest_metadata, seal
 from moseg.store.verification import check_list
 
 
-def export(medium: Medium, ref: str) -> StoredArtifact:
+def export(backend: Backend, ref: str) -> StoredArtifact:
     """An artifact with all its files, every byte compared with what its manifest names.
 
     Raises
@@ -20,24 +20,24 @@ def export(medium: Medium, ref: str) -> StoredArtifact:
     CorruptArtifactError
         A byte is not the one that was committed.
     """
-    sealed = check_list(medium, ref)
+    sealed = check_list(backend, ref)
     manifest = sealed.manifest
-    files = read_files(medium, ref, sealed, [file.path for file in manifest.files])
+    files = read_files(backend, ref, sealed, [file.path for file in manifest.files])
     artifact = StoredArtifact(manifest, sealed.metadata, files)
     check_copy(artifact)
     return artifact
 
 
-def adopt(medium: Medium, artifact: StoredArtifact) -> PutOutcome:
-    """Commit an exported artifact; its manifest is sealed anew for this medium, all else stays.
+def adopt(backend: Backend, artifact: StoredArtifact) -> PutOutcome:
+    """Commit an exported artifact; its manifest is sealed anew for this backend, all else stays.
 
     Raises CorruptArtifactError where the bytes are not those its manifest names.
     """
     ref = artifact.manifest.recipe.ref
-    if medium.has(ref):
+    if backend.has(ref):
         return PutOutcome.LOST_RACE
     check_copy(artifact)
-    return medium.commit(ref, artifact.files, lambda payload: seal(artifact.manifest, artifact.metadata, payload))
+    return backend.commit(ref, artifact.files, lambda payload: seal(artifact.manifest, artifact.metadata, payload))
 
 
 def check_copy(artifact: StoredArtifact) -> None:

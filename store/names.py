@@ -1,16 +1,31 @@
-"""What references and names of runs must look like, on every store."""
+"""What a store's marker, references and names of runs must look like, on every backend."""
 
+import json
 import re
 
 from pydantic import TypeAdapter, ValidationError
 
-from moseg.schemas.errors import InputError
+from moseg.schemas.errors import InputError, StoreChoiceError
 from moseg.schemas.recipes import Ref, split_ref
 
+MARKER = "moseg-store.json"
+FORMAT = 1
+CONTENT = json.dumps({"store": "moseg artifacts", "format": FORMAT}).encode() + b"\n"
 MANIFEST = "manifest.json"
+REASON = "reason.json"
 _KEY = re.compile(r"[0-9a-f]{64}")
 _REF = TypeAdapter(Ref)
 _RUN_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
+
+
+def check_marker(content: bytes, where: object) -> None:
+    """Raise StoreChoiceError where a marker's content is not that of a store of this format."""
+    try:
+        found = json.loads(content)["format"]
+    except (ValueError, KeyError, TypeError):
+        raise StoreChoiceError("unreadable store marker", where=where, expected=CONTENT.decode().strip()) from None
+    if found != FORMAT:
+        raise StoreChoiceError("unknown store format", where=where, got=found, expected=FORMAT)
 
 
 def check_ref(ref: str) -> str:

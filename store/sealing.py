@@ -23,7 +23,7 @@ class Sealed(Frozen):
     Attributes
     ----------
     payload : str
-        Name of the place of the artifact's files, on a medium on which several may be there for one key; empty where
+        Name of the place of the artifact's files, on a backend on which several may be there for one key; empty where
         they lie beside the manifest.
     """
 

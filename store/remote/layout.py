@@ -1,4 +1,4 @@
-"""Where things lie on an object store.
+"""Where things lie on an object store, and the marker that makes a prefix a store.
 
 ::
 
@@ -16,7 +16,9 @@ one put by one process. The manifest names it, so two writers at the same time n
 leaves behind when it is killed or comes second is nobody's.
 """
 
-from moseg.store.names import MANIFEST, is_key_in, slot
+from moseg.schemas.errors import MissingStoreError, StoreChoiceError, StoreError
+from moseg.store.names import CONTENT, MANIFEST, MARKER, check_marker, is_key_in, slot
+from moseg.store.remote.requests import Requests
 
 OBJECTS, PAYLOADS, ASIDE, QUARANTINE, LOGS = "objects", "payloads", "aside", "quarantine", "logs"
 
@@ -58,3 +60,40 @@ def ref_of_aside(name: str) -> str | None:
     if len(parts) != 4 or parts[0] != ASIDE or not is_key_in(parts[3], parts[2]):
         return None
     return f"{parts[1]}/{parts[3]}"
+
+
+def open_prefix(requests: Requests, *, create: bool) -> None:
+    """Check a store's marker, once in a process, or make an empty prefix a store.
+
+    Raises
+    ------
+    StoreChoiceError
+        There is no store (and none to be made), other objects lie there, the format is another, or the bucket cannot
+        be had: no such bucket, no access, no connection.
+    """
+    if requests.is_store:
+        return
+    try:
+        content = requests.get(MARKER)
+        if content is None:
+            content = _create(requests, create=create)
+    except StoreChoiceError:
+        raise
+    except StoreError as error:
+        _, _, reason = error.parts[0].partition(": ")
+        raise StoreChoiceError(f"cannot open the artifact store: {reason}", where=requests.url) from None
+    check_marker(content, f"{requests.url}/{MARKER}")
+    requests.is_store = True
+
+
+def _create(requests: Requests, *, create: bool) -> bytes:
+    foreign = next(requests.listing(""), None)
+    if foreign is not None and foreign.name != MARKER:
+        raise StoreChoiceError(
+            "not an artifact store", where=requests.url, got=foreign.name, expected="an empty prefix or a store"
+        )
+    if not create:
+        raise MissingStoreError("no artifact store", where=requests.url, expected=f"a prefix with {MARKER}")
+    if requests.create(MARKER, CONTENT):
+        return CONTENT
+    return requests.get(MARKER) or b""

@@ -338,7 +338,7 @@ class StoreContract(ABC):
     def test_what_a_run_pins_during_the_sweep_comes_back(self, store, ref, monkeypatch):
         pins_seen = []
 
-        def pinned_late(medium):
+        def pinned_late(backend):
             pins_seen.append(store.pinned())
             if len(pins_seen) == 2:
                 store.pin("late", [ref])
@@ -354,7 +354,7 @@ class StoreContract(ABC):
     def test_a_sweep_that_fails_gives_everything_back(self, store, ref, monkeypatch):
         calls = iter([{}, StoreError("unreadable pin")])
 
-        def pinned(medium):
+        def pinned(backend):
             answer = next(calls)
             if isinstance(answer, StoreError):
                 assert not store.has(ref)

@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from moseg.schemas.errors import StoreError
-from moseg.store import LocalStore, logs
+from moseg.store import LocalStore
+from moseg.store.local import logs
 
 LINE = b"x" * 99 + b"\n"
 

@@ -12,7 +12,8 @@ import pytest
 
 from moseg.schemas.errors import InputError, StoreError
 from moseg.schemas.recipes import Recipe
-from moseg.store import LocalStore, PutOutcome, commit, open_store
+from moseg.store import LocalStore, PutOutcome, open_store
+from moseg.store.local import moves
 
 NOBODY = 65534
 
@@ -88,7 +89,7 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(store, monkeypatch):
     def no_space(path, content):
         raise OSError(28, "No space left on device", path)
 
-    monkeypatch.setattr(commit, "_write", no_space)
+    monkeypatch.setattr(moves, "_write", no_space)
     with pytest.raises(StoreError, match="No space left on device") as caught:
         store.put(Recipe(task="toy", version=1), {}, dims={})
     assert "\n" not in str(caught.value) and str(store.root) in str(caught.value)

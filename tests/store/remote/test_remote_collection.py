@@ -14,11 +14,11 @@ from moseg.schemas.errors import StoreError
 from moseg.schemas.recipes import Recipe
 from moseg.store import collection, open_store
 from moseg.store.owners import owned_name
-from moseg.store.remote import object_files, object_logs
+from moseg.store.remote import logs, remote_store
 from moseg.store.remote import requests as remote_requests
 from moseg.store.remote.connection import connect
 from moseg.store.remote.layout import aside_name, manifest_name
-from moseg.store.remote.object_trash import ObjectTrash
+from moseg.store.remote.trash import RemoteTrash
 
 DAY = 86_400.0
 
@@ -45,7 +45,7 @@ def dead_name() -> str:
 @pytest.fixture
 def put_by_the_dead(dead_name, monkeypatch) -> None:
     """What is put in this test was put by a process that has ended."""
-    monkeypatch.setattr(object_files, "owned_name", lambda: dead_name)
+    monkeypatch.setattr(remote_store, "owned_name", lambda: dead_name)
 
 
 def put_orphan(store, s3, attempt: str) -> str:
@@ -95,7 +95,7 @@ def test_the_files_that_a_manifest_names_are_no_orphans_beside_others(store, s3,
 
 def test_what_another_collection_holds_is_left_to_it(store, put_toy, names, put_by_the_dead):
     ref = put_toy(store)
-    other = ObjectTrash(store._medium._requests)
+    other = RemoteTrash(store._backend._requests)
     other.take([ref])
     assert not store.has(ref) and len(names("aside")) == 1
     assert store.gc(is_dry=False, grace_seconds=0)[1:3] == ((), ())
@@ -103,7 +103,7 @@ def test_what_another_collection_holds_is_left_to_it(store, put_toy, names, put_
     assert names("aside") == [] and [result.is_intact for result in store.verify()] == [True]
 
     other.take([ref])
-    late = ObjectTrash(store._medium._requests)
+    late = RemoteTrash(store._backend._requests)
     other_manifest = other.read_manifests([ref])[ref]
     obstore.put(connect(store.url), manifest_name(ref), other_manifest)
     late.take([ref])
@@ -134,7 +134,7 @@ def test_a_copy_that_a_killed_collection_left_is_no_hindrance(store, s3, put_toy
 
 def test_what_was_computed_again_during_a_collection_stays(store, put_toy, names):
     ref = put_toy(store)
-    trash = ObjectTrash(store._medium._requests)
+    trash = RemoteTrash(store._backend._requests)
     trash.take([ref])
     store.put(Recipe(task="toy", version=1, params={"number": 0}), {"x": np.ones(3)}, dims={"x": ("a",)})
     trash.give_back([ref])
@@ -188,8 +188,8 @@ def test_a_collection_of_a_manifest_that_is_damaged_deletes_it(store, s3, put_to
 
 def test_a_process_with_a_number_that_was_used_before_shares_no_log(store, monkeypatch):
     store.append_log("run", b"one\n")
-    monkeypatch.setattr(object_logs, "_writers", {})
-    monkeypatch.setattr(object_logs, "_counter", iter(range(1000)))
+    monkeypatch.setattr(logs, "_writers", {})
+    monkeypatch.setattr(logs, "_counter", iter(range(1000)))
     for number in range(12):
         store.append_log("run", f"{number}\n".encode())
     lines = store.read_log("run")
@@ -208,7 +208,7 @@ def test_many_lookups_and_reads_are_under_way_at_once(store, put_toy):
 
 def test_an_artifact_whose_return_was_answered_late_keeps_its_files(store, put_toy, names, monkeypatch):
     ref = put_toy(store)
-    trash = ObjectTrash(store._medium._requests)
+    trash = RemoteTrash(store._backend._requests)
     trash.take([ref])
     real = obstore.put
 
@@ -233,7 +233,7 @@ def test_pins_that_hold_no_longer_are_leftovers(store, put_toy, names):
 
 def test_a_commit_waits_longer_each_time_that_somebody_elses_came_and_went(store, put_toy, monkeypatch):
     pauses = []
-    monkeypatch.setattr(object_files.time, "sleep", pauses.append)
+    monkeypatch.setattr(remote_store.time, "sleep", pauses.append)
     monkeypatch.setattr(remote_requests.Requests, "create", lambda self, name, content: False)
     with pytest.raises(StoreError, match="puts and removes"):
         put_toy(store)

@@ -16,8 +16,8 @@ from moseg.store.remote.layout import (
     ref_of_manifest,
     ref_of_payload,
 )
-from moseg.store.remote.object_trash import read_aside
 from moseg.store.remote.requests import Found, Requests
+from moseg.store.remote.trash import read_aside
 
 
 class Attempt(NamedTuple):

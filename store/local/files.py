@@ -5,7 +5,7 @@ import os
 from collections.abc import Collection, Iterable, Iterator
 
 from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError, StoreError
-from moseg.store.layout import Layout
+from moseg.store.local.layout import Layout
 from moseg.store.names import MANIFEST
 
 _DAMAGED = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EIO)

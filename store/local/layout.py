@@ -1,10 +1,12 @@
-"""Where things lie under a local store's root."""
+"""Where things lie under a local store's root, and the marker that makes a folder such a root."""
 
 import os
+import uuid
 from collections.abc import Iterator
 from pathlib import Path
 
-from moseg.store.names import is_key_in, slot
+from moseg.schemas.errors import MissingStoreError, StoreChoiceError, StoreError
+from moseg.store.names import CONTENT, MARKER, check_marker, is_key_in, slot
 
 
 class Layout:
@@ -57,8 +59,58 @@ class Layout:
                         yield f"{name}/{key}"
 
 
+def open_root(root: Path, *, create: bool) -> None:
+    """Check the marker of a store's root, or make the root a store where it is new or empty.
+
+    Raises
+    ------
+    StoreError
+        The root is missing (and not to be created), not writable, not a store, or of another format.
+    """
+    content = _read(root)
+    if content is None:
+        if not create:
+            kind = StoreChoiceError if root.exists() else MissingStoreError
+            raise kind("no artifact store", where=root, expected=f"a folder with {MARKER}")
+        content = _create(root)
+    check_marker(content, root / MARKER)
+
+
 def _names(folder: Path) -> list[str]:
     try:
         return sorted(entry.name for entry in folder.iterdir())
     except (FileNotFoundError, NotADirectoryError):
         return []
+
+
+def _read(root: Path) -> bytes | None:
+    try:
+        return (root / MARKER).read_bytes()
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise StoreChoiceError(f"cannot read the artifact store: {error.strerror}", where=root) from error
+
+
+def _create(root: Path) -> bytes:
+    partial = root / f".{MARKER}.{uuid.uuid4().hex}"
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+        # another process may be creating the same store: its partial marker is no foreign file
+        foreign = [name for name in os.listdir(root) if not name.startswith(f".{MARKER}.")]
+        if MARKER in foreign:
+            return (root / MARKER).read_bytes()
+        if foreign:
+            raise StoreChoiceError(
+                "not an artifact store",
+                where=root,
+                got=f"{len(foreign)} other files",
+                expected="an empty folder or a store",
+            )
+        partial.write_bytes(CONTENT)
+        partial.replace(root / MARKER)
+    except StoreError:
+        raise
+    except OSError as error:
+        raise StoreChoiceError(f"cannot create an artifact store: {error.strerror}", where=root) from error
+    return CONTENT

@@ -1,8 +1,8 @@
-"""The interface of a medium: where the bytes of artifacts lie, whatever they mean.
+"""The interface of a backend: where the bytes of artifacts lie, whatever they mean.
 
-What an artifact is (its codec, its seal, how it is read, verified and collected) is the same on every medium and
-stands in `moseg.store.medium_store`, `moseg.store.reading`, `moseg.store.verification` and `moseg.store.collection`.
-A medium places files, finds them again, and makes an artifact appear and vanish whole.
+What an artifact is (its codec, its seal, how it is read, verified and collected) is the same on every backend and
+stands in `moseg.store.backend_store`, `moseg.store.reading`, `moseg.store.verification` and `moseg.store.collection`.
+A backend places files, finds them again, and makes an artifact appear and vanish whole.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -33,7 +33,7 @@ class Trash(ManifestSource, Protocol):
         """Delete what was taken and not given back."""
 
 
-class Medium(ManifestSource, Protocol):
+class Backend(ManifestSource, Protocol):
     """Files of artifacts, pins and logs. Faults are StoreErrors; a malformed reference is an InputError."""
 
     @property

@@ -1,4 +1,4 @@
-"""The medium of a local (or mounted) file system."""
+"""The store on a local (or mounted) file system."""
 
 import os
 import shutil
@@ -8,19 +8,18 @@ from contextlib import suppress
 from pathlib import Path
 
 from moseg.schemas.errors import StoreError
-from moseg.store import logs
-from moseg.store.commit import commit
-from moseg.store.file_reading import file_sizes, folder_nbytes, read_file, read_files, read_manifests
-from moseg.store.layout import Layout
-from moseg.store.local_trash import LocalTrash
+from moseg.store.backend_store import BackendStore
+from moseg.store.local import logs
+from moseg.store.local.files import file_sizes, folder_nbytes, read_file, read_files, read_manifests
+from moseg.store.local.layout import Layout, open_root
+from moseg.store.local.moves import LocalTrash, commit, quarantine
 from moseg.store.names import MANIFEST
 from moseg.store.outcomes import PutOutcome
 from moseg.store.owners import ABANDONED_SECONDS, is_abandoned
-from moseg.store.quarantine import quarantine
 
 
-class LocalFiles:
-    """Artifacts in folders that appear and vanish by one rename; see `moseg.store.medium.Medium`.
+class LocalBackend:
+    """Artifacts in folders that appear and vanish by one rename; see `moseg.store.backend.Backend`.
 
     An artifact's files lie beside its manifest, so the name of their place is always empty.
     """
@@ -162,6 +161,26 @@ class LocalFiles:
     def remove_log(self, run_id: str) -> bool:
         """Delete the log's folder."""
         return logs.remove_log(self._layout, run_id)
+
+
+class LocalStore(BackendStore):
+    """Artifacts in a folder.
+
+    Parameters
+    ----------
+    root : path
+        A store, or with `create` an empty or new folder to make one of.
+
+    Raises
+    ------
+    StoreError
+        `root` is not a store of this format, or cannot be made one.
+    """
+
+    def __init__(self, root: Path | str, create: bool = True):
+        self.root = Path(root).absolute()
+        open_root(self.root, create=create)
+        super().__init__(LocalBackend(self.root))
 
 
 def _folders(parent: Path) -> list[Path]:

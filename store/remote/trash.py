@@ -29,8 +29,8 @@ def read_aside(content: bytes) -> Aside:
     return Aside(owner.decode("ascii", "replace"), manifest)
 
 
-class ObjectTrash:
-    """Manifests under ``aside/`` that this process owns; see `moseg.store.medium.Trash`."""
+class RemoteTrash:
+    """Manifests under ``aside/`` that this process owns; see `moseg.store.backend.Trash`."""
 
     def __init__(self, requests: Requests):
         self.taken: set[str] = set()

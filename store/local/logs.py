@@ -11,7 +11,7 @@ from io import FileIO
 from pathlib import Path
 
 from moseg.schemas.errors import StoreError
-from moseg.store.layout import Layout
+from moseg.store.local.layout import Layout
 from moseg.store.names import check_run_id
 from moseg.store.owners import process_space
 
