@@ -1,4 +1,4 @@
-"""Taking an artifact out of one store and into another: the same bytes, checked at both ends."""
+"""Export of an artifact from one store and import into another: the same bytes, checked at both ends."""
 
 from moseg.schemas.errors import CorruptArtifactError
 from moseg.schemas.manifests import Manifest
@@ -10,15 +10,15 @@ from moseg.store.sealing import digest_metadata, seal
 from moseg.store.verification import check_list
 
 
-def export(backend: Backend, ref: str) -> StoredArtifact:
-    """An artifact with all its files, every byte compared with what its manifest names.
+def export_artifact(backend: Backend, ref: str) -> StoredArtifact:
+    """Return an artifact with all its files, after comparing every byte with its manifest.
 
     Raises
     ------
     MissingArtifactError
         Nothing is stored under `ref`.
     CorruptArtifactError
-        A byte is not the one that was committed.
+        A byte differs from the one that was committed.
     """
     sealed = check_list(backend, ref)
     manifest = sealed.manifest
@@ -28,10 +28,10 @@ def export(backend: Backend, ref: str) -> StoredArtifact:
     return artifact
 
 
-def adopt(backend: Backend, artifact: StoredArtifact) -> PutOutcome:
-    """Commit an exported artifact; its manifest is sealed anew for this backend, all else stays.
+def import_artifact(backend: Backend, artifact: StoredArtifact) -> PutOutcome:
+    """Commit an exported artifact; its manifest is sealed again for this backend, everything else stays.
 
-    Raises CorruptArtifactError where the bytes are not those its manifest names.
+    Raises CorruptArtifactError if a byte differs from its manifest.
     """
     ref = artifact.manifest.recipe.ref
     if backend.has(ref):
@@ -41,10 +41,10 @@ def adopt(backend: Backend, artifact: StoredArtifact) -> PutOutcome:
 
 
 def check_copy(artifact: StoredArtifact) -> None:
-    """Check an artifact outside of a store; raises CorruptArtifactError where a byte or a name is not as committed.
+    """Check an artifact outside of a store; raises CorruptArtifactError if a byte or a name differs from its manifest.
 
-    The names of files are compared with those that the arrays ask for: an artifact from somebody else's store cannot
-    place a file anywhere else.
+    The names of files must be those that follow from the arrays: an artifact from an untrusted store cannot write a
+    file anywhere else.
     """
     manifest, files = artifact.manifest, artifact.files
     ref = manifest.recipe.ref
@@ -63,6 +63,6 @@ def check_copy(artifact: StoredArtifact) -> None:
 
 
 def _names(manifest: Manifest) -> set[str]:
-    """Names of the files of a group with the manifest's arrays; none of an array whose name is no name."""
+    """Return the names of the files of a group with the manifest's arrays; none of an array with an invalid name."""
     arrays = [entry for entry in manifest.arrays if entry.name.isidentifier()]
     return {METADATA} | {path for entry in arrays for path in array_files(entry)}

@@ -1,8 +1,8 @@
-"""Pins: what each run needs, so that a collection keeps it.
+"""Pins: the references that each run needs, so that a collection keeps them.
 
-A run that works pins every reference of its plan, stored or not yet, *before* it looks which are stored, with a
-lease; when it ends it pins its results without one, or unpins. A leased pin holds while its process runs, and no
-longer than the lease: a process of another host cannot be asked, so there only the lease counts.
+A running run pins every reference of its plan, stored or not yet, *before* it looks up which are stored, with a lease;
+when it ends it pins its results without a lease, or unpins. A leased pin holds while its process runs, and no longer
+than the lease: whether a process of another host runs cannot be determined, so there only the lease counts.
 """
 
 import os
@@ -21,7 +21,7 @@ FOLDER = "pins"
 
 
 def pin(backend: Backend, run_id: str, refs: Iterable[str], lease_seconds: float | None = None) -> None:
-    """Write a run's pin, in place of an earlier one."""
+    """Protect references, stored or not yet, and everything they were computed from, from `gc`."""
     path = _path(run_id)
     now = time.time()
     content = Pin(
@@ -36,21 +36,21 @@ def pin(backend: Backend, run_id: str, refs: Iterable[str], lease_seconds: float
 
 
 def unpin(backend: Backend, run_id: str) -> bool:
-    """End a run's pin; False where there is none."""
+    """End a run's pin; return False if there is none."""
     return backend.delete_record(_path(run_id), "unpin a run")
 
 
 def pinned(backend: Backend) -> dict[str, Pin]:
-    """The pins that hold now, by run.
+    """Return the pins that hold now, by run.
 
-    Raises StoreError where a pin cannot be read: to pass it over would let a collection delete what it keeps.
+    Raises StoreError if a pin cannot be read: without it a collection could delete what the pin protects.
     """
     contents = [_read(backend, path, record) for path, record in backend.read_records(FOLDER).items()]
     return {content.run_id: content for content in contents if _holds(content)}
 
 
 def pin_of(backend: Backend, run_id: str) -> Pin | None:
-    """A run's pin where it holds now: one look-up, however many pins there are."""
+    """Return a run's pin if it holds now, else None: one lookup by name, however many pins there are."""
     path = _path(run_id)
     record = backend.read_record(path)
     content = None if record is None else _read(backend, path, record)
@@ -58,13 +58,13 @@ def pin_of(backend: Backend, run_id: str) -> Pin | None:
 
 
 def ended_pins(backend: Backend) -> dict[str, int]:
-    """Paths of the pins that hold no longer, since their lease or their process ended, with their bytes."""
+    """Return the paths and bytes of pins that no longer hold, because their lease or their process ended."""
     records = backend.read_records(FOLDER)
     return {path: len(record) for path, record in records.items() if not _holds(_read(backend, path, record))}
 
 
 def discard_ended(backend: Backend, paths: Iterable[str]) -> None:
-    """Delete pins that hold no longer; what was pinned again since is passed over."""
+    """Delete pins that no longer hold; skip those that were renewed since."""
     for path in paths:
         record = backend.read_record(path)
         if record is not None and not _holds(_read(backend, path, record)):

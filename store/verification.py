@@ -1,4 +1,4 @@
-"""Comparing every byte of stored artifacts with what their manifests name."""
+"""Comparison of every byte of stored artifacts with their manifests."""
 
 from collections.abc import Iterable, Iterator
 
@@ -12,9 +12,9 @@ from moseg.store.sealing import Sealed
 
 
 def verify(backend: Backend, refs: Iterable[str] | None = None) -> Iterator[VerifyResult]:
-    """Check artifacts, all by default; those that vanish meanwhile are passed over.
+    """Compare every byte of the artifacts, by default of all, with their manifests.
 
-    Raises MissingArtifactError where one that was asked for is not stored.
+    Artifacts that vanish during the pass are skipped. Raises MissingArtifactError if one of `refs` is not stored.
     """
     for ref in backend.refs() if refs is None else refs:
         try:
@@ -34,7 +34,7 @@ def check_artifact(backend: Backend, ref: str) -> Sealed:
     Raises
     ------
     CorruptArtifactError
-        Any of these is not as committed.
+        Any of these differs from what was committed.
     """
     sealed = check_list(backend, ref)
     manifest = sealed.manifest
@@ -46,7 +46,7 @@ def check_artifact(backend: Backend, ref: str) -> Sealed:
 
 
 def check_list(backend: Backend, ref: str) -> Sealed:
-    """Check one artifact's manifest, and that the files it names lie there and no others."""
+    """Check one artifact's manifest, and that exactly the files it names are there."""
     sealed = read_sealed(backend, check_ref(ref))
     if sealed.manifest.recipe.ref != ref:
         found = sealed.manifest.recipe.ref

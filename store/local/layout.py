@@ -2,11 +2,10 @@
 
 import os
 import uuid
-from collections.abc import Iterator
 from pathlib import Path
 
 from moseg.schemas.errors import MissingStoreError, StoreChoiceError, StoreError
-from moseg.store.names import CONTENT, MARKER, check_marker, is_key_in, slot
+from moseg.store.names import CONTENT, MARKER, check_marker, slot
 
 
 class Layout:
@@ -14,7 +13,7 @@ class Layout:
 
     moseg-store.json                    format marker
     objects/<task>/<ab>/<key>/          one artifact: a Zarr v3 group and its manifest
-    staging/<space>-<pid>-<id>/         puts and removals under way
+    staging/<space>-<pid>-<id>/         unfinished puts and removals
     quarantine/<task>-<key>-<id>/       damaged artifacts, each with a reason
     pins/<run>.json                     what runs need
     logs/<run>/<space>-<pid>.jsonl      what happened in a run, a file for each of its processes
@@ -30,13 +29,13 @@ class Layout:
         self._objects = str(self.objects)
 
     def folder(self, ref: str) -> str:
-        """Folder of an artifact; raises InputError where the reference is malformed."""
+        """Return the folder of an artifact; raises InputError if the reference is malformed."""
         return f"{self._objects}/{slot(ref)}"
 
     def make_folder(self, folder: str | Path) -> None:
-        """Make a folder below the root, and what lies between; raises FileNotFoundError where there is no root.
+        """Make a folder below the root, and its parents; raises FileNotFoundError if there is no root.
 
-        The root itself is made by whoever makes a store of it: one that vanished is not begun anew without its marker.
+        Only `open_root` makes the root itself: a root that vanished is not made again without its marker.
         """
         try:
             os.mkdir(folder)
@@ -49,41 +48,33 @@ class Layout:
             self.make_folder(parent)
             self.make_folder(folder)
 
-    def refs(self, task: str | None = None) -> Iterator[str]:
-        """References of the artifacts that lie here, in order; entries that are not artifacts are passed over."""
-        tasks = _names(self.objects) if task is None else [task]
-        for name in tasks:
-            for prefix in _names(self.objects / name):
-                for key in _names(self.objects / name / prefix):
-                    if is_key_in(key, prefix):
-                        yield f"{name}/{key}"
 
-
-def open_root(root: Path, *, create: bool) -> None:
-    """Check the marker of a store's root, or make the root a store where it is new or empty.
-
-    Raises
-    ------
-    StoreError
-        The root is missing (and not to be created), not writable, not a store, or of another format.
-    """
-    content = _read(root)
-    if content is None:
-        if not create:
-            kind = StoreChoiceError if root.exists() else MissingStoreError
-            raise kind("no artifact store", where=root, expected=f"a folder with {MARKER}")
-        content = _create(root)
-    check_marker(content, root / MARKER)
-
-
-def _names(folder: Path) -> list[str]:
+def names_in(folder: Path) -> list[str]:
+    """Return the names in a folder, sorted; none if it is not there."""
     try:
         return sorted(entry.name for entry in folder.iterdir())
     except (FileNotFoundError, NotADirectoryError):
         return []
 
 
-def _read(root: Path) -> bytes | None:
+def open_root(root: Path, *, create: bool) -> None:
+    """Check the marker of a store's root, or make a new or empty root a store.
+
+    Raises
+    ------
+    StoreError
+        The root is missing (and `create` is false), not writable, not a store, or of another format.
+    """
+    content = _read_marker(root)
+    if content is None:
+        if not create:
+            kind = StoreChoiceError if root.exists() else MissingStoreError
+            raise kind("no artifact store", where=root, expected=f"a folder with {MARKER}")
+        content = _create_marker(root)
+    check_marker(content, root / MARKER)
+
+
+def _read_marker(root: Path) -> bytes | None:
     try:
         return (root / MARKER).read_bytes()
     except FileNotFoundError:
@@ -92,11 +83,11 @@ def _read(root: Path) -> bytes | None:
         raise StoreChoiceError(f"cannot read the artifact store: {error.strerror}", where=root) from error
 
 
-def _create(root: Path) -> bytes:
+def _create_marker(root: Path) -> bytes:
     partial = root / f".{MARKER}.{uuid.uuid4().hex}"
     try:
         root.mkdir(parents=True, exist_ok=True)
-        # another process may be creating the same store: its partial marker is no foreign file
+        # another process may be creating the same store: its partial marker is not another file
         foreign = [name for name in os.listdir(root) if not name.startswith(f".{MARKER}.")]
         if MARKER in foreign:
             return (root / MARKER).read_bytes()

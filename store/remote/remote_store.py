@@ -1,9 +1,9 @@
-"""The store on an object store: the manifest, put last, is the commit.
+"""The store on an object store: writing the manifest, last, is the commit.
 
-Nothing is ever changed in place but pins. A put writes files under a name of its own (see
+Only pins are ever changed in place. A put writes files under a name of its own (see
 `moseg.store.remote.layout`) and then the manifest, on the condition that there is none: the first of several writers
-wins, the others delete their own files. On a server that ignores the condition the last one wins. Its manifest then
-names its own files, and those of the first are leftovers, so that also there no reader ever sees bytes of both.
+wins, the others delete their own files. On a server that ignores the condition the last writer wins. Its manifest then
+names its own files, and those of the first are leftovers, so that no reader ever sees bytes of both.
 """
 
 import time
@@ -18,7 +18,6 @@ from moseg.store.names import MANIFEST, REASON
 from moseg.store.outcomes import PutOutcome
 from moseg.store.owners import is_owned_name, owned_name
 from moseg.store.reading import check_seal
-from moseg.store.remote import logs
 from moseg.store.remote.layout import (
     OBJECTS,
     PAYLOADS,
@@ -30,43 +29,55 @@ from moseg.store.remote.layout import (
     ref_of_payload,
 )
 from moseg.store.remote.leftovers import find_leftovers
-from moseg.store.remote.requests import Requests, requests_for
+from moseg.store.remote.logs import RemoteLogs
+from moseg.store.remote.requests import requests_for
 from moseg.store.remote.trash import RemoteTrash
 
 _PAUSES = (0.0, 0.1, 0.5)
-"""Seconds before each time that a manifest is put, where before somebody else's was there and then gone."""
+"""Seconds to wait before each attempt to put a manifest, when another writer's was found and then vanished."""
 
 
-class RemoteBackend:
-    """Artifacts whose manifests are objects of known names; see `moseg.store.backend.Backend`."""
+class RemoteStore(RemoteLogs, BackendStore):
+    """Artifacts below a URL of an object store; the name of each manifest is known, so a lookup is one request.
 
-    def __init__(self, requests: Requests):
-        self._requests = requests
+    `moseg.store.remote.connection` documents the environment variables that are read.
+
+    Parameters
+    ----------
+    url : str
+        ``s3://bucket/prefix``, ``gs://…``, ``az://…`` or ``abfs://…``: a store or, with `create`, an empty prefix that
+        becomes one. The bucket must exist.
+
+    Raises
+    ------
+    InputError
+        The URL or the environment is invalid, or other objects lie there.
+    """
+
+    def __init__(self, url: str, create: bool = True):
+        self._requests = requests_for(url)
+        open_prefix(self._requests, create=create)
 
     @property
     def url(self) -> str:
-        """The URL of the root; credentials are no part of it."""
+        # without credentials
         return self._requests.url
 
     def has(self, ref: str) -> bool:
-        """Whether the manifest is there: one request."""
         return self._requests.has(manifest_name(ref))
 
     def present(self, refs: Iterable[str]) -> set[str]:
-        """Those of the references whose manifests are there: a request each, many at a time."""
         names = {manifest_name(ref): ref for ref in refs}
         return {names[name] for name in self._requests.has_many(names)}
 
     def refs(self, task: str | None = None) -> Iterator[str]:
-        """References in order."""
         return iter(self._committed(OBJECTS if task is None else f"{OBJECTS}/{task}"))
 
     def committed(self) -> dict[str, float]:
-        """Times at which the manifests were put, by the server's clock."""
+        # by the server's clock
         return self._committed(OBJECTS)
 
     def nbytes(self, refs: Collection[str]) -> dict[str, int]:
-        """Bytes of manifests and of all files put for them."""
         sizes = dict.fromkeys(refs, 0)
         for task in sorted({split_ref(ref)[0] for ref in refs}):
             for item in self._requests.listing(f"{OBJECTS}/{task}"):
@@ -80,7 +91,6 @@ class RemoteBackend:
         return sizes
 
     def commit(self, ref: str, files: Mapping[str, bytes | memoryview], seal: Callable[[str], bytes]) -> PutOutcome:
-        """Put the files, then the manifest unless there is one."""
         attempt = owned_name()
         folder = payload_folder(ref, attempt)
         self._requests.put_many({f"{folder}/{path}": content for path, content in files.items()})
@@ -90,31 +100,28 @@ class RemoteBackend:
             if self._requests.create(name, manifest):
                 return PutOutcome.COMMITTED
             found = self._requests.get(name)
-            # a request that was repeated because its answer was lost finds what it wrote itself
+            # a request that the client repeats because the answer was lost finds the object that it wrote
             if found == manifest:
                 return PutOutcome.COMMITTED
             if found is not None:
-                # what cannot be deleted now is a leftover of this process
+                # files that cannot be deleted now are leftovers of this process
                 with suppress(StoreError):
                     self._requests.delete(f"{folder}/{path}" for path in files)
                 return PutOutcome.LOST_RACE
         raise StoreError("cannot commit: another process puts and removes this artifact", where=self.url, got=ref)
 
     def read_manifest(self, ref: str) -> bytes:
-        """The manifest's content: one request."""
         content = self._requests.get(manifest_name(ref))
         if content is None:
             raise MissingArtifactError("no such artifact", where=ref)
         return content
 
     def read_manifests(self, refs: Collection[str]) -> dict[str, bytes]:
-        """The manifests of several artifacts, many at a time."""
         names = {manifest_name(ref): ref for ref in refs}
         found = self._requests.get_many(names)
         return {names[name]: content for name, content in found.items() if content is not None}
 
     def read_files(self, ref: str, payload: str, paths: Iterable[str]) -> dict[str, bytes]:
-        """Files of the put that the manifest names, many at a time."""
         folder = self._folder(ref, payload)
         names = {f"{folder}/{path}": path for path in paths}
         found = self._requests.get_many(names)
@@ -125,16 +132,15 @@ class RemoteBackend:
         return {names[name]: content for name, content in found.items()}
 
     def file_sizes(self, ref: str, payload: str) -> dict[str, int]:
-        """Sizes of the files of the put that the manifest names."""
         folder = self._folder(ref, payload)
         sizes = {item.name.removeprefix(f"{folder}/"): item.nbytes for item in self._requests.listing(folder)}
         self._check_in_service(ref, payload)
         return sizes
 
-    def quarantine(self, ref: str, reason: bytes) -> bool:
-        """Delete the manifest, a copy of which is kept beside the reason, and then move the files there.
+    def move_to_quarantine(self, ref: str, reason: bytes) -> bool:
+        """Copy the manifest to a folder beside the reason, delete it, and then move the files there.
 
-        Of several processes that quarantine the same artifact, the one that wrote the reason first did it.
+        Of several processes that quarantine the same artifact, True is returned to the one that wrote the reason first.
         """
         name = manifest_name(ref)
         manifest = self._requests.get(name)
@@ -144,71 +150,47 @@ class RemoteBackend:
         slot = f"{QUARANTINE}/{task}-{key}-{digest_bytes('quarantine', manifest)[:32]}"
         is_first = self._requests.create(f"{slot}/{REASON}", reason)
         self._requests.put(f"{slot}/artifact/{MANIFEST}", manifest)
-        # not another one, computed again meanwhile
+        # but not another one, computed again in the meantime
         if self._requests.get(name) == manifest:
             self._requests.delete([name])
         try:
             folder = self._folder(ref, check_seal(ref, manifest).payload)
         except CorruptArtifactError:
-            # nobody knows which files were its own: they are leftovers
+            # its own files are unknown: they are leftovers
             return is_first
         names = [item.name for item in self._requests.listing(folder)]
         self._requests.copy_many({source: f"{slot}/artifact{source.removeprefix(folder)}" for source in names})
         self._requests.delete(names)
         return is_first
 
-    def place(self, ref: str, payload: str) -> str:
-        """URL of the files of the put that the manifest names."""
+    def payload_place(self, ref: str, payload: str) -> str:
         return f"{self.url}/{self._folder(ref, payload)}"
 
     def new_trash(self) -> RemoteTrash:
-        """A place for manifests of artifacts that are to be deleted."""
         return RemoteTrash(self._requests)
 
     def leftovers(self, now: float, before: float) -> dict[str, int]:
-        """Files that no manifest names, copies of manifests that no process owns, and old quarantined artifacts."""
         return find_leftovers(self._requests, now, before)
 
     def discard(self, leftovers: Iterable[str]) -> None:
-        """Delete such folders and objects."""
         for name in leftovers:
             self._requests.delete([name, *(item.name for item in self._requests.listing(name))])
 
     def write_record(self, path: str, content: bytes, purpose: str) -> None:
-        """Put an object."""
         self._requests.put(path, content, purpose)
 
     def read_record(self, path: str) -> bytes | None:
-        """Content of an object."""
         return self._requests.get(path)
 
     def read_records(self, folder: str) -> dict[str, bytes]:
-        """Objects of a folder by name."""
         names = sorted(item.name for item in self._requests.listing(folder))
         return {name: content for name, content in self._requests.get_many(names).items() if content is not None}
 
     def delete_record(self, path: str, purpose: str) -> bool:
-        """Delete an object."""
         if not self._requests.has(path):
             return False
         self._requests.delete([path], purpose)
         return True
-
-    def append_log(self, run_id: str, lines: bytes) -> None:
-        """Put an object of a run's log."""
-        logs.append_log(self._requests, run_id, lines)
-
-    def read_log(self, run_id: str) -> list[bytes]:
-        """The lines of a run's log."""
-        return logs.read_log(self._requests, run_id)
-
-    def logs(self) -> dict[str, float]:
-        """Runs that left a log."""
-        return logs.logs(self._requests)
-
-    def remove_log(self, run_id: str) -> bool:
-        """Delete a run's log."""
-        return logs.remove_log(self._requests, run_id)
 
     def _committed(self, folder: str) -> dict[str, float]:
         found = {ref_of_manifest(item.name): item.modified for item in self._requests.listing(folder)}
@@ -220,30 +202,7 @@ class RemoteBackend:
         return payload_folder(ref, payload)
 
     def _check_in_service(self, ref: str, payload: str) -> None:
-        """Raise MissingArtifactError where the artifact has gone, or was computed again, since it was looked up."""
+        """Raise MissingArtifactError if the artifact has vanished, or was computed again, since it was looked up."""
         manifest = self._requests.get(manifest_name(ref))
         if manifest is None or payload.encode("ascii") not in manifest:
             raise MissingArtifactError("no such artifact", where=ref)
-
-
-class RemoteStore(BackendStore):
-    """Artifacts below a URL of an object store.
-
-    `moseg.store.remote.connection` says what the environment must provide.
-
-    Parameters
-    ----------
-    url : str
-        ``s3://bucket/prefix``, ``gs://…``, ``az://…`` or ``abfs://…``: a store, or with `create` an empty prefix to
-        make one of. The bucket must be there.
-
-    Raises
-    ------
-    InputError
-        The URL, the environment or what lies there cannot be a store.
-    """
-
-    def __init__(self, url: str, create: bool = True):
-        requests = requests_for(url)
-        open_prefix(requests, create=create)
-        super().__init__(RemoteBackend(requests))

@@ -171,9 +171,9 @@ def test_gc_removes_pins_that_hold_no_longer_and_no_others(store, chain):
 
 def test_a_pin_that_is_renewed_during_a_collection_stays(store, chain):
     store.pin("run", chain, lease_seconds=-1.0)
-    found = pins.ended_pins(store._backend)
+    found = pins.ended_pins(store)
     store.pin("run", chain)
-    pins.discard_ended(store._backend, found)
+    pins.discard_ended(store, found)
     assert store.pinned().keys() == {"run"}
 
 

@@ -255,14 +255,14 @@ class StoreContract(ABC):
 
     def test_an_artifact_moves_to_another_store_with_all_that_is_known_of_it(self, store, ref, tmp_path):
         elsewhere = LocalStore(tmp_path / "elsewhere")
-        exported = store.export(ref)
-        assert elsewhere.adopt(exported) is PutOutcome.COMMITTED
+        exported = store.export_artifact(ref)
+        assert elsewhere.import_artifact(exported) is PutOutcome.COMMITTED
         assert elsewhere.manifest(ref) == store.manifest(ref)
-        assert elsewhere.export(ref) == exported
+        assert elsewhere.export_artifact(ref) == exported
         assert [result.is_intact for result in elsewhere.verify()] == [True]
-        assert store.adopt(elsewhere.export(ref)) is PutOutcome.LOST_RACE
+        assert store.import_artifact(elsewhere.export_artifact(ref)) is PutOutcome.LOST_RACE
         store.remove(ref)
-        assert store.adopt(elsewhere.export(ref)) is PutOutcome.COMMITTED
+        assert store.import_artifact(elsewhere.export_artifact(ref)) is PutOutcome.COMMITTED
         assert store.read(ref, "masks", check=True).tobytes() == MASKS.tobytes()
         assert store.manifest(ref) == elsewhere.manifest(ref)
         assert [result.is_intact for result in store.verify()] == [True]
@@ -273,13 +273,13 @@ class StoreContract(ABC):
             for damaged in (None, content[:-1], bytes([content[0] ^ 1]) + content[1:]):
                 self.write_raw(store, ref, name, damaged)
                 with pytest.raises((CorruptArtifactError, MissingArtifactError)):
-                    store.export(ref)
+                    store.export_artifact(ref)
             self.write_raw(store, ref, name, content)
         with pytest.raises(MissingArtifactError):
-            store.export(ABSENT)
+            store.export_artifact(ABSENT)
 
-    def test_a_changed_or_misplaced_file_is_not_adopted(self, store, ref):
-        exported = store.export(ref)
+    def test_a_changed_or_misplaced_file_is_not_imported(self, store, ref):
+        exported = store.export_artifact(ref)
         store.remove(ref)
         chunk = exported.files["masks/c.0.0.0"]
         for files in (
@@ -292,11 +292,11 @@ class StoreContract(ABC):
             listed = tuple(FileEntry(path=path, nbytes=len(content)) for path, content in files.items())
             for manifest in (exported.manifest, exported.manifest.model_copy(update={"files": listed})):
                 with pytest.raises(CorruptArtifactError):
-                    store.adopt(exported._replace(manifest=manifest, files=files))
+                    store.import_artifact(exported._replace(manifest=manifest, files=files))
         assert not store.has(ref)
         other = exported.manifest.model_copy(update={"key": "0" * 64})
         with pytest.raises(CorruptArtifactError, match="recipe"):
-            store.adopt(exported._replace(manifest=other))
+            store.import_artifact(exported._replace(manifest=other))
 
     def test_pins_are_listed_until_unpinned(self, store, ref):
         store.pin("run-1", [ref, ABSENT])

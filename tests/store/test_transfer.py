@@ -54,7 +54,7 @@ def other(request, tmp_path):
 
 
 class _Watched:
-    """A target that calls `look` with each reference before it adopts the artifact."""
+    """A target that calls `look` with each reference before it imports the artifact."""
 
     def __init__(self, store, look):
         self._store, self._look = store, look
@@ -62,9 +62,9 @@ class _Watched:
     def __getattr__(self, name):
         return getattr(self._store, name)
 
-    def adopt(self, artifact):
+    def import_artifact(self, artifact):
         self._look(artifact.manifest.recipe)
-        return self._store.adopt(artifact)
+        return self._store.import_artifact(artifact)
 
 
 def _copy(source, target, roots=None, **options):

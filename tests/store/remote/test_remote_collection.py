@@ -95,15 +95,15 @@ def test_the_files_that_a_manifest_names_are_no_orphans_beside_others(store, s3,
 
 def test_what_another_collection_holds_is_left_to_it(store, put_toy, names, put_by_the_dead):
     ref = put_toy(store)
-    other = RemoteTrash(store._backend._requests)
+    other = RemoteTrash(store._requests)
     other.take([ref])
     assert not store.has(ref) and len(names("aside")) == 1
     assert store.gc(is_dry=False, grace_seconds=0)[1:3] == ((), ())
-    other.give_back([ref])
+    other.restore([ref])
     assert names("aside") == [] and [result.is_intact for result in store.verify()] == [True]
 
     other.take([ref])
-    late = RemoteTrash(store._backend._requests)
+    late = RemoteTrash(store._requests)
     other_manifest = other.read_manifests([ref])[ref]
     obstore.put(connect(store.url), manifest_name(ref), other_manifest)
     late.take([ref])
@@ -134,10 +134,10 @@ def test_a_copy_that_a_killed_collection_left_is_no_hindrance(store, s3, put_toy
 
 def test_what_was_computed_again_during_a_collection_stays(store, put_toy, names):
     ref = put_toy(store)
-    trash = RemoteTrash(store._backend._requests)
+    trash = RemoteTrash(store._requests)
     trash.take([ref])
     store.put(Recipe(task="toy", version=1, params={"number": 0}), {"x": np.ones(3)}, dims={"x": ("a",)})
-    trash.give_back([ref])
+    trash.restore([ref])
     trash.empty()
     assert np.array_equal(store.read(ref, "x", check=True), np.ones(3))
     assert [result.is_intact for result in store.verify()] == [True]
@@ -208,7 +208,7 @@ def test_many_lookups_and_reads_are_under_way_at_once(store, put_toy):
 
 def test_an_artifact_whose_return_was_answered_late_keeps_its_files(store, put_toy, names, monkeypatch):
     ref = put_toy(store)
-    trash = RemoteTrash(store._backend._requests)
+    trash = RemoteTrash(store._requests)
     trash.take([ref])
     real = obstore.put
 
@@ -217,7 +217,7 @@ def test_an_artifact_whose_return_was_answered_late_keeps_its_files(store, put_t
         raise AlreadyExistsError("written by the first of two requests")
 
     monkeypatch.setattr(remote_requests.obstore, "put", answer_lost)
-    trash.give_back([ref])
+    trash.restore([ref])
     trash.empty()
     assert [result.is_intact for result in store.verify()] == [True] and names("aside") == []
 

@@ -226,14 +226,13 @@ def test_on_a_server_that_ignores_conditions_the_last_wins_and_bytes_never_mix(s
 
 def test_an_artifact_that_goes_while_it_is_read_is_missing_not_corrupt(store, s3):
     put(store, 1)
-    backend = store._backend
-    payload = unseal(backend.read_manifest(RECIPE.ref)).payload
+    payload = unseal(store.read_manifest(RECIPE.ref)).payload
     store.remove(RECIPE.ref)
     for _ in ("gone", "computed again"):
         with pytest.raises(MissingArtifactError):
-            backend.read_files(RECIPE.ref, payload, ["x/zarr.json"])
+            store.read_files(RECIPE.ref, payload, ["x/zarr.json"])
         with pytest.raises(MissingArtifactError):
-            backend.file_sizes(RECIPE.ref, payload)
+            store.file_sizes(RECIPE.ref, payload)
         put(store, 2)
 
 
@@ -241,13 +240,13 @@ def test_an_artifact_that_goes_while_it_is_read_is_missing_not_corrupt(store, s3
 def test_a_manifest_that_names_no_attempt_is_damage(store, payload):
     put(store, 1)
     with pytest.raises(CorruptArtifactError):
-        store._backend.read_files(RECIPE.ref, payload, ["zarr.json"])
+        store.read_files(RECIPE.ref, payload, ["zarr.json"])
 
 
 def test_zarr_alone_reads_the_files(store, s3):
     zarr = pytest.importorskip("zarr")
     put(store, 3)
-    payload = unseal(store._backend.read_manifest(RECIPE.ref)).payload
+    payload = unseal(store.read_manifest(RECIPE.ref)).payload
     client = connect(f"{s3}/{payload_folder(RECIPE.ref, payload)}")
     group = zarr.open_group(zarr.storage.ObjectStore(client, read_only=True), mode="r")
     assert (group["x"][...] == 3).all()

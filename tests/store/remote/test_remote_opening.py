@@ -65,7 +65,7 @@ def test_a_server_that_goes_away_is_a_fault_and_no_bad_input(s3, put_toy, monkey
     ref = put_toy(store)
     monkeypatch.setenv("AWS_ENDPOINT_URL", "http://127.0.0.1:9")
     # what is left of the connection: one whose server has gone
-    monkeypatch.setitem(store._backend._requests.__dict__, "_client", connect(s3))
+    monkeypatch.setitem(store._requests.__dict__, "_client", connect(s3))
     for call in (
         lambda: store.has(ref),
         lambda: store.present([ref, ref.replace("toy", "tea")]),
@@ -147,9 +147,9 @@ def test_a_store_travels_without_credentials_and_shares_its_process_client(s3, m
     store = open_store(s3)
     data = pickle.dumps(store)
     assert SECRET.encode() not in data and b"test-key" not in data
-    assert pickle.loads(data)._backend._requests is store._backend._requests is requests_for(s3)
+    assert pickle.loads(data)._requests is store._requests is requests_for(s3)
     monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", "another")
-    assert pickle.loads(data)._backend._requests is not store._backend._requests
+    assert pickle.loads(data)._requests is not store._requests
 
 
 def test_nothing_of_object_stores_is_imported_before_one_is_named():
