@@ -2,11 +2,11 @@
 
 Run ``python benchmarks/faults/crash.py [--kills 50] [--seed 0] [--root DIR] [--object-store]``; some twelve minutes for
 50 kills. Victims are the client, a worker, both, or the whole process group, of `moseg eval` and `moseg segment`, with
-two worker processes and within one; six in ten on a step of writing into the store. What must hold of each:
+two worker processes and within one; six in ten kills hit a step of writing into the store. The laws are:
 
-- All that the run had started ends by itself, and then `verify` finds nothing bad: what is visible is whole. The masks
-  that are visible are those of an undisturbed run.
-- Where only a worker dies, the run itself finishes.
+- All processes that the run started end by themselves, and then `verify` finds no damage: visible artifacts are
+  complete. The visible masks are those of an undisturbed run.
+- If only a worker dies, the run itself finishes.
 - The resumed run computes as many artifacts as were missing and writes none again.
 - At the end every artifact's decoded bytes and results, and the masks, are those of the undisturbed run.
 """
@@ -28,11 +28,11 @@ from processes import run_to_end
 from workload import read_counts, read_files, write_workload
 
 ORPHAN_PATIENCE_SEC = 120.0
-"""A worker that outlives its client by more holds memory and cores for nothing."""
+"""A worker that outlives its client by more wastes memory and cores."""
 
 
 class Whole(NamedTuple):
-    """What an undisturbed run leaves: the store's contents and the masks."""
+    """Results of an undisturbed run: the store's contents and the masks."""
 
     contents: Contents
     masks: dict[str, bytes]
@@ -54,7 +54,7 @@ def main() -> int:
         folder = Path(tempfile.mkdtemp(prefix="moseg-crash-", dir=options.root))
         stack.callback(shutil.rmtree, folder)
         objects = stack.enter_context(serve_objects()) if options.object_store else None
-        # Who kills at random times needs runs that last.
+        # Kills at random times need runs that take long enough.
         num_samples = 50 if options.only_steps else 2000
         workload = write_workload(folder / "data", options.frames, num_samples)
         experiment = Experiment(workload, folder, objects, random.Random(options.seed), options.only_steps)
@@ -66,7 +66,7 @@ def main() -> int:
 
 
 def run_undisturbed(experiment: Experiment, command: str) -> Whole:
-    """Run in one process and look at what it leaves."""
+    """Run in one process and return its results."""
     places = experiment.places(f"whole-{command}", command)
     ended = run_to_end(experiment.workload.command(command, places.store, places.out), places.logs)
     contents = read_contents(places.store)

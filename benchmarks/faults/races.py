@@ -1,8 +1,8 @@
-"""Many processes run the same evaluation on one empty store at once.
+"""Many processes that run the same evaluation on one empty store at once.
 
-Run ``python benchmarks/faults/races.py [--processes 8] [--rounds 5] [--root DIR]``; some minutes. What must hold: every
-process ends well and quietly, all report the same scores, each artifact was computed by one of them, staging and
-quarantine are empty, `verify` finds nothing bad, and all is as one process alone leaves it.
+Run ``python benchmarks/faults/races.py [--processes 8] [--rounds 5] [--root DIR]``; some minutes. The laws are: every
+process succeeds and prints no warning, all report the same scores, each artifact was computed by one of them, staging
+and quarantine are empty, `verify` finds no damage, and the store equals that of one process alone.
 """
 
 import argparse
@@ -43,7 +43,7 @@ def main() -> int:
 def read_contents_of_race(
     ledger: Ledger, case: str, folder: Path, workload: Workload, num_processes: int
 ) -> tuple[Contents, list[str]]:
-    """Race on an empty store; what it holds then, and the scores that each process reported."""
+    """Race on an empty store; return its contents, and the scores that each process reported."""
     place = folder / case.replace(" ", "")
     store = place / "store"
     reports = [place / f"{number}.json" for number in range(num_processes)]
@@ -58,7 +58,7 @@ def read_contents_of_race(
     for name in ("staging", "quarantine"):
         left = list(read_files(store / name))
         ledger.require(case, f"{name} is empty", not left, left)
-    # What was ingested is remembered by each that decoded it, the same words by all.
+    # Each process that decoded a file records its leaves, all with the same content.
     num_ingests = sum(ref.startswith("ingest/") for ref in contents.results)
     once, extra = contents.num_computed(), sum(computed) - contents.num_computed()
     is_once = 0 <= extra <= num_ingests * (num_processes - 1) and len(computed) == num_processes
