@@ -17,7 +17,7 @@ def test_verify_tells_its_progress_unless_quiet(evaluated, moseg):
     assert quiet.out == told.out
 
 
-def test_what_vanishes_while_it_is_verified_is_passed_over(evaluated_copy, moseg, monkeypatch):
+def test_an_artifact_that_vanishes_while_it_is_verified_is_skipped(evaluated_copy, moseg, monkeypatch):
     store = open_store(str(evaluated_copy.store), create=False)
     refs = list(store.refs())
     monkeypatch.setattr("moseg.store.LocalStore.refs", lambda self, task=None: iter(refs))
