@@ -95,5 +95,5 @@ def _check_dims(arrays: Mapping[str, np.ndarray], dims: Mapping[str, tuple[str, 
     found = {name: array.ndim for name, array in arrays.items()}
     expected = {name: len(axes) for name, axes in dims.items()}
     if found != expected or not all(name.isidentifier() for name in arrays):
-        raise StoreError("arrays that their axis names do not fit", got=found, expected=expected)
+        raise StoreError("axis names do not fit the arrays", got=found, expected=expected)
     return dims

@@ -138,7 +138,7 @@ def _decode_chunk(content: bytes, chunk: np.ndarray) -> None:
     """Decode a chunk's file into `chunk`, which must be contiguous."""
     encoded = np.frombuffer(content, np.uint8)[:-_CHECKSUM_BYTES]
     if google_crc32c.value(encoded).to_bytes(_CHECKSUM_BYTES, "little") != content[-_CHECKSUM_BYTES:]:
-        raise ValueError("the chunk's checksum is another")
+        raise ValueError("the chunk's checksum differs")
     nbytes, num_encoded = _BLOSC_SIZES.unpack_from(encoded)
     if (nbytes, num_encoded) != (chunk.nbytes, len(encoded)):
         raise ValueError(f"a chunk of {nbytes} bytes where the manifest has {chunk.nbytes}")

@@ -17,12 +17,7 @@ from moseg.store.reading import check_seal
 
 
 def collect(backend: Backend, *, is_dry: bool = True, grace_seconds: float = 86_400.0) -> GcReport:
-    """Delete artifacts that no pin reaches and that are older than the grace period, or only report them.
-
-    A pin reaches the references it names and, through the inputs in manifests, everything they were computed from; an
-    input that is not stored ends the walk. Unfinished puts, quarantined artifacts older than the grace period, and pins
-    that no longer hold are deleted too.
-    """
+    """See `ArtifactStore.gc`."""
     now = time.time()
     reached = reachable(pinned(backend).values(), [backend])
     committed = backend.committed()
@@ -38,7 +33,7 @@ def collect(backend: Backend, *, is_dry: bool = True, grace_seconds: float = 86_
 
 
 def remove(backend: Backend, ref: str) -> bool:
-    """Delete an artifact as a whole; return False if there is none."""
+    """See `ArtifactStore.remove`."""
     check_ref(ref)
     trash = backend.new_trash()
     try:

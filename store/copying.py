@@ -11,15 +11,7 @@ from moseg.store.verification import check_list
 
 
 def export_artifact(backend: Backend, ref: str) -> StoredArtifact:
-    """Return an artifact with all its files, after comparing every byte with its manifest.
-
-    Raises
-    ------
-    MissingArtifactError
-        Nothing is stored under `ref`.
-    CorruptArtifactError
-        A byte differs from the one that was committed.
-    """
+    """See `ArtifactStore.export_artifact`."""
     sealed = check_list(backend, ref)
     manifest = sealed.manifest
     files = read_files(backend, ref, sealed, [file.path for file in manifest.files])
@@ -29,10 +21,7 @@ def export_artifact(backend: Backend, ref: str) -> StoredArtifact:
 
 
 def import_artifact(backend: Backend, artifact: StoredArtifact) -> PutOutcome:
-    """Commit an exported artifact; its manifest is sealed again for this backend, everything else stays.
-
-    Raises CorruptArtifactError if a byte differs from its manifest.
-    """
+    """See `ArtifactStore.import_artifact`; the manifest is sealed again for this backend."""
     ref = artifact.manifest.recipe.ref
     if backend.has(ref):
         return PutOutcome.LOST_RACE

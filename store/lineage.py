@@ -1,4 +1,4 @@
-"""Lineage: what an artifact was computed from, and what was computed from it.
+"""Lineage: the ancestors and the descendants of an artifact.
 
 Every recipe names its inputs, so ancestors are found by a walk from manifest to manifest. No artifact names its
 descendants: they are found by one pass over the manifests of the whole store.

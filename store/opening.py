@@ -23,7 +23,7 @@ def open_store(url: str, create: bool = True) -> ArtifactStore:
     """
     if "://" not in url:
         if not url:
-            raise InputError("no artifact store named", got="an empty text", expected=SUPPORTED)
+            raise InputError("no artifact store named", got="an empty string", expected=SUPPORTED)
         return LocalStore(Path(url).expanduser(), create=create)
     parts = urlsplit(url)
     if parts.scheme in REMOTE:

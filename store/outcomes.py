@@ -73,7 +73,7 @@ class Pin(Frozen):
 
 
 class GcReport(NamedTuple):
-    """What a collection removed, or would remove if ``is_dry``.
+    """Result of a collection: what it removed, or would remove if ``is_dry``.
 
     Attributes
     ----------

@@ -21,7 +21,7 @@ FOLDER = "pins"
 
 
 def pin(backend: Backend, run_id: str, refs: Iterable[str], lease_seconds: float | None = None) -> None:
-    """Protect references, stored or not yet, and everything they were computed from, from `gc`."""
+    """See `ArtifactStore.pin`."""
     path = _path(run_id)
     now = time.time()
     content = Pin(
@@ -36,21 +36,18 @@ def pin(backend: Backend, run_id: str, refs: Iterable[str], lease_seconds: float
 
 
 def unpin(backend: Backend, run_id: str) -> bool:
-    """End a run's pin; return False if there is none."""
+    """See `ArtifactStore.unpin`."""
     return backend.delete_record(_path(run_id), "unpin a run")
 
 
 def pinned(backend: Backend) -> dict[str, Pin]:
-    """Return the pins that hold now, by run.
-
-    Raises StoreError if a pin cannot be read: without it a collection could delete what the pin protects.
-    """
+    """See `ArtifactStore.pinned`."""
     contents = [_read(backend, path, record) for path, record in backend.read_records(FOLDER).items()]
     return {content.run_id: content for content in contents if _holds(content)}
 
 
 def pin_of(backend: Backend, run_id: str) -> Pin | None:
-    """Return a run's pin if it holds now, else None: one lookup by name, however many pins there are."""
+    """See `ArtifactStore.pin_of`."""
     path = _path(run_id)
     record = backend.read_record(path)
     content = None if record is None else _read(backend, path, record)

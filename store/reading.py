@@ -18,7 +18,7 @@ from moseg.store.sealing import Sealed, digest_metadata, unseal
 
 
 def read_manifest(backend: Backend, ref: str) -> Manifest:
-    """Return the manifest of an artifact: its contents and how they were computed; its seal is checked."""
+    """See `ArtifactStore.manifest`."""
     return read_sealed(backend, ref).manifest
 
 
@@ -48,14 +48,14 @@ def check_seal(ref: str, data: bytes) -> Sealed:
 
 
 def read_array(backend: Backend, ref: str, name: str, check: bool = False) -> np.ndarray:
-    """Return a copy of one whole array; with `check`, compare its digest too, not only checksums."""
+    """See `ArtifactStore.read`."""
     sealed = read_sealed(backend, ref)
     entry = _entry(sealed.manifest, ref, name)
     return load_checked(backend, ref, sealed, entry) if check else load_array(backend, ref, sealed, entry)
 
 
 def read_rows(backend: Backend, ref: str, name: str, start: int, stop: int) -> np.ndarray:
-    """Return rows ``start`` to ``stop`` (exclusive) of an array's leading axis; raises InputError outside of it."""
+    """See `ArtifactStore.read_rows`."""
     sealed = read_sealed(backend, ref)
     entry = _entry(sealed.manifest, ref, name)
     num_rows = entry.shape[0] if entry.shape else 0
@@ -82,7 +82,7 @@ def decode_checked(ref: str, entry: ArrayEntry, files: Mapping[str, bytes]) -> n
     # Stores of earlier versions hold BLAKE2b-256.
     digest = hash_array(array) if entry.digest.startswith("sha256:") else digest_array("array", array)
     if digest != entry.digest:
-        raise CorruptArtifactError("the array's digest is another", where=f"{ref} {entry.name}", ref=ref)
+        raise CorruptArtifactError("the array's digest differs", where=f"{ref} {entry.name}", ref=ref)
     return array
 
 

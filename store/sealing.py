@@ -18,7 +18,7 @@ _SEAL_LENGTH = 64
 
 
 class Sealed(Frozen):
-    """A manifest, the digest of each metadata file by relative path, and where the files lie.
+    """A manifest, the digest of each metadata file by relative path, and the place of the files.
 
     Attributes
     ----------

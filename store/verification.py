@@ -12,10 +12,7 @@ from moseg.store.sealing import Sealed
 
 
 def verify(backend: Backend, refs: Iterable[str] | None = None) -> Iterator[VerifyResult]:
-    """Compare every byte of the artifacts, by default of all, with their manifests.
-
-    Artifacts that vanish during the pass are skipped. Raises MissingArtifactError if one of `refs` is not stored.
-    """
+    """See `ArtifactStore.verify`."""
     for ref in backend.refs() if refs is None else refs:
         try:
             check_artifact(backend, ref)

@@ -1,4 +1,4 @@
-"""Where things lie under a local store's root, and the marker that makes a folder such a root."""
+"""Layout of a local store: the folders below its root, and the marker that makes a folder a root."""
 
 import os
 import uuid

@@ -1,4 +1,4 @@
-"""Where things lie on an object store, and the marker that makes a prefix a store.
+"""Layout of a store on an object store, and the marker that makes a prefix a store.
 
 ::
 
