@@ -45,9 +45,9 @@ class Intact(NamedTuple):
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--rounds", type=int, default=1, help="times that all is damaged, elsewhere each time")
-    parser.add_argument("--seed", type=int, default=0, help="of the places")
-    parser.add_argument("--root", type=Path, default=None, help="folder for the video and the stores, until the end")
+    parser.add_argument("--rounds", type=int, default=1, help="number of rounds, each with damage at other places")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the places")
+    parser.add_argument("--root", type=Path, default=None, help="folder for temporary videos and stores")
     parser.add_argument("--frames", type=int, default=12, help="length of the video")
     parser.add_argument("--cases", nargs="+", default=None, help="only these, as 'chunk:deletion'")
     options = parser.parse_args()
@@ -92,16 +92,16 @@ def damage_once(intact: Intact, ledger: Ledger, kind: str, damage: str, rng: ran
     }
     damaged = {ref: damage for ref, damage in inflicted.items() if damage is not None}
     found = {result.ref for result in store.verify() if not result.is_intact}
-    ledger.require(case, "verify names what is damaged, nothing else", found == damaged.keys(), found ^ damaged.keys())
+    ledger.require(case, "verify names the damaged artifacts only", found == damaged.keys(), found ^ damaged.keys())
     served = read_contents(str(root)).results
     is_true = all(result == intact.contents.results[ref] for ref, result in served.items())
-    ledger.require(case, "what is served is what was stored", is_true)
+    ledger.require(case, "returned arrays are those stored", is_true)
     for ref in list(store.refs("score")):
         if ref not in damaged:
             store.remove(ref)
 
     first = evaluate(intact.workload, intact.folder, root)
-    ledger.require(case, "a run ends well and quietly", (first.code, first.err) == (0, ""), first.err)
+    ledger.require(case, "a run succeeds without messages", (first.code, first.err) == (0, ""), first.err)
     is_same = results_of(read_contents(str(root))) == results_of(intact.contents)
     ledger.require(case, "labels and scores are those of the undamaged store", is_same)
     met = read_quarantine(root).keys()
@@ -109,16 +109,16 @@ def damage_once(intact: Intact, ledger: Ledger, kind: str, damage: str, rng: ran
 
     verify = [*MOSEG, "store", "verify", "--quarantine", "--store", str(root)]
     verified = run_to_end(verify, intact.folder / "logs")
-    ledger.require(case, "verify's exit code tells what a run did not meet", verified.code == bool(unread), verified)
+    ledger.require(case, "verify reports damage that a run did not read", verified.code == bool(unread), verified)
     for ref in descendants(intact.manifests, unread):
         store.remove(ref)
     second = evaluate(intact.workload, intact.folder, root)
-    ledger.require(case, "the next run ends well and quietly", (second.code, second.err) == (0, ""), second.err)
+    ledger.require(case, "the next run succeeds without messages", (second.code, second.err) == (0, ""), second.err)
     after = read_contents(str(root))
     is_whole = after.results == intact.contents.results and not after.problems
-    ledger.require(case, "the store is what it was", is_whole, after.problems)
+    ledger.require(case, "the store equals the undamaged one", is_whole, after.problems)
     made = sum(after.written.get(ref) != intact.contents.written[ref] for ref in damaged)
-    ledger.require(case, "what was damaged is made anew", made == len(damaged), made)
+    ledger.require(case, "damaged artifacts are computed again", made == len(damaged), made)
     require_quarantine(ledger, case, root, damaged)
     ledger.row(kind, damage, len(damaged), len(found), len(met), made, "identical" if is_whole else "OTHER")
     shutil.rmtree(root)

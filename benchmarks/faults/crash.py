@@ -41,9 +41,9 @@ class Whole(NamedTuple):
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--kills", type=int, default=50, help="runs to kill")
-    parser.add_argument("--seed", type=int, default=0, help="of the moments")
-    parser.add_argument("--root", type=Path, default=None, help="folder for the video and the stores, until the end")
-    parser.add_argument("--object-store", action="store_true", help="keep artifacts in an S3 server (moto's)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the moments")
+    parser.add_argument("--root", type=Path, default=None, help="folder for temporary videos and stores")
+    parser.add_argument("--object-store", action="store_true", help="keep artifacts in an S3 server (moto)")
     parser.add_argument("--cells", nargs="+", choices=[str(cell) for cell in CELLS], default=None, help="only these")
     parser.add_argument("--only-steps", action="store_true", help="kill on steps of writing into the store only")
     parser.add_argument("--frames", type=int, default=16, help="length of the video")
@@ -86,19 +86,19 @@ def crash_once(experiment: Experiment, ledger: Ledger, number: int, cell: Cell, 
     ledger.require(case, f"all processes end within {ORPHAN_PATIENCE_SEC:.0f} s", gone is not None)
 
     before = read_contents(places.store)
-    ledger.require(case, "nothing half-written is visible", not before.problems, before.problems)
+    ledger.require(case, "no incomplete artifact is visible", not before.problems, before.problems)
     expected = {ref: whole.contents.results.get(ref) for ref in before.results}
-    ledger.require(case, "what is stored is what an undisturbed run stores", before.results == expected)
+    ledger.require(case, "stored artifacts are those of an undisturbed run", before.results == expected)
     visible = read_files(places.out, ["*.png"])
-    ledger.require(case, "visible masks are whole", visible == {path: whole.masks.get(path) for path in visible})
+    ledger.require(case, "visible masks are complete", visible == {path: whole.masks.get(path) for path in visible})
 
     resumed = run_to_end(command_of(experiment, cell, places), places.logs)
-    ledger.require(case, "the same command goes on", resumed.code == 0, f"{resumed.code}: {resumed.err}")
+    ledger.require(case, "the same command continues", resumed.code == 0, f"{resumed.code}: {resumed.err}")
     if resumed.code:
         return
     after = read_contents(places.store)
     computed, missing = read_counts(resumed.out)[0], after.num_computed(before)
-    ledger.require(case, "computed is what was missing", computed == missing, f"{computed} of {missing}")
+    ledger.require(case, "it computes the missing artifacts", computed == missing, f"{computed} of {missing}")
     ledger.require(case, "nothing is written again", not after.rewritten(before), after.rewritten(before))
     ledger.require(case, "nothing is damaged at the end", not after.problems, after.problems)
     ledger.require(case, "all artifacts are identical", after.results == whole.contents.results)

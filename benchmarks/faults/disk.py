@@ -44,7 +44,7 @@ NEED_NO_MOUNT = ("file-size", "forbidden")
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cases", nargs="+", choices=CASES, default=list(CASES))
-    parser.add_argument("--root", type=Path, default=None, help="folder for the video and the stores, until the end")
+    parser.add_argument("--root", type=Path, default=None, help="folder for temporary videos and stores")
     parser.add_argument("--frames", type=int, default=12, help="length of the video")
     parser.add_argument("--short", action="store_true", help="one size of disk and one process only")
     options = parser.parse_args()

@@ -57,7 +57,7 @@ def output(bench: Bench) -> None:
             case = f"output of {name}, {size}"
             bench.require_refusal(case, ended, 2, NO_SPACE, str(disk))
             parts = [path for path in read_files(disk) if path.endswith(".part")]
-            bench.ledger.require(case, "no parts of files are left", not parts, parts)
+            bench.ledger.require(case, "no partial files are left", not parts, parts)
         (bench.folder / "disk").rmdir()
         _row(bench, case, 0, ended, "-", "-")
 

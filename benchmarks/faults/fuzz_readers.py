@@ -56,13 +56,13 @@ class Tally(NamedTuple):
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--mutations", type=int, default=10_000, help="damaged files a reader")
+    parser.add_argument("--mutations", type=int, default=10_000, help="damaged files per reader")
     parser.add_argument("--first", type=int, default=0, help="number of the first one")
-    parser.add_argument("--seed", type=int, default=0, help="of the damage")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the damage")
     parser.add_argument("--readers", nargs="+", default=None, metavar="NAME", help="only these, by the start of a name")
-    parser.add_argument("--seconds", type=float, default=2.0, help="of CPU that one file may cost")
-    parser.add_argument("--megabytes", type=int, default=1024, help="MiB of memory that one file may cost")
-    parser.add_argument("--root", type=Path, default=None, help="folder for the files, until the end")
+    parser.add_argument("--seconds", type=float, default=2.0, help="limit of CPU time for one file, s")
+    parser.add_argument("--megabytes", type=int, default=1024, help="limit of memory for one file, MiB")
+    parser.add_argument("--root", type=Path, default=None, help="folder for temporary files")
     parser.add_argument("--json", type=Path, default=None, metavar="FILE", help="write the figures")
     parser.add_argument("--keep", type=Path, default=None, metavar="DIR", help="save the files of violations")
     options = parser.parse_args()

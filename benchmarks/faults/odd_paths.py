@@ -47,7 +47,7 @@ REFUSED = {
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--root", type=Path, default=None, help="folder for the video and the stores, until the end")
+    parser.add_argument("--root", type=Path, default=None, help="folder for temporary videos and stores")
     parser.add_argument("--names", nargs="+", choices=[*WORKING, *REFUSED], default=[*WORKING, *REFUSED])
     parser.add_argument("--frames", type=int, default=6, help="length of the video")
     options = parser.parse_args()
@@ -86,10 +86,10 @@ def work(ledger: Ledger, workload: Workload, name: str, folder: Path, whole: Con
         ended = evaluate(workload, given, folder, "--workers", workers if number == 0 else "0")
         case = f"{name} as {form}"
         is_well = (ended.code, ended.err) == (0, "")
-        ledger.require(case, "it ends well and quietly", is_well, (ended.code, ended.err))
+        ledger.require(case, "it succeeds without messages", is_well, (ended.code, ended.err))
         if is_well:
             computed, expected = read_counts(ended.out)[0], whole.num_computed() if number == 0 else 0
-            ledger.require(case, "all is computed once and found again", computed == expected, computed)
+            ledger.require(case, "all artifacts are computed once and found again", computed == expected, computed)
             found = read_contents(given)
             is_same = found.results == whole.results and not found.problems
             ledger.require(case, "the artifacts are those of a plain path", is_same)
@@ -103,7 +103,7 @@ def refuse(ledger: Ledger, workload: Workload, name: str, folder: Path) -> None:
     is_clear = ended.code == 2 and ended.is_one_line()
     ledger.require(name, "one line, exit code 2", is_clear, (ended.code, ended.err))
     is_kept = Path("file").read_bytes() == b"something" and sorted(os.listdir(folder / "others")) == before
-    ledger.require(name, "what is there stays", is_kept)
+    ledger.require(name, "existing files stay", is_kept)
     ledger.row(name, "relative path", 0, ended.code, ended.err.strip().replace(str(folder), "…"))
 
 

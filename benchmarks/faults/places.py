@@ -47,15 +47,15 @@ class Bench(NamedTuple):
     def require_success(self, case: str, ended: Ended) -> bool:
         """Check that a run succeeded and printed nothing on standard error."""
         is_well = (ended.code, ended.err) == (0, "")
-        self.ledger.require(case, "it ends well and quietly", is_well, (ended.code, ended.err))
+        self.ledger.require(case, "it succeeds without messages", is_well, (ended.code, ended.err))
         return is_well
 
     def require_whole(self, case: str, store: Path) -> Contents:
         """Check that no visible artifact is damaged, or differs from the undisturbed store."""
         found = read_contents(str(store))
-        self.ledger.require(case, "what is stored is whole", not found.problems, found.problems)
+        self.ledger.require(case, "stored artifacts are complete", not found.problems, found.problems)
         is_same = all(self.contents.results.get(ref) == result for ref, result in found.results.items())
-        self.ledger.require(case, "what is stored is what an undisturbed run stores", is_same)
+        self.ledger.require(case, "stored artifacts are those of an undisturbed run", is_same)
         return found
 
     def require_rest(self, case: str, store: Path, before: Contents, ended: Ended) -> int:
@@ -65,7 +65,7 @@ class Bench(NamedTuple):
         after = self.require_whole(case, store)
         computed = read_counts(ended.out)[0]
         missing = after.num_computed(before)
-        self.ledger.require(case, "computed is what was missing", computed == missing, f"{computed} of {missing}")
+        self.ledger.require(case, "it computes the missing artifacts", computed == missing, f"{computed} of {missing}")
         self.ledger.require(case, "nothing is written again", not after.rewritten(before), after.rewritten(before))
-        self.ledger.require(case, "all artifacts are there", after.results == self.contents.results)
+        self.ledger.require(case, "all artifacts are stored", after.results == self.contents.results)
         return computed

@@ -21,9 +21,9 @@ from workload import Workload, read_counts, read_files, write_workload
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--processes", type=int, default=8, help="that run at once")
+    parser.add_argument("--processes", type=int, default=8, help="number of simultaneous processes")
     parser.add_argument("--rounds", type=int, default=5, help="races, each on an empty store")
-    parser.add_argument("--root", type=Path, default=None, help="folder for the video and the stores, until the end")
+    parser.add_argument("--root", type=Path, default=None, help="folder for temporary videos and stores")
     parser.add_argument("--frames", type=int, default=16, help="length of the video")
     options = parser.parse_args()
     ledger = Ledger("round", "ended well", "artifacts", "computed by each", "sum", "lost races")
@@ -36,7 +36,7 @@ def main() -> int:
             case = f"round {number}"
             contents, rows = read_contents_of_race(ledger, case, folder, workload, options.processes)
             ledger.require(case, "all report the same scores", len(set(rows)) == 1, set(rows))
-            ledger.require(case, "all artifacts are those of a process alone", contents.results == alone.results)
+            ledger.require(case, "all artifacts are those of a single process", contents.results == alone.results)
     return ledger.close()
 
 
@@ -50,7 +50,7 @@ def read_contents_of_race(
     runs = [Run(workload.command("eval", str(store), path), place / f"{path.stem}-logs") for path in reports]
     ended = [run.wait() for run in runs]
     faults = [each.err for each in ended if each.code]
-    ledger.require(case, "every process ends well", not faults, faults)
+    ledger.require(case, "every process succeeds", not faults, faults)
     contents = read_contents(str(store))
     computed = [read_counts(each.out)[0] for each in ended if not each.code]
     reused = [read_counts(each.out)[1] for each in ended if not each.code]

@@ -33,8 +33,8 @@ def read_only(bench: Bench) -> None:
         bench.require_success(case, ended)
         after = bench.require_whole(case, store)
         rewritten = [ref for ref in after.rewritten(before) if not ref.startswith("score/")]
-        bench.ledger.require(case, "nothing but the damaged one is written again", not rewritten, rewritten)
-        bench.ledger.require(case, "all artifacts are there", after.results == bench.contents.results)
+        bench.ledger.require(case, "only the damaged artifact is written again", not rewritten, rewritten)
+        bench.ledger.require(case, "all artifacts are stored", after.results == bench.contents.results)
         bench.require_success(case, bench.evaluate(store, *OTHER))
     (bench.folder / "disk").rmdir()
 

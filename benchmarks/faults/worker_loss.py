@@ -43,27 +43,27 @@ class Bench(NamedTuple):
 
     def wait_for_some(self, run: Run, store: Path) -> int:
         """Wait until a random number of artifacts is stored; return that number."""
-        least = self.rng.randint(1, len(self.whole.results) - 20)
-        wait_until(lambda: run.is_over() or count_artifacts(str(store)) >= least)
-        return least
+        num_stored = self.rng.randint(1, len(self.whole.results) - 20)
+        wait_until(lambda: run.is_over() or count_artifacts(str(store)) >= num_stored)
+        return num_stored
 
 
 def own_worker(bench: Bench, store: Path) -> tuple[Ended, int]:
     """Kill one of the run's own two workers."""
     run = bench.start(store, "--workers", "2")
-    least = bench.wait_for_some(run, store)
+    num_stored = bench.wait_for_some(run, store)
     for worker in run.workers()[:1]:
         run.kill("worker", worker)
-    return run.wait(), least
+    return run.wait(), num_stored
 
 
 def own_workers(bench: Bench, store: Path) -> tuple[Ended, int]:
     """Kill both of the run's own workers."""
     run = bench.start(store, "--workers", "2")
-    least = bench.wait_for_some(run, store)
+    num_stored = bench.wait_for_some(run, store)
     for worker in run.workers():
         run.kill("worker", worker)
-    return run.wait(), least
+    return run.wait(), num_stored
 
 
 def lost_worker(bench: Bench, store: Path) -> tuple[Ended, int]:
@@ -96,9 +96,9 @@ def _on_cluster(bench: Bench, store: Path, has_nanny: bool, kill: Callable) -> t
     with serve_cluster(store.parent / "cluster") as cluster:
         workers = [cluster.start_worker(has_nanny) for _ in range(2)]
         run = bench.start(store, "--scheduler", cluster.address)
-        least = bench.wait_for_some(run, store)
+        num_stored = bench.wait_for_some(run, store)
         kill(cluster, workers)
-        return run.wait(), least
+        return run.wait(), num_stored
 
 
 SURVIVED: dict[str, Callable[[Bench, Path], tuple[Ended, int]]] = {
@@ -115,8 +115,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cases", nargs="+", choices=[*SURVIVED, HOPELESS], default=[*SURVIVED, HOPELESS])
     parser.add_argument("--rounds", type=int, default=3, help="losses of each kind")
-    parser.add_argument("--seed", type=int, default=0, help="of the moments")
-    parser.add_argument("--root", type=Path, default=None, help="folder for the video and the stores, until the end")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the moments")
+    parser.add_argument("--root", type=Path, default=None, help="folder for temporary videos and stores")
     parser.add_argument("--frames", type=int, default=16, help="length of the video")
     options = parser.parse_args()
     ledger = Ledger("case", "lost at", "exit code", "artifacts", "computed", "said")
@@ -138,15 +138,15 @@ def main() -> int:
 
 def survive(bench: Bench, ledger: Ledger, name: str, store: Path) -> None:
     """Check that the run finishes with undisturbed results."""
-    ended, least = SURVIVED[name](bench, store)
+    ended, num_stored = SURVIVED[name](bench, store)
     ledger.require(name, "the run finishes", ended.code == 0, (ended.code, ended.err))
     # Python and Dask may warn of resources of the dead process.
-    ledger.require(name, "no trace, no error", "Traceback" not in ended.err and "moseg" not in ended.err, ended.err)
+    ledger.require(name, "no traceback, no error", "Traceback" not in ended.err and "moseg" not in ended.err, ended.err)
     found = read_contents(str(store))
-    ledger.require(name, "all is as an undisturbed run leaves it", found.results == bench.whole.results)
+    ledger.require(name, "all artifacts are those of an undisturbed run", found.results == bench.whole.results)
     ledger.require(name, "nothing is damaged", not found.problems, found.problems)
     computed = read_counts(ended.out)[0] if ended.code == 0 else "-"
-    ledger.row(name, f"{least} artifacts", ended.code, len(found.results), computed, one_line(ended))
+    ledger.row(name, f"{num_stored} artifacts", ended.code, len(found.results), computed, one_line(ended))
 
 
 def end(bench: Bench, ledger: Ledger, name: str, store: Path) -> None:
@@ -158,9 +158,9 @@ def end(bench: Bench, ledger: Ledger, name: str, store: Path) -> None:
     before = read_contents(str(store))
     ledger.require(name, "nothing is damaged", not before.problems, before.problems)
     resumed = bench.start(store, "--workers", "2").wait()
-    ledger.require(name, "the same command goes on", resumed.code == 0, resumed.err)
+    ledger.require(name, "the same command continues", resumed.code == 0, resumed.err)
     after = read_contents(str(store))
-    ledger.require(name, "all is as an undisturbed run leaves it", after.results == bench.whole.results)
+    ledger.require(name, "all artifacts are those of an undisturbed run", after.results == bench.whole.results)
     ledger.row(name, DEADLY, ended.code, len(before.results), "-", one_line(ended))
 
 
