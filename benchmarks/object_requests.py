@@ -1,9 +1,9 @@
-"""Requests that an evaluation makes to an object store: what a provider would count, and bill.
+"""Requests that an evaluation sends to an object store, as a provider would count and bill them.
 
 Run ``python benchmarks/object_requests.py [--dataset davis16 --root DIR --sequences NAME]``; the default, one small
 rendered scene, takes half a minute. The store is a bucket of moto's S3 server on this machine, whose log is counted by
-kind of request: of a cold run, of the same run again, and of the upkeep that lists. Times would be the test server's
-and are not printed.
+kind of request: of a cold run, of the same run again, and of the commands that list the store. Times would be those of
+the test server and are not printed.
 """
 
 import argparse
@@ -28,17 +28,17 @@ BUCKET = "benchmark"
 START_SECONDS = 60.0
 KINDS = ("PUT", "LIST", "GET", "HEAD", "DELETE", "POST")
 _LINE = re.compile(r'"(?:\x1b\[[0-9;]*m)*(?P<method>[A-Z]+) (?P<path>\S+) HTTP')
-"""Of the server's log, which colours what it refuses."""
+"""A line of the server's log, which colours rejected requests."""
 
 
 class Server(NamedTuple):
-    """A running server: what its clients' environment must say, and its log."""
+    """A running server: the environment that its clients need, and its log."""
 
     environ: Mapping[str, str]
     log: Path
 
     def take(self) -> Counter[str]:
-        """Requests by kind since the last call."""
+        """Return the requests by kind since the last call."""
         lines = self.log.read_text(errors="replace").splitlines()
         self.log.write_text("")
         found = (_LINE.search(line) for line in lines)
@@ -68,7 +68,7 @@ def main() -> int:
 
 @contextmanager
 def start_server() -> Iterator[Server]:
-    """moto's S3 server with an empty bucket, for the block."""
+    """Start moto's S3 server with an empty bucket, for the block."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -107,7 +107,7 @@ def _wait_for(process: subprocess.Popen, port: int) -> None:
 
 
 def _kind(method: str, path: str) -> str:
-    """The kind as a provider bills it: a GET of a bucket with a query lists."""
+    """Return the kind as a provider bills it: a GET of a bucket with a query is a listing."""
     is_bucket = "/" not in path.partition("?")[0].strip("/")
     return "LIST" if method == "GET" and is_bucket else method
 

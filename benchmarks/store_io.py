@@ -1,7 +1,7 @@
 """Time of putting and reading artifacts, beside plain Zarr with the same codecs.
 
-Run ``python benchmarks/store_io.py [--repeat N] [--root DIR]``. The store's and Zarr's calls alternate, so that a ratio
-compares like with like on a busy machine.
+Run ``python benchmarks/store_io.py [--repeat N] [--root DIR]``. The store's and Zarr's calls alternate, so that the
+ratio is fair on a busy machine.
 """
 
 import argparse
@@ -39,7 +39,7 @@ def main() -> None:
 
 
 def cases() -> dict[str, tuple[np.ndarray, tuple[str, ...]]]:
-    """Arrays of the sizes that stages hand on; smooth fields with the noise of real ones."""
+    """Return arrays of the sizes that stages exchange; smooth fields with realistic noise."""
     rng = np.random.default_rng(0)
     y, x = np.mgrid[:480, :854].astype(np.float32)
     flow = np.stack([np.sin(y / 90) + x / 200, np.cos(x / 70)], axis=-1)
@@ -55,7 +55,7 @@ def cases() -> dict[str, tuple[np.ndarray, tuple[str, ...]]]:
 
 
 def report(root: Path, name: str, array: np.ndarray, dims: tuple[str, ...], repeat: int) -> str:
-    """Median times of `repeat` calls of each kind, and the store's over Zarr's."""
+    """Return median times of `repeat` calls of each kind, and the ratios of the store's to Zarr's."""
     store = LocalStore(root / "store")
     counter = itertools.count()
     times: dict[str, list[float]] = {"put": [], "plain put": [], "read": [], "plain read": []}
@@ -68,7 +68,7 @@ def report(root: Path, name: str, array: np.ndarray, dims: tuple[str, ...], repe
         times["plain read"].append(seconds(lambda f=folder: zarr.open_array(f / "x", mode="r")[...]))
         store.remove(recipe.ref)
         shutil.rmtree(folder)
-    # the first round pays for imports and caches
+    # the first round includes imports and cold caches
     median = {kind: float(np.median(values[1:])) for kind, values in times.items()}
     columns = []
     for kind in ("put", "read"):
@@ -78,7 +78,7 @@ def report(root: Path, name: str, array: np.ndarray, dims: tuple[str, ...], repe
 
 
 def plain_put(folder: Path, array: np.ndarray, dims: tuple[str, ...]) -> None:
-    """One array in a group by Zarr's own local store, with the codecs and chunks of the artifact store."""
+    """Write one array in a group by Zarr's own local store, with the codecs and chunks of the artifact store."""
     group = zarr.create_group(folder)
     chunks = (1, *array.shape[1:]) if dims[0] == "frame" else array.shape
     stored = group.create_array(
@@ -94,7 +94,7 @@ def plain_put(folder: Path, array: np.ndarray, dims: tuple[str, ...]) -> None:
 
 
 def lookup_time(root: Path) -> float:
-    """Seconds of one lookup of a stored artifact."""
+    """Return the seconds of one lookup of a stored artifact."""
     store = LocalStore(root / "store")
     recipe = Recipe(task=TASK, version=1)
     store.put(recipe, {}, dims={})
@@ -102,7 +102,7 @@ def lookup_time(root: Path) -> float:
 
 
 def seconds(call: Callable[[], object]) -> float:
-    """Wall-clock seconds of one call."""
+    """Return the wall-clock seconds of one call."""
     start = time.perf_counter()
     call()
     return time.perf_counter() - start

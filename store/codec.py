@@ -1,9 +1,9 @@
-"""Arrays to the files of a Zarr v3 group and back, in memory.
+"""Conversion of arrays to the files of a Zarr v3 group and back, in memory.
 
-Zarr writes the metadata, once for each kind of array; the chunks go through the codecs that the metadata names without
-it, to the same bytes. Its own way, a coroutine and a task for every chunk and codec, takes 3 ms an array whatever its
-size, several times what encoding a flow field takes. An array whose metadata is not spelt as here, as another version
-of Zarr may do, is left to Zarr.
+Zarr writes the metadata, once for each kind of array; the chunks are encoded directly by the codecs that the metadata
+names, to the same bytes. Zarr itself, with a coroutine and a task for every chunk and codec, takes 3 ms an array
+whatever its size, several times as long as encoding a flow field. An array whose metadata has another spelling, as of
+another version of Zarr, is decoded by Zarr.
 
 Blosc LZ4 at level 1 with byte shuffle, then CRC-32C. Chosen by time on real data (DAVIS 480p, one core): a DIS flow
 field (3.3 MB float32) encodes in 1.3 ms and decodes in 0.5 ms to 74 % of its size. Bit shuffle saves another 3 % at
@@ -35,14 +35,14 @@ _INTEGERS = ("int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "ui
 DTYPES = frozenset({"bool", *_INTEGERS, "float16", "float32", "float64", "complex64", "complex128"})
 """Dtypes that the Zarr specification fixes to the bit."""
 ROW_AXES = frozenset({"frame", "pair"})
-"""A leading axis of these names is read a row at a time: one chunk per row."""
+"""Names of leading axes that are read one row at a time: one chunk per row."""
 MAX_CHUNK_BYTES = 2**31 - 1 - 16
 """Blosc's limit on one buffer (BLOSC_MAX_BUFFERSIZE)."""
 
 _COMPRESSOR, _LEVEL, _SHUFFLE = "lz4", 1, "shuffle"
 _CHECKSUM_BYTES = 4
 _BLOSC_SIZES = struct.Struct("<4xI4xI")  # of Blosc's header: bytes decoded and bytes encoded
-_METADATA_KEPT = 1024  # a run has a few dozen kinds of arrays; each has some 1.5 kB of metadata
+_METADATA_KEPT = 1024  # a run has a few dozen kinds of arrays, each with some 1.5 kB of metadata
 
 
 def encode_group(
@@ -50,14 +50,14 @@ def encode_group(
     dims: Mapping[str, tuple[str, ...]],
     digests: Mapping[str, str] | None = None,
 ) -> tuple[dict[str, memoryview], tuple[ArrayEntry, ...]]:
-    """The files of a Zarr group that holds `arrays`, by relative path, and an entry per array in order of name.
+    """Return the files of a Zarr group that holds `arrays`, by relative path, and an entry per array in order of name.
 
-    `digests` are those of `hash_array` where the caller has them.
+    `digests` are those of `hash_array` for the arrays for which the caller has them.
 
     Raises
     ------
     StoreError
-        A dtype that Zarr does not keep portably, or one chunk over 2 GiB.
+        A dtype that Zarr does not store portably, or one chunk over 2 GiB.
     """
     files = {METADATA: _group_metadata()}
     known = digests or {}
@@ -66,9 +66,9 @@ def encode_group(
 
 
 def decode_array(entry: ArrayEntry, files: Mapping[str, bytes], rows: slice = slice(None)) -> np.ndarray:
-    """One array, or rows of its leading axis, from the files that `array_files` names.
+    """Decode one array, or rows of its leading axis, from the files that `array_files` names.
 
-    Raises whatever Zarr raises on bytes that it cannot decode, and ValueError where its metadata is not the entry's or
+    Raises whatever Zarr raises on bytes that it cannot decode, and ValueError if its metadata differs from the entry or
     a chunk's checksum or length is wrong.
     """
     chunks = chunk_shape(entry.shape, entry.dims)
@@ -90,7 +90,7 @@ def decode_array(entry: ArrayEntry, files: Mapping[str, bytes], rows: slice = sl
 
 
 def array_files(entry: ArrayEntry, rows: slice = slice(None)) -> list[str]:
-    """Relative paths of the files that hold an array, or rows of its leading axis: metadata first, then chunks."""
+    """Return the relative paths of the files of an array, or of rows of its leading axis: metadata, then chunks."""
     if 0 in entry.shape:
         return [f"{entry.name}/{METADATA}"]
     chunks = chunk_shape(entry.shape, entry.dims)
@@ -102,7 +102,7 @@ def array_files(entry: ArrayEntry, rows: slice = slice(None)) -> list[str]:
 
 
 def chunk_shape(shape: tuple[int, ...], dims: Iterable[str]) -> tuple[int, ...]:
-    """One frame or one frame pair to a chunk where the leading axis counts them, else the whole array."""
+    """Return the shape of a chunk: one frame or frame pair if the leading axis counts these, else the whole array."""
     leading = next(iter(dims), None)
     whole = tuple(max(1, size) for size in shape)
     return (1, *whole[1:]) if len(shape) >= 3 and leading in ROW_AXES else whole
@@ -135,10 +135,10 @@ def _encode_chunk(chunk: np.ndarray) -> bytes:
 
 
 def _decode_chunk(content: bytes, chunk: np.ndarray) -> None:
-    """Decode a chunk's file into `chunk`, which is contiguous."""
+    """Decode a chunk's file into `chunk`, which must be contiguous."""
     encoded = np.frombuffer(content, np.uint8)[:-_CHECKSUM_BYTES]
     if google_crc32c.value(encoded).to_bytes(_CHECKSUM_BYTES, "little") != content[-_CHECKSUM_BYTES:]:
-        raise ValueError("the chunk's checksum is another")
+        raise ValueError("the chunk's checksum differs")
     nbytes, num_encoded = _BLOSC_SIZES.unpack_from(encoded)
     if (nbytes, num_encoded) != (chunk.nbytes, len(encoded)):
         raise ValueError(f"a chunk of {nbytes} bytes where the manifest has {chunk.nbytes}")
@@ -147,7 +147,7 @@ def _decode_chunk(content: bytes, chunk: np.ndarray) -> None:
 
 async def _decode_by_zarr(store: MemoryStore, entry: ArrayEntry, rows: slice) -> np.ndarray:
     stored = await open_array(store=store, path=entry.name, mode="r")
-    # Zarr reads an empty list of names, that of a single value, as none
+    # Zarr reads an empty list of names (an array without axes) as None
     found = (stored.dtype.str, stored.shape, stored.metadata.dimension_names or (), stored.chunks)
     expected = (entry.dtype, entry.shape, entry.dims, chunk_shape(entry.shape, entry.dims))
     if found != expected:
@@ -157,7 +157,7 @@ async def _decode_by_zarr(store: MemoryStore, entry: ArrayEntry, rows: slice) ->
 
 @lru_cache(_METADATA_KEPT)
 def _array_metadata(shape: tuple[int, ...], dtype: str, chunks: tuple[int, ...], dims: tuple[str, ...]) -> bytes:
-    """Zarr's metadata of an array as it is stored here."""
+    """Return Zarr's metadata of an array as it is stored here."""
     files: dict[str, Buffer] = {}
     created = create_array(
         MemoryStore(files),
@@ -171,7 +171,7 @@ def _array_metadata(shape: tuple[int, ...], dtype: str, chunks: tuple[int, ...],
             BloscCodec(cname=_COMPRESSOR, clevel=_LEVEL, shuffle=_SHUFFLE, typesize=np.dtype(dtype).itemsize),
             Crc32cCodec(),
         ],
-        # "c.0.1" rather than "c/0/1": no folder per chunk
+        # "c.0.1" instead of "c/0/1": no folder per chunk
         chunk_key_encoding={"name": "default", "separator": "."},
         dimension_names=dims,
     )

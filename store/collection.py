@@ -1,46 +1,41 @@
-"""Mark and sweep: deleting what no run's pin reaches.
+"""Garbage collection by mark and sweep: deleting artifacts that no run's pin reaches.
 
-The sweep takes no lock. It first takes what it would delete out of service, each artifact at once, then reads the pins
-again and gives back what a run has pinned meanwhile, and deletes only then. A run pins before it looks: so either its
-pin is seen here, or its lookup already finds the artifact gone and computes it.
+The sweep takes no lock. It first takes unreachable artifacts out of service, each atomically, then reads the pins again
+and restores artifacts that a run has pinned in the meantime, and deletes only then. A run pins before it looks up: so
+either the sweep sees the pin, or the run finds the artifact gone and computes it.
 """
 
 import time
 from collections.abc import Collection, Iterable, Sequence
 
 from moseg.schemas.errors import CorruptArtifactError
-from moseg.store.medium import ManifestSource, Medium
+from moseg.store.backend import Backend, ManifestSource
 from moseg.store.names import check_ref
 from moseg.store.outcomes import GcReport, Pin
 from moseg.store.pins import discard_ended, ended_pins, pinned
 from moseg.store.reading import check_seal
 
 
-def collect(medium: Medium, *, is_dry: bool = True, grace_seconds: float = 86_400.0) -> GcReport:
-    """Delete the artifacts that no pin reaches and that lie here longer than the grace period, or only say which.
-
-    Pins reach what they name and, through the inputs in manifests, all that it was made from; an input that is not
-    stored ends the walk there. Interrupted puts, quarantined artifacts older than the grace period, and pins that hold
-    no longer go too.
-    """
+def collect(backend: Backend, *, is_dry: bool = True, grace_seconds: float = 86_400.0) -> GcReport:
+    """See `ArtifactStore.gc`."""
     now = time.time()
-    reached = reachable(pinned(medium).values(), [medium])
-    committed = medium.committed()
-    doomed = [ref for ref, moment in committed.items() if ref not in reached and moment <= now - grace_seconds]
-    leftovers = medium.leftovers(now, now - grace_seconds)
-    ended = ended_pins(medium)
-    nbytes = sum(medium.nbytes(doomed).values()) + sum(leftovers.values()) + sum(ended.values())
+    reached = reachable(pinned(backend).values(), [backend])
+    committed = backend.committed()
+    unreachable = [ref for ref, moment in committed.items() if ref not in reached and moment <= now - grace_seconds]
+    leftovers = backend.leftovers(now, now - grace_seconds)
+    ended = ended_pins(backend)
+    nbytes = sum(backend.nbytes(unreachable).values()) + sum(leftovers.values()) + sum(ended.values())
     if not is_dry:
-        doomed = _sweep(medium, doomed)
-        medium.discard(leftovers)
-        discard_ended(medium, ended)
-    return GcReport(len(committed) - len(doomed), tuple(doomed), (*leftovers, *ended), nbytes, is_dry)
+        unreachable = _sweep(backend, unreachable)
+        backend.discard(leftovers)
+        discard_ended(backend, ended)
+    return GcReport(len(committed) - len(unreachable), tuple(unreachable), (*leftovers, *ended), nbytes, is_dry)
 
 
-def remove(medium: Medium, ref: str) -> bool:
-    """Delete one artifact; False where there is none. It vanishes whole."""
+def remove(backend: Backend, ref: str) -> bool:
+    """See `ArtifactStore.remove`."""
     check_ref(ref)
-    trash = medium.new_trash()
+    trash = backend.new_trash()
     try:
         trash.take([ref])
     finally:
@@ -49,7 +44,7 @@ def remove(medium: Medium, ref: str) -> bool:
 
 
 def reachable(pins: Iterable[Pin], sources: Sequence[ManifestSource]) -> set[str]:
-    """References that the pins name, and the inputs of each whose manifest lies in one of the sources."""
+    """Return the references that the pins name, and the inputs of each whose manifest is in one of the sources."""
     reached: set[str] = set()
     waiting = {ref for pin in pins for ref in pin.refs}
     while waiting:
@@ -58,23 +53,23 @@ def reachable(pins: Iterable[Pin], sources: Sequence[ManifestSource]) -> set[str
     return reached
 
 
-def _sweep(medium: Medium, doomed: list[str]) -> list[str]:
-    trash = medium.new_trash()
+def _sweep(backend: Backend, unreachable: list[str]) -> list[str]:
+    trash = backend.new_trash()
     try:
         try:
-            trash.take(doomed)
-            rescued = reachable(pinned(medium).values(), [medium, trash]) & trash.taken
+            trash.take(unreachable)
+            rescued = reachable(pinned(backend).values(), [backend, trash]) & trash.taken
         except BaseException:
-            trash.give_back(list(trash.taken))
+            trash.restore(list(trash.taken))
             raise
-        trash.give_back(rescued)
+        trash.restore(rescued)
     finally:
         trash.empty()
-    return [ref for ref in doomed if ref in trash.taken]
+    return [ref for ref in unreachable if ref in trash.taken]
 
 
 def _inputs(refs: Collection[str], sources: Sequence[ManifestSource]) -> set[str]:
-    """Inputs of all these artifacts; none of one that is not stored or damaged."""
+    """Return the inputs of all these artifacts; none of one that is missing or damaged."""
     found: set[str] = set()
     for source in sources:
         manifests = source.read_manifests(refs)

@@ -1,50 +1,39 @@
-"""Taking an artifact out of one store and into another: the same bytes, checked at both ends."""
+"""Export of an artifact from one store and import into another: the same bytes, checked at both ends."""
 
 from moseg.schemas.errors import CorruptArtifactError
 from moseg.schemas.manifests import Manifest
+from moseg.store.backend import Backend
 from moseg.store.codec import METADATA, array_files
-from moseg.store.medium import Medium
 from moseg.store.outcomes import PutOutcome, StoredArtifact
 from moseg.store.reading import decode_checked, read_files
 from moseg.store.sealing import digest_metadata, seal
 from moseg.store.verification import check_list
 
 
-def export(medium: Medium, ref: str) -> StoredArtifact:
-    """An artifact with all its files, every byte compared with what its manifest names.
-
-    Raises
-    ------
-    MissingArtifactError
-        Nothing is stored under `ref`.
-    CorruptArtifactError
-        A byte is not the one that was committed.
-    """
-    sealed = check_list(medium, ref)
+def export_artifact(backend: Backend, ref: str) -> StoredArtifact:
+    """See `ArtifactStore.export_artifact`."""
+    sealed = check_list(backend, ref)
     manifest = sealed.manifest
-    files = read_files(medium, ref, sealed, [file.path for file in manifest.files])
+    files = read_files(backend, ref, sealed, [file.path for file in manifest.files])
     artifact = StoredArtifact(manifest, sealed.metadata, files)
     check_copy(artifact)
     return artifact
 
 
-def adopt(medium: Medium, artifact: StoredArtifact) -> PutOutcome:
-    """Commit an exported artifact; its manifest is sealed anew for this medium, all else stays.
-
-    Raises CorruptArtifactError where the bytes are not those its manifest names.
-    """
+def import_artifact(backend: Backend, artifact: StoredArtifact) -> PutOutcome:
+    """See `ArtifactStore.import_artifact`; the manifest is sealed again for this backend."""
     ref = artifact.manifest.recipe.ref
-    if medium.has(ref):
+    if backend.has(ref):
         return PutOutcome.LOST_RACE
     check_copy(artifact)
-    return medium.commit(ref, artifact.files, lambda payload: seal(artifact.manifest, artifact.metadata, payload))
+    return backend.commit(ref, artifact.files, lambda payload: seal(artifact.manifest, artifact.metadata, payload))
 
 
 def check_copy(artifact: StoredArtifact) -> None:
-    """Check an artifact outside of a store; raises CorruptArtifactError where a byte or a name is not as committed.
+    """Check an artifact outside of a store; raises CorruptArtifactError if a byte or a name differs from its manifest.
 
-    The names of files are compared with those that the arrays ask for: an artifact from somebody else's store cannot
-    place a file anywhere else.
+    The names of files must be those that follow from the arrays: an artifact from an untrusted store cannot write a
+    file anywhere else.
     """
     manifest, files = artifact.manifest, artifact.files
     ref = manifest.recipe.ref
@@ -63,6 +52,6 @@ def check_copy(artifact: StoredArtifact) -> None:
 
 
 def _names(manifest: Manifest) -> set[str]:
-    """Names of the files of a group with the manifest's arrays; none of an array whose name is no name."""
+    """Return the names of the files of a group with the manifest's arrays; none of an array with an invalid name."""
     arrays = [entry for entry in manifest.arrays if entry.name.isidentifier()]
     return {METADATA} | {path for entry in arrays for path in array_files(entry)}

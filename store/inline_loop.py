@@ -1,7 +1,7 @@
 """Running Zarr's coroutines on the calling thread.
 
-Zarr's synchronous interface hands every call to one thread and every chunk's codec to a pool. For arrays of a few
-kilobytes these hops are most of the time, on busy cores nearly all of it, and a worker pinned to one thread would
+Zarr's synchronous interface runs every call on one thread and every chunk's codec in a pool. For arrays of a few
+kilobytes these switches take most of the time, on busy cores nearly all of it, and a worker limited to one thread would
 have six more.
 """
 
@@ -18,9 +18,9 @@ _idle: deque[asyncio.AbstractEventLoop] = deque()
 
 
 def run_inline(coroutine: Coroutine[Any, Any, T]) -> T:
-    """Run a coroutine to its end, what it sends to threads included, on this thread.
+    """Run a coroutine to its end on this thread, including the work that it submits to threads.
 
-    Under a running event loop, as in a notebook, it has to be another thread.
+    If an event loop runs already, as in a notebook, another thread is used.
     """
     if not _is_loop_running():
         return _run(coroutine)
@@ -29,7 +29,7 @@ def run_inline(coroutine: Coroutine[Any, Any, T]) -> T:
 
 
 class _CallingThread(ThreadPoolExecutor):
-    """Runs what is submitted at once (asyncio takes no default executor but a thread pool)."""
+    """An executor that runs each submitted call immediately (asyncio accepts only thread pools as default executor)."""
 
     def submit(self, function: Callable[..., T], /, *args: Any, **kwargs: Any) -> "Future[T]":
         future: Future[T] = Future()
@@ -41,7 +41,7 @@ class _CallingThread(ThreadPoolExecutor):
 
 
 def _run(coroutine: Coroutine[Any, Any, T]) -> T:
-    # loops are kept: making one costs as much as reading a small array
+    # loops are reused: making one takes as long as reading a small array
     try:
         loop = _idle.pop()
     except IndexError:
@@ -50,7 +50,7 @@ def _run(coroutine: Coroutine[Any, Any, T]) -> T:
     try:
         return loop.run_until_complete(coroutine)
     except BaseException:
-        # of several chunks one failed: the others must not go on in the next call
+        # one of several chunks failed: the others must not continue in the next call
         loop.run_until_complete(_cancel_all())
         raise
     finally:

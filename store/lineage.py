@@ -1,7 +1,7 @@
-"""Lineage: what an artifact was made from, and what was made from it.
+"""Lineage: the ancestors and the descendants of an artifact.
 
-Every recipe names its inputs, so the way up is a walk from manifest to manifest. No artifact names what was made from
-it: the way down takes one pass over the manifests of the whole store.
+Every recipe names its inputs, so ancestors are found by a walk from manifest to manifest. No artifact names its
+descendants: they are found by one pass over the manifests of the whole store.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -15,22 +15,22 @@ from moseg.store.protocol import ArtifactStore
 
 
 class State(StrEnum):
-    """Whether a relative lies in the store."""
+    """State of a relative in the store."""
 
     STORED = "stored"
     ABSENT = "absent"
-    """Never copied here, or removed: what it was made from in turn is not known."""
+    """Never copied here, or removed: its own inputs are not known."""
     DAMAGED = "damaged"
-    """Its manifest is not the one that was committed, and what it was made from is not known either."""
+    """Its manifest differs from the one that was committed: its own inputs are not known."""
 
 
 class Relative(NamedTuple):
-    """An ancestor or a descendant of an artifact, and what its manifest says.
+    """An ancestor or a descendant of an artifact, and data of its manifest.
 
     Attributes
     ----------
     depth : int
-        Steps between the two on the shortest way: 1 for an input, 0 for the artifact itself.
+        Length of the shortest path between the two: 1 for an input, 0 for the artifact itself.
     recipe : Recipe or None
         None unless it is stored.
     nbytes : int
@@ -47,14 +47,14 @@ class Relative(NamedTuple):
     problem: str | None = None
 
     def input_refs(self) -> tuple[str, ...]:
-        """Each input once; none where the recipe is not known."""
+        """Return each input once; none if the recipe is not known."""
         return () if self.recipe is None else tuple(dict.fromkeys(self.recipe.input_refs()))
 
 
 def ancestry(store: ArtifactStore, refs: Iterable[str]) -> Iterator[Relative]:
-    """The artifacts themselves and all that they were made from, directly and in turn, the nearest first.
+    """Iterate over the artifacts and their ancestors, the nearest first.
 
-    What is absent or damaged ends the walk on its way.
+    The walk ends at artifacts that are absent or damaged.
     """
     level, depth = list(dict.fromkeys(refs)), 0
     seen = set(level)
@@ -70,10 +70,10 @@ def ancestry(store: ArtifactStore, refs: Iterable[str]) -> Iterator[Relative]:
 def descendants(
     store: ArtifactStore, ref: str, refs: Iterable[str] | None = None, on_read: Callable[[], None] | None = None
 ) -> Iterator[Relative]:
-    """Stored artifacts that were made from one, directly and in turn, the nearest first.
+    """Iterate over the stored artifacts that were computed from one, directly or indirectly, the nearest first.
 
-    Reads the manifest of every artifact, or of `refs`, once and calls `on_read` after each. What was made from it only
-    by way of an artifact that is gone is not found, nor what is damaged.
+    Reads the manifest of every artifact, or of `refs`, once and calls `on_read` after each. Damaged descendants, and
+    those connected only through an artifact that is gone, are not found.
     """
     children: dict[str, list[str]] = {}
     for relative in read_recipes(store, store.refs() if refs is None else refs):
@@ -86,7 +86,7 @@ def descendants(
 
 
 def read_recipes(store: ArtifactStore, refs: Iterable[str], depth: int = 0) -> Iterator[Relative]:
-    """What each artifact was made from, in order; from a store behind a network many are read at a time."""
+    """Read the recipe of each artifact, in order; concurrently from a store behind a network."""
 
     def read(ref: str) -> Relative:
         try:
@@ -101,7 +101,7 @@ def read_recipes(store: ArtifactStore, refs: Iterable[str], depth: int = 0) -> I
 
 
 def _levels(ref: str, children: Mapping[str, list[str]]) -> Iterator[list[str]]:
-    """What was made from an artifact in one step, in two steps and so on, each artifact where it first appears."""
+    """Iterate over the descendants at distance 1, 2 and so on; each artifact is in its first level only."""
     seen, level = {ref}, [ref]
     while level:
         found = dict.fromkeys(child for parent in level for child in children.get(parent, ()))

@@ -1,20 +1,35 @@
-"""What references and names of runs must look like, on every store."""
+"""Marker of a store, references of artifacts and names of runs: their form on every backend."""
 
+import json
 import re
 
 from pydantic import TypeAdapter, ValidationError
 
-from moseg.schemas.errors import InputError
+from moseg.schemas.errors import InputError, StoreChoiceError
 from moseg.schemas.recipes import Ref, split_ref
 
+MARKER = "moseg-store.json"
+FORMAT = 1
+CONTENT = json.dumps({"store": "moseg artifacts", "format": FORMAT}).encode() + b"\n"
 MANIFEST = "manifest.json"
+REASON = "reason.json"
 _KEY = re.compile(r"[0-9a-f]{64}")
 _REF = TypeAdapter(Ref)
 _RUN_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 
 
+def check_marker(content: bytes, where: object) -> None:
+    """Raise StoreChoiceError unless a marker's content is that of a store of this format."""
+    try:
+        found = json.loads(content)["format"]
+    except (ValueError, KeyError, TypeError):
+        raise StoreChoiceError("unreadable store marker", where=where, expected=CONTENT.decode().strip()) from None
+    if found != FORMAT:
+        raise StoreChoiceError("unknown store format", where=where, got=found, expected=FORMAT)
+
+
 def check_ref(ref: str) -> str:
-    """The reference itself; raises InputError where it is not ``<task>/<64 hexadecimal digits>``."""
+    """Return the reference; raises InputError unless it is ``<task>/<64 hexadecimal digits>``."""
     try:
         return _REF.validate_python(ref)
     except ValidationError:
@@ -22,18 +37,18 @@ def check_ref(ref: str) -> str:
 
 
 def check_run_id(run_id: str) -> str:
-    """The run's name itself; raises InputError where it could be more than the name of a file."""
+    """Return the run's name; raises InputError if it could be more than the name of a file."""
     if not _RUN_ID.fullmatch(run_id):
         raise InputError("bad run name", got=repr(run_id), expected="letters, digits, '.', '_' and '-', at most 100")
     return run_id
 
 
 def slot(ref: str) -> str:
-    """``<task>/<ab>/<key>``, an artifact's place in a tree; raises InputError where `ref` is malformed."""
+    """Return ``<task>/<ab>/<key>``, an artifact's place in a tree; raises InputError if `ref` is malformed."""
     task, key = split_ref(check_ref(ref))
     return f"{task}/{key[:2]}/{key}"
 
 
 def is_key_in(key: str, prefix: str) -> bool:
-    """Whether a name in the folder of a key's first two digits is that of an artifact."""
+    """Return whether a name in the folder of a key's first two digits is that of an artifact."""
     return key[:2] == prefix and _KEY.fullmatch(key) is not None

@@ -1,4 +1,4 @@
-"""Explaining a miss: which stored recipe comes nearest, and in what it differs."""
+"""Explanation of a miss: the nearest stored recipe, and the fields in which it differs."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -26,21 +26,21 @@ class FieldDifference(NamedTuple):
 
 
 class NearestRecipe(NamedTuple):
-    """A stored artifact of the same task and the fields in which its recipe differs; none where it is the same."""
+    """A stored artifact of the same task and the fields in which its recipe differs; none if it is equal."""
 
     ref: str
     differences: tuple[FieldDifference, ...]
 
 
 def nearest(store: ArtifactStore, recipe: Recipe, besides: str | None = None) -> NearestRecipe | None:
-    """The stored artifact of the recipe's task, `besides` one reference, made from what is least different.
+    """Return the stored artifact of the recipe's task, other than `besides`, whose origins differ least.
 
-    What counts is where differences begin: parameters, versions and leaves, of the recipes themselves and of all that
-    they were made from. So the same section of an earlier run comes before another section of the same run. Of equally
-    near ones that which was made from the same content is taken, then that with fewer differences of its own, then the
-    youngest: the answer speaks of the last run.
+    Differences are counted where they originate: in parameters, versions and leaves, of the recipes themselves and of
+    all their ancestors. So the same section of an earlier run is nearer than another section of the same run. Ties are
+    resolved by the fewest differences in content, then by the fewest differences of the recipe itself, then by the
+    latest time, so that the answer is about the last run.
 
-    Returns None where the task has no other artifact. Damaged artifacts are passed over.
+    Returns None if the task has no other artifact. Damaged artifacts are skipped.
     """
     best: tuple[tuple[int, int, int], str, NearestRecipe] | None = None
     recipes: dict[str, Recipe | None] = {}
@@ -60,7 +60,7 @@ def nearest(store: ArtifactStore, recipe: Recipe, besides: str | None = None) ->
 def _find_origins(
     store: ArtifactStore, recipes: dict[str, Recipe | None], found: Iterable[FieldDifference], limit: int | None
 ) -> set[FieldDifference]:
-    """The differences that others follow from; the search ends beyond `limit`."""
+    """Return the differences from which others follow; the search stops beyond `limit`."""
     origins: set[FieldDifference] = set()
     followed: set[tuple[str, str]] = set()
     waiting = list(found)
@@ -80,7 +80,7 @@ def _find_origins(
 
 
 def _recipe(store: ArtifactStore, recipes: dict[str, Recipe | None], ref: str) -> Recipe | None:
-    """Recipe of an artifact, looked up once; None where it is not stored or damaged."""
+    """Return the recipe of an artifact, looked up once; None if it is missing or damaged."""
     if ref not in recipes:
         manifest = _manifest(store, ref)
         recipes[ref] = None if manifest is None else manifest.recipe
@@ -95,7 +95,7 @@ def _manifest(store: ArtifactStore, ref: str) -> Manifest | None:
 
 
 def differences(stored: Recipe, wanted: Recipe) -> tuple[FieldDifference, ...]:
-    """The fields in which two recipes of one task differ, in order of name."""
+    """Return the fields in which two recipes of one task differ, in order of name."""
     old, new = _fields(stored), _fields(wanted)
     return tuple(
         FieldDifference(field, old.get(field, ABSENT), new.get(field, ABSENT))
@@ -123,5 +123,5 @@ def _flatten(fields: dict[str, JsonValue], name: str, value: JsonValue) -> None:
 
 
 def _is_same(old: JsonValue, new: JsonValue) -> bool:
-    """Equality as the recipe's digest sees it: 1, 1.0 and true are three values."""
+    """Return whether two values have the same digest in a recipe: 1, 1.0 and true are three values."""
     return type(old) is type(new) and old == new

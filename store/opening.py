@@ -1,4 +1,4 @@
-"""From what a user writes after ``--store`` to a store."""
+"""Opening a store by the path or URL that a user gives as ``--store``."""
 
 import os
 from pathlib import Path
@@ -9,7 +9,7 @@ from moseg.store.local import LocalStore
 from moseg.store.protocol import ArtifactStore
 
 REMOTE = ("s3", "s3a", "gs", "az", "azure", "adl", "abfs", "abfss")
-"""Schemes of object stores; ``http://`` cannot be written."""
+"""Schemes of object stores; ``http://`` is read-only and not supported."""
 SUPPORTED = "a path, file:///path, s3://bucket/prefix, gs://bucket/prefix or az://container/prefix"
 
 
@@ -19,15 +19,15 @@ def open_store(url: str, create: bool = True) -> ArtifactStore:
     Raises
     ------
     InputError
-        Any other scheme, or a place that cannot be had as a store.
+        Any other scheme, or a place that cannot be opened as a store.
     """
     if "://" not in url:
         if not url:
-            raise InputError("no artifact store named", got="an empty text", expected=SUPPORTED)
+            raise InputError("no artifact store named", got="an empty string", expected=SUPPORTED)
         return LocalStore(Path(url).expanduser(), create=create)
     parts = urlsplit(url)
     if parts.scheme in REMOTE:
-        # costs time to import, and most stores are local
+        # slow to import, and most stores are local
         from moseg.store.remote import RemoteStore
 
         return RemoteStore(url, create=create)

@@ -1,4 +1,4 @@
-"""What the store answers: outcomes of a put, of a verification and of a collection, and the pins of runs."""
+"""Return values of the store: outcomes of a put, of a verification and of a collection, and the pins of runs."""
 
 from enum import StrEnum
 from typing import NamedTuple
@@ -9,20 +9,20 @@ from moseg.schemas.recipes import Ref
 
 
 class PutOutcome(StrEnum):
-    """How a put ended. Both are success: the artifact is stored."""
+    """Outcome of a put. Both are success: the artifact is stored."""
 
     COMMITTED = "committed"
     LOST_RACE = "lost-race"
-    """The artifact was there already; what is stored first stays."""
+    """The artifact was stored already; the first one stays."""
 
 
 class StoredArtifact(NamedTuple):
-    """An artifact outside of a store, as `export` gives and `adopt` takes it.
+    """An artifact outside of a store: what `export_artifact` returns and `import_artifact` stores.
 
     Attributes
     ----------
     manifest : Manifest
-        As it was committed: when, where, by which versions and in how many seconds it was made.
+        As it was committed: when, where, with which versions and in how many seconds it was computed.
     metadata : dict of str
         Digest of each of Zarr's metadata files, by relative path.
     files : dict of bytes
@@ -35,14 +35,14 @@ class StoredArtifact(NamedTuple):
 
 
 class VerifyResult(NamedTuple):
-    """One artifact and what is wrong with it; ``problem`` is None where nothing is."""
+    """One artifact and its damage; ``problem`` is None if it is intact."""
 
     ref: str
     problem: str | None
 
     @property
     def is_intact(self) -> bool:
-        """Whether every byte is the one that was committed."""
+        """Return whether every byte is the one that was committed."""
         return self.problem is None
 
 
@@ -54,14 +54,14 @@ class TaskUsage(NamedTuple):
 
 
 class Pin(Frozen):
-    """References that a run needs, so that ``gc`` keeps them and all that they were made from.
+    """References that a run needs, so that ``gc`` keeps them and everything they were computed from.
 
     Attributes
     ----------
     expires : float or None
         Seconds since the epoch at which a live run's lease ends; None for a pin that lasts until ``unpin``.
     space, pid : str, int
-        Process that wrote the pin and the space (host and container) in which its number means something.
+        Process that wrote the pin and the space (host and container) in which its number is valid.
     """
 
     run_id: str
@@ -73,21 +73,21 @@ class Pin(Frozen):
 
 
 class GcReport(NamedTuple):
-    """What a collection removed, or would remove when ``is_dry``.
+    """Result of a collection: what it removed, or would remove if ``is_dry``.
 
     Attributes
     ----------
     num_kept : int
-        Artifacts that stay: reached from a pin, or here for less than the grace period.
+        Artifacts that stay: reached from a pin, or younger than the grace period.
     removed : tuple of str
         References of collected artifacts.
     leftovers : tuple of str
-        Places of interrupted puts, ended pins, records half written and old quarantined artifacts, relative to the
-        store's root.
+        Places of interrupted puts, ended pins, partial records and old quarantined artifacts, relative to the store's
+        root.
     nbytes : int
         Bytes freed by both.
     is_dry : bool
-        Whether nothing was touched.
+        Whether nothing was deleted.
     """
 
     num_kept: int

@@ -1,8 +1,8 @@
-"""Pins: what each run needs, so that a collection keeps it.
+"""Pins: the references that each run needs, so that a collection keeps them.
 
-A run that works pins every reference of its plan, stored or not yet, *before* it looks which are stored, with a
-lease; when it ends it pins its results without one, or unpins. A leased pin holds while its process runs, and no
-longer than the lease: a process of another host cannot be asked, so there only the lease counts.
+A running run pins every reference of its plan, stored or not yet, *before* it looks up which are stored, with a lease;
+when it ends it pins its results without a lease, or unpins. A leased pin holds while its process runs, and no longer
+than the lease: whether a process of another host runs cannot be determined, so there only the lease counts.
 """
 
 import os
@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from pydantic import ValidationError
 
 from moseg.schemas.errors import StoreError
-from moseg.store.medium import Medium
+from moseg.store.backend import Backend
 from moseg.store.names import check_ref, check_run_id
 from moseg.store.outcomes import Pin
 from moseg.store.owners import is_running, process_space
@@ -20,8 +20,8 @@ from moseg.store.owners import is_running, process_space
 FOLDER = "pins"
 
 
-def pin(medium: Medium, run_id: str, refs: Iterable[str], lease_seconds: float | None = None) -> None:
-    """Write a run's pin, in place of an earlier one."""
+def pin(backend: Backend, run_id: str, refs: Iterable[str], lease_seconds: float | None = None) -> None:
+    """See `ArtifactStore.pin`."""
     path = _path(run_id)
     now = time.time()
     content = Pin(
@@ -32,50 +32,47 @@ def pin(medium: Medium, run_id: str, refs: Iterable[str], lease_seconds: float |
         space=process_space(),
         pid=os.getpid(),
     )
-    medium.write_record(path, content.model_dump_json().encode("utf-8") + b"\n", "pin a run")
+    backend.write_record(path, content.model_dump_json().encode("utf-8") + b"\n", "pin a run")
 
 
-def unpin(medium: Medium, run_id: str) -> bool:
-    """End a run's pin; False where there is none."""
-    return medium.delete_record(_path(run_id), "unpin a run")
+def unpin(backend: Backend, run_id: str) -> bool:
+    """See `ArtifactStore.unpin`."""
+    return backend.delete_record(_path(run_id), "unpin a run")
 
 
-def pinned(medium: Medium) -> dict[str, Pin]:
-    """The pins that hold now, by run.
-
-    Raises StoreError where a pin cannot be read: to pass it over would let a collection delete what it keeps.
-    """
-    contents = [_read(medium, path, record) for path, record in medium.read_records(FOLDER).items()]
+def pinned(backend: Backend) -> dict[str, Pin]:
+    """See `ArtifactStore.pinned`."""
+    contents = [_read(backend, path, record) for path, record in backend.read_records(FOLDER).items()]
     return {content.run_id: content for content in contents if _holds(content)}
 
 
-def pin_of(medium: Medium, run_id: str) -> Pin | None:
-    """A run's pin where it holds now: one look-up, however many pins there are."""
+def pin_of(backend: Backend, run_id: str) -> Pin | None:
+    """See `ArtifactStore.pin_of`."""
     path = _path(run_id)
-    record = medium.read_record(path)
-    content = None if record is None else _read(medium, path, record)
+    record = backend.read_record(path)
+    content = None if record is None else _read(backend, path, record)
     return content if content is not None and _holds(content) else None
 
 
-def ended_pins(medium: Medium) -> dict[str, int]:
-    """Paths of the pins that hold no longer, since their lease or their process ended, with their bytes."""
-    records = medium.read_records(FOLDER)
-    return {path: len(record) for path, record in records.items() if not _holds(_read(medium, path, record))}
+def ended_pins(backend: Backend) -> dict[str, int]:
+    """Return the paths and bytes of pins that no longer hold, because their lease or their process ended."""
+    records = backend.read_records(FOLDER)
+    return {path: len(record) for path, record in records.items() if not _holds(_read(backend, path, record))}
 
 
-def discard_ended(medium: Medium, paths: Iterable[str]) -> None:
-    """Delete pins that hold no longer; what was pinned again since is passed over."""
+def discard_ended(backend: Backend, paths: Iterable[str]) -> None:
+    """Delete pins that no longer hold; skip those that were renewed since."""
     for path in paths:
-        record = medium.read_record(path)
-        if record is not None and not _holds(_read(medium, path, record)):
-            medium.delete_record(path, "delete an ended pin")
+        record = backend.read_record(path)
+        if record is not None and not _holds(_read(backend, path, record)):
+            backend.delete_record(path, "delete an ended pin")
 
 
-def _read(medium: Medium, path: str, record: bytes) -> Pin:
+def _read(backend: Backend, path: str, record: bytes) -> Pin:
     try:
         return Pin.model_validate_json(record)
     except ValidationError as error:
-        where = f"{medium.url}/{path}"
+        where = f"{backend.url}/{path}"
         raise StoreError("unreadable pin", where=where, expected="a pin; delete the file to end it") from error
 
 

@@ -1,5 +1,6 @@
 """The interface of every artifact store."""
 
+from abc import abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Protocol, runtime_checkable
 
@@ -13,23 +14,27 @@ from moseg.store.outcomes import GcReport, Pin, PutOutcome, StoredArtifact, Task
 
 @runtime_checkable
 class ArtifactStore(Protocol):
-    """Artifacts by reference ``<task>/<key>``; what ``has`` finds is complete.
+    """Artifacts by reference ``<task>/<key>``; an artifact that `has` finds is complete.
 
-    Every method that takes a reference raises InputError where it is malformed. Methods that read raise
-    MissingArtifactError where nothing is stored and CorruptArtifactError where the bytes are not those committed.
+    Every method that takes a reference raises InputError if it is malformed. Methods that read raise
+    MissingArtifactError if nothing is stored and CorruptArtifactError if the bytes differ from those committed.
     Instances can be pickled and are cheap to build in a worker.
     """
 
     @property
+    @abstractmethod
     def url(self) -> str:
-        """What `store.open_store` takes to open the same store in another process."""
+        """Path or URL with which `store.open_store` opens the same store in another process."""
 
+    @abstractmethod
     def has(self, ref: str) -> bool:
-        """Whether the artifact is stored: one lookup of a known name."""
+        """Return whether the artifact is stored: one lookup of a known name."""
 
+    @abstractmethod
     def present(self, refs: Iterable[str]) -> set[str]:
-        """Those of the references that are stored: a lookup of a known name each, several at once where that helps."""
+        """Return the references that are stored: one lookup of a known name each, concurrent where that is faster."""
 
+    @abstractmethod
     def put(
         self,
         recipe: Recipe,
@@ -39,68 +44,131 @@ class ArtifactStore(Protocol):
         dims: Mapping[str, tuple[str, ...]] | None = None,
         digests: Mapping[str, str] | None = None,
     ) -> PutOutcome:
-        """Store one artifact, all of it or nothing; the first of several equal puts stays."""
+        """Store one artifact completely or not at all; of several equal puts the first stays.
 
+        Parameters
+        ----------
+        arrays : dict of ndarray
+            By name.
+        attributes : dict of JSON values
+            Results that are not arrays; finite and exact, as in a recipe.
+        seconds : float
+            Time that the task took.
+        dims : dict of axis names, optional
+            Axis names of each array; none may be left out.
+        digests : dict of str, optional
+            `hash_array` of the arrays for which the caller has it.
+
+        Raises
+        ------
+        StoreError
+            The arrays do not fit the task's layout, or the backend cannot write.
+        TypeError, ValueError
+            JSON cannot represent the attributes exactly.
+        """
+
+    @abstractmethod
     def manifest(self, ref: str) -> Manifest:
-        """What the artifact holds and how it came to be."""
+        """Return the artifact's manifest: its contents and how they were computed."""
 
+    @abstractmethod
     def attributes(self, ref: str) -> dict[str, JsonValue]:
-        """Results that are not arrays."""
+        """Return the results that are not arrays."""
 
+    @abstractmethod
     def read(self, ref: str, name: str, check: bool = False) -> np.ndarray:
-        """One whole array, the caller's own copy; with `check` its digest too is compared, not only checksums."""
+        """Return a copy of one whole array; with `check`, compare its digest too, not only checksums."""
 
+    @abstractmethod
     def read_rows(self, ref: str, name: str, start: int, stop: int) -> np.ndarray:
-        """Rows ``start`` to ``stop`` (exclusive) of the leading axis, reading only the chunks that hold them."""
+        """Return rows ``start`` to ``stop`` (exclusive) of the leading axis, reading only the chunks that hold them.
 
+        Raises InputError if the rows lie outside the array.
+        """
+
+    @abstractmethod
     def refs(self, task: str | None = None) -> Iterator[str]:
-        """References of all artifacts, or of one task's, in order."""
+        """Iterate over the references of all artifacts, or of one task's, in order."""
 
+    @abstractmethod
     def verify(self, refs: Iterable[str] | None = None) -> Iterator[VerifyResult]:
-        """Compare every byte of the artifacts with what their manifests name."""
+        """Compare every byte of the artifacts, by default of all, with their manifests.
 
-    def export(self, ref: str) -> StoredArtifact:
-        """An artifact with all its files, every byte compared with what its manifest names."""
+        Artifacts that vanish during the pass are skipped. Raises MissingArtifactError if one of `refs` is not stored.
+        """
 
-    def adopt(self, artifact: StoredArtifact) -> PutOutcome:
-        """Store what another store exported: the same bytes, and `created`, `host`, `versions` and `seconds` of its
-        manifest. Raises CorruptArtifactError where a byte is not as that manifest names it."""
+    @abstractmethod
+    def export_artifact(self, ref: str) -> StoredArtifact:
+        """Return an artifact with all its files, after comparing every byte with its manifest."""
 
+    @abstractmethod
+    def import_artifact(self, artifact: StoredArtifact) -> PutOutcome:
+        """Store an artifact that another store exported: the same bytes.
+
+        `created`, `host`, `versions` and `seconds` of its manifest stay. Raises CorruptArtifactError if a byte differs
+        from its manifest.
+        """
+
+    @abstractmethod
     def place(self, ref: str) -> str:
-        """Folder or URL of an artifact's Zarr group, for other programs to read."""
+        """Return the folder or URL of an artifact's Zarr group, for other programs to read."""
 
+    @abstractmethod
     def quarantine(self, ref: str, reason: str) -> bool:
-        """Take an artifact out of service and keep its bytes aside; False where somebody else already did."""
+        """Take an artifact out of service and keep its bytes; return False if it is gone already."""
 
+    @abstractmethod
     def remove(self, ref: str) -> bool:
-        """Delete an artifact; False where there is none."""
+        """Delete an artifact as a whole; return False if there is none."""
 
+    @abstractmethod
     def pin(self, run_id: str, refs: Iterable[str], lease_seconds: float | None = None) -> None:
-        """Keep these references, stored or not yet, and all that they were made from."""
+        """Protect references, stored or not yet, and everything they were computed from, from `gc`.
 
+        The pin replaces an earlier one of the run. It holds until `unpin`, or with a lease while this process runs
+        and the lease lasts.
+        """
+
+    @abstractmethod
     def unpin(self, run_id: str) -> bool:
-        """End a run's pin; False where there is none."""
+        """End a run's pin; return False if there is none."""
 
+    @abstractmethod
     def pinned(self) -> dict[str, Pin]:
-        """The pins that hold now, by run."""
+        """Return the pins that hold now, by run.
 
+        Raises StoreError if a pin cannot be read: without it a collection could delete what the pin protects.
+        """
+
+    @abstractmethod
     def pin_of(self, run_id: str) -> Pin | None:
-        """A run's pin where it holds now, looked up by its name; None where there is none."""
+        """Return a run's pin if it holds now, else None: one lookup by name, however many pins there are."""
 
+    @abstractmethod
     def append_log(self, run_id: str, lines: bytes) -> None:
         """Add whole lines to a run's log; processes of a run may do so at the same time."""
 
+    @abstractmethod
     def read_log(self, run_id: str) -> list[bytes]:
-        """The lines of a run's log without their ends, those of each process in order."""
+        """Return the lines of a run's log without their ends, those of each process in order."""
 
+    @abstractmethod
     def logs(self) -> dict[str, float]:
-        """Runs that left a log, with the time at which it last grew, seconds since the epoch."""
+        """Return the runs that have a log, with the time of its last append, seconds since the epoch."""
 
+    @abstractmethod
     def remove_log(self, run_id: str) -> bool:
-        """Delete a run's log; False where there is none."""
+        """Delete a run's log; return False if there is none."""
 
+    @abstractmethod
     def gc(self, *, is_dry: bool = True, grace_seconds: float = 86_400.0) -> GcReport:
-        """Delete what no pin reaches."""
+        """Delete artifacts that no pin reaches and that are older than the grace period, or only report them.
 
+        A pin reaches the references it names and, through the inputs in manifests, everything they were computed from;
+        an input that is not stored ends the walk. Unfinished puts, quarantined artifacts older than the grace period,
+        and pins that no longer hold are deleted too.
+        """
+
+    @abstractmethod
     def usage(self) -> dict[str, TaskUsage]:
-        """Artifacts and bytes of each task."""
+        """Return the number of artifacts and bytes of each task."""

@@ -1,7 +1,6 @@
-"""Where and with which libraries an artifact was computed."""
+"""Versions of the libraries with which an artifact was computed."""
 
 import platform
-from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
@@ -21,7 +20,7 @@ RECORDED = (
 
 @cache
 def library_versions() -> dict[str, str]:
-    """Version of Python and of each recorded distribution that is installed."""
+    """Return the version of Python and of each recorded distribution that is installed."""
     versions = {"python": platform.python_version()}
     for name in RECORDED:
         try:
@@ -29,8 +28,3 @@ def library_versions() -> dict[str, str]:
         except PackageNotFoundError:
             continue
     return versions
-
-
-def utc_now() -> str:
-    """This moment, ISO 8601 with its zone."""
-    return datetime.now(UTC).isoformat()

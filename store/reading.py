@@ -1,7 +1,7 @@
-"""Reading an artifact back, trusting no byte.
+"""Reading an artifact back, checking every byte that is used.
 
-Zarr takes a chunk that is not there for zeros. So a medium reads the files here, each must have the length its manifest
-names, and only then are they decoded, from memory, with checksums.
+Zarr reads a missing chunk as zeros. So the backend reads the files, each must have the length that its manifest names,
+and only then are they decoded, from memory, with checksums.
 """
 
 from collections.abc import Iterable, Mapping
@@ -12,18 +12,18 @@ from moseg.schemas.digests import digest_array, hash_array
 from moseg.schemas.errors import CorruptArtifactError, InputError, StoreError
 from moseg.schemas.manifests import ArrayEntry, Manifest
 from moseg.schemas.recipes import split_ref
+from moseg.store.backend import Backend
 from moseg.store.codec import array_files, decode_array
-from moseg.store.medium import Medium
 from moseg.store.sealing import Sealed, digest_metadata, unseal
 
 
-def read_manifest(medium: Medium, ref: str) -> Manifest:
-    """The manifest of an artifact, its seal checked."""
-    return read_sealed(medium, ref).manifest
+def read_manifest(backend: Backend, ref: str) -> Manifest:
+    """See `ArtifactStore.manifest`."""
+    return read_sealed(backend, ref).manifest
 
 
-def read_sealed(medium: Medium, ref: str) -> Sealed:
-    """The manifest of an artifact and the digests of its metadata files.
+def read_sealed(backend: Backend, ref: str) -> Sealed:
+    """Return the manifest of an artifact and the digests of its metadata files.
 
     Raises
     ------
@@ -32,11 +32,11 @@ def read_sealed(medium: Medium, ref: str) -> Sealed:
     CorruptArtifactError
         The manifest is lost, changed, or another artifact's.
     """
-    return check_seal(ref, medium.read_manifest(ref))
+    return check_seal(ref, backend.read_manifest(ref))
 
 
 def check_seal(ref: str, data: bytes) -> Sealed:
-    """What a manifest file holds; raises CorruptArtifactError where it is changed, or another artifact's."""
+    """Parse a manifest file; raises CorruptArtifactError if it is changed, or another artifact's."""
     try:
         sealed = unseal(data)
     except ValueError as error:
@@ -47,49 +47,49 @@ def check_seal(ref: str, data: bytes) -> Sealed:
     return sealed
 
 
-def read_array(medium: Medium, ref: str, name: str, check: bool) -> np.ndarray:
-    """One whole array, its digest compared where `check`."""
-    sealed = read_sealed(medium, ref)
+def read_array(backend: Backend, ref: str, name: str, check: bool = False) -> np.ndarray:
+    """See `ArtifactStore.read`."""
+    sealed = read_sealed(backend, ref)
     entry = _entry(sealed.manifest, ref, name)
-    return load_checked(medium, ref, sealed, entry) if check else load_array(medium, ref, sealed, entry)
+    return load_checked(backend, ref, sealed, entry) if check else load_array(backend, ref, sealed, entry)
 
 
-def read_rows(medium: Medium, ref: str, name: str, start: int, stop: int) -> np.ndarray:
-    """Rows ``start`` to ``stop`` (exclusive) of an array's leading axis; raises InputError outside of it."""
-    sealed = read_sealed(medium, ref)
+def read_rows(backend: Backend, ref: str, name: str, start: int, stop: int) -> np.ndarray:
+    """See `ArtifactStore.read_rows`."""
+    sealed = read_sealed(backend, ref)
     entry = _entry(sealed.manifest, ref, name)
     num_rows = entry.shape[0] if entry.shape else 0
     if not 0 <= start <= stop <= num_rows:
         raise InputError(
             "rows outside the array", where=f"{ref} {name}", got=f"{start}:{stop}", expected=f"0:{num_rows}"
         )
-    return load_array(medium, ref, sealed, entry, slice(start, stop))
+    return load_array(backend, ref, sealed, entry, slice(start, stop))
 
 
-def load_array(medium: Medium, ref: str, sealed: Sealed, entry: ArrayEntry, rows: slice = slice(None)) -> np.ndarray:
+def load_array(backend: Backend, ref: str, sealed: Sealed, entry: ArrayEntry, rows: slice = slice(None)) -> np.ndarray:
     """Read, check and decode one of the arrays that a manifest names, or rows of it."""
-    return _decode(ref, entry, read_files(medium, ref, sealed, array_files(entry, rows)), rows)
+    return _decode(ref, entry, read_files(backend, ref, sealed, array_files(entry, rows)), rows)
 
 
-def load_checked(medium: Medium, ref: str, sealed: Sealed, entry: ArrayEntry) -> np.ndarray:
-    """As `load_array`, the whole array, and its decoded bytes compared with the digest in the manifest."""
-    return decode_checked(ref, entry, read_files(medium, ref, sealed, array_files(entry)))
+def load_checked(backend: Backend, ref: str, sealed: Sealed, entry: ArrayEntry) -> np.ndarray:
+    """Read and decode a whole array, and compare the decoded bytes with the digest in the manifest."""
+    return decode_checked(ref, entry, read_files(backend, ref, sealed, array_files(entry)))
 
 
 def decode_checked(ref: str, entry: ArrayEntry, files: Mapping[str, bytes]) -> np.ndarray:
-    """Decode an array from its files; raises CorruptArtifactError where that fails or gives another digest."""
+    """Decode an array from its files; raises CorruptArtifactError if that fails or the digest differs."""
     array = _decode(ref, entry, files)
     # Stores of earlier versions hold BLAKE2b-256.
     digest = hash_array(array) if entry.digest.startswith("sha256:") else digest_array("array", array)
     if digest != entry.digest:
-        raise CorruptArtifactError("the array's digest is another", where=f"{ref} {entry.name}", ref=ref)
+        raise CorruptArtifactError("the array's digest differs", where=f"{ref} {entry.name}", ref=ref)
     return array
 
 
-def read_files(medium: Medium, ref: str, sealed: Sealed, paths: Iterable[str]) -> dict[str, bytes]:
-    """Content of some of an artifact's files, their lengths and the digests of metadata files checked."""
+def read_files(backend: Backend, ref: str, sealed: Sealed, paths: Iterable[str]) -> dict[str, bytes]:
+    """Return the content of files, after checking their lengths and the digests of metadata files."""
     sizes = {file.path: file.nbytes for file in sealed.manifest.files}
-    files = medium.read_files(ref, sealed.payload, paths)
+    files = backend.read_files(ref, sealed.payload, paths)
     for path, content in files.items():
         nbytes = sizes.get(path, len(content))
         if len(content) != nbytes:
@@ -107,7 +107,7 @@ def _decode(ref: str, entry: ArrayEntry, files: Mapping[str, bytes], rows: slice
     except MemoryError:
         raise
     except Exception as error:
-        # Zarr, its codecs and Blosc each raise their own kinds on bytes that they cannot decode
+        # Zarr, its codecs and Blosc each raise their own exceptions on bytes that they cannot decode
         raise CorruptArtifactError(f"undecodable array: {error}", where=f"{ref} {entry.name}", ref=ref) from error
 
 

@@ -1,8 +1,8 @@
 """The manifest file: a manifest under a seal that any changed byte breaks.
 
-Chunks carry checksums and arrays digests; the manifest that names them and Zarr's own metadata files would have none.
-So the file holds the digests of the metadata files beside the manifest, and the digest of both in front. Every byte
-of it counts: what is outside the sealed content is compared literally.
+Chunks have checksums and arrays have digests; the manifest that names them and Zarr's own metadata files would have
+none. So the file holds the digests of the metadata files beside the manifest, and the digest of both in front. Every
+byte is checked: bytes outside the sealed content are compared literally.
 """
 
 from collections.abc import Mapping
@@ -18,13 +18,13 @@ _SEAL_LENGTH = 64
 
 
 class Sealed(Frozen):
-    """A manifest, the digest of each metadata file by relative path, and where the files lie.
+    """A manifest, the digest of each metadata file by relative path, and the place of the files.
 
     Attributes
     ----------
     payload : str
-        Name of the place of the artifact's files, on a medium on which several may be there for one key; empty where
-        they lie beside the manifest.
+        Name of the place of the artifact's files, on a backend where there may be several for one key; empty if they
+        lie beside the manifest.
     """
 
     metadata: dict[str, str]
@@ -33,15 +33,15 @@ class Sealed(Frozen):
 
 
 def seal(manifest: Manifest, metadata: Mapping[str, str], payload: str = "") -> bytes:
-    """Content of the manifest file; `metadata` are the digests of the metadata files by relative path."""
+    """Return the content of the manifest file; `metadata` are the digests of the metadata files by relative path."""
     sealed = Sealed(metadata=dict(metadata), manifest=manifest, payload=payload)
-    # a manifest that lies beside its files is spelt as before there were other places
+    # a manifest beside its files has no such field: it keeps the format of before there were other places
     content = sealed.model_dump_json(exclude=None if payload else {"payload"}).encode("utf-8")
     return _BEFORE + _digest(content) + _BETWEEN + content + _AFTER
 
 
 def unseal(data: bytes) -> Sealed:
-    """The manifest in a manifest file; raises ValueError where a byte is not as sealed."""
+    """Return the manifest in a manifest file; raises ValueError if a byte differs from what was sealed."""
     start = len(_BEFORE) + _SEAL_LENGTH
     content = data[start + len(_BETWEEN) : -len(_AFTER)]
     if data != _BEFORE + _digest(content) + _BETWEEN + content + _AFTER:
@@ -53,7 +53,7 @@ def unseal(data: bytes) -> Sealed:
 
 
 def digest_metadata(content: bytes | memoryview) -> str:
-    """Digest of one of Zarr's metadata files."""
+    """Return the digest of one of Zarr's metadata files."""
     return digest_bytes("metadata", content)
 
 

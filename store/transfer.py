@@ -1,9 +1,9 @@
 """Copying finished artifacts from one store to another.
 
-Every byte is compared with its manifest before the artifact is committed at the other end. What the target has is not
-copied again, so a transfer that was interrupted goes on when it is asked for again. Inputs go before what was made from
-them, so that the target's lineage is whole however far a transfer came. Only an input that is damaged at the source
-stays behind alone: what was made from it is complete without it, as it is after the input was removed.
+Every byte is compared with its manifest before the artifact is committed to the target. Artifacts that the target has
+are not copied again, so an interrupted transfer continues when it is repeated. Inputs are copied before the artifacts
+that were computed from them, so the target's lineage is complete wherever a transfer stops. Only an input that is
+damaged at the source is not copied: its descendants are complete without it, as after its removal.
 """
 
 import os
@@ -22,26 +22,26 @@ from moseg.store.outcomes import PutOutcome
 from moseg.store.protocol import ArtifactStore
 
 NUM_THREADS = 16
-"""Artifacts on their way at a time where one end is behind a network, each whole in memory: some MB to some 10 MB.
+"""Artifacts copied at a time if one store is behind a network, each whole in memory: some MB to some 10 MB.
 
-Between two disks one thread is fastest: the work is checking and decoding, and threads only share the interpreter."""
+Between two disks one thread is fastest: the work is checking and decoding, and threads share the interpreter."""
 LEASE_SECONDS = 7 * 86_400.0
-"""For how long `gc` at the target spares a transfer that died without a word."""
+"""For how long `gc` at the target keeps the artifacts of a transfer that was killed."""
 
 
 class TransferPlan(NamedTuple):
-    """What a transfer has to do.
+    """The artifacts that a transfer has to copy.
 
     Attributes
     ----------
     selected : tuple of str
-        All artifacts that the target is to have, also those that it has already.
+        All artifacts that the target shall have, including those that it has already.
     inputs : dict
         Each artifact to copy, and its inputs.
     nbytes : dict
         Bytes of each artifact to copy.
     problems : dict
-        Artifacts that cannot be copied because their manifest is damaged, each with what is wrong.
+        Artifacts that cannot be copied because their manifest is damaged, each with the problem.
     """
 
     selected: tuple[str, ...]
@@ -51,12 +51,12 @@ class TransferPlan(NamedTuple):
 
     @property
     def num_present(self) -> int:
-        """Artifacts that the target has already."""
+        """Number of artifacts that the target has already."""
         return len(self.selected) - len(self.inputs) - len(self.problems)
 
 
 class TransferReport(NamedTuple):
-    """What a transfer did; `problems` names the artifacts that stayed behind, each with what is wrong."""
+    """Result of a transfer; `problems` names the artifacts that were not copied, each with the problem."""
 
     num_copied: int
     num_present: int
@@ -67,9 +67,9 @@ class TransferReport(NamedTuple):
 def select(
     source: ArtifactStore, roots: Iterable[str] | None = None, with_inputs: bool = True
 ) -> dict[str, Relative | None]:
-    """All artifacts of a store, or of the `roots` and of what they were made from those that are stored.
+    """Select all artifacts of a store, or the stored ones of the `roots` and, with inputs, of their ancestors.
 
-    Each with what its manifest says where that had to be read. Without inputs, of the roots only themselves.
+    Returns each with the data of its manifest if it had to be read, else with None.
     """
     if roots is None:
         return dict.fromkeys(source.refs())
@@ -80,7 +80,7 @@ def select(
 def plan_transfer(
     source: ArtifactStore, target: ArtifactStore | None, selected: Mapping[str, Relative | None]
 ) -> TransferPlan:
-    """Find which of the selected artifacts the target lacks; a target of None lacks all."""
+    """Find which of the selected artifacts are missing from the target; from a target of None all are."""
     present = set() if target is None else target.present(selected)
     plan = TransferPlan(tuple(selected), {}, {}, {})
     missing = [ref for ref in selected if ref not in present]
@@ -102,12 +102,12 @@ def transfer(
     on_done: Callable[[str], None] = lambda ref: None,
     num_threads: int | None = None,
 ) -> TransferReport:
-    """Copy what a plan names, several artifacts at a time, inputs first; `on_done` is called after each.
+    """Copy the artifacts of a plan, several at a time, inputs first; `on_done` is called after each.
 
     Raises
     ------
     StoreError
-        The target refuses to be written, or a store cannot be reached. What was copied until then stays.
+        The target cannot be written, or a store cannot be reached. Artifacts copied until then stay.
     """
     if num_threads is None:
         is_local = isinstance(source, LocalStore) and isinstance(target, LocalStore)
@@ -117,10 +117,10 @@ def transfer(
 
     def copy(ref: str) -> PutOutcome | str:
         try:
-            artifact = source.export(ref)
+            artifact = source.export_artifact(ref)
         except (CorruptArtifactError, MissingArtifactError) as error:
             return str(error)
-        return target.adopt(artifact)
+        return target.import_artifact(artifact)
 
     for ref, outcome in _run_in_order(plan.inputs, copy, num_threads):
         if isinstance(outcome, PutOutcome):
@@ -136,7 +136,7 @@ def transfer(
 
 @contextmanager
 def kept_meanwhile(target: ArtifactStore, refs: Iterable[str]) -> Iterator[None]:
-    """Have `gc` at the target spare these while they are copied: no run's pin there reaches them yet."""
+    """Protect artifacts from `gc` at the target while they are copied: no run's pin there reaches them yet."""
     lease = f"copy-{uuid.uuid4().hex}"
     target.pin(lease, refs, lease_seconds=LEASE_SECONDS)
     try:
@@ -146,7 +146,7 @@ def kept_meanwhile(target: ArtifactStore, refs: Iterable[str]) -> Iterator[None]
 
 
 def keep(target: ArtifactStore, pins: Mapping[str, Iterable[str]]) -> None:
-    """Pin what was copied, by run; a run that has a pin there keeps what that names too."""
+    """Pin the copied artifacts, by run; a run that has a pin there keeps the references of that pin too."""
     there = target.pinned()
     for run_id, refs in pins.items():
         before = there[run_id].refs if run_id in there else ()
@@ -156,7 +156,7 @@ def keep(target: ArtifactStore, pins: Mapping[str, Iterable[str]]) -> None:
 
 
 def is_same_store(one: ArtifactStore, other: ArtifactStore) -> bool:
-    """Whether two stores are one, also where a folder is reached on two ways."""
+    """Return whether two stores are the same, also if a folder is reached by two paths."""
     if isinstance(one, LocalStore) and isinstance(other, LocalStore):
         return os.path.samefile(one.root, other.root)
     return one.url == other.url
@@ -165,7 +165,7 @@ def is_same_store(one: ArtifactStore, other: ArtifactStore) -> bool:
 def _run_in_order(
     inputs: Mapping[str, Sequence[str]], copy: Callable[[str], PutOutcome | str], num_threads: int
 ) -> Iterator[tuple[str, PutOutcome | str]]:
-    """Each artifact and what its copy gave, begun only when the copies of all its inputs have ended."""
+    """Iterate over artifacts and the results of their copies; a copy starts after the copies of all its inputs."""
     order = TopologicalSorter({ref: [each for each in needed if each in inputs] for ref, needed in inputs.items()})
     order.prepare()
     ready: deque[str] = deque()

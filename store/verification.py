@@ -1,24 +1,21 @@
-"""Comparing every byte of stored artifacts with what their manifests name."""
+"""Comparison of every byte of stored artifacts with their manifests."""
 
 from collections.abc import Iterable, Iterator
 
 from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError
+from moseg.store.backend import Backend
 from moseg.store.codec import array_files
-from moseg.store.medium import Medium
 from moseg.store.names import check_ref
 from moseg.store.outcomes import VerifyResult
 from moseg.store.reading import load_checked, read_files, read_sealed
 from moseg.store.sealing import Sealed
 
 
-def verify(medium: Medium, refs: Iterable[str] | None = None) -> Iterator[VerifyResult]:
-    """Check artifacts, all by default; those that vanish meanwhile are passed over.
-
-    Raises MissingArtifactError where one that was asked for is not stored.
-    """
-    for ref in medium.refs() if refs is None else refs:
+def verify(backend: Backend, refs: Iterable[str] | None = None) -> Iterator[VerifyResult]:
+    """See `ArtifactStore.verify`."""
+    for ref in backend.refs() if refs is None else refs:
         try:
-            check_artifact(medium, ref)
+            check_artifact(backend, ref)
         except CorruptArtifactError as error:
             yield VerifyResult(ref, str(error))
         except MissingArtifactError:
@@ -28,30 +25,30 @@ def verify(medium: Medium, refs: Iterable[str] | None = None) -> Iterator[Verify
             yield VerifyResult(ref, None)
 
 
-def check_artifact(medium: Medium, ref: str) -> Sealed:
+def check_artifact(backend: Backend, ref: str) -> Sealed:
     """Check one artifact's manifest, its list of files, its metadata and the digest of each array's decoded bytes.
 
     Raises
     ------
     CorruptArtifactError
-        Any of these is not as committed.
+        Any of these differs from what was committed.
     """
-    sealed = check_list(medium, ref)
+    sealed = check_list(backend, ref)
     manifest = sealed.manifest
     rest = sealed.metadata.keys() - {path for entry in manifest.arrays for path in array_files(entry)}
-    read_files(medium, ref, sealed, sorted(rest))
+    read_files(backend, ref, sealed, sorted(rest))
     for entry in manifest.arrays:
-        load_checked(medium, ref, sealed, entry)
+        load_checked(backend, ref, sealed, entry)
     return sealed
 
 
-def check_list(medium: Medium, ref: str) -> Sealed:
-    """Check one artifact's manifest, and that the files it names lie there and no others."""
-    sealed = read_sealed(medium, check_ref(ref))
+def check_list(backend: Backend, ref: str) -> Sealed:
+    """Check one artifact's manifest, and that exactly the files it names are there."""
+    sealed = read_sealed(backend, check_ref(ref))
     if sealed.manifest.recipe.ref != ref:
         found = sealed.manifest.recipe.ref
         raise CorruptArtifactError("the recipe is another artifact's", where=ref, got=found, ref=ref)
-    sizes = medium.file_sizes(ref, sealed.payload)
+    sizes = backend.file_sizes(ref, sealed.payload)
     listed = {file.path: file.nbytes for file in sealed.manifest.files}
     for path in sorted(sizes.keys() | listed.keys()):
         if sizes.get(path) != listed.get(path):

@@ -1,4 +1,4 @@
-"""What a store holds: compared between runs, before and after a fault."""
+"""Contents of a store, compared between runs, before and after a fault."""
 
 import hashlib
 from typing import NamedTuple
@@ -9,19 +9,19 @@ from moseg.store import open_store
 
 
 class Contents(NamedTuple):
-    """What lies in a store.
+    """Contents of a store.
 
     Attributes
     ----------
     results : dict
         By reference, the digest of each array's decoded bytes as a task reads them, and the results that are not
-        arrays; nothing of what the store refuses to serve.
+        arrays; artifacts that the store refuses to return are left out.
     written : dict
-        By reference, what changes when an artifact is written again: when it was made, and the seconds that it took.
+        By reference, what changes when an artifact is written again: when it was computed, and in how many seconds.
     leaves : set of references
-        What came from outside; runs do not count these as computed.
+        Artifacts from outside; runs do not count these as computed.
     problems : dict of str
-        What `verify` found wrong, by reference.
+        The damage that `verify` found, by reference.
     """
 
     results: dict[str, tuple[dict[str, str], dict]]
@@ -30,17 +30,17 @@ class Contents(NamedTuple):
     problems: dict[str, str]
 
     def num_computed(self, before: "Contents | None" = None) -> int:
-        """Artifacts that a run must compute to get here, from `before` or from nothing."""
+        """Return how many artifacts a run must compute to get here, from `before` or from nothing."""
         had = self.leaves if before is None else self.leaves | before.results.keys()
         return len(self.results.keys() - had)
 
     def rewritten(self, before: "Contents") -> list[str]:
-        """References of what `before` held and somebody has written again since, or lost."""
+        """Return the references in `before` whose artifacts were written again since, or lost."""
         return sorted(ref for ref, written in before.written.items() if self.written.get(ref) != written)
 
 
 def read_contents(url: str) -> Contents:
-    """Read every artifact of a store, and verify it; nothing where there is no store yet."""
+    """Read every artifact of a store, and verify it; return empty contents if there is no store yet."""
     try:
         store = open_store(url, create=False)
     except StoreChoiceError:
@@ -63,7 +63,7 @@ def read_contents(url: str) -> Contents:
 
 
 def count_artifacts(url: str) -> int:
-    """Artifacts that are visible now; none where there is no store yet."""
+    """Return how many artifacts are visible now; 0 if there is no store yet."""
     try:
         return sum(1 for _ in open_store(url, create=False).refs())
     except StoreChoiceError:

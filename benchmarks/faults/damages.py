@@ -1,4 +1,4 @@
-"""Ways to damage an artifact's files, and choosing artifacts whose damage a run will meet."""
+"""Ways to damage an artifact's files, and the choice of artifacts whose damage a run will meet."""
 
 import json
 import random
@@ -10,20 +10,20 @@ from moseg.schemas.manifests import Manifest
 from moseg.schemas.recipes import split_ref
 
 
-def _flip(content: bytes, dice: random.Random) -> bytes:
-    position = dice.randrange(len(content))
-    changed = content[position] ^ dice.randrange(1, 256)
+def _flip(content: bytes, rng: random.Random) -> bytes:
+    position = rng.randrange(len(content))
+    changed = content[position] ^ rng.randrange(1, 256)
     return content[:position] + bytes([changed]) + content[position + 1 :]
 
 
 DAMAGES: dict[str, Callable[[bytes, random.Random], bytes | None]] = {
     "flipped byte": _flip,
-    "truncation": lambda content, dice: content[: dice.randrange(1, len(content))],
-    "deletion": lambda content, dice: None,
-    "emptied": lambda content, dice: b"",
-    "extra byte": lambda content, dice: content + bytes([dice.randrange(256)]),
+    "truncation": lambda content, rng: content[: rng.randrange(1, len(content))],
+    "deletion": lambda content, rng: None,
+    "emptied": lambda content, rng: b"",
+    "extra byte": lambda content, rng: content + bytes([rng.randrange(256)]),
 }
-"""A file's content afterwards; None where the file is deleted."""
+"""A file's new content; None if the file is deleted."""
 KINDS: dict[str, Callable[[str], bool]] = {
     "manifest": lambda path: path == "manifest.json",
     "group metadata": lambda path: path == "zarr.json",
@@ -34,26 +34,26 @@ KINDS: dict[str, Callable[[str], bool]] = {
 
 
 class Damaged(NamedTuple):
-    """A damaged file: its path inside the artifact, and its content now, None where it is deleted."""
+    """A damaged file: its path inside the artifact, and its new content, None if it is deleted."""
 
     path: str
     content: bytes | None
 
 
 def folder_of(root: Path, ref: str) -> Path:
-    """Folder of an artifact in a store of files."""
+    """Return the folder of an artifact in a local store."""
     task, key = split_ref(ref)
     return root / "objects" / task / key[:2] / key
 
 
-def inflict(folder: Path, kind: str, damage: str, dice: random.Random) -> Damaged | None:
-    """Damage one file of a kind in an artifact's folder; None where it has no such file."""
+def inflict(folder: Path, kind: str, damage: str, rng: random.Random) -> Damaged | None:
+    """Damage one file of a kind in an artifact's folder; return None if it has no such file."""
     files = {path.relative_to(folder).as_posix(): path for path in sorted(folder.rglob("*")) if path.is_file()}
     names = [name for name in files if KINDS[kind](name)]
     if not names:
         return None
-    name = dice.choice(names)
-    content = DAMAGES[damage](files[name].read_bytes(), dice)
+    name = rng.choice(names)
+    content = DAMAGES[damage](files[name].read_bytes(), rng)
     if content is None:
         files[name].unlink()
     else:
@@ -61,18 +61,18 @@ def inflict(folder: Path, kind: str, damage: str, dice: random.Random) -> Damage
     return Damaged(name, content)
 
 
-def choose_artifacts(manifests: Mapping[str, Manifest], dice: random.Random) -> list[str]:
-    """One artifact of each task, where possible one from which another of them was made.
+def choose_artifacts(manifests: Mapping[str, Manifest], rng: random.Random) -> list[str]:
+    """Choose one artifact of each task, if possible one from which another of them was computed.
 
-    So a run that misses the last one goes on to miss the others.
+    So a run that misses the last one also misses the others.
     """
     refs = sorted(manifests)
-    dice.shuffle(refs)
+    rng.shuffle(refs)
     chosen = [ref for ref in refs if ref.startswith("score/")][:1]
     tasks = {split_ref(ref)[0] for ref in chosen}
     for ref in chosen:
         inputs = list(manifests[ref].recipe.input_refs())
-        dice.shuffle(inputs)
+        rng.shuffle(inputs)
         for parent in inputs:
             if split_ref(parent)[0] not in tasks and parent in manifests:
                 tasks.add(split_ref(parent)[0])
@@ -85,7 +85,7 @@ def choose_artifacts(manifests: Mapping[str, Manifest], dice: random.Random) -> 
 
 
 def descendants(manifests: Mapping[str, Manifest], refs: Iterable[str]) -> set[str]:
-    """References of all that was made from any of `refs`."""
+    """Return the references of all artifacts that were computed from any of `refs`."""
     refs = set(refs)
     reached = set(refs)
     while True:
@@ -96,6 +96,6 @@ def descendants(manifests: Mapping[str, Manifest], refs: Iterable[str]) -> set[s
 
 
 def read_quarantine(root: Path) -> dict[str, Path]:
-    """Folders of the artifacts in quarantine, by reference."""
+    """Return the folders of the artifacts in quarantine, by reference."""
     slots = [reason.parent for reason in (root / "quarantine").glob("*/reason.json")]
     return {json.loads((slot / "reason.json").read_text())["ref"]: slot / "artifact" for slot in slots}

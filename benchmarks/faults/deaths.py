@@ -1,7 +1,7 @@
-"""Processes that kill themselves, or each other, on a step of their own work: no outside observer hits as exactly.
+"""Processes that kill themselves, or each other, at a step of their own work: no outside observer is as exact.
 
-Each Python loads ``sitecustomize`` on its own, and what it finds first under that name are these lines. They watch the
-steps that it takes in the file system (audit events) and send SIGKILL at one of them.
+Each Python loads ``sitecustomize`` at its start, and these lines are put first under that name. They count the steps
+that it takes in the file system (audit events) and send SIGKILL at one of them.
 """
 
 import os
@@ -48,14 +48,14 @@ _KILLS = {
 
 
 def die_at_step(folder: Path, store: str, steps: int, victim: str, in_worker: bool) -> tuple[dict[str, str], Path]:
-    """Environment in which the first process to take so many steps in a store kills the victim, once.
+    """Return an environment in which the first process that takes so many steps in a store kills the victim, once.
 
     Returns
     -------
     dict
         The environment.
     Path
-        A file that is there once somebody was killed.
+        A file that exists once a process was killed.
     """
     token = folder / "killed"
     site = _COUNTED.format(steps=steps, store=store, token=str(token), kill=_KILLS[victim], in_worker=in_worker)
@@ -63,7 +63,7 @@ def die_at_step(folder: Path, store: str, steps: int, victim: str, in_worker: bo
 
 
 def die_at_task(folder: Path, task: str) -> dict[str, str]:
-    """Environment in which no worker survives the work of a task: each dies on its way to committing it."""
+    """Return an environment in which no worker survives the work of a task: each dies before it commits it."""
     return _environ(folder, _AT_TASK.format(task=task))
 
 

@@ -1,17 +1,17 @@
-"""Full disks, and places that may be read only: one clear line or it works, and nothing is lost.
+"""Full disks and read-only places: the command works or ends with one clear line, and nothing is lost.
 
-Run ``python benchmarks/faults/disk.py [--cases full inodes …] [--root DIR]``; some minutes. What must hold:
+Run ``python benchmarks/faults/disk.py [--cases full inodes …] [--root DIR]``; some minutes. The laws are:
 
-- ``full``, ``inodes``: on a file system that fills up in mid-run the command ends with one line, which names the store
-  and says "No space left on device", and exit code 1. What was committed is whole, and with room made the same command
-  computes the rest and nothing else.
+- ``full``, ``inodes``: on a file system that fills up during a run the command ends with one line, which names the
+  store and contains "No space left on device", and exit code 1. Committed artifacts are complete, and with more room
+  the same command computes the rest and nothing else.
 - ``file-size``: the same under a limit on the size of files (RLIMIT_FSIZE), for which nothing is mounted.
-- ``output``: a full disk under what a command writes is one line, exit code 2; no part of a file stays.
-- ``read-only``, ``forbidden``: where nothing may be written (a mount for reading, folders of others), what is stored
-  is evaluated, listed and verified; what is not stored is one line and exit code 1.
+- ``output``: a full disk under the output of a command is one line, exit code 2; no part of a file stays.
+- ``read-only``, ``forbidden``: in a place that cannot be written (a read-only mount, folders of another user), stored
+  artifacts are evaluated, listed and verified; missing ones are one line and exit code 1.
 
-All but ``file-size`` and ``forbidden`` need Linux and the right to mount in a namespace of one's own (root, or
-unprivileged user namespaces). A case that the machine refuses is named and not run.
+All but ``file-size`` and ``forbidden`` need Linux and the right to mount in a separate namespace (root, or unprivileged
+user namespaces). A case that the machine does not permit is named and not run.
 """
 
 import argparse
@@ -44,7 +44,7 @@ NEED_NO_MOUNT = ("file-size", "forbidden")
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cases", nargs="+", choices=CASES, default=list(CASES))
-    parser.add_argument("--root", type=Path, default=None, help="folder for the video and the stores, until the end")
+    parser.add_argument("--root", type=Path, default=None, help="folder for temporary videos and stores")
     parser.add_argument("--frames", type=int, default=12, help="length of the video")
     parser.add_argument("--short", action="store_true", help="one size of disk and one process only")
     options = parser.parse_args()
@@ -53,7 +53,7 @@ def main() -> int:
     with ExitStack() as stack:
         folder = Path(tempfile.mkdtemp(prefix="moseg-disk-", dir=options.root))
         stack.callback(shutil.rmtree, folder)
-        # Another user must get through to what lies in it.
+        # Another user must be able to reach the folders in it.
         folder.chmod(0o755)
         workload = write_workload(folder / "data", options.frames, num_samples=200)
         whole = folder / "whole"

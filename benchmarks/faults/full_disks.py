@@ -11,13 +11,13 @@ from workload import read_files
 NO_SPACE, TOO_LARGE = "No space left on device", "File too large"
 PAGE = 4096
 SHARES = (0.05, 0.5, 0.95)
-"""Sizes of the disk, of what an undisturbed run takes."""
+"""Sizes of the disk, as a share of what an undisturbed run takes."""
 FILE_LIMIT_KIB = 40
-"""Between the sizes of small artifacts, which pass, and of flows, which do not."""
+"""Between the sizes of small artifacts, which fit, and of flows, which do not."""
 
 
 def full(bench: Bench) -> None:
-    """A disk of fewer bytes than the run needs."""
+    """Run on a disk of fewer bytes than the run needs."""
     needed = sum(-(-len(content) // PAGE) * PAGE for content in read_files(bench.whole).values())
     for share in SHARES[1:2] if bench.short else SHARES:
         for workers in bench.workers:
@@ -25,7 +25,7 @@ def full(bench: Bench) -> None:
 
 
 def inodes(bench: Bench) -> None:
-    """A disk of fewer files than the run needs."""
+    """Run on a disk of fewer files than the run needs."""
     needed = sum(1 for _ in bench.whole.rglob("*"))
     for share in SHARES[1:2] if bench.short else SHARES:
         for workers in bench.workers:
@@ -33,7 +33,7 @@ def inodes(bench: Bench) -> None:
 
 
 def file_size(bench: Bench) -> None:
-    """A limit on the size of files instead of a small disk."""
+    """Run under a limit on the size of files instead of on a small disk."""
     store = bench.folder / "limited"
     for workers in bench.workers:
         case = f"file size, {workers} workers"
@@ -48,7 +48,7 @@ def file_size(bench: Bench) -> None:
 
 
 def output(bench: Bench) -> None:
-    """A full disk under masks, overlay and summary, and under the report."""
+    """Write masks, overlay and summary, and the report, to a full disk."""
     for name, size in (("segment", "size=16k"), ("segment", "size=60k"), ("eval", "size=4k")):
         with memory_disk(bench.folder / "disk", size) as disk:
             (disk / "ballast").write_bytes(bytes(PAGE))
@@ -57,7 +57,7 @@ def output(bench: Bench) -> None:
             case = f"output of {name}, {size}"
             bench.require_refusal(case, ended, 2, NO_SPACE, str(disk))
             parts = [path for path in read_files(disk) if path.endswith(".part")]
-            bench.ledger.require(case, "no parts of files are left", not parts, parts)
+            bench.ledger.require(case, "no partial files are left", not parts, parts)
         (bench.folder / "disk").rmdir()
         _row(bench, case, 0, ended, "-", "-")
 
@@ -78,7 +78,10 @@ def _fill(bench: Bench, name: str, size: str, workers: int) -> None:
 
 
 def _require_no_litter(bench: Bench, case: str, store: Path, workers: int) -> None:
-    """What a failed put had written must go: it takes the room. Workers may be ended in the middle of a put."""
+    """Check that the files of a failed put are deleted: they would keep the disk full.
+
+    Workers may be ended during a put.
+    """
     left = list(read_files(store / "staging"))
     if workers == 0:
         bench.ledger.require(case, "a failed put leaves nothing in staging", not left, left)

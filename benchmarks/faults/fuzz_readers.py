@@ -1,16 +1,16 @@
 """Damaged files of every kind that is read: each is read or refused in one line, within limits of memory and time.
 
 Run ``python benchmarks/faults/fuzz_readers.py [--mutations 10000] [--seed 0] [--readers NAME …] [--json FILE] [--keep
-DIR]``. Sound files of every kind are written and damaged: bits and bytes changed; ends, beginnings and spans lost,
-doubled, inserted, blanked; sizes and counts replaced by integers at which they go wrong; two files spliced; and what
-the format says changed below right checksums and lengths. What must hold of each:
+DIR]``. Valid files of every kind are written and damaged: bits and bytes changed; ends, beginnings and spans lost,
+doubled, inserted, blanked; sizes and counts replaced by critical integers; two files spliced; and the content of the
+format changed below right checksums and lengths. The laws for each file are:
 
-- The reader returns, or raises InputError (of a run's log in the store also StoreError) whose message is one line.
-- Nothing is printed on standard error: no warning, no complaint of a library in C.
+- The reader returns, or raises InputError (for a run's log in the store also StoreError) whose message is one line.
+- Nothing is printed on standard error: no warning, and no message of a library in C.
 - No signal ends the process.
-- It costs no more seconds of CPU and no more memory than the limits.
+- It takes no more seconds of CPU and no more memory than the limits.
 
-A violation names the number of the mutation: with the same seed it is always the same file, which ``--keep`` saves.
+A violation gives the number of the mutation: with the same seed it is always the same file, which ``--keep`` saves.
 """
 
 import argparse
@@ -26,7 +26,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import NamedTuple
 
-# Before any library that starts threads: a fork takes none of them along.
+# Before any library that starts threads: a fork does not copy them.
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_name] = "1"
 
@@ -36,9 +36,9 @@ from readers import list_readers  # noqa: E402
 from trials import Limits, Reader, damaged_file, run_trials  # noqa: E402
 
 MOST_KEPT = 5
-"""Files of one cause that are saved."""
+"""Number of files of one cause that are saved."""
 SHOWN = 160
-"""Characters of a violation by which those of one cause are taken together."""
+"""Length of the prefix by which violations are grouped into causes."""
 
 
 class Tally(NamedTuple):
@@ -56,13 +56,13 @@ class Tally(NamedTuple):
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--mutations", type=int, default=10_000, help="damaged files a reader")
+    parser.add_argument("--mutations", type=int, default=10_000, help="damaged files per reader")
     parser.add_argument("--first", type=int, default=0, help="number of the first one")
-    parser.add_argument("--seed", type=int, default=0, help="of the damage")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the damage")
     parser.add_argument("--readers", nargs="+", default=None, metavar="NAME", help="only these, by the start of a name")
-    parser.add_argument("--seconds", type=float, default=2.0, help="of CPU that one file may cost")
-    parser.add_argument("--megabytes", type=int, default=1024, help="MiB of memory that one file may cost")
-    parser.add_argument("--root", type=Path, default=None, help="folder for the files, until the end")
+    parser.add_argument("--seconds", type=float, default=2.0, help="limit of CPU time for one file, s")
+    parser.add_argument("--megabytes", type=int, default=1024, help="limit of memory for one file, MiB")
+    parser.add_argument("--root", type=Path, default=None, help="folder for temporary files")
     parser.add_argument("--json", type=Path, default=None, metavar="FILE", help="write the figures")
     parser.add_argument("--keep", type=Path, default=None, metavar="DIR", help="save the files of violations")
     options = parser.parse_args()
@@ -76,7 +76,7 @@ def main() -> int:
         chosen = [each for each in readers if not options.readers or each.name.startswith(tuple(options.readers))]
         if not chosen:
             parser.error(f"no such reader; there are {', '.join(each.name for each in readers)}")
-        # What is there now is shared by all forks: collecting it would copy it into each.
+        # All forks share the memory of now: collecting it would copy it into each.
         gc.freeze()
         ledger = Ledger("reader", "mutations", "results", "InputErrors", "violations", "slowest", "most memory")
         tallies = []
@@ -93,7 +93,7 @@ def main() -> int:
 def try_reader(
     ledger: Ledger, reader: Reader, folder: Path, seed: int, indices: range, limits: Limits, keep: Path | None
 ) -> Tally:
-    """Give a reader its damaged files; a row of the table, and a line for each cause of violations."""
+    """Run a reader on its damaged files; return a row of the table, and a line for each cause of violations."""
     outcomes: Counter[str] = Counter()
     causes: Counter[str] = Counter()
     slowest = most = 0.0

@@ -1,8 +1,8 @@
-"""A table that grows while an experiment runs, and the laws that were broken meanwhile."""
+"""A table that grows while an experiment runs, and the laws that were broken."""
 
 
 class Ledger:
-    """Prints rows as they come; remembers each law that did not hold."""
+    """Rows, printed as they come, and the laws that did not hold."""
 
     def __init__(self, *columns: str):
         self._violations: list[str] = []
@@ -10,7 +10,7 @@ class Ledger:
         print(f"| {' | '.join(columns)} |\n|{'---|' * len(columns)}", flush=True)
 
     def row(self, *cells: object) -> None:
-        """One line of the table."""
+        """Print one line of the table."""
         print(f"| {' | '.join(str(cell).replace('|', '/') for cell in cells)} |", flush=True)
 
     def require(self, case: object, law: str, holds: bool, got: object = "") -> None:
@@ -22,7 +22,7 @@ class Ledger:
             print(f"VIOLATION {text}", flush=True)
 
     def close(self) -> int:
-        """Print the verdict and return the exit code: 1 where a law was broken."""
+        """Print the verdict and return the exit code: 1 if a law was broken."""
         print(f"\n{self._num_laws} checks, {len(self._violations)} violations")
         for text in self._violations:
             print(f"- {text}")

@@ -1,4 +1,4 @@
-"""Small and read-only file systems in memory, mounted in a namespace that nobody else sees."""
+"""Small and read-only file systems in memory, mounted in a namespace that no other process sees."""
 
 import os
 import subprocess
@@ -9,11 +9,11 @@ from pathlib import Path
 
 _INSIDE = "MOSEG_FAULTS_INSIDE"
 ROOMY = "size=256m,nr_inodes=100000"
-"""More than any store here takes."""
+"""More than any store of these experiments takes."""
 
 
 def enter_namespace() -> str | None:
-    """Go on in a mount namespace of one's own, the script started anew; where that is refused, why."""
+    """Restart the script in a mount namespace of its own; if the machine refuses, return the reason."""
     if os.environ.get(_INSIDE):
         return None
     reason = why_no_mounts()
@@ -25,7 +25,7 @@ def enter_namespace() -> str | None:
 
 
 def why_no_mounts() -> str | None:
-    """Why this machine does not let us mount; None where it does."""
+    """Return why this machine does not permit mounts; None if it does."""
     probe = "mount -t tmpfs -o size=64k tmpfs /tmp && mount -o remount,ro /tmp"
     try:
         done = subprocess.run([*_namespace(), "sh", "-c", probe], capture_output=True, text=True, check=False)
@@ -36,7 +36,7 @@ def why_no_mounts() -> str | None:
 
 @contextmanager
 def memory_disk(folder: Path, options: str = ROOMY) -> Iterator[Path]:
-    """A file system in memory for the block, of the size that `options` of tmpfs say."""
+    """Mount a file system in memory for the block, of the size that `options` of tmpfs set."""
     folder.mkdir(parents=True)
     _call("mount", "-t", "tmpfs", "-o", options, "tmpfs", str(folder))
     try:
@@ -46,7 +46,7 @@ def memory_disk(folder: Path, options: str = ROOMY) -> Iterator[Path]:
 
 
 def remount(folder: Path, options: str) -> None:
-    """Change a file system's size, or whether it can be written (``ro``, ``rw``)."""
+    """Change a file system's size, or whether it is writable (``ro``, ``rw``)."""
     _call("mount", "-o", f"remount,{options}", str(folder))
 
 

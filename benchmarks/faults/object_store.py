@@ -14,7 +14,7 @@ BUCKET = "moseg"
 
 
 class ObjectServer:
-    """Serves S3 requests, and holds one of those that write; see `hold_write`."""
+    """A server of S3 requests that can hold one of those that write; see `hold_write`."""
 
     def __init__(self) -> None:
         self._serve: Callable[..., Iterable[bytes]] = DomainDispatcherApplication(create_backend_app)
@@ -39,12 +39,12 @@ class ObjectServer:
 
     @property
     def url(self) -> str:
-        """Of the bucket."""
+        """Return the URL of the bucket."""
         return f"s3://{BUCKET}"
 
     @property
     def is_holding(self) -> bool:
-        """Whether the chosen request has come and waits."""
+        """Return whether the chosen request has arrived and waits."""
         return self._held.is_set()
 
     def hold_write(self, number: int) -> None:
@@ -55,7 +55,7 @@ class ObjectServer:
             self._released.clear()
 
     def release(self, drop: bool) -> None:
-        """Write what is held, or drop it as if it had not arrived whole; hold nothing any more."""
+        """Write the held object, or drop it as if it had not arrived completely; hold nothing any more."""
         with self._lock:
             self._left = 0
             self._is_dropped = drop
@@ -64,7 +64,7 @@ class ObjectServer:
 
 @contextmanager
 def serve_objects() -> Iterator[ObjectServer]:
-    """Serve an empty bucket for the block; processes that are started in it are told where it is."""
+    """Serve an empty bucket for the block; processes that are started in it find it by their environment."""
     logging.getLogger("werkzeug").setLevel(logging.ERROR)
     objects = ObjectServer()
     server = make_server("127.0.0.1", 0, objects, threaded=True)

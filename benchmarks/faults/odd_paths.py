@@ -1,10 +1,10 @@
 """Stores under odd names: each works like any other, or is refused in one line.
 
-Run ``python benchmarks/faults/odd_paths.py [--root DIR]``; some two minutes. Names with blanks, letters of other
-scripts, bytes that are no text, characters with a meaning in URLs and in lists of options; relative paths, links, URLs.
-What works must end with the artifacts of a plain path and be found again by each of its names; some are tried with
-worker processes too. What cannot work (a file in the way, a link to nothing, a name beyond the system's limit) is one
-line, exit code 2.
+Run ``python benchmarks/faults/odd_paths.py [--root DIR]``; some two minutes. Names have blanks, letters of other
+scripts, bytes that are not text, characters with a meaning in URLs and in lists of options, or are relative paths,
+links and URLs. A name that works must give the artifacts of a plain path, and each of its spellings must find them
+again; some are tried with worker processes too. A name that cannot work (a file of that name, a link to nothing, a name
+beyond the system's limit) is one line, exit code 2.
 """
 
 import argparse
@@ -47,7 +47,7 @@ REFUSED = {
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--root", type=Path, default=None, help="folder for the video and the stores, until the end")
+    parser.add_argument("--root", type=Path, default=None, help="folder for temporary videos and stores")
     parser.add_argument("--names", nargs="+", choices=[*WORKING, *REFUSED], default=[*WORKING, *REFUSED])
     parser.add_argument("--frames", type=int, default=6, help="length of the video")
     options = parser.parse_args()
@@ -78,7 +78,7 @@ def main() -> int:
 
 
 def work(ledger: Ledger, workload: Workload, name: str, folder: Path, whole: Contents) -> None:
-    """Evaluate into the store by its relative path, and find all again by its absolute one and by URL."""
+    """Evaluate into the store by its relative path, and find all again by its absolute path and by URL."""
     workers = "2" if name in WITH_WORKERS else "0"
     path = WORKING[name]
     forms = {"relative path": path, "absolute path": str(folder / path), "URL": (folder / path).resolve().as_uri()}
@@ -86,10 +86,10 @@ def work(ledger: Ledger, workload: Workload, name: str, folder: Path, whole: Con
         ended = evaluate(workload, given, folder, "--workers", workers if number == 0 else "0")
         case = f"{name} as {form}"
         is_well = (ended.code, ended.err) == (0, "")
-        ledger.require(case, "it ends well and quietly", is_well, (ended.code, ended.err))
+        ledger.require(case, "it succeeds without messages", is_well, (ended.code, ended.err))
         if is_well:
             computed, expected = read_counts(ended.out)[0], whole.num_computed() if number == 0 else 0
-            ledger.require(case, "all is computed once and found again", computed == expected, computed)
+            ledger.require(case, "all artifacts are computed once and found again", computed == expected, computed)
             found = read_contents(given)
             is_same = found.results == whole.results and not found.problems
             ledger.require(case, "the artifacts are those of a plain path", is_same)
@@ -97,18 +97,18 @@ def work(ledger: Ledger, workload: Workload, name: str, folder: Path, whole: Con
 
 
 def refuse(ledger: Ledger, workload: Workload, name: str, folder: Path) -> None:
-    """What cannot be a store must be refused in one line and stay as it is."""
+    """Check that a place that cannot be a store is refused in one line and not changed."""
     before = sorted(os.listdir(folder / "others"))
     ended = evaluate(workload, REFUSED[name], folder)
     is_clear = ended.code == 2 and ended.is_one_line()
     ledger.require(name, "one line, exit code 2", is_clear, (ended.code, ended.err))
     is_kept = Path("file").read_bytes() == b"something" and sorted(os.listdir(folder / "others")) == before
-    ledger.require(name, "what is there stays", is_kept)
+    ledger.require(name, "existing files stay", is_kept)
     ledger.row(name, "relative path", 0, ended.code, ended.err.strip().replace(str(folder), "…"))
 
 
 def evaluate(workload: Workload, store: str, folder: Path, *options: str) -> Ended:
-    """Run the evaluation on a store named so."""
+    """Run the evaluation on a store of this name."""
     command = workload.command("eval", store, folder / "report.json", *options)
     return Run(command, folder / "logs").wait()
 

@@ -1,4 +1,4 @@
-"""What the experiments on disks share: the work, an undisturbed store, and the laws of a run that was refused."""
+"""Common parts of the experiments on disks: the workload, an undisturbed store, and the laws of a refused run."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,9 +11,9 @@ from workload import MOSEG, Workload, read_counts
 
 
 class Bench(NamedTuple):
-    """The work, a scratch folder, an undisturbed store with what it holds, and where findings go.
+    """The workload, a scratch folder, an undisturbed store with its contents, and the ledger of findings.
 
-    With `short` only one of several equal cases is run.
+    With `short` only one of several similar cases is run.
     """
 
     workload: Workload
@@ -25,13 +25,13 @@ class Bench(NamedTuple):
 
     @property
     def workers(self) -> tuple[int, ...]:
-        """Numbers of worker processes to try."""
+        """Return the numbers of worker processes to try."""
         return (0,) if self.short else (0, 2)
 
     def evaluate(
         self, store: Path, *options: str, before: tuple[str, ...] = (), env: Mapping[str, str] | None = None
     ) -> Ended:
-        """Run the evaluation, under the command `before` where there is one."""
+        """Run the evaluation, under the command `before` if there is one."""
         command = self.workload.command("eval", str(store), self.folder / "report.json", *options)
         return run_to_end([*before, *command], self.folder / "logs", env)
 
@@ -40,32 +40,32 @@ class Bench(NamedTuple):
         return run_to_end([*before, *MOSEG, "store", *words, "--store", str(store)], self.folder / "logs")
 
     def require_refusal(self, case: str, ended: Ended, code: int, *words: str) -> None:
-        """A refused run must end with one line, with these words in it, and with this exit code."""
+        """Check that a refused run ended with one line, with these words in it, and with this exit code."""
         law = f"one line with {', '.join(words)}; exit code {code}"
         self.ledger.require(case, law, ended.code == code and ended.is_one_line(*words), (ended.code, ended.err))
 
     def require_success(self, case: str, ended: Ended) -> bool:
-        """A run must end well and say nothing on standard error."""
+        """Check that a run succeeded and printed nothing on standard error."""
         is_well = (ended.code, ended.err) == (0, "")
-        self.ledger.require(case, "it ends well and quietly", is_well, (ended.code, ended.err))
+        self.ledger.require(case, "it succeeds without messages", is_well, (ended.code, ended.err))
         return is_well
 
     def require_whole(self, case: str, store: Path) -> Contents:
-        """Nothing visible may be damaged, or other than undisturbed."""
+        """Check that no visible artifact is damaged, or differs from the undisturbed store."""
         found = read_contents(str(store))
-        self.ledger.require(case, "what is stored is whole", not found.problems, found.problems)
+        self.ledger.require(case, "stored artifacts are complete", not found.problems, found.problems)
         is_same = all(self.contents.results.get(ref) == result for ref, result in found.results.items())
-        self.ledger.require(case, "what is stored is what an undisturbed run stores", is_same)
+        self.ledger.require(case, "stored artifacts are those of an undisturbed run", is_same)
         return found
 
     def require_rest(self, case: str, store: Path, before: Contents, ended: Ended) -> int:
-        """The run that went on must have computed what was missing and nothing else; how much that was."""
+        """Check that the continued run computed the missing artifacts and nothing else; return how many."""
         if not self.require_success(case, ended):
             return 0
         after = self.require_whole(case, store)
         computed = read_counts(ended.out)[0]
         missing = after.num_computed(before)
-        self.ledger.require(case, "computed is what was missing", computed == missing, f"{computed} of {missing}")
+        self.ledger.require(case, "it computes the missing artifacts", computed == missing, f"{computed} of {missing}")
         self.ledger.require(case, "nothing is written again", not after.rewritten(before), after.rewritten(before))
-        self.ledger.require(case, "all artifacts are there", after.results == self.contents.results)
+        self.ledger.require(case, "all artifacts are stored", after.results == self.contents.results)
         return computed

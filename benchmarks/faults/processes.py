@@ -1,4 +1,4 @@
-"""Runs of `moseg` as processes of their own: started, killed, and seen to end with all that they started."""
+"""Runs of `moseg` as separate processes: started, killed, and awaited until all their processes have ended."""
 
 import os
 import signal
@@ -11,25 +11,25 @@ from typing import NamedTuple
 import psutil
 
 DEADLINE_SEC = 300.0
-"""No run here takes longer, on however busy a machine: one that does hangs."""
+"""No run here takes longer, even on a busy machine: a run that does hangs."""
 PAUSE_SEC = 0.01
 
 
 class Ended(NamedTuple):
-    """How a run ended and what it printed."""
+    """Exit code and output of a run."""
 
     code: int
     out: str
     err: str
 
     def is_one_line(self, *words: str) -> bool:
-        """Whether it printed one line of error, of this program and with these words in it, and no trace."""
+        """Return whether it printed one line of error, of this program and with these words in it, and no traceback."""
         lines = self.err.strip().splitlines()
         return len(lines) == 1 and lines[0].startswith("moseg: ") and all(word in lines[0] for word in words)
 
 
 class Run:
-    """A command that runs in a process group of its own, its output in files, so that no pipe holds it up."""
+    """A command that runs in a process group of its own; its output goes to files, so that no full pipe blocks it."""
 
     def __init__(self, command: Sequence[str], folder: Path, env: Mapping[str, str] | None = None):
         folder.mkdir(parents=True, exist_ok=True)
@@ -41,11 +41,11 @@ class Run:
         self.pid = self._process.pid
 
     def is_over(self) -> bool:
-        """Whether the client has ended."""
+        """Return whether the client has ended."""
         return self._process.poll() is not None
 
     def workers(self) -> list[int]:
-        """Process numbers of its live workers, which are started by spawn."""
+        """Return the process numbers of its live workers, which are started by spawn."""
         return [pid for pid, line in self._group().items() if "spawn_main" in line and pid != self.pid]
 
     def kill(self, victim: str, worker: int | None = None) -> None:
@@ -59,7 +59,7 @@ class Run:
             _kill(self.pid)
 
     def wait(self) -> Ended:
-        """Wait for the client; raises subprocess.TimeoutExpired, with everything killed, where it hangs."""
+        """Wait for the client; if it hangs, kill everything and raise subprocess.TimeoutExpired."""
         try:
             code = self._process.wait(DEADLINE_SEC)
         except subprocess.TimeoutExpired:
@@ -69,7 +69,7 @@ class Run:
         return Ended(code, self._out.read_text(errors="replace"), self._err.read_text(errors="replace"))
 
     def outlive(self, patience_sec: float) -> float | None:
-        """Seconds until all that the run started has ended; None where some had to be killed."""
+        """Return the seconds until all processes of the run have ended; None if some had to be killed."""
         started = time.monotonic()
         while self._group():
             if time.monotonic() - started > patience_sec:
@@ -79,7 +79,7 @@ class Run:
         return time.monotonic() - started
 
     def _group(self) -> dict[int, str]:
-        """Command lines of the live processes of its group, by number."""
+        """Return the command lines of the live processes of its group, by number."""
         found = {}
         for process in psutil.process_iter():
             try:
@@ -96,7 +96,7 @@ def run_to_end(command: Sequence[str], folder: Path, env: Mapping[str, str] | No
 
 
 def wait_until(is_true: Callable[[], bool]) -> None:
-    """Wait; raises TimeoutError where it takes too long."""
+    """Wait until a condition holds; raise TimeoutError if it takes too long."""
     deadline = time.monotonic() + DEADLINE_SEC
     while not is_true():
         if time.monotonic() > deadline:
@@ -108,5 +108,5 @@ def _kill(pid: int) -> None:
     try:
         os.kill(pid, signal.SIGKILL)
     except ProcessLookupError:
-        # It ended by itself in this moment.
+        # It ended by itself at this moment.
         return

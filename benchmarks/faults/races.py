@@ -1,8 +1,8 @@
-"""Many processes run the same evaluation on one empty store at once.
+"""Many processes that run the same evaluation on one empty store at once.
 
-Run ``python benchmarks/faults/races.py [--processes 8] [--rounds 5] [--root DIR]``; some minutes. What must hold: every
-process ends well and quietly, all report the same scores, each artifact was computed by one of them, staging and
-quarantine are empty, `verify` finds nothing bad, and all is as one process alone leaves it.
+Run ``python benchmarks/faults/races.py [--processes 8] [--rounds 5] [--root DIR]``; some minutes. The laws are: every
+process succeeds and prints no warning, all report the same scores, each artifact was computed by one of them, staging
+and quarantine are empty, `verify` finds no damage, and the store equals that of one process alone.
 """
 
 import argparse
@@ -21,9 +21,9 @@ from workload import Workload, read_counts, read_files, write_workload
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--processes", type=int, default=8, help="that run at once")
+    parser.add_argument("--processes", type=int, default=8, help="number of simultaneous processes")
     parser.add_argument("--rounds", type=int, default=5, help="races, each on an empty store")
-    parser.add_argument("--root", type=Path, default=None, help="folder for the video and the stores, until the end")
+    parser.add_argument("--root", type=Path, default=None, help="folder for temporary videos and stores")
     parser.add_argument("--frames", type=int, default=16, help="length of the video")
     options = parser.parse_args()
     ledger = Ledger("round", "ended well", "artifacts", "computed by each", "sum", "lost races")
@@ -36,21 +36,21 @@ def main() -> int:
             case = f"round {number}"
             contents, rows = read_contents_of_race(ledger, case, folder, workload, options.processes)
             ledger.require(case, "all report the same scores", len(set(rows)) == 1, set(rows))
-            ledger.require(case, "all artifacts are those of a process alone", contents.results == alone.results)
+            ledger.require(case, "all artifacts are those of a single process", contents.results == alone.results)
     return ledger.close()
 
 
 def read_contents_of_race(
     ledger: Ledger, case: str, folder: Path, workload: Workload, num_processes: int
 ) -> tuple[Contents, list[str]]:
-    """Race on an empty store; what it holds then, and the scores that each process reported."""
+    """Race on an empty store; return its contents, and the scores that each process reported."""
     place = folder / case.replace(" ", "")
     store = place / "store"
     reports = [place / f"{number}.json" for number in range(num_processes)]
     runs = [Run(workload.command("eval", str(store), path), place / f"{path.stem}-logs") for path in reports]
     ended = [run.wait() for run in runs]
     faults = [each.err for each in ended if each.code]
-    ledger.require(case, "every process ends well", not faults, faults)
+    ledger.require(case, "every process succeeds", not faults, faults)
     contents = read_contents(str(store))
     computed = [read_counts(each.out)[0] for each in ended if not each.code]
     reused = [read_counts(each.out)[1] for each in ended if not each.code]
@@ -58,7 +58,7 @@ def read_contents_of_race(
     for name in ("staging", "quarantine"):
         left = list(read_files(store / name))
         ledger.require(case, f"{name} is empty", not left, left)
-    # What was ingested is remembered by each that decoded it, the same words by all.
+    # Each process that decoded a file records its leaves, all with the same content.
     num_ingests = sum(ref.startswith("ingest/") for ref in contents.results)
     once, extra = contents.num_computed(), sum(computed) - contents.num_computed()
     is_once = 0 <= extra <= num_ingests * (num_processes - 1) and len(computed) == num_processes

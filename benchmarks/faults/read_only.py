@@ -1,4 +1,4 @@
-"""Stores that may be read and not written."""
+"""Stores that can be read and not written."""
 
 import os
 import shutil
@@ -13,13 +13,13 @@ from places import Bench
 from workload import read_counts
 
 OTHER = ("--set", "fundamental.num_samples=201")
-"""Makes a question to which the store has no answer."""
+"""An option whose result is not in the store."""
 NOBODY = ("setpriv", "--reuid=65534", "--regid=65534", "--clear-groups")
 READ_ONLY, DENIED = "Read-only file system", "Permission denied"
 
 
 def read_only(bench: Bench) -> None:
-    """A file system mounted for reading."""
+    """Use a read-only mount."""
     with memory_disk(bench.folder / "disk") as disk:
         store = disk / "store"
         shutil.copytree(bench.whole, store)
@@ -33,16 +33,16 @@ def read_only(bench: Bench) -> None:
         bench.require_success(case, ended)
         after = bench.require_whole(case, store)
         rewritten = [ref for ref in after.rewritten(before) if not ref.startswith("score/")]
-        bench.ledger.require(case, "nothing but the damaged one is written again", not rewritten, rewritten)
-        bench.ledger.require(case, "all artifacts are there", after.results == bench.contents.results)
+        bench.ledger.require(case, "only the damaged artifact is written again", not rewritten, rewritten)
+        bench.ledger.require(case, "all artifacts are stored", after.results == bench.contents.results)
         bench.require_success(case, bench.evaluate(store, *OTHER))
     (bench.folder / "disk").rmdir()
 
 
 def forbidden(bench: Bench) -> None:
-    """Another user's folder; as root, a user without rights asks.
+    """Use another user's folder; root does so as a user without rights.
 
-    A Python in root's home is none that this user can start workers of.
+    This user cannot start workers of a Python in root's home.
     """
     store = bench.folder / "theirs"
     shutil.copytree(bench.whole, store)
@@ -69,7 +69,7 @@ def forbidden(bench: Bench) -> None:
 def _ask_all(
     bench: Bench, name: str, store: Path, words: str, before: tuple[str, ...], numbers: tuple[int, ...]
 ) -> None:
-    """What is stored must be had; what is not must be refused in one line; with each of these numbers of workers."""
+    """Check that stored results are returned and missing ones refused in one line, with these numbers of workers."""
     for workers in numbers:
         case = f"{name}, {workers} workers"
         warm = bench.evaluate(store, "--workers", str(workers), before=before)
@@ -89,7 +89,7 @@ def _ask_all(
 
 
 def _ask_damaged(bench: Bench, disk: Path, store: Path) -> None:
-    """A damaged artifact cannot be taken out of service there: it must be refused, not served."""
+    """Check that a damaged artifact, which cannot be quarantined there, is refused and not returned."""
     remount(disk, "rw")
     (ref,) = (ref for ref in bench.contents.results if ref.startswith("score/"))
     (folder_of(store, ref) / "manifest.json").write_bytes(b"")
@@ -100,7 +100,7 @@ def _ask_damaged(bench: Bench, disk: Path, store: Path) -> None:
 
 
 def _starts_python(before: tuple[str, ...]) -> bool:
-    """Whether a process under the command `before` may start another one."""
+    """Return whether a process under the command `before` can start another one."""
     start = "import subprocess, sys; subprocess.run([sys.executable, '-c', ''], check=True)"
     return subprocess.run([*before, sys.executable, "-c", start], capture_output=True, check=False).returncode == 0
 

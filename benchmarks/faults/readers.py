@@ -1,4 +1,4 @@
-"""Every way by which a file from outside comes into the program, and the sound files that are damaged on it."""
+"""Every way by which a file from outside enters the program, and the valid files that are damaged for it."""
 
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -45,12 +45,12 @@ from moseg.workflows.weights.reading import read_checkpoint
 
 SHAPE, NUM_FRAMES = pictures.SHAPE, pictures.NUM_FRAMES
 LARGEST_SIDE = 64
-"""Frames are reduced to it, px: what comes after decoding is not the matter here."""
+"""Size to which frames are reduced, px: steps after decoding are not tested here."""
 _LOG = f"store/logs/{documents.RUN}/space-1.jsonl"
 
 
 def list_readers(scratch: Path) -> Iterator[Reader]:
-    """Each reader, with its own folder below `scratch` made ready; those that need torch only where it is installed."""
+    """Return each reader, with its own folder below `scratch`; those that need torch only if it is installed."""
     yield from _readers_of_sources(scratch)
     yield from _readers_of_predictions(scratch)
     yield from _readers_of_documents(scratch)
@@ -129,9 +129,9 @@ def _readers_of_weights() -> Iterator[Reader]:
         )
 
 
-def _mutate_torch(content: bytes, dice) -> bytes:
-    """Members of an archive; torch's older format is none."""
-    return mutate_zip(content, dice) if content[:2] == b"PK" else content
+def _mutate_torch(content: bytes, rng) -> bytes:
+    """Damage members of an archive; files of torch's older format are not archives."""
+    return mutate_zip(content, rng) if content[:2] == b"PK" else content
 
 
 def _read_video(path: Path) -> None:
@@ -175,7 +175,7 @@ def _read_prediction(form: str, path: Path) -> None:
 
 
 def _in_folder(read: Callable[[Path], object]) -> Callable[[Path], object]:
-    """A reader of the folder in which the file lies."""
+    """Return a reader of the folder that contains the file."""
     return lambda path: read(path.parent)
 
 

@@ -1,4 +1,4 @@
-"""Sound files of text and of weights: configurations, lists, summaries, logs of runs, checkpoints."""
+"""Valid files of text and of weights: configurations, lists, summaries, logs of runs, checkpoints."""
 
 import io
 import json
@@ -28,7 +28,7 @@ _TIME = datetime(2026, 11, 22, tzinfo=UTC)
 
 
 def config_files() -> tuple[bytes, ...]:
-    """Some parameters, hand-written and as they are dumped."""
+    """Return some parameters, written by hand and as they are dumped."""
     changed = PipelineConfig.model_validate(
         {
             "max_side": 640,
@@ -42,7 +42,7 @@ def config_files() -> tuple[bytes, ...]:
 
 
 def lists_of_weights() -> tuple[bytes, ...]:
-    """Items that a user adds."""
+    """Return a list of items that a user adds."""
     files = [
         {"name": "model.pth", "url": "https://example.org/a/model.pth", "size": 10, "sha256": "0" * 64},
         {"name": "config.json"},
@@ -58,7 +58,7 @@ def pins() -> tuple[bytes, ...]:
 
 
 def checkpoints(suffix: str) -> tuple[bytes, ...]:
-    """Two tensors, as torch saves them now and saved them once, or as safetensors."""
+    """Return two tensors, as torch saves them now and saved them formerly, or as safetensors."""
     import torch
 
     tensors = {"a.weight": torch.arange(6.0).reshape(2, 3), "a.bias": torch.ones(2, dtype=torch.float16)}
@@ -79,12 +79,12 @@ def checkpoints(suffix: str) -> tuple[bytes, ...]:
 
 
 def lists_of_sequences() -> tuple[bytes, ...]:
-    """Names, comments, blank lines."""
+    """Return lists with names, comments and blank lines."""
     return b"# a list\ndog\n\nblackswan # a bird\ncows\n", "\ufeffhund\r\nkühe\r\n".encode()
 
 
 def summaries(num_frames: int, height: int, width: int) -> tuple[bytes, ...]:
-    """``motion.json`` of a video and of a folder."""
+    """Return ``motion.json`` of a video and of a folder."""
     entry = {"identity": 1, "motion": 1, "first_frame": 0, "last_frame": 1, "num_frames": 2, "mean_area_fraction": 0.1}
     common = {"name": "dog", "num_frames": num_frames, "width": width, "height": height, "fps": 24.0, "num_motions": 2}
     objects = [entry, {**entry, "identity": 2, "tag": "a dog"}, {**entry, "identity": 3}]
@@ -95,7 +95,7 @@ def summaries(num_frames: int, height: int, width: int) -> tuple[bytes, ...]:
 
 
 def listings() -> tuple[bytes, ...]:
-    """Names of the files that an export wrote."""
+    """Return the names of the files that an export wrote."""
     return (b'[\n"00000.png",\n"00001.png",\n"k\xc3\xbche.png"\n]\n',)
 
 
@@ -148,6 +148,6 @@ def run_logs() -> tuple[bytes, ...]:
 
 
 def make_store(folder: Path) -> None:
-    """An empty store with a place for the run's log."""
+    """Make an empty store with a place for the run's log."""
     open_store(str(folder), create=True)
     (folder / "logs" / RUN).mkdir(parents=True)

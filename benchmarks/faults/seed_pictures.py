@@ -1,4 +1,4 @@
-"""Sound files of pictures, arrays and videos: what readers take before it is damaged."""
+"""Valid files of pictures, arrays and videos, before they are damaged."""
 
 import io
 import struct
@@ -30,7 +30,7 @@ def saved(save: Callable, *arguments, **named) -> bytes:
 
 
 def frame_pngs() -> tuple[bytes, ...]:
-    """Colours, grey, 16 bits, a palette, alpha; and one of the size of real frames, which may claim the most."""
+    """Return PNGs: colours, grey, 16 bits, a palette, alpha; and one of the size of real frames."""
     kinds = [Image.fromarray(PICTURE).convert(mode) for mode in ("RGB", "L", "P", "RGBA", "1")]
     return (
         *(saved(image.save, "PNG") for image in kinds),
@@ -40,7 +40,7 @@ def frame_pngs() -> tuple[bytes, ...]:
 
 
 def frame_jpegs() -> tuple[bytes, ...]:
-    """Baseline, progressive, grey, CMYK, with restarts, turned by EXIF."""
+    """Return JPEGs: baseline, progressive, grey, CMYK, with restarts, rotated by EXIF."""
     image, exif = Image.fromarray(PICTURE), Image.Exif()
     exif[0x0112] = 6
     return (
@@ -54,7 +54,7 @@ def frame_jpegs() -> tuple[bytes, ...]:
 
 
 def other_frames() -> tuple[bytes, ...]:
-    """Bitmaps, TIFF and WebP."""
+    """Return bitmaps, TIFF and WebP."""
     image = Image.fromarray(PICTURE)
     return (
         saved(image.save, "BMP"),
@@ -68,7 +68,7 @@ def other_frames() -> tuple[bytes, ...]:
 
 
 def label_pngs() -> tuple[bytes, ...]:
-    """A palette, one with transparent colours, grey, 16 bits, 1 bit; and a large one."""
+    """Return a palette, one with transparent colours, grey, 16 bits, 1 bit; and a large one."""
     palette = Image.fromarray(LABELS[0]).convert("P")
     palette.putpalette([0, 0, 0, 9, 9, 9] * 128)
     large = cv2.resize(_NOISE[..., 0] // 64, None, fx=2, fy=2, interpolation=cv2.INTER_NEAREST)
@@ -83,43 +83,43 @@ def label_pngs() -> tuple[bytes, ...]:
 
 
 def flow_pngs() -> tuple[bytes, ...]:
-    """KITTI's 16 bits, small and large."""
+    """Return flow in KITTI's 16-bit format, small and large."""
     values = np.dstack([np.ones(SHAPE), FLOW * 64 + 2**15]).astype(np.uint16)
     large = np.dstack([np.ones((240, 320)), _NOISE[..., :2] * 200.0]).astype(np.uint16)
     return tuple(cv2.imencode(".png", image)[1].tobytes() for image in (values, large))
 
 
 def flo_files() -> tuple[bytes, ...]:
-    """Middlebury's."""
+    """Return flow in Middlebury's format."""
     return (b"PIEH" + struct.pack("<ii", WIDTH, HEIGHT) + FLOW.tobytes(),)
 
 
 def depth_pngs() -> tuple[bytes, ...]:
-    """16-bit grey, small and large."""
+    """Return 16-bit grey pictures, small and large."""
     large = cv2.resize((DEPTH * 65535).astype(np.uint16), (320, 240)) ^ _NOISE[..., 0]
     return tuple(cv2.imencode(".png", image)[1].tobytes() for image in ((DEPTH * 65535).astype(np.uint16), large))
 
 
 def pfm_files() -> tuple[bytes, ...]:
-    """In both byte orders."""
+    """Return PFM files in both byte orders."""
     head = f"Pf\n{WIDTH} {HEIGHT}\n".encode()
     return head + b"-1\n" + LABELS[0].astype("<f4").tobytes(), head + b"1.0\n" + LABELS[0].astype(">f4").tobytes()
 
 
 def npy_files(*arrays: np.ndarray) -> tuple[bytes, ...]:
-    """Each array in C and in Fortran order."""
+    """Return each array in C and in Fortran order."""
     return tuple(
         saved(np.save, order(array)) for array in arrays for order in (np.ascontiguousarray, np.asfortranarray)
     )
 
 
 def npz_files(**arrays: np.ndarray) -> tuple[bytes, ...]:
-    """Stored and compressed."""
+    """Return archives, stored and compressed."""
     return saved(np.savez, **arrays), saved(np.savez_compressed, **arrays)
 
 
 def mat_files() -> tuple[bytes, ...]:
-    """Labelled trajectories, plain and compressed."""
+    """Return labelled trajectories, plain and compressed."""
     from scipy.io import savemat
 
     sparse = np.concatenate([POINTS, np.ones((*SEEN.shape, 1))], axis=-1).transpose(2, 0, 1)
@@ -144,8 +144,10 @@ _VIDEOS = {
 
 
 def video_files(folder: Path, *suffixes: str) -> tuple[bytes, ...]:
-    """Videos in containers of these suffixes; `folder` holds them for a moment. Codecs that this build lacks are left
-    out."""
+    """Return videos in containers of these suffixes; `folder` holds them temporarily.
+
+    Codecs that this build lacks are left out.
+    """
     contents = []
     for name, (codec, pixels, options, muxer) in _VIDEOS.items():
         if name.endswith(suffixes) and codec in av.codecs_available:

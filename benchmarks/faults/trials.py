@@ -20,10 +20,10 @@ from mutations import Mutate, mutate_bytes
 from moseg.schemas.errors import InputError
 
 TRIALS_A_PROCESS = 1000
-"""After so many another process takes over: what leaks must not add up to a violation."""
+"""Trials of one process: leaks of many must not add up to a violation."""
 LONGEST_MESSAGE = 3000
 DEADLINE_SEC = 60.0
-"""Of one trial by the clock on the wall, however busy the machine: what takes longer waits for something."""
+"""Wall-clock limit of one trial, even on a busy machine: a trial that takes longer is blocked."""
 _CONTROL = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
 _RECORD = struct.Struct("<IBddI")
 _SILENT = (DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning)
@@ -37,13 +37,13 @@ class Reader(NamedTuple):
     ----------
     name : str
     file : str
-        Where the damaged file lies in the trial's folder.
+        Path of the damaged file in the trial's folder.
     seeds : tuple of bytes
-        Sound files.
+        Valid files.
     read : callable
         Of the file's path: reads all of it.
     mutate : callable, optional
-        Damage that knows the format; half of the trials get it where there is any.
+        Damage specific to the format; half of the trials get it if there is any.
     refusals : tuple of exception types
         How the reader may refuse a file.
     """
@@ -57,7 +57,7 @@ class Reader(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """Seconds of CPU and MiB of memory that one file may cost."""
+    """Seconds of CPU and MiB of memory that one file may take."""
 
     seconds: float
     megabytes: int
@@ -89,18 +89,18 @@ _OUTCOMES = ("result", "refusal", "exception", "message", "printed", "time", "me
 
 
 def damaged_file(reader: Reader, seed: int, index: int) -> bytes:
-    """The file of a trial; always the same for these numbers."""
-    dice = random.Random(f"{seed} {reader.name} {index}")
-    content = dice.choice(reader.seeds)
-    if reader.mutate is not None and dice.random() < 0.5:
-        content = reader.mutate(content, dice)
-        if dice.random() < 0.8:
+    """Return the file of a trial; always the same for these numbers."""
+    rng = random.Random(f"{seed} {reader.name} {index}")
+    content = rng.choice(reader.seeds)
+    if reader.mutate is not None and rng.random() < 0.5:
+        content = reader.mutate(content, rng)
+        if rng.random() < 0.8:
             return content
-    return mutate_bytes(content, dice, reader.seeds)
+    return mutate_bytes(content, rng, reader.seeds)
 
 
 def run_trials(reader: Reader, folder: Path, seed: int, indices: range, limits: Limits) -> Iterator[Trial]:
-    """Read the damaged file of each number, in forks of this process, which is warm."""
+    """Read the damaged file of each number, in forks of this process, which has all modules loaded."""
     first = indices.start
     while first < indices.stop:
         batch = range(first, min(indices.stop, first + TRIALS_A_PROCESS))
@@ -115,7 +115,7 @@ class _Fork:
 
     def __init__(self, reader: Reader, folder: Path, seed: int, indices: Sequence[int], limits: Limits):
         self._indices = indices
-        # What was begun and printed outlives the process, also where it is killed.
+        # The numbers and the output outlive the process, also if it is killed.
         self._begun = mmap.mmap(-1, 4)
         self._begun[:] = struct.pack("<I", indices[0])
         self._printed = os.memfd_create("printed")
@@ -124,7 +124,7 @@ class _Fork:
         sys.stderr.flush()
         self._pid = os.fork()
         if self._pid == 0:
-            # Nothing of the parent's may run here: no handler, no clean-up.
+            # No handler or clean-up of the parent may run here.
             try:
                 os.close(self._results)
                 self._read_all(reader, folder, seed, limits, results)
@@ -146,7 +146,7 @@ class _Fork:
         self._begun.close()
 
     def trials(self) -> Iterator[Trial]:
-        """As they end; the last one tells of the process's death where it died."""
+        """Iterate over the trials as they end; if the process died, the last one reports it."""
         last = self._indices[0] - 1
         with os.fdopen(os.dup(self._results), "rb") as results:
             while head := results.read(_RECORD.size):
@@ -156,7 +156,7 @@ class _Fork:
         code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
         (begun,) = struct.unpack("<I", self._begun[:])
         if code != 0:
-            # Killed by an alarm, it took too long; on the way out of the loop, the last file is to blame.
+            # An alarm means that it took too long; a death after the loop is attributed to the last file.
             name = "exit" if code > 0 else signal.Signals(-code).name
             outcome = "time" if name in ("SIGPROF", "SIGALRM") else name
             yield Trial(max(begun, last + 1), outcome, 0.0, 0.0, _read_from_start(self._printed)[-LONGEST_MESSAGE:])
@@ -223,14 +223,14 @@ def _outcome(reader: Reader, path: Path) -> tuple[str, str]:
 
 
 def _forget_peak() -> int:
-    """Bytes that this process has in memory now, from which the next peak is measured."""
+    """Reset the peak of memory and return the bytes that this process has now."""
     with open("/proc/self/clear_refs", "w") as file:
         file.write("5")
     return _status_bytes(1)
 
 
 def _status_bytes(field: int) -> int:
-    """Bytes of address space (0) or of memory (1) of this process."""
+    """Return the bytes of address space (0) or of memory (1) of this process."""
     with open("/proc/self/statm") as file:
         return int(file.read().split()[field]) * os.sysconf("SC_PAGE_SIZE")
 

@@ -1,10 +1,10 @@
-"""Runs that lose workers on the way.
+"""Runs that lose workers.
 
 Run ``python benchmarks/faults/worker_loss.py [--rounds 3] [--seed 0] [--root DIR]``; some minutes. Workers are killed
 with SIGKILL once a random number of artifacts is stored: one or both of the run's own (``--workers 2``); one of an
-existing cluster that nobody starts again; one that its nanny starts again; both, and another joins then. The run must
-finish with the artifacts of an undisturbed one. Where work kills every worker that does it, the run must end with one
-line and exit code 1 instead of going on for ever, and the same command must go on once the work kills no more.
+existing cluster that is not restarted; one that its nanny restarts; both, and another joins then. The run must finish
+with the artifacts of an undisturbed one. If a task kills every worker that runs it, the run must end with one line and
+exit code 1 instead of continuing for ever, and the same command must succeed once the task kills no more.
 """
 
 import argparse
@@ -25,16 +25,16 @@ from processes import Ended, Run, run_to_end, wait_until
 from workload import Workload, read_counts, write_workload
 
 DEADLY = "fundamental"
-"""Task behind which others wait, beside others that do not."""
+"""Task on which some tasks depend and others do not."""
 
 
 class Bench(NamedTuple):
-    """The work, a scratch folder, what an undisturbed run leaves, and the dice."""
+    """The workload, a scratch folder, the results of an undisturbed run, and the random generator."""
 
     workload: Workload
     folder: Path
     whole: Contents
-    dice: random.Random
+    rng: random.Random
 
     def start(self, store: Path, *options: str, env: Mapping[str, str] | None = None) -> Run:
         """Start the evaluation."""
@@ -42,37 +42,37 @@ class Bench(NamedTuple):
         return Run(command, self.folder / "logs", env)
 
     def wait_for_some(self, run: Run, store: Path) -> int:
-        """Wait until a random number of artifacts is stored; that number."""
-        least = self.dice.randint(1, len(self.whole.results) - 20)
-        wait_until(lambda: run.is_over() or count_artifacts(str(store)) >= least)
-        return least
+        """Wait until a random number of artifacts is stored; return that number."""
+        num_stored = self.rng.randint(1, len(self.whole.results) - 20)
+        wait_until(lambda: run.is_over() or count_artifacts(str(store)) >= num_stored)
+        return num_stored
 
 
 def own_worker(bench: Bench, store: Path) -> tuple[Ended, int]:
-    """One of the run's own two workers is killed."""
+    """Kill one of the run's own two workers."""
     run = bench.start(store, "--workers", "2")
-    least = bench.wait_for_some(run, store)
+    num_stored = bench.wait_for_some(run, store)
     for worker in run.workers()[:1]:
         run.kill("worker", worker)
-    return run.wait(), least
+    return run.wait(), num_stored
 
 
 def own_workers(bench: Bench, store: Path) -> tuple[Ended, int]:
-    """Both of the run's own workers are killed."""
+    """Kill both of the run's own workers."""
     run = bench.start(store, "--workers", "2")
-    least = bench.wait_for_some(run, store)
+    num_stored = bench.wait_for_some(run, store)
     for worker in run.workers():
         run.kill("worker", worker)
-    return run.wait(), least
+    return run.wait(), num_stored
 
 
 def lost_worker(bench: Bench, store: Path) -> tuple[Ended, int]:
-    """One of a cluster's two workers is killed and stays away."""
+    """Kill one of a cluster's two workers, which is not restarted."""
     return _on_cluster(bench, store, False, lambda cluster, workers: workers[0].kill("group"))
 
 
 def restarted_worker(bench: Bench, store: Path) -> tuple[Ended, int]:
-    """One of a cluster's two workers is killed; its nanny starts it again."""
+    """Kill one of a cluster's two workers; its nanny restarts it."""
 
     def kill(cluster, workers):
         for worker in workers[0].workers():
@@ -82,7 +82,7 @@ def restarted_worker(bench: Bench, store: Path) -> tuple[Ended, int]:
 
 
 def replaced_workers(bench: Bench, store: Path) -> tuple[Ended, int]:
-    """Both of a cluster's workers are killed; then another joins."""
+    """Kill both of a cluster's workers; then another joins."""
 
     def kill(cluster, workers):
         for worker in workers:
@@ -96,9 +96,9 @@ def _on_cluster(bench: Bench, store: Path, has_nanny: bool, kill: Callable) -> t
     with serve_cluster(store.parent / "cluster") as cluster:
         workers = [cluster.start_worker(has_nanny) for _ in range(2)]
         run = bench.start(store, "--scheduler", cluster.address)
-        least = bench.wait_for_some(run, store)
+        num_stored = bench.wait_for_some(run, store)
         kill(cluster, workers)
-        return run.wait(), least
+        return run.wait(), num_stored
 
 
 SURVIVED: dict[str, Callable[[Bench, Path], tuple[Ended, int]]] = {
@@ -115,8 +115,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cases", nargs="+", choices=[*SURVIVED, HOPELESS], default=[*SURVIVED, HOPELESS])
     parser.add_argument("--rounds", type=int, default=3, help="losses of each kind")
-    parser.add_argument("--seed", type=int, default=0, help="of the moments")
-    parser.add_argument("--root", type=Path, default=None, help="folder for the video and the stores, until the end")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the moments")
+    parser.add_argument("--root", type=Path, default=None, help="folder for temporary videos and stores")
     parser.add_argument("--frames", type=int, default=16, help="length of the video")
     options = parser.parse_args()
     ledger = Ledger("case", "lost at", "exit code", "artifacts", "computed", "said")
@@ -137,20 +137,20 @@ def main() -> int:
 
 
 def survive(bench: Bench, ledger: Ledger, name: str, store: Path) -> None:
-    """The run must finish as if nothing had been."""
-    ended, least = SURVIVED[name](bench, store)
+    """Check that the run finishes with undisturbed results."""
+    ended, num_stored = SURVIVED[name](bench, store)
     ledger.require(name, "the run finishes", ended.code == 0, (ended.code, ended.err))
-    # Python and Dask may warn, each in its words, of what the dead process held.
-    ledger.require(name, "no trace, no error", "Traceback" not in ended.err and "moseg" not in ended.err, ended.err)
+    # Python and Dask may warn of resources of the dead process.
+    ledger.require(name, "no traceback, no error", "Traceback" not in ended.err and "moseg" not in ended.err, ended.err)
     found = read_contents(str(store))
-    ledger.require(name, "all is as an undisturbed run leaves it", found.results == bench.whole.results)
+    ledger.require(name, "all artifacts are those of an undisturbed run", found.results == bench.whole.results)
     ledger.require(name, "nothing is damaged", not found.problems, found.problems)
     computed = read_counts(ended.out)[0] if ended.code == 0 else "-"
-    ledger.row(name, f"{least} artifacts", ended.code, len(found.results), computed, one_line(ended))
+    ledger.row(name, f"{num_stored} artifacts", ended.code, len(found.results), computed, one_line(ended))
 
 
 def end(bench: Bench, ledger: Ledger, name: str, store: Path) -> None:
-    """A run whose work kills every worker must end by itself, and the next one go on."""
+    """Check that a run whose task kills every worker ends by itself, and that the next one succeeds."""
     ended = bench.start(store, "--workers", "2", env=die_at_task(store.parent / "site", DEADLY)).wait()
     own_words = ended._replace(err="\n".join(line for line in ended.err.splitlines() if not is_of_tracker(line)))
     is_clear = ended.code == 1 and own_words.is_one_line()
@@ -158,19 +158,19 @@ def end(bench: Bench, ledger: Ledger, name: str, store: Path) -> None:
     before = read_contents(str(store))
     ledger.require(name, "nothing is damaged", not before.problems, before.problems)
     resumed = bench.start(store, "--workers", "2").wait()
-    ledger.require(name, "the same command goes on", resumed.code == 0, resumed.err)
+    ledger.require(name, "the same command continues", resumed.code == 0, resumed.err)
     after = read_contents(str(store))
-    ledger.require(name, "all is as an undisturbed run leaves it", after.results == bench.whole.results)
+    ledger.require(name, "all artifacts are those of an undisturbed run", after.results == bench.whole.results)
     ledger.row(name, DEADLY, ended.code, len(before.results), "-", one_line(ended))
 
 
 def is_of_tracker(line: str) -> bool:
-    """Whether Python's own tracker says so that killed processes left semaphores, which it then removes."""
+    """Return whether a warning is that of Python's tracker of semaphores that killed processes left."""
     return "resource_tracker" in line
 
 
 def one_line(ended: Ended) -> str:
-    """What a run printed on standard error, cut short."""
+    """Return what a run printed on standard error, shortened."""
     return " ".join(ended.err.split())[:200]
 
 

@@ -1,4 +1,4 @@
-"""The work that faults disturb: a video of a second, the commands that work on it, and what they leave undisturbed."""
+"""The workload that faults disturb: a video of a second, the commands on it, and their undisturbed results."""
 
 import re
 import sys
@@ -16,21 +16,21 @@ _COUNTS = re.compile(r"(\d+) artifacts computed, (\d+) reused")
 
 
 class Workload(NamedTuple):
-    """A video with ground truth, and how thoroughly it is worked on.
+    """A video with ground truth, and the effort of the commands on it.
 
     Attributes
     ----------
     root : Path
         Root of a data set of kind ``folder`` with one sequence.
     num_samples : int
-        Samples of each robust fit: they set how long a run takes.
+        Samples of each robust fit: they determine how long a run takes.
     """
 
     root: Path
     num_samples: int
 
     def command(self, name: str, store: str, out: Path, *options: str) -> list[str]:
-        """Command line of `eval` (its report at `out`) or of `segment` (its masks under `out`)."""
+        """Return the command line of `eval` (its report at `out`) or of `segment` (its masks under `out`)."""
         if name == "eval":
             work = ["eval", "--dataset", "folder", "--root", str(self.root), "--json", str(out)]
         else:
@@ -40,7 +40,7 @@ class Workload(NamedTuple):
 
 
 def write_workload(root: Path, num_frames: int = 16, num_samples: int = 2000) -> Workload:
-    """Write frames and masks of two textured squares that move, each in its way, over a backdrop that pans."""
+    """Write frames and masks of two textured squares with different motions over a panning background."""
     rng = np.random.default_rng(0)
 
     def texture(height: int, width: int, brightness: int) -> np.ndarray:
@@ -65,7 +65,7 @@ def write_workload(root: Path, num_frames: int = 16, num_samples: int = 2000) ->
 
 
 def read_counts(output: str) -> tuple[int, int]:
-    """Artifacts computed and reused, as the last line of a command says."""
+    """Return the artifacts computed and reused, as the last line of a command gives them."""
     found = _COUNTS.findall(output)
     if not found:
         raise ValueError(f"no counts of artifacts in {output!r}")
@@ -73,6 +73,6 @@ def read_counts(output: str) -> tuple[int, int]:
 
 
 def read_files(folder: Path, kinds: Sequence[str] = ("*",)) -> dict[str, bytes]:
-    """Content of every file under a folder, by relative path; nothing where there is no folder."""
+    """Return the content of every file under a folder, by relative path; nothing if there is no folder."""
     paths = {path for kind in kinds for path in folder.rglob(kind) if path.is_file()}
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in sorted(paths)}

@@ -1,19 +1,19 @@
-"""From a URL and the environment to a client of an object store.
+"""Connection to an object store: a client from a URL and the environment.
 
-The environment is the one that other tools of the provider read. For S3:
+The environment variables are those that other tools of the provider read. For S3:
 
 - ``AWS_ACCESS_KEY_ID``, ``AWS_SECRET_ACCESS_KEY``, ``AWS_SESSION_TOKEN``;
 - ``AWS_REGION``, else ``AWS_DEFAULT_REGION``, else ``us-east-1``;
-- ``AWS_ENDPOINT_URL_S3``, else ``AWS_ENDPOINT_URL``: another server than Amazon's, over ``https://`` or ``http://``;
+- ``AWS_ENDPOINT_URL_S3``, else ``AWS_ENDPOINT_URL``: a server other than Amazon's, over ``https://`` or ``http://``;
 - ``AWS_SKIP_SIGNATURE=true`` for a public bucket.
 
-Without keys, and where boto3 is installed, its session finds them, with the region and the endpoint: profiles
+Without keys, and if boto3 is installed, its session finds them, with the region and the endpoint: profiles
 (``AWS_PROFILE``), single sign-on, roles of containers and of machines, renewed before they expire. Without boto3 the
 roles of containers and machines are still found. Google's ``GOOGLE_APPLICATION_CREDENTIALS`` and Azure's
 ``AZURE_STORAGE_ACCOUNT_NAME`` with ``AZURE_STORAGE_ACCOUNT_KEY`` (or a token, or a client's secret) are read as they
 are by these providers' tools.
 
-Credentials stay in the process that read them: a store that travels to a worker is a URL, and the worker reads its own
+Credentials stay in the process that read them: a store that is sent to a worker is a URL, and the worker reads its own
 environment.
 """
 
@@ -36,14 +36,14 @@ S3_SCHEMES = ("s3", "s3a")
 _BUCKET = re.compile(r"[A-Za-z0-9][A-Za-z0-9@._-]*")
 _PROVIDERS = ("AWS_", "AZURE_", "GOOGLE_")
 _CLIENT_OPTIONS = {
-    # A machine that answers at all does so in milliseconds; what is sent afterwards may take its time, as long as
-    # something moves: five minutes for a request's whole body are 13 MB/s for the largest possible chunk.
+    # A reachable machine accepts a connection within milliseconds; a transfer may take longer, as long as data arrive:
+    # five minutes for a request's whole body are 13 MB/s for the largest possible chunk.
     "connect_timeout": timedelta(seconds=4),
     "read_timeout": timedelta(seconds=20),
     "timeout": timedelta(seconds=300),
 }
 _RETRIES = {
-    # 0.1 s, 0.2 s, ... 1.6 s: longer than a server's brief refusals ("slow down"), and what is no server shows in 3 s
+    # 0.1 s, 0.2 s, ... 1.6 s: longer than a server's short refusals ("slow down"); a missing server is found in 3 s
     "max_retries": 5,
     "retry_timeout": timedelta(seconds=40),
     "backoff": {"init_backoff": timedelta(milliseconds=100), "max_backoff": timedelta(seconds=5), "base": 2},
@@ -51,9 +51,9 @@ _RETRIES = {
 
 
 def check_url(url: str) -> str:
-    """The URL itself, without slashes at its end.
+    """Return the URL without slashes at its end.
 
-    Raises InputError where it holds more than scheme, bucket and path. What is refused is not repeated: it may be a
+    Raises InputError if it holds more than scheme, bucket and path. The message omits the rejected part: it may be a
     secret.
     """
     parts = urlsplit(url)
@@ -69,9 +69,9 @@ def check_url(url: str) -> str:
 
 
 def connect(url: str) -> ObjectStore:
-    """A client for what lies below a URL.
+    """Return a client for the objects below a URL.
 
-    Raises StoreChoiceError where the URL, or what the environment says, cannot be one; no request is made.
+    Raises StoreChoiceError if the URL or the environment is invalid; no request is made.
     """
     is_s3 = urlsplit(url).scheme in S3_SCHEMES
     try:
@@ -94,12 +94,12 @@ def connect(url: str) -> ObjectStore:
 
 
 def environment() -> tuple[tuple[str, str], ...]:
-    """What the process's environment says to providers of object stores."""
+    """Return the variables of the process's environment that concern object stores."""
     return tuple(sorted(item for item in os.environ.items() if item[0].startswith(_PROVIDERS)))
 
 
 def s3_settings(environ: Mapping[str, str]) -> tuple[dict[str, Any], Any]:
-    """Settings of a client for S3, and where its credentials come from; None where they are in the environment."""
+    """Return the settings of a client for S3 and its provider of credentials, None if the environment has these."""
     region = environ.get("AWS_REGION") or environ.get("AWS_DEFAULT_REGION")
     endpoint = environ.get("AWS_ENDPOINT_URL_S3") or environ.get("AWS_ENDPOINT_URL")
     provider = None
@@ -115,7 +115,7 @@ def s3_settings(environ: Mapping[str, str]) -> tuple[dict[str, Any], Any]:
 
 @lru_cache(maxsize=8)
 def _boto_session(profile: str | None) -> tuple[Any, str | None, str | None]:
-    """Credentials, region and endpoint that boto3 finds; raises StoreChoiceError where there are no credentials."""
+    """Return credentials, region and endpoint from boto3; raises StoreChoiceError if there are no credentials."""
     import botocore.session
     from botocore.exceptions import BotoCoreError
     from obstore.auth.boto3 import Boto3CredentialProvider
@@ -134,7 +134,7 @@ def _boto_session(profile: str | None) -> tuple[Any, str | None, str | None]:
 
 
 def _check_endpoint(endpoint: str) -> None:
-    """Raise InputError where the client could not even try to connect."""
+    """Raise InputError unless the endpoint is an address to which the client can connect."""
     parts = urlsplit(endpoint)
     if parts.scheme not in ("http", "https") or not parts.hostname or "@" in parts.netloc:
         raise InputError(
@@ -143,5 +143,5 @@ def _check_endpoint(endpoint: str) -> None:
 
 
 def _bare(parts: SplitResult) -> str:
-    """A URL without what could be a secret."""
+    """Return a URL without parts that could be secret."""
     return f"{parts.scheme}://{parts.hostname or ''}{parts.path}"

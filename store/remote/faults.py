@@ -1,7 +1,7 @@
-"""What went wrong on an object store, in one line and without secrets.
+"""Errors of an object store, explained in one line and without secrets.
 
 Errors of the client print whole requests: their URLs (which for Azure may hold a signature), the server's XML and a
-structure for debugging. The line says what the server or the network answered, from these words only.
+structure for debugging. The line gives only the answer of the server or the network.
 """
 
 import re
@@ -35,7 +35,7 @@ _LONGEST = 160
 
 @contextmanager
 def as_store_error(purpose: str, where: str) -> Iterator[None]:
-    """Raise errors of the client as StoreErrors that say what cannot be done, and why."""
+    """Convert errors of the client to StoreErrors that read ``cannot <purpose>: <reason>``."""
     try:
         yield
     except StoreError:
@@ -45,13 +45,13 @@ def as_store_error(purpose: str, where: str) -> Iterator[None]:
 
 
 def explain(error: BaseException) -> str:
-    """What a client's error means, in a few words."""
+    """Explain a client's error in a few words."""
     text = str(error)
     line, _, details = text.partition("\n\nDebug source:")
     server = _SERVER.search(line)
     at = f" at {server[0]}" if server else ""
     if server and server[0] in _METADATA_SERVICES:
-        # asked for a machine's own credentials where the environment has none
+        # the client requests a machine's own credentials if the environment has none
         return "no credentials in the environment, and none of this machine"
     if code := _CODE.search(line):
         return _MEANINGS.get(code[1], f"the server answers {code[1]}{at}")
@@ -71,12 +71,12 @@ def explain(error: BaseException) -> str:
 
 
 def is_no_bucket(error: BaseException) -> bool:
-    """Whether what was not found is not one object but the whole bucket."""
+    """Return whether the whole bucket, not only an object, was not found."""
     code = _CODE.search(str(error))
     return code is not None and code[1] in ("NoSuchBucket", "ContainerNotFound")
 
 
 def is_unsupported(error: BaseException) -> bool:
-    """Whether the server does not know what it was asked for."""
+    """Return whether the server does not support the request."""
     line = str(error).partition("\n\nDebug source:")[0]
     return "status code: 501" in line or "<Code>NotImplemented</Code>" in line

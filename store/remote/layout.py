@@ -1,43 +1,45 @@
-"""Where things lie on an object store.
+"""Layout of a store on an object store, and the marker that makes a prefix a store.
 
 ::
 
     moseg-store.json                               format marker
-    objects/<task>/<ab>/<key>/manifest.json        the manifest: with it an artifact is there, without it it is not
+    objects/<task>/<ab>/<key>/manifest.json        the manifest: an artifact is stored if and only if it exists
     payloads/<task>/<ab>/<key>/<attempt>/          its files, a Zarr v3 group
     aside/<task>/<ab>/<key>.json                   manifest of an artifact that a collection is about to delete
     quarantine/<task>-<key>-<id>/                  damaged artifacts, each with a reason
     pins/<run>.json                                what runs need
     logs/<run>/<space>-<pid>-<id>-<n>.jsonl        what happened in a run, an object for each append
 
-Manifests have a tree of their own, so that a listing of artifacts is no listing of their files: a page of a thousand
-names holds a thousand artifacts, where beside their files it would hold fifty. An attempt, ``<space>-<pid>-<id>``, is
-one put by one process. The manifest names it, so two writers at the same time never mix their files, and what one
-leaves behind when it is killed or comes second is nobody's.
+Manifests have a tree of their own, so that a listing of artifacts does not list their files: a page of a thousand
+names holds a thousand artifacts; beside their files it would hold fifty. An attempt, ``<space>-<pid>-<id>``, is one put
+by one process. The manifest names it, so two writers at the same time never mix their files, and the files of one that
+is killed or comes second belong to no artifact.
 """
 
-from moseg.store.names import MANIFEST, is_key_in, slot
+from moseg.schemas.errors import MissingStoreError, StoreChoiceError, StoreError
+from moseg.store.names import CONTENT, MANIFEST, MARKER, check_marker, is_key_in, slot
+from moseg.store.remote.requests import Requests
 
 OBJECTS, PAYLOADS, ASIDE, QUARANTINE, LOGS = "objects", "payloads", "aside", "quarantine", "logs"
 
 
 def manifest_name(ref: str) -> str:
-    """Name of an artifact's manifest; raises InputError where the reference is malformed."""
+    """Return the name of an artifact's manifest; raises InputError if the reference is malformed."""
     return f"{OBJECTS}/{slot(ref)}/{MANIFEST}"
 
 
 def payload_folder(ref: str, attempt: str) -> str:
-    """Folder of the files of one put."""
+    """Return the folder of the files of one put."""
     return f"{PAYLOADS}/{slot(ref)}/{attempt}"
 
 
 def aside_name(ref: str) -> str:
-    """Name of the manifest of an artifact that is taken out of service."""
+    """Return the name of the manifest of an artifact that is taken out of service."""
     return f"{ASIDE}/{slot(ref)}.json"
 
 
 def ref_of_manifest(name: str) -> str | None:
-    """The reference whose manifest bears this name; None where it is no manifest's."""
+    """Return the reference whose manifest has this name; None if it is not a manifest's."""
     parts = name.split("/")
     if len(parts) != 5 or parts[0] != OBJECTS or parts[4] != MANIFEST or not is_key_in(parts[3], parts[2]):
         return None
@@ -45,7 +47,7 @@ def ref_of_manifest(name: str) -> str | None:
 
 
 def ref_of_payload(name: str) -> tuple[str, str] | None:
-    """The reference and the attempt that a file belongs to; None where it is no artifact's file."""
+    """Return the reference and the attempt that a file belongs to; None if it is not an artifact's file."""
     parts = name.split("/", 5)
     if len(parts) != 6 or parts[0] != PAYLOADS or not is_key_in(parts[3], parts[2]):
         return None
@@ -53,8 +55,45 @@ def ref_of_payload(name: str) -> tuple[str, str] | None:
 
 
 def ref_of_aside(name: str) -> str | None:
-    """The reference whose manifest was set aside under this name; None where it is none."""
+    """Return the reference whose manifest was set aside under this name; None if there is none."""
     parts = name.removesuffix(".json").split("/")
     if len(parts) != 4 or parts[0] != ASIDE or not is_key_in(parts[3], parts[2]):
         return None
     return f"{parts[1]}/{parts[3]}"
+
+
+def open_prefix(requests: Requests, *, create: bool) -> None:
+    """Check a store's marker, once in a process, or make an empty prefix a store.
+
+    Raises
+    ------
+    StoreChoiceError
+        There is no store (and `create` is false), other objects lie there, the format is another, or the bucket is not
+        accessible: no such bucket, no access, no connection.
+    """
+    if requests.is_store:
+        return
+    try:
+        content = requests.get(MARKER)
+        if content is None:
+            content = _create_marker(requests, create=create)
+    except StoreChoiceError:
+        raise
+    except StoreError as error:
+        _, _, reason = error.parts[0].partition(": ")
+        raise StoreChoiceError(f"cannot open the artifact store: {reason}", where=requests.url) from None
+    check_marker(content, f"{requests.url}/{MARKER}")
+    requests.is_store = True
+
+
+def _create_marker(requests: Requests, *, create: bool) -> bytes:
+    foreign = next(requests.listing(""), None)
+    if foreign is not None and foreign.name != MARKER:
+        raise StoreChoiceError(
+            "not an artifact store", where=requests.url, got=foreign.name, expected="an empty prefix or a store"
+        )
+    if not create:
+        raise MissingStoreError("no artifact store", where=requests.url, expected=f"a prefix with {MARKER}")
+    if requests.create(MARKER, CONTENT):
+        return CONTENT
+    return requests.get(MARKER) or b""

@@ -17,9 +17,9 @@ T = TypeVar("T")
 U = TypeVar("U")
 
 CONCURRENT = 64
-"""Requests of one call in flight. A lookup takes 10 ms to 50 ms on S3, so that thousands a second are looked up."""
+"""Concurrent requests of one call. A lookup takes 10 ms to 50 ms on S3, so this gives thousands of lookups a second."""
 PART_BYTES = 64 * 2**20
-"""Objects above are sent in parts of this size; below, one request is cheaper than the three of an upload in parts."""
+"""Larger objects are sent in parts of this size; for smaller ones, one request is cheaper than the three of parts."""
 
 
 class Found(NamedTuple):
@@ -31,7 +31,7 @@ class Found(NamedTuple):
 
 
 def requests_for(url: str) -> "Requests":
-    """The process's one client for a URL, made anew where the environment's credentials are others."""
+    """Return the process's one client for a URL; a new one if the credentials in the environment changed."""
     return _requests_for(check_url(url), environment())
 
 
@@ -43,14 +43,14 @@ def _requests_for(url: str, _environment: tuple[tuple[str, str], ...]) -> "Reque
 class Requests:
     """Objects below a URL.
 
-    Every method raises StoreError on faults of the network, the server or the credentials. What is not there is no
-    fault, but a bucket that is not there is one.
+    Every method raises StoreError on faults of the network, the server or the credentials. A missing object is not a
+    fault; a missing bucket is one.
     """
 
     def __init__(self, url: str):
         self.url = url
         self.is_store = False
-        """Whether the marker was found here by this process."""
+        """Whether this process has found the marker here."""
 
     def __reduce__(self):
         return requests_for, (self.url,)
@@ -60,19 +60,19 @@ class Requests:
         return connect(self.url)
 
     def has(self, name: str) -> bool:
-        """Whether there is an object of this name."""
+        """Return whether there is an object of this name."""
         with self._faults("look up objects"):
             return self._is_there(name)
 
     def has_many(self, names: Collection[str]) -> set[str]:
-        """Those of the names of which there are objects."""
+        """Return the names of which there are objects."""
         names = list(dict.fromkeys(names))
         with self._faults("look up objects"):
             found = _gather(self._is_there, names)
         return {name for name, is_there in zip(names, found, strict=True) if is_there}
 
     def get(self, name: str) -> bytes | None:
-        """Content of an object; None where there is none."""
+        """Return the content of an object, or None if there is none."""
         with self._faults("read objects"):
             try:
                 return obstore.get(self._client, name).bytes().to_bytes()
@@ -82,17 +82,17 @@ class Requests:
                 return None
 
     def get_many(self, names: Collection[str]) -> dict[str, bytes | None]:
-        """Content of objects by name, in the order given; None of those that are not there."""
+        """Return the content of objects by name, in the order given; None for missing ones."""
         names = list(dict.fromkeys(names))
         return dict(zip(names, _gather(self.get, names), strict=True))
 
     def put(self, name: str, content: bytes, purpose: str = "write objects") -> None:
-        """Write an object, in place of an earlier one."""
+        """Write or replace an object."""
         with self._faults(purpose):
             obstore.put(self._client, name, content, use_multipart=False)
 
     def put_many(self, files: Mapping[str, bytes | memoryview]) -> None:
-        """Write objects, in place of earlier ones."""
+        """Write or replace objects."""
 
         def put(name: str) -> None:
             content = files[name]
@@ -103,14 +103,14 @@ class Requests:
             _gather(put, files)
 
     def create(self, name: str, content: bytes) -> bool:
-        """Write an object unless there is one of this name; False where there is."""
+        """Write an object unless there is one of this name; return whether it was written."""
         return name in self.create_many({name: content})
 
     def create_many(self, files: Mapping[str, bytes]) -> set[str]:
-        """Write those objects of whose names there are none, and give their names.
+        """Write the objects whose names do not exist yet, and return these names.
 
-        Not every server that speaks the protocol of S3 knows this condition. One that says so is asked first whether
-        the object is there; one that ignores it writes. On both the last of two writers at the same moment may win.
+        Not every server with the protocol of S3 supports this condition. If a server rejects it, the object is looked
+        up first; a server that ignores it writes. On both the last of two simultaneous writers may win.
         """
 
         def create(name: str) -> bool:
@@ -131,7 +131,7 @@ class Requests:
         return {name for name, is_new in zip(files, created, strict=True) if is_new}
 
     def copy_many(self, names: Mapping[str, str]) -> None:
-        """Copy objects, by source, to their targets, on the server; those that are not there are passed over."""
+        """Copy objects, by source, to their targets, on the server; skip missing ones."""
 
         def copy(source: str) -> None:
             try:
@@ -144,7 +144,7 @@ class Requests:
             _gather(copy, names)
 
     def delete(self, names: Iterable[str], purpose: str = "delete objects") -> None:
-        """Delete objects; those that are not there are passed over."""
+        """Delete objects; skip missing ones."""
 
         def delete(name: str) -> None:
             try:
@@ -157,7 +157,7 @@ class Requests:
             _gather(delete, names)
 
     def listing(self, folder: str) -> Iterator[Found]:
-        """Objects below a folder, or below all with an empty name, of any depth."""
+        """Iterate over the objects below a folder, at any depth; an empty name is the root."""
         with self._faults("list objects"):
             for page in obstore.list(self._client, prefix=folder or None, chunk_size=1000):
                 for item in page:
@@ -175,7 +175,7 @@ class Requests:
 
 
 def _gather(call: Callable[[T], U], items: Iterable[T]) -> list[U]:
-    """Results of a call on every item, in order, `CONCURRENT` at a time; the first error ends all."""
+    """Return the results of a call on every item, in order, `CONCURRENT` at a time; the first error cancels others."""
     waiting = list(items)
     if len(waiting) < 2:
         return [call(item) for item in waiting]
@@ -189,9 +189,9 @@ def _gather(call: Callable[[T], U], items: Iterable[T]) -> list[U]:
 
 @cache
 def _threads() -> ThreadPoolExecutor:
-    """Threads for requests at the same time.
+    """Return the pool of threads for concurrent requests.
 
-    Not coroutines: obstore wakes those from a thread of its own, and where the interpreter ends just then the process
-    is aborted after its work is done.
+    Coroutines are not used: obstore resumes them from a thread of its own, and if the interpreter exits at that moment
+    the process is aborted after its work is done.
     """
     return ThreadPoolExecutor(CONCURRENT, thread_name_prefix="moseg-requests")

@@ -1,4 +1,4 @@
-"""A fresh store, toy artifacts whose task has no layout in the schemas, and a server that speaks S3."""
+"""Fixtures: a new store, toy artifacts whose task has no layout in the schemas, and an S3 server."""
 
 import os
 import socket
@@ -22,7 +22,7 @@ START_SECONDS = 600
 
 
 class Server(NamedTuple):
-    """Where a server listens, and the environment in which a process finds it."""
+    """The address of a server, and the environment in which a process finds it."""
 
     endpoint: str
     environment: dict[str, str]
@@ -48,7 +48,7 @@ def put_toy() -> Callable[..., str]:
 
 @pytest.fixture(scope="session")
 def s3_server() -> Iterator[Server]:
-    """A process on this machine that answers as S3 does, with one bucket; nothing is real but the protocol."""
+    """Start a process on this machine that emulates S3, with one bucket."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -83,7 +83,7 @@ def s3_server() -> Iterator[Server]:
 
 @pytest.fixture
 def s3(s3_server, tmp_path, monkeypatch) -> str:
-    """URL of an empty prefix that this process can write."""
+    """Return the URL of an empty prefix that this process can write."""
     for name in [name for name in os.environ if name.startswith("AWS_")]:
         monkeypatch.delenv(name)
     for name, value in s3_server.environment.items():

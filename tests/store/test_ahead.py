@@ -1,11 +1,11 @@
-"""Reading many artifacts at the same time."""
+"""Concurrent reads of many artifacts."""
 
 import pytest
 
 from moseg.store.ahead import map_ahead
 
 
-def test_a_map_ahead_keeps_the_order_and_begins_few():
+def test_map_ahead_keeps_the_order_and_starts_few_calls():
     begun, taken = [], []
     for result in map_ahead(lambda item: begun.append(item) or item * item, iter(range(50)), 3):
         taken.append(result)
@@ -13,6 +13,6 @@ def test_a_map_ahead_keeps_the_order_and_begins_few():
     assert taken == [item * item for item in range(50)]
 
 
-def test_a_map_ahead_hands_on_what_a_call_raises():
+def test_map_ahead_raises_the_error_of_a_call():
     with pytest.raises(ZeroDivisionError):
         list(map_ahead(lambda item: 1 // item, [1, 0, 1], 2))

@@ -1,4 +1,4 @@
-"""Round trips of every dtype and shape, and what the stored Zarr looks like to Zarr alone."""
+"""Round trips of every dtype and shape, and the stored Zarr as Zarr itself reads it."""
 
 import json
 from pathlib import Path
@@ -42,7 +42,7 @@ def test_round_trip_keeps_dtype_shape_and_bytes(array, axes, order, byte_order):
 
 @settings(max_examples=40, deadline=None)
 @given(data=st.data(), shape=npst.array_shapes(min_dims=1, max_dims=4, min_side=1, max_side=5), axes=AXES)
-def test_rows_decode_from_the_files_that_are_named_for_them(data, shape, axes):
+def test_rows_decode_from_the_files_that_array_files_lists(data, shape, axes):
     array = np.arange(np.prod(shape), dtype=np.int32).reshape(shape)
     start = data.draw(st.integers(0, shape[0]))
     rows = slice(start, data.draw(st.integers(start, shape[0])))
@@ -97,7 +97,7 @@ def test_files_are_those_that_zarr_writes(tmp_path: Path, dtype, dims):
     assert {path: (tmp_path / path).read_bytes() for path in files} == stored_bytes(files)
 
 
-def test_metadata_spelt_otherwise_is_read_by_zarr():
+def test_metadata_with_another_spelling_is_read_by_zarr():
     array = np.arange(24.0).reshape(2, 3, 4)
     files, (entry,) = encode_group({"x": array}, {"x": ("frame", "y", "x")})
     respelt = stored_bytes(files) | {"x/zarr.json": json.dumps(json.loads(bytes(files["x/zarr.json"]))).encode()}

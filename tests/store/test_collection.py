@@ -19,7 +19,7 @@ DAY = 86_400.0
 
 @pytest.fixture
 def chain(store: LocalStore, put_toy) -> list[str]:
-    """Four artifacts, each made from the one before it."""
+    """Put four artifacts, each computed from the one before it."""
     refs = [put_toy(store, 0)]
     for number in range(1, 4):
         refs.append(put_toy(store, number, inputs={"previous": refs[-1]}))
@@ -34,19 +34,19 @@ def test_gc_keeps_all_that_a_pin_reaches(store, chain):
     assert set(store.refs()) == set(chain[:3])
 
 
-def test_gc_is_dry_unless_asked(store, chain):
+def test_gc_is_dry_by_default(store, chain):
     report = store.gc(grace_seconds=0)
     assert report.is_dry and set(report.removed) == set(chain)
     assert report.nbytes == sum(usage.nbytes for usage in store.usage().values())
     assert set(store.refs()) == set(chain)
 
 
-def test_gc_spares_what_is_younger_than_the_grace_period(store, chain):
+def test_gc_keeps_artifacts_younger_than_the_grace_period(store, chain):
     assert store.gc(is_dry=False).removed == ()
     assert store.gc(is_dry=False, grace_seconds=60).removed == ()
 
 
-def test_an_input_that_is_not_stored_ends_the_walk_there(store, chain):
+def test_an_input_that_is_not_stored_ends_the_walk(store, chain):
     store.remove(chain[1])
     store.pin("run", [chain[3]])
     store.gc(is_dry=False, grace_seconds=0)
@@ -61,7 +61,7 @@ def test_a_damaged_manifest_ends_the_walk_but_its_artifact_stays(store, chain):
     assert set(store.refs()) == {chain[2], chain[3]}
 
 
-def test_what_a_run_pins_during_the_sweep_comes_back(store, chain, monkeypatch):
+def test_artifacts_that_a_run_pins_during_the_sweep_are_restored(store, chain, monkeypatch):
     pins_seen = []
 
     def pinned_late(layout):
@@ -78,7 +78,7 @@ def test_what_a_run_pins_during_the_sweep_comes_back(store, chain, monkeypatch):
     assert [result.is_intact for result in store.verify()] == [True, True]
 
 
-def test_a_pin_of_something_not_stored_yet_protects_it_once_it_is(store, put_toy):
+def test_a_pin_protects_an_artifact_that_is_stored_later(store, put_toy):
     ref = put_toy(store, 5)
     store.remove(ref)
     store.pin("run", [ref])
@@ -95,7 +95,7 @@ def test_a_lease_ends(store, chain, monkeypatch):
     assert store.pinned() == {}
 
 
-def test_a_lease_ends_with_its_process_and_a_plain_pin_does_not(store, chain):
+def test_a_lease_ends_with_its_process_but_a_pin_without_lease_does_not(store, chain):
     code = (
         "import sys; from moseg.store import LocalStore; store = LocalStore(sys.argv[1])\n"
         "store.pin('live', [sys.argv[2]], lease_seconds=1e6)\n"
@@ -157,7 +157,7 @@ def test_gc_removes_staging_of_dead_processes_and_old_quarantine_only(store, cha
     assert set(store.gc(is_dry=False).leftovers) == {f"staging/{theirs.name}", f"quarantine/{damaged.name}"}
 
 
-def test_gc_removes_pins_that_hold_no_longer_and_no_others(store, chain):
+def test_gc_removes_pins_that_no_longer_hold_and_no_others(store, chain):
     store.pin("ended", chain, lease_seconds=-1.0)
     store.pin("leased", chain[:1], lease_seconds=DAY)
     store.pin("kept", chain[:1])
@@ -171,13 +171,13 @@ def test_gc_removes_pins_that_hold_no_longer_and_no_others(store, chain):
 
 def test_a_pin_that_is_renewed_during_a_collection_stays(store, chain):
     store.pin("run", chain, lease_seconds=-1.0)
-    found = pins.ended_pins(store._medium)
+    found = pins.ended_pins(store)
     store.pin("run", chain)
-    pins.discard_ended(store._medium, found)
+    pins.discard_ended(store, found)
     assert store.pinned().keys() == {"run"}
 
 
-def test_a_record_that_cannot_be_written_leaves_no_part_of_itself(store, chain, monkeypatch):
+def test_a_record_that_cannot_be_written_leaves_no_partial_file(store, chain, monkeypatch):
     def fail(path, target):
         raise OSError(errno.ENOSPC, "No space left on device")
 
@@ -187,7 +187,7 @@ def test_a_record_that_cannot_be_written_leaves_no_part_of_itself(store, chain, 
     assert list((store.root / "pins").iterdir()) == []
 
 
-def test_gc_removes_records_half_written_long_ago(store):
+def test_gc_removes_old_partial_records(store):
     store.pin("run", [])
     new, old = (store.root / "pins" / f"{name}.json.{'0' * 32}.partial" for name in ("new", "old"))
     for path in (new, old):
@@ -198,6 +198,6 @@ def test_gc_removes_records_half_written_long_ago(store):
     assert new.exists() and not old.exists()
 
 
-def test_a_process_of_another_space_cannot_be_asked():
+def test_the_state_of_a_process_of_another_space_is_unknown():
     assert is_running(process_space(), os.getpid()) is True
     assert is_running("0" * 16, os.getpid()) is None

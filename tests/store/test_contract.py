@@ -1,4 +1,4 @@
-"""The laws that every artifact store keeps, run on each kind of store."""
+"""The laws of every artifact store, run on each kind of store."""
 
 import pickle
 import time
@@ -27,26 +27,26 @@ ABSENT = "toy/" + "f" * 64
 
 
 class StoreContract(ABC):
-    """Subclass as ``Test…`` and say how to open a store and how to reach its bytes without it."""
+    """Laws of a store; a subclass ``Test…`` defines how to open one and how to reach its bytes without it."""
 
     without_manifest: ClassVar[list[bool]] = [False]
-    """What `verify` finds where an artifact has lost its manifest."""
+    """Result of `verify` for an artifact that has lost its manifest."""
 
     @abstractmethod
     def open(self, tmp_path: Path) -> ArtifactStore:
-        """A store in this folder, the same one at each call."""
+        """Return a store in this folder, the same one at each call."""
 
     @abstractmethod
     def files(self, store: ArtifactStore, ref: str) -> list[str]:
-        """Names of the files of one artifact."""
+        """Return the names of the files of one artifact."""
 
     @abstractmethod
     def read_raw(self, store: ArtifactStore, ref: str, name: str) -> bytes:
-        """Content of a file."""
+        """Return the content of a file."""
 
     @abstractmethod
     def write_raw(self, store: ArtifactStore, ref: str, name: str, content: bytes | None) -> None:
-        """Replace a file; delete it where `content` is None."""
+        """Replace a file, or delete it if `content` is None."""
 
     @pytest.fixture
     def store(self, tmp_path: Path) -> ArtifactStore:
@@ -64,21 +64,21 @@ class StoreContract(ABC):
         assert store.has(ref)
         assert not store.has(ABSENT)
 
-    def test_present_gives_those_that_are_stored(self, store, ref):
+    def test_present_returns_the_stored_references(self, store, ref):
         assert store.present([ABSENT, ref, ref]) == {ref}
         assert store.present([]) == set()
 
-    def test_read_gives_the_bytes_that_were_put(self, store, ref):
+    def test_read_returns_the_bytes_that_were_put(self, store, ref):
         for name, array in ARRAYS.items():
             found = store.read(ref, name)
             assert found.dtype == array.dtype and found.shape == array.shape
             assert found.tobytes() == array.tobytes()
 
-    def test_what_was_read_belongs_to_the_caller(self, store, ref):
+    def test_read_returns_a_copy(self, store, ref):
         store.read(ref, "masks")[...] = 0
         assert store.read(ref, "masks").tobytes() == MASKS.tobytes()
 
-    def test_put_leaves_its_input_alone(self, store):
+    def test_put_does_not_change_its_input(self, store):
         array = MASKS.copy()
         array.flags.writeable = False
         store.put(RECIPE, {"masks": array}, dims={"masks": DIMS["masks"]})
@@ -94,7 +94,7 @@ class StoreContract(ABC):
         with pytest.raises(InputError, match="rows"):
             store.read_rows(ref, "masks", start, stop)
 
-    def test_manifest_says_what_is_stored_and_how_it_came_to_be(self, store, ref):
+    def test_manifest_describes_the_contents_and_their_origin(self, store, ref):
         manifest = store.manifest(ref)
         assert manifest.key == RECIPE.key and manifest.recipe == RECIPE and manifest.recipe.ref == ref
         assert manifest.array("masks").shape == MASKS.shape
@@ -112,7 +112,7 @@ class StoreContract(ABC):
         assert repr(store.attributes(recipe.ref)) == repr(attributes)
 
     @pytest.mark.parametrize("value", [float("nan"), float("inf"), {1, 2}, np.float64(1.0), {1: 2}])
-    def test_attributes_that_json_does_not_keep_are_refused(self, store, value):
+    def test_attributes_that_json_cannot_represent_are_refused(self, store, value):
         with pytest.raises((TypeError, ValueError)):
             store.put(RECIPE, ARRAYS, {"value": value}, dims=DIMS)
         assert not store.has(RECIPE.ref)
@@ -159,7 +159,7 @@ class StoreContract(ABC):
         with pytest.raises(KeyError):
             list(store.verify([ABSENT]))
 
-    def test_absent_array_names_those_that_are_there(self, store, ref):
+    def test_the_error_for_an_absent_array_lists_the_stored_ones(self, store, ref):
         with pytest.raises(StoreError, match="masks, scores"):
             store.read(ref, "flow")
 
@@ -248,33 +248,33 @@ class StoreContract(ABC):
             store.read(ref, "masks", check=True)
         assert store.read(other.ref, "masks", check=True).tobytes() == MASKS[::-1].tobytes()
 
-    def test_an_artifact_moves_to_another_store_with_all_that_is_known_of_it(self, store, ref, tmp_path):
+    def test_an_artifact_is_copied_with_its_whole_manifest(self, store, ref, tmp_path):
         elsewhere = LocalStore(tmp_path / "elsewhere")
-        exported = store.export(ref)
-        assert elsewhere.adopt(exported) is PutOutcome.COMMITTED
+        exported = store.export_artifact(ref)
+        assert elsewhere.import_artifact(exported) is PutOutcome.COMMITTED
         assert elsewhere.manifest(ref) == store.manifest(ref)
-        assert elsewhere.export(ref) == exported
+        assert elsewhere.export_artifact(ref) == exported
         assert [result.is_intact for result in elsewhere.verify()] == [True]
-        assert store.adopt(elsewhere.export(ref)) is PutOutcome.LOST_RACE
+        assert store.import_artifact(elsewhere.export_artifact(ref)) is PutOutcome.LOST_RACE
         store.remove(ref)
-        assert store.adopt(elsewhere.export(ref)) is PutOutcome.COMMITTED
+        assert store.import_artifact(elsewhere.export_artifact(ref)) is PutOutcome.COMMITTED
         assert store.read(ref, "masks", check=True).tobytes() == MASKS.tobytes()
         assert store.manifest(ref) == elsewhere.manifest(ref)
         assert [result.is_intact for result in store.verify()] == [True]
 
-    def test_no_damaged_artifact_is_exported(self, store, ref):
+    def test_a_damaged_artifact_is_not_exported(self, store, ref):
         for name in self.files(store, ref):
             content = self.read_raw(store, ref, name)
             for damaged in (None, content[:-1], bytes([content[0] ^ 1]) + content[1:]):
                 self.write_raw(store, ref, name, damaged)
                 with pytest.raises((CorruptArtifactError, MissingArtifactError)):
-                    store.export(ref)
+                    store.export_artifact(ref)
             self.write_raw(store, ref, name, content)
         with pytest.raises(MissingArtifactError):
-            store.export(ABSENT)
+            store.export_artifact(ABSENT)
 
-    def test_a_changed_or_misplaced_file_is_not_adopted(self, store, ref):
-        exported = store.export(ref)
+    def test_a_changed_or_misplaced_file_is_not_imported(self, store, ref):
+        exported = store.export_artifact(ref)
         store.remove(ref)
         chunk = exported.files["masks/c.0.0.0"]
         for files in (
@@ -287,11 +287,11 @@ class StoreContract(ABC):
             listed = tuple(FileEntry(path=path, nbytes=len(content)) for path, content in files.items())
             for manifest in (exported.manifest, exported.manifest.model_copy(update={"files": listed})):
                 with pytest.raises(CorruptArtifactError):
-                    store.adopt(exported._replace(manifest=manifest, files=files))
+                    store.import_artifact(exported._replace(manifest=manifest, files=files))
         assert not store.has(ref)
         other = exported.manifest.model_copy(update={"key": "0" * 64})
         with pytest.raises(CorruptArtifactError, match="recipe"):
-            store.adopt(exported._replace(manifest=other))
+            store.import_artifact(exported._replace(manifest=other))
 
     def test_pins_are_listed_until_unpinned(self, store, ref):
         store.pin("run-1", [ref, ABSENT])
@@ -315,7 +315,7 @@ class StoreContract(ABC):
         assert store.logs().keys() == {"run-2"} and store.read_log("run-1") == []
 
     @pytest.mark.parametrize("bad", ["", "../run", "a/b", ".", "x" * 101])
-    def test_a_log_is_named_by_a_run_only(self, store, bad):
+    def test_only_a_run_name_names_a_log(self, store, bad):
         for call in (store.read_log, store.remove_log, lambda name: store.append_log(name, b"line\n")):
             with pytest.raises(InputError, match="run"):
                 call(bad)
@@ -330,10 +330,10 @@ class StoreContract(ABC):
         assert store.gc(is_dry=False, grace_seconds=0).removed == (recipes[3].ref,)
         assert set(store.refs()) == {recipe.ref for recipe in recipes[:3]}
 
-    def test_what_a_run_pins_during_the_sweep_comes_back(self, store, ref, monkeypatch):
+    def test_artifacts_that_a_run_pins_during_the_sweep_are_restored(self, store, ref, monkeypatch):
         pins_seen = []
 
-        def pinned_late(medium):
+        def pinned_late(backend):
             pins_seen.append(store.pinned())
             if len(pins_seen) == 2:
                 store.pin("late", [ref])
@@ -346,10 +346,10 @@ class StoreContract(ABC):
         assert list(store.refs()) == [ref]
         assert [result.is_intact for result in store.verify()] == [True]
 
-    def test_a_sweep_that_fails_gives_everything_back(self, store, ref, monkeypatch):
+    def test_a_failed_sweep_restores_everything(self, store, ref, monkeypatch):
         calls = iter([{}, StoreError("unreadable pin")])
 
-        def pinned(medium):
+        def pinned(backend):
             answer = next(calls)
             if isinstance(answer, StoreError):
                 assert not store.has(ref)
@@ -396,7 +396,7 @@ class TestLocalStore(StoreContract):
 
 
 class TestRemoteStore(StoreContract):
-    """On a server that speaks S3; its bytes are reached by plain requests of the client, without the store."""
+    """The contract on an S3 server; the bytes are reached by plain requests of the client, without the store."""
 
     without_manifest: ClassVar[list[bool]] = []
 

@@ -1,4 +1,4 @@
-"""Real kills: whatever a killed writer leaves, nothing half-written is ever served.
+"""Real kills: nothing incomplete that a killed writer leaves is ever returned.
 
 One helper process imports everything once and forks a victim for each kill; it has a single thread, so forking is safe.
 """
@@ -81,7 +81,7 @@ ARRAY = np.arange(6 * 100 * 100, dtype=np.float32).reshape(6, 100, 100)
 
 
 @pytest.mark.parametrize("mode", ["steps", "moments"])
-def test_killed_writers_leave_whole_artifacts_or_none(tmp_path, mode):
+def test_killed_writers_leave_complete_artifacts_or_none(tmp_path, mode):
     root = tmp_path / "store"
     done = subprocess.run([sys.executable, "-c", VICTIMS, str(root), mode], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

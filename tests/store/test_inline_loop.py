@@ -12,11 +12,11 @@ async def thread_of_work() -> threading.Thread:
     return await asyncio.to_thread(threading.current_thread)
 
 
-def test_what_is_sent_to_threads_runs_on_the_caller():
+def test_work_for_threads_runs_on_the_calling_thread():
     assert run_inline(thread_of_work()) is threading.current_thread()
 
 
-def test_a_running_loop_is_left_alone():
+def test_a_running_loop_is_not_used():
     async def notebook():
         return run_inline(thread_of_work())
 
@@ -33,7 +33,7 @@ def test_calls_can_nest_through_work():
     assert run_inline(outer()) == 7
 
 
-def test_siblings_of_a_failed_task_end_with_the_call():
+def test_siblings_of_a_failed_task_are_cancelled():
     finished = []
 
     async def fail() -> None:

@@ -1,4 +1,4 @@
-"""What an artifact was made from, and what was made from it."""
+"""Ancestors and descendants of artifacts."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from moseg.store.lineage import State, ancestry, descendants
 
 @pytest.fixture
 def family(store, put_toy):
-    """Two leaves; a child of both; a grandchild of the child and a leaf; an artifact apart. References by name."""
+    """Put two leaves, a child of both, a grandchild of the child and a leaf, and a separate artifact, by name."""
     refs = {"left": put_toy(store, 0), "right": put_toy(store, 1), "apart": put_toy(store, 9)}
     refs["child"] = put_toy(store, 2, {"pair": (refs["left"], refs["right"])})
     refs["grandchild"] = put_toy(store, 3, {"child": refs["child"], "leaf": refs["left"]})
@@ -21,7 +21,7 @@ def _depths(relatives, family):
     return [(names[relative.ref], relative.depth) for relative in relatives]
 
 
-def test_ancestry_holds_the_artifact_and_all_it_was_made_from_the_nearest_first(store, family):
+def test_ancestry_holds_the_artifact_and_its_ancestors_nearest_first(store, family):
     found = list(ancestry(store, [family["grandchild"]]))
     assert _depths(found, family) == [("grandchild", 0), ("child", 1), ("left", 1), ("right", 2)]
     assert all(relative.state == State.STORED for relative in found)
@@ -29,19 +29,19 @@ def test_ancestry_holds_the_artifact_and_all_it_was_made_from_the_nearest_first(
     assert [relative.nbytes for relative in found] == [store.manifest(relative.ref).nbytes for relative in found]
 
 
-def test_the_ancestry_of_several_names_each_once_at_its_least_depth(store, family):
+def test_the_ancestry_of_several_names_each_once_at_its_min_depth(store, family):
     found = ancestry(store, [family["child"], family["grandchild"], family["child"]])
     assert _depths(found, family) == [("child", 0), ("grandchild", 0), ("left", 1), ("right", 1)]
 
 
-def test_descendants_are_all_that_was_made_from_it_the_nearest_first(store, family):
+def test_descendants_are_ordered_nearest_first(store, family):
     assert sorted(_depths(descendants(store, family["left"]), family)) == [("child", 1), ("grandchild", 1)]
     assert _depths(descendants(store, family["right"]), family) == [("child", 1), ("grandchild", 2)]
     assert list(descendants(store, family["grandchild"])) == []
     assert list(descendants(store, family["apart"])) == []
 
 
-def test_an_artifact_that_is_gone_ends_the_way_up_and_is_named(store, family):
+def test_a_missing_artifact_ends_the_ancestry_and_is_named(store, family):
     store.remove(family["child"])
     found = list(ancestry(store, [family["grandchild"]]))
     assert _depths(found, family) == [("grandchild", 0), ("child", 1), ("left", 1)]
@@ -49,7 +49,7 @@ def test_an_artifact_that_is_gone_ends_the_way_up_and_is_named(store, family):
     assert found[1].recipe is None and found[1].nbytes == 0
 
 
-def test_a_damaged_manifest_ends_the_way_up_and_is_named(store, family):
+def test_a_damaged_manifest_ends_the_ancestry_and_is_named(store, family):
     ref = family["child"]
     manifest = store.root / "objects" / ref.replace("/", f"/{ref.partition('/')[2][:2]}/") / "manifest.json"
     manifest.write_bytes(manifest.read_bytes().replace(b"toy", b"top"))
@@ -59,7 +59,7 @@ def test_a_damaged_manifest_ends_the_way_up_and_is_named(store, family):
     assert _depths(descendants(store, family["right"]), family) == []
 
 
-def test_what_was_removed_is_still_found_to_have_descendants(store, family):
+def test_descendants_of_a_removed_artifact_are_found(store, family):
     store.remove(family["right"])
     assert _depths(descendants(store, family["right"]), family) == [("child", 1), ("grandchild", 2)]
 

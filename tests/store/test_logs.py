@@ -1,4 +1,4 @@
-"""Logs on a disk that is full for a while, and beside a collection."""
+"""Logs on a temporarily full disk, and during a collection."""
 
 import resource
 from pathlib import Path
@@ -6,14 +6,15 @@ from pathlib import Path
 import pytest
 
 from moseg.schemas.errors import StoreError
-from moseg.store import LocalStore, logs
+from moseg.store import LocalStore
+from moseg.store.local import logs
 
 LINE = b"x" * 99 + b"\n"
 
 
 @pytest.fixture
 def full_disk():
-    """Lets a call write files of so many bytes only, as a disk does that is full."""
+    """Return a function that runs a call which can write files of so many bytes only, as on a full disk."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
 
     def call(max_bytes, work):
@@ -40,14 +41,14 @@ def test_an_append_that_does_not_fit_is_an_error_and_is_not_continued(store: Loc
     assert store.read_log("run") == [LINE[:-1], LINE[:50], b"after", b"last"]
 
 
-def test_a_process_of_the_same_number_continues_no_cut_line(store: LocalStore, full_disk, monkeypatch):
+def test_a_process_of_the_same_number_does_not_continue_a_cut_line(store: LocalStore, full_disk, monkeypatch):
     _append_cut(store, full_disk)
     monkeypatch.setattr(logs, "_whole", set())
     store.append_log("run", b"after\n")
     assert store.read_log("run")[-1] == b"after"
 
 
-def test_a_log_that_vanishes_while_logs_are_listed_is_passed_over(store: LocalStore, monkeypatch):
+def test_a_log_that_vanishes_while_logs_are_listed_is_skipped(store: LocalStore, monkeypatch):
     for run_id in ("gone", "kept"):
         store.append_log(run_id, b"line\n")
     stat = Path.stat

@@ -1,4 +1,4 @@
-"""Explaining a miss."""
+"""Explanation of a miss."""
 
 import pytest
 
@@ -44,7 +44,7 @@ def test_a_stored_recipe_has_no_differences(stored):
     assert nearest(stored, recipe()).differences == ()
 
 
-def test_numbers_differ_where_their_digests_do(stored):
+def test_numbers_differ_if_their_digests_do(stored):
     (difference,) = nearest(stored, recipe(levels=[1, 3.0])).differences
     assert difference == FieldDifference("params.levels[1]", 3, 3.0)
 
@@ -59,7 +59,7 @@ def test_a_task_never_stored_has_none(stored):
     assert nearest(stored, Recipe(task="tracks", version=1)) is None
 
 
-def test_damaged_artifacts_are_passed_over(stored):
+def test_damaged_artifacts_are_skipped(stored):
     key = recipe().key
     (stored.root / "objects/flow" / key[:2] / key / "manifest.json").unlink()
     assert nearest(stored, recipe()).ref != recipe().ref

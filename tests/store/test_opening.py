@@ -1,4 +1,4 @@
-"""What can be a store, and what ``--store`` may say."""
+"""Places that can be a store, and values of ``--store``."""
 
 import os
 import tempfile
@@ -12,7 +12,8 @@ import pytest
 
 from moseg.schemas.errors import InputError, StoreError
 from moseg.schemas.recipes import Recipe
-from moseg.store import LocalStore, PutOutcome, commit, open_store
+from moseg.store import LocalStore, PutOutcome, open_store
+from moseg.store.local import moves
 
 NOBODY = 65534
 
@@ -23,19 +24,19 @@ def test_new_nested_folder_becomes_a_store(tmp_path):
     LocalStore(tmp_path / "a" / "b", create=False)
 
 
-def test_a_marker_that_another_process_is_writing_is_no_foreign_file(tmp_path):
+def test_a_marker_that_another_process_is_writing_is_accepted(tmp_path):
     (tmp_path / ".moseg-store.json.0123").write_bytes(b"")
     LocalStore(tmp_path)
 
 
-def test_a_folder_with_other_files_is_refused_and_left_alone(tmp_path):
+def test_a_folder_with_other_files_is_refused_and_not_changed(tmp_path):
     (tmp_path / "thesis.tex").write_text("text")
     with pytest.raises(StoreError, match="not an artifact store"):
         LocalStore(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
 
 
-def test_nothing_is_created_unless_asked(tmp_path):
+def test_nothing_is_created_without_create(tmp_path):
     with pytest.raises(StoreError, match="no artifact store"):
         LocalStore(tmp_path / "absent", create=False)
     assert not (tmp_path / "absent").exists()
@@ -54,7 +55,7 @@ def test_a_file_cannot_be_a_store(tmp_path):
         LocalStore(tmp_path / "file")
 
 
-def test_relative_root_outlives_a_change_of_folder(tmp_path, monkeypatch, put_toy):
+def test_a_relative_root_stays_valid_after_a_change_of_folder(tmp_path, monkeypatch, put_toy):
     monkeypatch.chdir(tmp_path)
     store = LocalStore("store")
     ref = put_toy(store)
@@ -70,7 +71,7 @@ def test_paths_and_file_urls_open_the_same_store(tmp_path, form, put_toy):
     assert open_store(url, create=False).has(ref)
 
 
-def test_a_file_url_names_bytes_whatever_their_encoding(tmp_path, put_toy):
+def test_a_file_url_can_name_paths_of_any_encoding(tmp_path, put_toy):
     folder = os.fsencode(tmp_path / "latin-") + b"\xfc"
     ref = put_toy(LocalStore(os.fsdecode(folder)))
     assert open_store(f"file://{quote(folder)}", create=False).has(ref)
@@ -79,16 +80,16 @@ def test_a_file_url_names_bytes_whatever_their_encoding(tmp_path, put_toy):
 @pytest.mark.parametrize(
     "url", ["http://server/store", "ftp://server/store", "file://elsewhere/store", "file://", "", "memory://"]
 )
-def test_other_urls_are_bad_input_that_names_what_is_supported(url):
+def test_other_urls_are_bad_input_and_the_error_lists_supported_ones(url):
     with pytest.raises(InputError, match="file:///path"):
         open_store(url)
 
 
-def test_a_full_disk_is_one_line_and_leaves_nothing(store, monkeypatch):
+def test_a_full_disk_gives_one_line_and_leaves_no_files(store, monkeypatch):
     def no_space(path, content):
         raise OSError(28, "No space left on device", path)
 
-    monkeypatch.setattr(commit, "_write", no_space)
+    monkeypatch.setattr(moves, "_write", no_space)
     with pytest.raises(StoreError, match="No space left on device") as caught:
         store.put(Recipe(task="toy", version=1), {}, dims={})
     assert "\n" not in str(caught.value) and str(store.root) in str(caught.value)
@@ -98,7 +99,7 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(store, monkeypatch):
 
 @contextmanager
 def without_root_rights() -> Iterator[None]:
-    """Root may write anywhere, so for a while this process is nobody."""
+    """Run the block as user nobody if this process is root, who may write anywhere."""
     if os.geteuid() != 0:
         yield
         return
@@ -110,7 +111,7 @@ def without_root_rights() -> Iterator[None]:
 
 
 @pytest.mark.skipif(not hasattr(os, "seteuid"), reason="needs POSIX users")
-def test_a_read_only_store_can_be_read_and_says_that_it_cannot_be_written(put_toy):
+def test_a_read_only_store_can_be_read_and_refuses_writes(put_toy):
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
         ref = put_toy(LocalStore(root))

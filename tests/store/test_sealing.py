@@ -33,7 +33,7 @@ def manifest(attributes: dict | None = None) -> Manifest:
 
 @settings(max_examples=60, deadline=None)
 @given(attributes=st.dictionaries(st.text(max_size=5), JSON, max_size=3))
-def test_unseal_gives_the_manifest_back_to_the_last_digit(attributes):
+def test_unseal_returns_the_manifest_to_the_last_digit(attributes):
     found = unseal(seal(manifest(attributes), {})).manifest
     assert found == manifest(attributes)
     assert repr(found.attributes) == repr(attributes)
@@ -53,7 +53,7 @@ def test_any_other_bytes_are_refused(change):
         unseal(change(data))
 
 
-def test_a_sealed_manifest_of_other_fields_is_refused():
+def test_a_sealed_manifest_with_other_fields_is_refused():
     content = seal(manifest(), {})[len(b'{"seal":"') + 64 + len(b'","content":') : -2].replace(b'"host"', b'"hosts"')
     seal_of_it = digest_bytes("seal", content).encode()
     with pytest.raises(ValueError, match="format"):

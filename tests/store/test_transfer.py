@@ -35,7 +35,7 @@ transfer(source, target, plan_transfer(source, target, select(source)), die)
 
 @pytest.fixture
 def family(store, put_toy):
-    """Two leaves, their child, its child, and an artifact apart, in the source. References by name."""
+    """Put two leaves, their child, its child, and a separate artifact in the source; return references by name."""
     refs = {"left": put_toy(store, 0), "right": put_toy(store, 1), "apart": put_toy(store, 9)}
     refs["child"] = put_toy(store, 2, {"pair": (refs["left"], refs["right"])})
     refs["grandchild"] = put_toy(store, 3, {"child": refs["child"], "leaf": refs["left"]})
@@ -49,12 +49,12 @@ def target(tmp_path):
 
 @pytest.fixture(params=["a folder", "an object store"])
 def other(request, tmp_path):
-    """A store of each kind."""
+    """Return a store of each kind."""
     return LocalStore(tmp_path / "other") if request.param == "a folder" else open_store(request.getfixturevalue("s3"))
 
 
 class _Watched:
-    """A target that calls `look` with each reference before it adopts the artifact."""
+    """A target that calls `look` with each reference before it imports the artifact."""
 
     def __init__(self, store, look):
         self._store, self._look = store, look
@@ -62,9 +62,9 @@ class _Watched:
     def __getattr__(self, name):
         return getattr(self._store, name)
 
-    def adopt(self, artifact):
+    def import_artifact(self, artifact):
         self._look(artifact.manifest.recipe)
-        return self._store.adopt(artifact)
+        return self._store.import_artifact(artifact)
 
 
 def _copy(source, target, roots=None, **options):
@@ -80,7 +80,7 @@ def _damage(store, ref):
     path.write_bytes(content)
 
 
-def test_a_copy_there_and_back_is_the_same_artifact(store, family, other, tmp_path):
+def test_an_artifact_copied_there_and_back_is_the_same(store, family, other, tmp_path):
     back = LocalStore(tmp_path / "back")
     for source, target in ((store, other), (other, back)):
         report = _copy(source, target)
@@ -93,7 +93,7 @@ def test_a_copy_there_and_back_is_the_same_artifact(store, family, other, tmp_pa
     assert all(result.is_intact for each in (other, back) for result in each.verify())
 
 
-def test_inputs_are_there_before_what_was_made_from_them(store, put_toy, other):
+def test_inputs_are_copied_before_their_descendants(store, put_toy, other):
     chain = [put_toy(store, 0)]
     for number in range(1, 12):
         chain.append(put_toy(store, number, {"last": chain[-1], "first": chain[0]}))
@@ -109,25 +109,25 @@ def test_inputs_are_there_before_what_was_made_from_them(store, put_toy, other):
     assert early == []
 
 
-def test_what_the_target_has_is_not_even_read(store, family, other):
+def test_artifacts_that_the_target_has_are_not_read(store, family, other):
     _copy(store, other, [family["child"]])
     _damage(store, family["left"])
     report = _copy(store, other)
     assert (report.num_copied, report.num_present, report.problems) == (2, 3, {})
 
 
-def test_of_a_root_goes_what_it_was_made_from(store, family, target):
+def test_a_root_is_copied_with_its_ancestors(store, family, target):
     assert _copy(store, target, [family["child"]]).num_copied == 3
     assert set(target.refs()) == {family["left"], family["right"], family["child"]}
 
 
-def test_a_root_goes_alone_where_its_inputs_are_not_wanted(store, family, target):
+def test_a_root_is_copied_alone_without_inputs(store, family, target):
     selected = select(store, [family["grandchild"]], with_inputs=False)
     transfer(store, target, plan_transfer(store, target, selected))
     assert list(target.refs()) == [family["grandchild"]]
 
 
-def test_what_was_removed_at_the_source_is_no_obstacle(store, family, target):
+def test_artifacts_removed_at_the_source_are_ignored(store, family, target):
     store.remove(family["child"])
     report = _copy(store, target, [family["grandchild"]])
     assert (report.num_copied, report.problems) == (2, {})
@@ -152,7 +152,7 @@ def test_a_damaged_manifest_is_named_and_the_rest_is_copied(store, family, targe
     assert "seal" in report.problems[family["child"]]
 
 
-def test_what_vanishes_while_it_is_copied_is_named(store, family, target):
+def test_an_artifact_that_vanishes_while_it_is_copied_is_named(store, family, target):
     plan = plan_transfer(store, target, select(store))
     store.remove(family["apart"])
     report = transfer(store, target, plan)
@@ -160,14 +160,14 @@ def test_what_vanishes_while_it_is_copied_is_named(store, family, target):
     assert list(report.problems) == [family["apart"]]
 
 
-def test_a_copy_by_somebody_else_at_the_same_time_is_no_error(store, family, target):
+def test_a_simultaneous_copy_by_another_process_is_no_error(store, family, target):
     plan = plan_transfer(store, target, select(store))
     _copy(store, target)
     report = transfer(store, target, plan)
     assert (report.num_copied, report.num_present, report.nbytes, report.problems) == (0, len(family), 0, {})
 
 
-def test_a_killed_copy_goes_on_and_left_nothing_half(store, family, put_toy, target):
+def test_a_killed_copy_leaves_nothing_incomplete_and_can_be_continued(store, family, put_toy, target):
     last = family["grandchild"]
     for number in range(20, 30):
         last = put_toy(store, number, {"last": last})
@@ -175,7 +175,7 @@ def test_a_killed_copy_goes_on_and_left_nothing_half(store, family, put_toy, tar
     ran = subprocess.run([sys.executable, "-c", DIES, store.root, target.root], check=False)
     assert ran.returncode == -signal.SIGKILL
     there = set(target.refs())
-    # Another may have been under way; of a chain, no more than one.
+    # One more may have been started; of a chain, no more than one.
     assert 3 <= len(there) < num_all
     assert all(result.is_intact for result in target.verify())
     for ref in there:
@@ -198,7 +198,7 @@ def test_an_interruption_ends_the_copy_at_once(store, put_toy, target):
     assert all(result.is_intact for result in target.verify())
 
 
-def test_a_target_that_refuses_ends_the_copy(store, family, target):
+def test_a_target_that_cannot_be_written_ends_the_copy(store, family, target):
     plan = plan_transfer(store, target, select(store))
     shutil.rmtree(target.root / "objects", ignore_errors=True)
     (target.root / "objects").write_text("")
@@ -213,7 +213,7 @@ def test_each_artifact_is_reported_once(store, family, target):
     assert sorted(done) == sorted(family.values())
 
 
-def test_a_collection_at_the_target_spares_what_is_being_copied(store, family, target):
+def test_a_collection_at_the_target_keeps_artifacts_being_copied(store, family, target):
     with kept_meanwhile(target, select(store)):
         _copy(store, target)
         assert target.gc(is_dry=False, grace_seconds=0).removed == ()
@@ -227,7 +227,7 @@ def test_a_kept_run_keeps_its_artifacts_at_the_target(store, family, target):
     assert set(removed) == {family["apart"], family["grandchild"]}
 
 
-def test_a_run_that_the_target_knows_keeps_what_it_kept(family, target):
+def test_a_pin_at_the_target_keeps_its_earlier_references(family, target):
     target.pin("a-run", [family["apart"]])
     keep(target, {"a-run": [family["child"]]})
     assert target.pinned()["a-run"].refs == (family["apart"], family["child"])
@@ -242,13 +242,13 @@ def test_a_lease_of_the_same_name_becomes_a_lasting_pin(family, target):
     assert target.pinned()["a-run"].expires is None
 
 
-def test_a_store_is_itself_by_another_path(store, target, tmp_path):
+def test_a_store_is_the_same_by_another_path(store, target, tmp_path):
     os.symlink(store.root, tmp_path / "link")
     assert is_same_store(store, LocalStore(tmp_path / "link"))
     assert not is_same_store(store, target)
 
 
-def test_a_prefix_is_itself_and_no_folder(store, s3):
+def test_a_prefix_is_the_same_store_and_a_folder_is_another(store, s3):
     assert is_same_store(open_store(s3), open_store(f"{s3}/"))
     assert not is_same_store(store, open_store(s3))
     assert not is_same_store(open_store(s3), open_store(f"{s3}-other"))
@@ -256,12 +256,12 @@ def test_a_prefix_is_itself_and_no_folder(store, s3):
 
 @pytest.fixture
 def pushed(evaluated, moseg, s3):
-    """The evaluated squares on an object store, and both as the commands take them."""
+    """Push the evaluated squares to an object store; return both as the commands take them."""
     assert moseg("store", "push", s3, "--quiet", "--store", evaluated.store).code == 0
     return ("--store", evaluated.store), ("--store", s3)
 
 
-def test_a_run_on_what_was_pushed_and_pulled_computes_nothing(evaluated, pushed, moseg, tmp_path):
+def test_a_run_after_push_and_pull_computes_nothing(evaluated, pushed, moseg, tmp_path):
     ran = moseg("store", "pull", pushed[1][1], "--quiet", "--store", tmp_path / "pulled")
     assert (ran.code, ran.err) == (0, "")
     ran = moseg(*evaluated.arguments, "--store", tmp_path / "pulled")
@@ -269,7 +269,7 @@ def test_a_run_on_what_was_pushed_and_pulled_computes_nothing(evaluated, pushed,
     assert "0 artifacts computed" in ran.out
 
 
-def test_the_commands_see_on_an_object_store_what_they_see_in_a_folder(pushed, moseg):
+def test_the_commands_print_the_same_on_an_object_store_as_in_a_folder(pushed, moseg):
     assert len({moseg("store", "ls", *store).out for store in pushed}) == 1
     assert len({moseg("store", "verify", "--quiet", *store) for store in pushed}) == 1
     score = moseg("store", "ls", "--task", "score", *pushed[0]).out.strip()
@@ -278,7 +278,7 @@ def test_the_commands_see_on_an_object_store_what_they_see_in_a_folder(pushed, m
     assert here == there
 
 
-def test_an_artifacts_place_on_an_object_store_opens_in_zarr(store, family, s3):
+def test_the_place_of_an_artifact_on_an_object_store_opens_in_zarr(store, family, s3):
     remote = open_store(s3)
     _copy(store, remote)
     opened = zarr.storage.ObjectStore(connect(remote.place(family["child"])), read_only=True)

@@ -100,7 +100,7 @@ def test_what_was_removed_is_named_and_hides_what_lies_behind(evaluated_copy, mo
 
 
 def test_a_whole_key_is_found_without_a_listing(evaluated, moseg, refs, monkeypatch):
-    monkeypatch.setattr("store.LocalStore.refs", None)
+    monkeypatch.setattr("moseg.store.LocalStore.refs", None)
     flow = refs["flow"][0]
     for key in (flow, flow.partition("/")[2]):
         ran = moseg("store", "show", key, "--no-downstream", "--store", evaluated.store)

@@ -17,10 +17,10 @@ def test_verify_tells_its_progress_unless_quiet(evaluated, moseg):
     assert quiet.out == told.out
 
 
-def test_what_vanishes_while_it_is_verified_is_passed_over(evaluated_copy, moseg, monkeypatch):
+def test_an_artifact_that_vanishes_while_it_is_verified_is_skipped(evaluated_copy, moseg, monkeypatch):
     store = open_store(str(evaluated_copy.store), create=False)
     refs = list(store.refs())
-    monkeypatch.setattr("store.LocalStore.refs", lambda self, task=None: iter(refs))
+    monkeypatch.setattr("moseg.store.LocalStore.refs", lambda self, task=None: iter(refs))
     store.remove(refs[0])
     ran = moseg("store", "verify", "--quiet", "--store", evaluated_copy.store)
     assert (ran.code, ran.out) == (0, f"{len(refs) - 1} artifacts, 0 bad\n")

@@ -1,4 +1,4 @@
-"""Collections, removals and quarantine on an object store, with other processes at work."""
+"""Collections, removals and quarantine on an object store that other processes use too."""
 
 import json
 import subprocess
@@ -14,11 +14,11 @@ from moseg.schemas.errors import StoreError
 from moseg.schemas.recipes import Recipe
 from moseg.store import collection, open_store
 from moseg.store.owners import owned_name
-from moseg.store.remote import object_files, object_logs
+from moseg.store.remote import logs, remote_store
 from moseg.store.remote import requests as remote_requests
 from moseg.store.remote.connection import connect
 from moseg.store.remote.layout import aside_name, manifest_name
-from moseg.store.remote.object_trash import ObjectTrash
+from moseg.store.remote.trash import RemoteTrash
 
 DAY = 86_400.0
 
@@ -30,26 +30,26 @@ def store(s3):
 
 @pytest.fixture
 def names(s3):
-    """Names of the objects that lie in a folder now."""
+    """Return a function that lists the names of the objects in a folder."""
     client = connect(s3)
     return lambda folder: sorted(item["path"] for item in obstore.list(client, folder).collect())
 
 
 @pytest.fixture
 def dead_name() -> str:
-    """A name such as a process that has ended gives to something half done."""
+    """Return a name that a process that has ended gave to unfinished work."""
     code = "from moseg.store.owners import owned_name; print(owned_name())"
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip()
 
 
 @pytest.fixture
 def put_by_the_dead(dead_name, monkeypatch) -> None:
-    """What is put in this test was put by a process that has ended."""
-    monkeypatch.setattr(object_files, "owned_name", lambda: dead_name)
+    """Make each put of this test that of a process that has ended."""
+    monkeypatch.setattr(remote_store, "owned_name", lambda: dead_name)
 
 
 def put_orphan(store, s3, attempt: str) -> str:
-    """Files of a put that never came to its manifest."""
+    """Write files of a put without its manifest."""
     folder = f"payloads/toy/{'0' * 2}/{'0' * 64}/{attempt}"
     obstore.put(connect(s3), f"{folder}/zarr.json", b"{}")
     return folder
@@ -60,7 +60,7 @@ def as_of(monkeypatch, seconds: float) -> None:
     monkeypatch.setattr(collection.time, "time", lambda: now + seconds)
 
 
-def test_what_was_removed_or_collected_leaves_no_object(store, put_toy, names):
+def test_removed_and_collected_artifacts_leave_no_object(store, put_toy, names):
     for number in range(4):
         put_toy(store, number)
     assert store.remove(next(store.refs()))
@@ -68,7 +68,7 @@ def test_what_was_removed_or_collected_leaves_no_object(store, put_toy, names):
     assert names("") == ["moseg-store.json"]
 
 
-def test_orphans_go_when_their_process_has_ended_or_a_day_has_passed(store, s3, dead_name, monkeypatch, put_toy):
+def test_orphans_go_after_their_process_has_ended_or_a_day(store, s3, dead_name, monkeypatch, put_toy):
     ref = put_toy(store)
     ours, theirs = put_orphan(store, s3, owned_name()), put_orphan(store, s3, f"{'0' * 16}-1-{'0' * 32}")
     left = put_orphan(store, s3, dead_name)
@@ -83,7 +83,7 @@ def test_orphans_go_when_their_process_has_ended_or_a_day_has_passed(store, s3, 
     assert [result.is_intact for result in store.verify()] == [True]
 
 
-def test_the_files_that_a_manifest_names_are_no_orphans_beside_others(store, s3, monkeypatch, put_toy, names):
+def test_files_that_a_manifest_names_are_not_orphans(store, s3, monkeypatch, put_toy, names):
     ref = put_toy(store)
     key = ref.split("/")[1]
     obstore.put(connect(s3), f"payloads/toy/{key[:2]}/{key}/{'0' * 16}-1-{'0' * 32}/zarr.json", b"{}")
@@ -93,17 +93,17 @@ def test_the_files_that_a_manifest_names_are_no_orphans_beside_others(store, s3,
     assert [result.is_intact for result in store.verify()] == [True]
 
 
-def test_what_another_collection_holds_is_left_to_it(store, put_toy, names, put_by_the_dead):
+def test_artifacts_taken_by_another_collection_are_skipped(store, put_toy, names, put_by_the_dead):
     ref = put_toy(store)
-    other = ObjectTrash(store._medium._requests)
+    other = RemoteTrash(store._requests)
     other.take([ref])
     assert not store.has(ref) and len(names("aside")) == 1
     assert store.gc(is_dry=False, grace_seconds=0)[1:3] == ((), ())
-    other.give_back([ref])
+    other.restore([ref])
     assert names("aside") == [] and [result.is_intact for result in store.verify()] == [True]
 
     other.take([ref])
-    late = ObjectTrash(store._medium._requests)
+    late = RemoteTrash(store._requests)
     other_manifest = other.read_manifests([ref])[ref]
     obstore.put(connect(store.url), manifest_name(ref), other_manifest)
     late.take([ref])
@@ -111,13 +111,13 @@ def test_what_another_collection_holds_is_left_to_it(store, put_toy, names, put_
     assert late.taken == set() and store.has(ref)
 
 
-def test_a_collection_that_was_killed_is_cleared_away(store, s3, put_toy, names, dead_name, put_by_the_dead):
+def test_leftovers_of_a_killed_collection_are_deleted(store, s3, put_toy, names, dead_name, put_by_the_dead):
     refs = [put_toy(store, number) for number in range(2)]
     client = connect(s3)
     for ref in refs:
         manifest = obstore.get(client, manifest_name(ref)).bytes().to_bytes()
         obstore.put(client, aside_name(ref), dead_name.encode() + b"\n" + manifest)
-    # of one the manifest was already deleted
+    # one manifest was already deleted
     obstore.delete(client, manifest_name(refs[1]))
     report = store.gc(is_dry=False)
     assert len(report.leftovers) == 3 and report.removed == ()
@@ -125,19 +125,19 @@ def test_a_collection_that_was_killed_is_cleared_away(store, s3, put_toy, names,
     assert len({name.split("/")[3] for name in names("payloads")}) == 1
 
 
-def test_a_copy_that_a_killed_collection_left_is_no_hindrance(store, s3, put_toy, names, dead_name):
+def test_a_copy_that_a_killed_collection_left_does_not_prevent_removal(store, s3, put_toy, names, dead_name):
     ref = put_toy(store)
     obstore.put(connect(s3), aside_name(ref), dead_name.encode() + b"\n")
     assert store.remove(ref)
     assert names("") == ["moseg-store.json"]
 
 
-def test_what_was_computed_again_during_a_collection_stays(store, put_toy, names):
+def test_an_artifact_computed_again_during_a_collection_stays(store, put_toy, names):
     ref = put_toy(store)
-    trash = ObjectTrash(store._medium._requests)
+    trash = RemoteTrash(store._requests)
     trash.take([ref])
     store.put(Recipe(task="toy", version=1, params={"number": 0}), {"x": np.ones(3)}, dims={"x": ("a",)})
-    trash.give_back([ref])
+    trash.restore([ref])
     trash.empty()
     assert np.array_equal(store.read(ref, "x", check=True), np.ones(3))
     assert [result.is_intact for result in store.verify()] == [True]
@@ -186,10 +186,10 @@ def test_a_collection_of_a_manifest_that_is_damaged_deletes_it(store, s3, put_to
     assert names("") == ["moseg-store.json"]
 
 
-def test_a_process_with_a_number_that_was_used_before_shares_no_log(store, monkeypatch):
+def test_a_process_with_a_reused_number_writes_its_own_log(store, monkeypatch):
     store.append_log("run", b"one\n")
-    monkeypatch.setattr(object_logs, "_writers", {})
-    monkeypatch.setattr(object_logs, "_counter", iter(range(1000)))
+    monkeypatch.setattr(logs, "_writers", {})
+    monkeypatch.setattr(logs, "_counter", iter(range(1000)))
     for number in range(12):
         store.append_log("run", f"{number}\n".encode())
     lines = store.read_log("run")
@@ -197,7 +197,7 @@ def test_a_process_with_a_number_that_was_used_before_shares_no_log(store, monke
     assert [line for line in lines if line != b"one"] == [str(number).encode() for number in range(12)]
 
 
-def test_many_lookups_and_reads_are_under_way_at_once(store, put_toy):
+def test_many_lookups_and_reads_run_concurrently(store, put_toy):
     recipe = Recipe(task="toy", version=1, params={"number": 1})
     array = np.arange(200 * 3 * 2).reshape(200, 3, 2)
     store.put(recipe, {"x": array}, dims={"x": ("frame", "y", "x")})
@@ -206,9 +206,9 @@ def test_many_lookups_and_reads_are_under_way_at_once(store, put_toy):
     assert np.array_equal(store.read(recipe.ref, "x", check=True), array)
 
 
-def test_an_artifact_whose_return_was_answered_late_keeps_its_files(store, put_toy, names, monkeypatch):
+def test_an_artifact_whose_restoring_was_answered_late_keeps_its_files(store, put_toy, names, monkeypatch):
     ref = put_toy(store)
-    trash = ObjectTrash(store._medium._requests)
+    trash = RemoteTrash(store._requests)
     trash.take([ref])
     real = obstore.put
 
@@ -217,12 +217,12 @@ def test_an_artifact_whose_return_was_answered_late_keeps_its_files(store, put_t
         raise AlreadyExistsError("written by the first of two requests")
 
     monkeypatch.setattr(remote_requests.obstore, "put", answer_lost)
-    trash.give_back([ref])
+    trash.restore([ref])
     trash.empty()
     assert [result.is_intact for result in store.verify()] == [True] and names("aside") == []
 
 
-def test_pins_that_hold_no_longer_are_leftovers(store, put_toy, names):
+def test_pins_that_no_longer_hold_are_leftovers(store, put_toy, names):
     ref = put_toy(store)
     store.pin("ended", [ref], lease_seconds=-1.0)
     store.pin("kept", [ref])
@@ -231,9 +231,9 @@ def test_pins_that_hold_no_longer_are_leftovers(store, put_toy, names):
     assert names("pins") == ["pins/kept.json"] and store.has(ref)
 
 
-def test_a_commit_waits_longer_each_time_that_somebody_elses_came_and_went(store, put_toy, monkeypatch):
+def test_a_commit_waits_longer_after_each_conflict(store, put_toy, monkeypatch):
     pauses = []
-    monkeypatch.setattr(object_files.time, "sleep", pauses.append)
+    monkeypatch.setattr(remote_store.time, "sleep", pauses.append)
     monkeypatch.setattr(remote_requests.Requests, "create", lambda self, name, content: False)
     with pytest.raises(StoreError, match="puts and removes"):
         put_toy(store)

@@ -1,4 +1,4 @@
-"""Kills, races and lost answers on an object store: an artifact is there whole or not at all."""
+"""Kills, races and lost answers on an object store: an artifact is stored completely or not at all."""
 
 import json
 import subprocess
@@ -108,7 +108,7 @@ def attempts(url: str) -> set[str]:
 
 
 @pytest.mark.parametrize("mode", ["steps", "moments"])
-def test_killed_writers_leave_whole_artifacts_or_none(s3, mode):
+def test_killed_writers_leave_complete_artifacts_or_none(s3, mode):
     *_, kills = run_victims(s3, mode)
     # of one put: the marker, a lookup, six chunks, two files of metadata, the manifest
     assert json.loads(kills) >= (10 if mode == "steps" else 6)
@@ -132,7 +132,7 @@ def test_killed_writers_leave_whole_artifacts_or_none(s3, mode):
     assert [result for result in store.verify() if not result.is_intact] == []
 
 
-def test_of_writers_of_other_bytes_one_wins_and_the_others_leave_nothing(s3):
+def test_of_writers_of_different_bytes_one_wins_and_the_others_leave_nothing(s3):
     *outcomes, failed = run_victims(s3, "race")
     assert json.loads(failed) == 0
     assert Counter(outcomes) == {"committed": 1, "lost-race": 5}
@@ -153,7 +153,7 @@ def put(store, value: float) -> PutOutcome:
 
 
 def as_if_absent(monkeypatch, store) -> None:
-    """Each put believes that it is the first."""
+    """Make each put find that it is the first."""
     monkeypatch.setattr(type(store), "has", lambda self, ref: False)
 
 
@@ -167,7 +167,7 @@ def test_files_without_a_manifest_are_a_miss(store, s3):
     assert (store.read(RECIPE.ref, "x", check=True) == 2).all()
 
 
-def test_an_answer_that_was_lost_is_no_lost_race(store, monkeypatch):
+def test_a_lost_answer_is_not_a_lost_race(store, monkeypatch):
     real = obstore.put
 
     def answer_lost(client, name, content, **options):
@@ -188,7 +188,7 @@ REFUSALS = [
 
 
 @pytest.mark.parametrize("refusal", [*REFUSALS, None])
-def test_on_a_server_that_refuses_conditions_the_manifest_is_looked_up_first(s3, monkeypatch, refusal):
+def test_on_a_server_without_conditions_the_manifest_is_looked_up_first(s3, monkeypatch, refusal):
     real = obstore.put
 
     def refusing(client, name, content, **options):
@@ -197,7 +197,7 @@ def test_on_a_server_that_refuses_conditions_the_manifest_is_looked_up_first(s3,
         return real(client, name, content, **options)
 
     if refusal is None:
-        # the client's own switch for such servers
+        # the client's own option for such servers
         monkeypatch.setenv("AWS_CONDITIONAL_PUT", "disabled")
     else:
         monkeypatch.setattr(remote_requests.obstore, "put", refusing)
@@ -224,16 +224,15 @@ def test_on_a_server_that_ignores_conditions_the_last_wins_and_bytes_never_mix(s
     assert len(attempts(s3)) == 2
 
 
-def test_an_artifact_that_goes_while_it_is_read_is_missing_not_corrupt(store, s3):
+def test_an_artifact_that_vanishes_while_it_is_read_is_missing_not_corrupt(store, s3):
     put(store, 1)
-    medium = store._medium
-    payload = unseal(medium.read_manifest(RECIPE.ref)).payload
+    payload = unseal(store.read_manifest(RECIPE.ref)).payload
     store.remove(RECIPE.ref)
     for _ in ("gone", "computed again"):
         with pytest.raises(MissingArtifactError):
-            medium.read_files(RECIPE.ref, payload, ["x/zarr.json"])
+            store.read_files(RECIPE.ref, payload, ["x/zarr.json"])
         with pytest.raises(MissingArtifactError):
-            medium.file_sizes(RECIPE.ref, payload)
+            store.file_sizes(RECIPE.ref, payload)
         put(store, 2)
 
 
@@ -241,13 +240,13 @@ def test_an_artifact_that_goes_while_it_is_read_is_missing_not_corrupt(store, s3
 def test_a_manifest_that_names_no_attempt_is_damage(store, payload):
     put(store, 1)
     with pytest.raises(CorruptArtifactError):
-        store._medium.read_files(RECIPE.ref, payload, ["zarr.json"])
+        store.read_files(RECIPE.ref, payload, ["zarr.json"])
 
 
 def test_zarr_alone_reads_the_files(store, s3):
     zarr = pytest.importorskip("zarr")
     put(store, 3)
-    payload = unseal(store._medium.read_manifest(RECIPE.ref)).payload
+    payload = unseal(store.read_manifest(RECIPE.ref)).payload
     client = connect(f"{s3}/{payload_folder(RECIPE.ref, payload)}")
     group = zarr.open_group(zarr.storage.ObjectStore(client, read_only=True), mode="r")
     assert (group["x"][...] == 3).all()

@@ -1,4 +1,4 @@
-"""What the server, the network or the client says, in a few words and without secrets."""
+"""Explanations of errors of the server, the network or the client, without secrets."""
 
 import pytest
 from obstore.exceptions import GenericError, PermissionDeniedError, UnauthenticatedError
@@ -55,13 +55,13 @@ def test_errors_are_one_short_line_without_secrets(error, reason):
     assert "a-secret" not in str(caught.value) and caught.value.__suppress_context__
 
 
-def test_a_missing_object_is_no_missing_bucket():
+def test_a_missing_object_is_not_a_missing_bucket():
     assert is_no_bucket(FileNotFoundError(answer("404 Not Found", "NoSuchBucket")))
     assert not is_no_bucket(FileNotFoundError(answer("404 Not Found", "NoSuchKey")))
     assert not is_no_bucket(FileNotFoundError(answer("404 Not Found")))
 
 
-def test_only_what_a_server_does_not_know_is_unsupported():
+def test_only_requests_that_a_server_does_not_implement_are_unsupported():
     assert is_unsupported(GenericError(answer("501 Not Implemented")))
     assert is_unsupported(GenericError(answer("400 Bad Request", "NotImplemented")))
     assert not is_unsupported(GenericError(answer("500 Internal Server Error")))

@@ -1,4 +1,4 @@
-"""What ``--store s3://…`` may say, what the environment has to say, and the one line that names what is wrong."""
+"""URLs of object stores, their environment, and the one line that names an error."""
 
 import pickle
 import subprocess
@@ -23,14 +23,14 @@ def fails(url: str, match: str) -> InputError:
     return caught.value
 
 
-def test_an_empty_prefix_becomes_a_store_and_is_one_from_then_on(s3):
+def test_an_empty_prefix_becomes_a_store_and_stays_one(s3):
     with pytest.raises(MissingStoreError):
         open_store(s3, create=False)
     assert obstore.list(connect(s3)).collect() == []
     assert open_store(f"{s3}/").url == open_store(s3, create=False).url == s3
 
 
-def test_a_prefix_with_other_objects_is_refused_and_left_alone(s3):
+def test_a_prefix_with_other_objects_is_refused_and_not_changed(s3):
     obstore.put(connect(s3), "thesis.tex", b"text")
     for create in (True, False):
         with pytest.raises(StoreChoiceError, match=r"not an artifact store .*thesis\.tex"):
@@ -44,28 +44,28 @@ def test_an_unknown_format_is_refused(s3, content):
     fails(s3, r"moseg-store\.json")
 
 
-def test_a_bucket_that_is_not_there_is_named(s3):
+def test_a_missing_bucket_is_named(s3):
     fails("s3://no-such-bucket/p", "no such bucket in s3://no-such-bucket/p")
 
 
-def test_a_server_that_is_not_there_is_named(s3, monkeypatch):
+def test_a_missing_server_is_named(s3, monkeypatch):
     monkeypatch.setenv("AWS_ENDPOINT_URL", "http://127.0.0.1:9")
     monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", SECRET)
     fails(s3, "cannot connect to http://127.0.0.1:9")
 
 
-def test_the_command_line_ends_with_2_and_one_line_where_the_store_cannot_be_had(s3, moseg):
+def test_the_command_line_ends_with_2_and_one_line_if_the_store_cannot_be_opened(s3, moseg):
     ran = moseg("store", "ls", "--store", "s3://no-such-bucket/p")
     assert ran.code == 2 and ran.out == ""
     assert ran.err.strip().count("\n") == 0 and "no such bucket" in ran.err
 
 
-def test_a_server_that_goes_away_is_a_fault_and_no_bad_input(s3, put_toy, monkeypatch):
+def test_a_server_that_stops_is_a_fault_and_not_bad_input(s3, put_toy, monkeypatch):
     store = open_store(s3)
     ref = put_toy(store)
     monkeypatch.setenv("AWS_ENDPOINT_URL", "http://127.0.0.1:9")
-    # what is left of the connection: one whose server has gone
-    monkeypatch.setitem(store._medium._requests.__dict__, "_client", connect(s3))
+    # the connection of a server that has stopped
+    monkeypatch.setitem(store._requests.__dict__, "_client", connect(s3))
     for call in (
         lambda: store.has(ref),
         lambda: store.present([ref, ref.replace("toy", "tea")]),
@@ -93,7 +93,7 @@ def test_a_server_that_goes_away_is_a_fault_and_no_bad_input(s3, put_toy, monkey
         ("memory:///p", "unsupported artifact store"),
     ],
 )
-def test_a_url_that_is_none_is_bad_input_and_no_secret_is_repeated(s3, url, match):
+def test_an_invalid_url_is_bad_input_and_secrets_are_not_repeated(s3, url, match):
     fails(url, match)
 
 
@@ -103,7 +103,7 @@ def test_a_bad_address_of_a_server_is_named(s3, monkeypatch, endpoint):
     fails(s3, "AWS_ENDPOINT_URL")
 
 
-def test_without_credentials_the_line_says_what_to_set(s3, monkeypatch, tmp_path):
+def test_without_credentials_the_error_names_the_variables_to_set(s3, monkeypatch, tmp_path):
     monkeypatch.delenv("AWS_ACCESS_KEY_ID")
     monkeypatch.delenv("AWS_SECRET_ACCESS_KEY")
     monkeypatch.setenv("AWS_EC2_METADATA_DISABLED", "true")
@@ -135,24 +135,24 @@ def test_a_profile_gives_keys_region_and_server(s3, monkeypatch, tmp_path, put_t
     assert store.has(put_toy(store))
 
 
-def test_the_address_of_the_s3_server_comes_before_that_of_all_servers():
+def test_the_endpoint_for_s3_has_priority_over_the_general_one():
     environ = {"AWS_ACCESS_KEY_ID": "k", "AWS_ENDPOINT_URL": "http://all", "AWS_DEFAULT_REGION": "b"}
     assert s3_settings(environ) == ({"region": "b", "endpoint": "http://all"}, None)
     environ |= {"AWS_ENDPOINT_URL_S3": "http://s3:9000/", "AWS_REGION": "a"}
     assert s3_settings(environ) == ({"region": "a", "endpoint": "http://s3:9000"}, None)
 
 
-def test_a_store_travels_without_credentials_and_shares_its_process_client(s3, monkeypatch):
+def test_a_pickled_store_has_no_credentials_and_shares_the_client_of_its_process(s3, monkeypatch):
     monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", SECRET)
     store = open_store(s3)
     data = pickle.dumps(store)
     assert SECRET.encode() not in data and b"test-key" not in data
-    assert pickle.loads(data)._medium._requests is store._medium._requests is requests_for(s3)
+    assert pickle.loads(data)._requests is store._requests is requests_for(s3)
     monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", "another")
-    assert pickle.loads(data)._medium._requests is not store._medium._requests
+    assert pickle.loads(data)._requests is not store._requests
 
 
-def test_nothing_of_object_stores_is_imported_before_one_is_named():
+def test_modules_for_object_stores_are_imported_only_for_such_a_store():
     code = (
         "import sys, moseg.store, moseg.workflows.cli.app\n"
         "assert not {'obstore', 'boto3', 'botocore', 'moseg.store.remote'} & sys.modules.keys()"

@@ -1,4 +1,4 @@
-"""The medium of a local (or mounted) file system."""
+"""The store on a local (or mounted) file system."""
 
 import os
 import shutil
@@ -7,122 +7,144 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 
-from moseg.schemas.errors import StoreError
-from moseg.store import logs
-from moseg.store.commit import commit
-from moseg.store.file_reading import file_sizes, folder_nbytes, read_file, read_files, read_manifests
-from moseg.store.layout import Layout
-from moseg.store.local_trash import LocalTrash
-from moseg.store.names import MANIFEST
+from moseg.schemas.errors import MissingArtifactError, StoreError
+from moseg.schemas.recipes import split_ref
+from moseg.store.backend_store import BackendStore
+from moseg.store.local.files import file_sizes, folder_nbytes, read_file, read_manifests
+from moseg.store.local.layout import Layout, names_in, open_root
+from moseg.store.local.logs import LocalLogs
+from moseg.store.local.moves import LocalTrash, commit
+from moseg.store.names import MANIFEST, REASON, is_key_in
 from moseg.store.outcomes import PutOutcome
 from moseg.store.owners import ABANDONED_SECONDS, is_abandoned
-from moseg.store.quarantine import quarantine
 
 
-class LocalFiles:
-    """Artifacts in folders that appear and vanish by one rename; see `moseg.store.medium.Medium`.
+class LocalStore(LocalLogs, BackendStore):
+    """Artifacts in folders of a file system, each of which appears and vanishes by one rename.
 
     An artifact's files lie beside its manifest, so the name of their place is always empty.
+
+    Parameters
+    ----------
+    root : path
+        A store or, with `create`, an empty or new folder that becomes one.
+
+    Raises
+    ------
+    StoreError
+        `root` is not a store of this format, or cannot become one.
     """
 
-    def __init__(self, root: Path):
-        self._layout = Layout(root)
+    def __init__(self, root: Path | str, create: bool = True):
+        self.root = Path(root).absolute()
+        open_root(self.root, create=create)
+        self._layout = Layout(self.root)
 
     @property
     def url(self) -> str:
-        """The root's absolute path."""
-        return str(self._layout.root)
+        return str(self.root)
 
     def has(self, ref: str) -> bool:
-        """Whether the artifact's folder is in place: one stat."""
         return os.path.isdir(self._layout.folder(ref))
 
     def present(self, refs: Iterable[str]) -> set[str]:
-        """Those of the references whose folders are in place: one stat each."""
         return {ref for ref in refs if self.has(ref)}
 
     def refs(self, task: str | None = None) -> Iterator[str]:
-        """References in order."""
-        return self._layout.refs(task)
+        tasks = names_in(self._layout.objects) if task is None else [task]
+        for name in tasks:
+            for prefix in names_in(self._layout.objects / name):
+                for key in names_in(self._layout.objects / name / prefix):
+                    # other entries are not artifacts
+                    if is_key_in(key, prefix):
+                        yield f"{name}/{key}"
 
     def committed(self) -> dict[str, float]:
-        """Times at which the artifacts' folders were written; renames leave them as they are."""
+        # a rename does not change a folder's time
         return {ref: _modified(self._layout.folder(ref)) for ref in self.refs()}
 
     def nbytes(self, refs: Collection[str]) -> dict[str, int]:
-        """Bytes of all files in the artifacts' folders."""
         return {ref: folder_nbytes(self._layout.folder(ref)) for ref in refs}
 
     def commit(self, ref: str, files: Mapping[str, bytes | memoryview], seal: Callable[[str], bytes]) -> PutOutcome:
-        """Stage the files and the manifest and move them into place with one rename."""
         return commit(self._layout, ref, files, seal(""))
 
     def read_manifest(self, ref: str) -> bytes:
-        """The manifest file."""
         return read_file(self._layout.folder(ref), MANIFEST, ref)
 
     def read_manifests(self, refs: Collection[str]) -> dict[str, bytes]:
-        """The manifest files of several artifacts."""
         return read_manifests(self._layout, refs)
 
     def read_files(self, ref: str, payload: str, paths: Iterable[str]) -> dict[str, bytes]:
-        """Files of an artifact's folder."""
-        return read_files(self._layout.folder(ref), paths, ref)
+        folder = self._layout.folder(ref)
+        return {path: read_file(folder, path, ref) for path in paths}
 
     def file_sizes(self, ref: str, payload: str) -> dict[str, int]:
-        """Sizes of the files of an artifact's folder."""
-        return file_sizes(self._layout.folder(ref), ref)
+        try:
+            found = file_sizes(self._layout.folder(ref))
+        except FileNotFoundError:
+            raise MissingArtifactError("no such artifact", where=ref) from None
+        found.pop(MANIFEST, None)
+        return found
 
-    def quarantine(self, ref: str, reason: bytes) -> bool:
-        """Move an artifact's folder to ``quarantine/``."""
-        return quarantine(self._layout, ref, reason)
-
-    def place(self, ref: str, payload: str) -> str:
-        """The artifact's folder."""
+    def payload_place(self, ref: str, payload: str) -> str:
         return self._layout.folder(ref)
 
+    def move_to_quarantine(self, ref: str, reason: bytes) -> bool:
+        """Move an artifact's folder to ``quarantine/``, beside the reason; return False if it is gone already.
+
+        The reason is written first and the move is one rename, so an artifact is never half in service. Several
+        processes may quarantine the same artifact: one moves it.
+        """
+        folder = self._layout.folder(ref)
+        task, key = split_ref(ref)
+        slot = self._layout.quarantine / f"{task}-{key}-{uuid.uuid4().hex}"
+        try:
+            self._layout.make_folder(slot)
+            (slot / REASON).write_bytes(reason)
+            try:
+                os.rename(folder, slot / "artifact")
+            except FileNotFoundError:
+                shutil.rmtree(slot, ignore_errors=True)
+                return False
+        except OSError as error:
+            raise StoreError(f"cannot quarantine an artifact: {error.strerror}", where=self.root, got=ref) from error
+        return True
+
     def new_trash(self) -> LocalTrash:
-        """A staging folder for artifacts that are to be deleted."""
         return LocalTrash(self._layout)
 
     def leftovers(self, now: float, before: float) -> dict[str, int]:
-        """Folders of dead processes under ``staging/``, old ones under ``quarantine/``, and records half written.
-
-        Their names are relative to the root.
-        """
+        """Return folders of dead processes under ``staging/``, old ones under ``quarantine/``, and partial records."""
         staged = _folders(self._layout.staging)
         found = [folder for folder in staged if is_abandoned(folder.name, now - _modified(folder))]
         found += [folder for folder in _folders(self._layout.quarantine) if _modified(folder) <= before]
-        root = self._layout.root
-        partials = [path for path in sorted(root.glob("*/*.partial")) if now - _modified(path) > ABANDONED_SECONDS]
-        sizes = {path.relative_to(root).as_posix(): _size(path) for path in partials}
-        return sizes | {folder.relative_to(root).as_posix(): folder_nbytes(str(folder)) for folder in found}
+        partials = [path for path in sorted(self.root.glob("*/*.partial")) if now - _modified(path) > ABANDONED_SECONDS]
+        sizes = {path.relative_to(self.root).as_posix(): _size(path) for path in partials}
+        return sizes | {folder.relative_to(self.root).as_posix(): folder_nbytes(str(folder)) for folder in found}
 
     def discard(self, leftovers: Iterable[str]) -> None:
-        """Delete such folders and files."""
         for name in leftovers:
-            path = self._layout.root / name
+            path = self.root / name
             shutil.rmtree(path, ignore_errors=True)
             with suppress(OSError):
                 path.unlink()
 
     def write_record(self, path: str, content: bytes, purpose: str) -> None:
-        """Write a small file beside its place and rename it."""
-        target = self._layout.root / path
+        target = self.root / path
         partial = target.with_name(f"{target.name}.{uuid.uuid4().hex}.partial")
         try:
             target.parent.mkdir(exist_ok=True)
             partial.write_bytes(content)
             partial.replace(target)
         except OSError as error:
-            # what cannot be deleted now is a leftover
+            # a partial file that cannot be deleted now is a leftover
             with suppress(OSError):
                 partial.unlink(missing_ok=True)
             raise StoreError(f"cannot {purpose}: {error.strerror}", where=target) from error
 
     def read_record(self, path: str) -> bytes | None:
-        """Content of a small file."""
-        target = self._layout.root / path
+        target = self.root / path
         try:
             return target.read_bytes()
         except (FileNotFoundError, NotADirectoryError):
@@ -131,14 +153,12 @@ class LocalFiles:
             raise StoreError(f"cannot read: {error.strerror}", where=target) from error
 
     def read_records(self, folder: str) -> dict[str, bytes]:
-        """The JSON files of a folder."""
-        names = [f"{folder}/{path.name}" for path in sorted((self._layout.root / folder).glob("*.json"))]
+        names = [f"{folder}/{path.name}" for path in sorted((self.root / folder).glob("*.json"))]
         found = {name: self.read_record(name) for name in names}
         return {name: content for name, content in found.items() if content is not None}
 
     def delete_record(self, path: str, purpose: str) -> bool:
-        """Delete a small file."""
-        target = self._layout.root / path
+        target = self.root / path
         try:
             target.unlink()
         except FileNotFoundError:
@@ -147,29 +167,13 @@ class LocalFiles:
             raise StoreError(f"cannot {purpose}: {error.strerror}", where=target) from error
         return True
 
-    def append_log(self, run_id: str, lines: bytes) -> None:
-        """Append to this process's file of the log."""
-        logs.append_log(self._layout, run_id, lines)
-
-    def read_log(self, run_id: str) -> list[bytes]:
-        """The lines of all files of the log."""
-        return logs.read_log(self._layout, run_id)
-
-    def logs(self) -> dict[str, float]:
-        """Times of change of the logs' files."""
-        return logs.logs(self._layout)
-
-    def remove_log(self, run_id: str) -> bool:
-        """Delete the log's folder."""
-        return logs.remove_log(self._layout, run_id)
-
 
 def _folders(parent: Path) -> list[Path]:
     return sorted(parent.iterdir()) if parent.is_dir() else []
 
 
 def _size(path: Path) -> int:
-    """Bytes of a file; none of one that is gone meanwhile."""
+    """Return the bytes of a file; 0 if it has vanished."""
     try:
         return path.stat().st_size
     except FileNotFoundError:
@@ -177,7 +181,7 @@ def _size(path: Path) -> int:
 
 
 def _modified(path: str | Path) -> float:
-    """Seconds since the epoch; minus infinity for what is gone meanwhile."""
+    """Return the time of the last change, seconds since the epoch; minus infinity if the path has vanished."""
     try:
         return os.stat(path).st_mtime
     except FileNotFoundError:

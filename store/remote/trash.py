@@ -1,9 +1,9 @@
 """Artifacts taken out of service on an object store before they are deleted.
 
 There is no rename. A collection first writes a copy of the manifest under ``aside/`` that only one process at a time
-can own, then deletes the manifest: with it the artifact is gone. Its files stay until the collection has read the
-pins again. A process that is killed in between leaves the copy, which names it, and files that no manifest names; the
-next collection finds both.
+can own, then deletes the manifest: this takes the artifact out of service. Its files stay until the collection has read
+the pins again. A process that is killed in between leaves the copy, which names the process, and files that no manifest
+names; the next collection finds both.
 """
 
 from collections.abc import Collection, Iterable
@@ -17,20 +17,20 @@ from moseg.store.remote.requests import Requests
 
 
 class Aside(NamedTuple):
-    """A manifest that was set aside, and by which process."""
+    """A manifest that was set aside, and the process that did it."""
 
     owner: str
     manifest: bytes
 
 
 def read_aside(content: bytes) -> Aside:
-    """What an object under ``aside/`` holds."""
+    """Parse an object under ``aside/``."""
     owner, _, manifest = content.partition(b"\n")
     return Aside(owner.decode("ascii", "replace"), manifest)
 
 
-class ObjectTrash:
-    """Manifests under ``aside/`` that this process owns; see `moseg.store.medium.Trash`."""
+class RemoteTrash:
+    """A `Trash` of manifests under ``aside/`` that this process owns."""
 
     def __init__(self, requests: Requests):
         self.taken: set[str] = set()
@@ -39,11 +39,10 @@ class ObjectTrash:
         self._manifests: dict[str, bytes] = {}
 
     def read_manifests(self, refs: Collection[str]) -> dict[str, bytes]:
-        """Manifests of artifacts that were taken."""
         return {ref: self._manifests[ref] for ref in refs if ref in self._manifests}
 
     def take(self, refs: Iterable[str]) -> None:
-        """Set manifests aside; artifacts that another process is taking are left to it."""
+        """Set manifests aside; skip artifacts that another process is taking."""
         names = {manifest_name(ref): ref for ref in refs}
         found = {names[name]: data for name, data in self._requests.get_many(names).items() if data is not None}
         self._drop_abandoned(found)
@@ -53,11 +52,11 @@ class ObjectTrash:
         self._requests.delete(manifest_name(ref) for ref in self._manifests)
         self.taken |= self._manifests.keys()
 
-    def give_back(self, refs: Iterable[str]) -> None:
-        """Write manifests again. Where the artifact was computed again meanwhile, that one stays."""
+    def restore(self, refs: Iterable[str]) -> None:
+        """Write manifests again; an artifact that was computed again in the meantime stays."""
         names = {manifest_name(ref): ref for ref in refs}
         created = self._requests.create_many({name: self._manifests[ref] for name, ref in names.items()})
-        # a request that was repeated because its answer was lost finds what it wrote itself
+        # a request that the client repeats because the answer was lost finds the object that it wrote
         there = self._requests.get_many(names.keys() - created)
         back = [ref for name, ref in names.items() if name in created or there[name] == self._manifests[ref]]
         self._requests.delete(map(aside_name, back))
@@ -66,22 +65,22 @@ class ObjectTrash:
         self.taken -= set(names.values())
 
     def empty(self) -> None:
-        """Delete the files of what was taken, and the copies of its manifests last."""
+        """Delete the files of the taken artifacts, and the copies of their manifests last."""
         files = [name for ref, data in self._manifests.items() for name in _files(ref, data)]
         self._requests.delete(files)
         self._requests.delete(map(aside_name, self._manifests))
         self._manifests.clear()
 
     def _drop_abandoned(self, refs: Iterable[str]) -> None:
-        """Delete copies that killed processes left of artifacts that are still in service."""
+        """Delete copies of manifests that killed processes left of artifacts that are still in service."""
         claims = self._requests.get_many([aside_name(ref) for ref in refs])
         owners = {name: read_aside(content).owner for name, content in claims.items() if content is not None}
-        # how old a copy is does not matter to a process that can be asked; another's is left to `leftovers`
+        # the age of a copy does not matter if its process can be checked; other copies are left to `leftovers`
         self._requests.delete(name for name, owner in owners.items() if is_abandoned(owner, age=0))
 
 
 def _files(ref: str, data: bytes) -> list[str]:
-    """Names of an artifact's files; none where the manifest does not say, and they are left to `leftovers`."""
+    """Return the names of an artifact's files; none if the manifest is damaged: they are left to `leftovers`."""
     try:
         sealed = check_seal(ref, data)
     except CorruptArtifactError:

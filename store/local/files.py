@@ -1,25 +1,25 @@
-"""Reading an artifact's files from a file system, and telling a lost file from a fault."""
+"""Reading an artifact's files from a file system, distinguishing a lost file from a fault."""
 
 import errno
 import os
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection
 
 from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError, StoreError
-from moseg.store.layout import Layout
+from moseg.store.local.layout import Layout
 from moseg.store.names import MANIFEST
 
 _DAMAGED = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EIO)
 
 
 def read_file(folder: str, path: str, ref: str) -> bytes:
-    """Content of one of an artifact's files.
+    """Return the content of one of an artifact's files.
 
     Raises
     ------
     MissingArtifactError
         There is no artifact.
     CorruptArtifactError
-        The artifact is there, the file is lost or cannot be read.
+        The artifact exists, but the file is lost or cannot be read.
     """
     try:
         with open(f"{folder}/{path}", "rb", buffering=0) as file:
@@ -32,13 +32,8 @@ def read_file(folder: str, path: str, ref: str) -> bytes:
         raise CorruptArtifactError(f"unreadable file: {error.strerror}", where=f"{ref} {path}", ref=ref) from None
 
 
-def read_files(folder: str, paths: Iterable[str], ref: str) -> dict[str, bytes]:
-    """Content of several of an artifact's files."""
-    return {path: read_file(folder, path, ref) for path in paths}
-
-
 def read_manifests(layout: Layout, refs: Collection[str]) -> dict[str, bytes]:
-    """Manifest files of the artifacts that lie there; no bytes where one is unreadable."""
+    """Return the manifest files of the artifacts that are there; empty bytes if one is unreadable."""
     found = {}
     for ref in refs:
         try:
@@ -50,18 +45,20 @@ def read_manifests(layout: Layout, refs: Collection[str]) -> dict[str, bytes]:
     return found
 
 
-def file_sizes(folder: str, ref: str) -> dict[str, int]:
-    """Relative path and size of every file but the manifest; -1 for what is neither a file nor a folder."""
-    try:
-        found = dict(_walk(folder))
-    except FileNotFoundError:
-        raise MissingArtifactError("no such artifact", where=ref) from None
-    found.pop(MANIFEST, None)
+def file_sizes(folder: str, prefix: str = "") -> dict[str, int]:
+    """Return the relative path and size of every file under a folder; -1 if it is neither a file nor a folder."""
+    found = {}
+    for entry in os.scandir(folder):
+        if entry.is_dir(follow_symlinks=False):
+            found |= file_sizes(entry.path, f"{prefix}{entry.name}/")
+        else:
+            is_file = entry.is_file(follow_symlinks=False)
+            found[f"{prefix}{entry.name}"] = entry.stat().st_size if is_file else -1
     return found
 
 
 def folder_nbytes(folder: str) -> int:
-    """Bytes of all files under a folder; nothing where it has vanished."""
+    """Return the bytes of all files under a folder; 0 if it has vanished."""
     total = 0
     for parent, _, names in os.walk(folder):
         for name in names:
@@ -70,12 +67,3 @@ def folder_nbytes(folder: str) -> int:
             except FileNotFoundError:
                 continue
     return total
-
-
-def _walk(folder: str, prefix: str = "") -> Iterator[tuple[str, int]]:
-    for entry in os.scandir(folder):
-        if entry.is_dir(follow_symlinks=False):
-            yield from _walk(entry.path, f"{prefix}{entry.name}/")
-        else:
-            is_file = entry.is_file(follow_symlinks=False)
-            yield f"{prefix}{entry.name}", entry.stat().st_size if is_file else -1

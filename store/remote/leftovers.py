@@ -1,4 +1,4 @@
-"""What interrupted processes left on an object store."""
+"""Objects that interrupted processes left on an object store."""
 
 from collections import Counter
 from collections.abc import Collection
@@ -16,37 +16,37 @@ from moseg.store.remote.layout import (
     ref_of_manifest,
     ref_of_payload,
 )
-from moseg.store.remote.object_trash import read_aside
 from moseg.store.remote.requests import Found, Requests
+from moseg.store.remote.trash import read_aside
 
 
 class Attempt(NamedTuple):
-    """The files of one put: whose artifact, and by which process."""
+    """The files of one put: of which artifact, and by which process."""
 
     ref: str
     name: str
 
     @property
     def folder(self) -> str:
-        """Where they lie."""
+        """Folder of the files."""
         return payload_folder(self.ref, self.name)
 
     def is_named_in(self, manifest: bytes) -> bool:
-        """Whether a manifest is that of this put: names of attempts are random."""
+        """Return whether a manifest is that of this put: names of attempts are random."""
         return self.name.encode("utf-8") in manifest
 
 
 def find_leftovers(requests: Requests, now: float, before: float) -> dict[str, int]:
-    """Folders and objects, with their bytes, that no process will finish, and quarantined artifacts of a time before.
+    """Return folders and objects, with their bytes, that no process will finish, and old quarantined artifacts.
 
-    Files that no manifest names are a leftover where the process that put them has ended, or a day has passed. Another
-    collection may be setting the manifest aside, or giving it back: it always writes the one before it deletes the
-    other. So the lookups are manifest, copy, manifest; between the first two it cannot hide, nor between the last.
+    Files that no manifest names are a leftover if the process that put them has ended, or a day has passed. Another
+    collection may be setting the manifest aside, or restoring it: it always writes the one before it deletes the
+    other. So the lookups are manifest, copy, manifest: one of them finds it.
     """
     sizes, ages = _attempts(requests, now)
     stored = {ref_of_manifest(item.name) for item in requests.listing(OBJECTS)}
     counts = Counter(attempt.ref for attempt in sizes)
-    # where a manifest has one place of files to name, it is that
+    # a manifest whose artifact has files in one place only names that place
     doubtful = [attempt for attempt in sizes if attempt.ref not in stored or counts[attempt.ref] > 1]
     orphans = [attempt for attempt in doubtful if is_abandoned(attempt.name, ages[attempt])]
     orphans = _unnamed_in_service(requests, orphans)
@@ -63,7 +63,7 @@ def find_leftovers(requests: Requests, now: float, before: float) -> dict[str, i
 
 
 def _attempts(requests: Requests, now: float) -> tuple[dict[Attempt, int], dict[Attempt, float]]:
-    """Bytes of the files of each put, and seconds since the last was written."""
+    """Return the bytes of the files of each put, and the seconds since the last was written."""
     sizes: dict[Attempt, int] = {}
     ages: dict[Attempt, float] = {}
     for item in requests.listing(PAYLOADS):
@@ -76,7 +76,7 @@ def _attempts(requests: Requests, now: float) -> tuple[dict[Attempt, int], dict[
 
 
 def _unnamed_in_service(requests: Requests, attempts: Collection[Attempt]) -> list[Attempt]:
-    """Those attempts that no manifest in service names."""
+    """Return the attempts that no manifest in service names."""
     manifests = requests.get_many([manifest_name(attempt.ref) for attempt in attempts])
     return [attempt for attempt in attempts if not attempt.is_named_in(manifests[manifest_name(attempt.ref)] or b"")]
 
