@@ -1,4 +1,4 @@
-"""Layers of the ground truth, and of where a variant differs from it."""
+"""Layers of the ground truth and of each variant's errors."""
 
 import numpy as np
 
@@ -6,16 +6,14 @@ from moseg.schemas.configs import Variant
 from moseg.workflows.exports.draw_errors import ERROR_COLOURS, sort_errors
 from moseg.workflows.exports.draw_regions import HATCH, RegionStyle, draw_regions
 from moseg.workflows.exports.draw_tracks import TAIL_FRAMES, DrawnPoints, draw_tracks
-from moseg.workflows.reports.encode_picture import encode_transparent
+from moseg.workflows.reports.content import Layer, LayerKind, LegendEntry, Picture
+from moseg.workflows.reports.layers import PlannedLayer, SequenceView, as_hex, encode_transparent
 from moseg.workflows.reports.object_layers import POINT_RADIUS, STATIC_POINT
-from moseg.workflows.reports.picture_content import Layer, LayerKind, LegendEntry, Picture
-from moseg.workflows.reports.planned_layer import PlannedLayer
-from moseg.workflows.reports.sequence_view import SequenceView, as_hex
 from moseg.workflows.results.shown_frames import annotated_frames, label_points, read_labelled_points
 from moseg.workflows.sources.resize import resize_labels
 
 TRUTH_COLOUR = (255, 255, 255)
-"""RGB, of no identity: what is true and what was found share no numbers."""
+"""RGB of no identity: true objects and found ones share no numbers."""
 _TRUTH = RegionStyle(0.2)
 _ERRORS = RegionStyle(0.7, line=0)
 _ERROR_MEANINGS = {
@@ -26,7 +24,7 @@ _ERROR_MEANINGS = {
 
 
 def plan_truth(view: SequenceView) -> PlannedLayer | None:
-    """What truly moves; None where nobody says."""
+    """Plan the layer of what truly moves; None where there is no ground truth."""
     if view.graph.leaves.annotation is not None:
         return PlannedLayer("ground truth", (view.graph.leaves.annotation,), lambda: _make_truth(view))
     if view.graph.leaves.labelled_points is not None:
@@ -35,8 +33,8 @@ def plan_truth(view: SequenceView) -> PlannedLayer | None:
 
 
 def plan_errors(view: SequenceView, variant: Variant) -> PlannedLayer | None:
-    """Where a variant is right and where it is wrong; None where nobody can say."""
-    name, labels = f"errors ({variant})", view.label_refs(variant, view.frames)
+    """Plan the layer of where a variant is right or wrong; None where there is no ground truth."""
+    name, labels = f"errors ({variant})", view.label_refs(variant)
     annotation, labelled_points = view.graph.leaves.annotation, view.graph.leaves.labelled_points
     if annotation is not None:
         return PlannedLayer(name, (annotation, *labels), lambda: _make_errors(view, variant, name))
@@ -108,7 +106,7 @@ def _make_point_errors(view: SequenceView, variant: Variant, name: str) -> Layer
     def draw(frame: int) -> Picture:
         found = label_points(labelled, frame, view.labels(variant, frame))
         kinds = sort_errors(found.predicted, found.truth)
-        # Errors lie above what is right.
+        # Errors are drawn last, above correct points.
         shown = np.concatenate([np.flatnonzero(kinds[kind]) for kind in ERROR_COLOURS])
         counts = [np.count_nonzero(kinds[kind]) for kind in ERROR_COLOURS]
         colours = np.repeat(np.array(list(ERROR_COLOURS.values()), np.uint8), counts, axis=0)
@@ -128,7 +126,7 @@ def _list_errors() -> tuple[LegendEntry, ...]:
 
 
 def _read_truth(view: SequenceView, frame: int) -> np.ndarray | None:
-    """Labels of a frame; None where it has none, as where no frame has any and all are shown."""
+    """Read the labels of a frame; None where it has none, as where no frame has any and all are shown."""
     annotation = view.graph.leaves.annotation
     annotated = annotated_frames(view.store, annotation)
     if frame not in annotated:

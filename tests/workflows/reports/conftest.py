@@ -11,11 +11,24 @@ import cv2
 import numpy as np
 import pytest
 
-from moseg.workflows.reports.content import GroupedObject, ReportPage, SequencePanel, VariantPanel
-from moseg.workflows.reports.figure_content import EigenvaluePlot, Matrix
+from moseg.workflows.reports.content import (
+    EigenvaluePlot,
+    GroupedObject,
+    Layer,
+    LayerKind,
+    LegendEntry,
+    Matrix,
+    ObjectRow,
+    ParameterRow,
+    Picture,
+    ReportPage,
+    ScoreTable,
+    SequencePanel,
+    StageRow,
+    VariantPanel,
+    Video,
+)
 from moseg.workflows.reports.page import render_page
-from moseg.workflows.reports.picture_content import Layer, LayerKind, LegendEntry, Picture, Video
-from moseg.workflows.reports.table_content import ObjectRow, ParameterRow, ScoreTable, StageRow
 
 WIDTH, HEIGHT = 64, 48
 FRAMES = (0, 4, 8, 12)

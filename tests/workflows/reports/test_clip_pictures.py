@@ -11,11 +11,17 @@ from moseg.schemas.recipes import leaf_recipe
 from moseg.store import open_store
 from moseg.tasks.metrics import clustering_error
 from moseg.workflows.graph import TrajectoryGraph, TrajectoryLeaves
-from moseg.workflows.reports.clip_pictures import CLIP_SIDE, RIGHT_COLOUR, WRONG_COLOUR, clip_extent, match_groups
+from moseg.workflows.reports.clip_layers import (
+    CLIP_SIDE,
+    RIGHT_COLOUR,
+    WRONG_COLOUR,
+    clip_extent,
+    gather_clip_pictures,
+    match_groups,
+)
+from moseg.workflows.reports.layers import as_hex
 from moseg.workflows.reports.missing import WhyAbsent
 from moseg.workflows.reports.panels import Panels
-from moseg.workflows.reports.pictures import gather_clip_pictures
-from moseg.workflows.reports.sequence_view import as_hex
 
 CONFIG = PipelineConfig()
 FUSED = TrajectoryVariant.FUSED

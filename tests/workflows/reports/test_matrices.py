@@ -11,12 +11,11 @@ from moseg.store import open_store
 from moseg.tasks.clustering import cluster_motions
 from moseg.tasks.clustering.spectral import normalise_affinity
 from moseg.workflows.graph import SequenceGraph
-from moseg.workflows.reports.clip_panels import MOST_TRACKS, sample_by_motion
+from moseg.workflows.reports.layers import all_colours, as_hex
 from moseg.workflows.reports.matrices import fused_kernel, matrix_refs, mean_residuals
 from moseg.workflows.reports.motion_count import FoundGroups, explain_objects, explain_tracks
-from moseg.workflows.reports.sequence_view import all_colours, as_hex
 from moseg.workflows.reports.subject import read_subject
-from moseg.workflows.reports.variant_panels import variant_panel
+from moseg.workflows.reports.variant_panels import MAX_TRACKS, sample_by_motion, variant_panel
 from moseg.workflows.runlog.status import list_runs
 
 AUTO = get_args(ClusteringParams.model_fields["auto"].annotation)
@@ -208,7 +207,7 @@ def test_of_several_views_the_mean_drops():
 def test_tracks_are_sampled_evenly_in_the_order_of_their_motions():
     motion = np.array([1] * 3000 + [0] * 1000)
     chosen = sample_by_motion(motion)
-    assert len(chosen) == MOST_TRACKS == len(set(chosen.tolist()))
-    assert motion[chosen].tolist() == [0] * (MOST_TRACKS // 4) + [1] * (3 * MOST_TRACKS // 4)
+    assert len(chosen) == MAX_TRACKS == len(set(chosen.tolist()))
+    assert motion[chosen].tolist() == [0] * (MAX_TRACKS // 4) + [1] * (3 * MAX_TRACKS // 4)
     assert sample_by_motion(np.array([1, 0, 1])).tolist() == [1, 0, 2]
     assert sample_by_motion(np.zeros(0)).tolist() == []

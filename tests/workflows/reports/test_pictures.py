@@ -17,12 +17,13 @@ from moseg.workflows.exports.draw_errors import ERROR_COLOURS
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.leaves import ingest_jobs, make_leaves
 from moseg.workflows.pipelines.plan_evaluation import foresee_ingest
-from moseg.workflows.reports import overlay_video, sequence_view
+from moseg.workflows.reports import layers
+from moseg.workflows.reports import pictures as report_pictures
+from moseg.workflows.reports.content import LayerKind
 from moseg.workflows.reports.cue_layers import plan_cue_layers
+from moseg.workflows.reports.layers import all_colours, all_tints, as_hex
 from moseg.workflows.reports.missing import WhyAbsent
-from moseg.workflows.reports.picture_content import LayerKind
 from moseg.workflows.reports.pictures import gather_pictures, picture_refs
-from moseg.workflows.reports.sequence_view import all_colours, all_tints, as_hex
 
 CONFIG = PipelineConfig(sections=SectionParams(length=4, overlap=2))
 FUSED = (Variant.FUSED,)
@@ -193,8 +194,8 @@ def test_the_video_shows_every_frame(pictures):
 
 
 def test_a_large_and_long_video_is_reduced_to_even_sizes_and_every_nth_frame(evaluated, monkeypatch):
-    monkeypatch.setattr(overlay_video, "MOST_FRAMES", 4)
-    for module in (overlay_video, sequence_view):
+    monkeypatch.setattr(report_pictures, "MAX_VIDEO_FRAMES", 4)
+    for module in (report_pictures, layers):
         monkeypatch.setattr(module, "PICTURE_SIDE", 101)
     pictures = gather_pictures(*_open(evaluated), CONFIG, FUSED, 1, fps=6.0)
     assert [frame.shape for frame in _play(pictures.video)] == [(76, 102, 3)] * 4
@@ -365,7 +366,7 @@ def test_what_is_left_of_flow_is_black_where_flow_is_unknown(evaluated_copy):
     store.put(recipe, {"flow": flow})
     config = CONFIG.model_copy(update={"flow": FlowParams(method="folder")})
     _, graph = _open(evaluated_copy, config, flow_forward=(recipe.ref,) * 9, flow_backward=(recipe.ref,) * 9)
-    view = sequence_view.SequenceView(store, graph, config, (2, 7))
+    view = layers.SequenceView(store, graph, config, (2, 7))
     for frame in view.frames:
         found = plain.recipes[plain.frame_cues.saliency(frame)].ref
         arrays = {name: store.read(found, name) for name in ("saliency", "strict_saliency", "flows", "residual_flows")}

@@ -11,7 +11,7 @@ from moseg.schemas.recipes import split_ref
 from moseg.store import open_store
 from moseg.workflows.reports import panels
 from moseg.workflows.reports.from_log import report_run
-from moseg.workflows.reports.write import write_report
+from moseg.workflows.reports.run_report import write_report
 from moseg.workflows.runlog.status import list_runs
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
@@ -206,7 +206,7 @@ def test_many_sequences_are_all_in_the_tables_and_the_first_in_pictures(
 ):
     for seed, name in enumerate("abc"):
         write_squares(tmp_path / "data" / name, num_frames=4, seed=seed)
-    monkeypatch.setattr(panels, "MOST_SEQUENCES", 2)
+    monkeypatch.setattr(panels, "MAX_SEQUENCES", 2)
     data = ("--dataset", "folder", "--root", tmp_path / "data", "--variant", "base", "--quiet")
     assert moseg("eval", *data, "--report", "report.html").code == 0
     assert moseg("report").code == moseg("report", "--sequences", "c").code == 0

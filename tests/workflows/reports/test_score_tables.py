@@ -3,11 +3,10 @@
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.scores import SequenceScore
 from moseg.schemas.trajectory_scores import TrajectoryMean, TrajectoryRow, TrajectoryScore
-from moseg.workflows.reports.clip_tables import clip_tables
-from moseg.workflows.reports.parameter_rows import parameter_rows
+from moseg.workflows.reports.content import Better
+from moseg.workflows.reports.facts import parameter_rows
 from moseg.workflows.reports.published_scores import PAPER_ROWS, PUBLISHED_ERRORS
-from moseg.workflows.reports.score_tables import score_tables
-from moseg.workflows.reports.table_content import Better
+from moseg.workflows.reports.score_tables import clip_tables, score_tables
 
 SCORE = SequenceScore(P=1, R=2, F=3, J=4, boundary_F=5, J_objects=6, boundary_F_objects=7)
 POINTS = SequenceScore(P=1, R=2, F=3, J=4, J_objects=6)

@@ -1,3 +1,95 @@
+"use strict";
+document.documentElement.classList.add("js");
+{
+  const button = document.getElementById("theme-toggle");
+  const prefersDark = matchMedia("(prefers-color-scheme: dark)");
+
+  // A page opened from a file may have no storage; the choice then lasts as long as the page.
+  const storage = (use) => {
+    try {
+      return use(localStorage);
+    } catch {
+      return null;
+    }
+  };
+
+  const theme = () => document.documentElement.dataset.theme ?? (prefersDark.matches ? "dark" : "light");
+  const label = () => {
+    const other = theme() === "dark" ? "light" : "dark";
+    button.textContent = other === "dark" ? "Dark" : "Light";
+    button.setAttribute("aria-label", `switch to ${other} colours`);
+  };
+
+  const kept = storage((store) => store.getItem("moseg-theme"));
+  if (kept === "light" || kept === "dark") document.documentElement.dataset.theme = kept;
+  label();
+  prefersDark.addEventListener("change", label);
+  button.addEventListener("click", () => {
+    const other = theme() === "dark" ? "light" : "dark";
+    document.documentElement.dataset.theme = other;
+    storage((store) => store.setItem("moseg-theme", other));
+    label();
+  });
+}
+
+{
+  const sequences = [...document.querySelectorAll("details.sequence")];
+  const links = [...document.querySelectorAll(".sidebar a[href^='#']")];
+
+  const open = () => {
+    const target = location.hash.length > 1 && document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    if (target && target.matches("details.sequence")) target.open = true;
+  };
+  addEventListener("hashchange", open);
+  for (const link of document.querySelectorAll("a[href^='#sequence-']")) {
+    link.addEventListener("click", () => {
+      document.getElementById(link.hash.slice(1)).open = true;
+    });
+  }
+  open();
+
+  for (const [id, isOpen] of [["open-all", true], ["close-all", false]]) {
+    document.getElementById(id)?.addEventListener("click", () => {
+      for (const sequence of sequences) sequence.open = isOpen;
+    });
+  }
+
+  const filter = document.getElementById("filter");
+  filter?.addEventListener("input", () => {
+    const wanted = filter.value.trim().toLowerCase();
+    let count = 0;
+    for (const sequence of sequences) {
+      const isWanted = sequence.dataset.name.toLowerCase().includes(wanted);
+      count += isWanted;
+      sequence.hidden = !isWanted;
+      document.querySelector(`.jump [data-sequence="${sequence.dataset.sequence}"]`).hidden = !isWanted;
+    }
+    document.getElementById("filter-count").textContent = wanted ? `${count} of ${sequences.length}` : "";
+  });
+
+  // The link of what is being read is marked: the last section that begins above the upper third of the window.
+  const targets = links.map((link) => document.getElementById(link.hash.slice(1)));
+  let isDue = false;
+  const mark = () => {
+    isDue = false;
+    let current = -1;
+    targets.forEach((target, index) => {
+      if (!target.hidden && target.getBoundingClientRect().top < innerHeight / 3) current = index;
+    });
+    links.forEach((link, index) => {
+      if (index === current) link.setAttribute("aria-current", "location");
+      else link.removeAttribute("aria-current");
+    });
+  };
+  const markSoon = () => {
+    if (!isDue) requestAnimationFrame(mark);
+    isDue = true;
+  };
+  addEventListener("scroll", markSoon, { passive: true });
+  addEventListener("resize", markSoon);
+  mark();
+}
+
 {
   const MOST_DECODED = 96;
   const PLAY_INTERVAL_MS = 180;
@@ -162,4 +254,71 @@
     section.addEventListener("toggle", () => whenIdle(startNext));
   }
   whenIdle(startNext);
+}
+
+for (const list of document.querySelectorAll("[role=tablist]")) {
+  const tabs = [...list.querySelectorAll("[role=tab]")];
+  const panelOf = (tab) => document.getElementById(tab.getAttribute("aria-controls"));
+
+  const select = (chosen) => {
+    for (const tab of tabs) {
+      tab.setAttribute("aria-selected", String(tab === chosen));
+      tab.tabIndex = tab === chosen ? 0 : -1;
+      panelOf(tab).hidden = tab !== chosen;
+    }
+  };
+
+  list.addEventListener("click", (event) => {
+    const tab = event.target.closest("[role=tab]");
+    if (tab) select(tab);
+  });
+  list.addEventListener("keydown", (event) => {
+    const at = tabs.indexOf(event.target);
+    const next = { ArrowRight: at + 1, ArrowLeft: at - 1, Home: 0, End: tabs.length - 1 }[event.key];
+    if (next === undefined) return;
+    event.preventDefault();
+    const tab = tabs[(next + tabs.length) % tabs.length];
+    select(tab);
+    tab.focus();
+  });
+  select(tabs[0]);
+}
+
+for (const table of document.querySelectorAll(".heat-map")) {
+  const readout = table.closest("figure").querySelector(".readout");
+  const rows = [...table.tBodies[0].rows].map((row) => [...row.querySelectorAll("td")]);
+  const labels = [...table.tHead.querySelectorAll("th")].map((label) => label.textContent);
+  const placeOf = (cell) => [cell.parentElement.sectionRowIndex, cell.cellIndex - 1];
+
+  const read = (cell) => {
+    const [row, column] = placeOf(cell);
+    const unit = table.dataset.unit && cell.textContent !== "–" ? ` ${table.dataset.unit}` : "";
+    readout.textContent = `${labels[row]} × ${labels[column]}: ${cell.textContent}${unit}`;
+  };
+
+  // One stop of the tab key a matrix; arrows go on from there.
+  table.setAttribute("role", "grid");
+  rows[0][0].tabIndex = 0;
+  table.addEventListener("pointerover", (event) => {
+    const cell = event.target.closest("tbody td");
+    if (cell) read(cell);
+  });
+  table.addEventListener("pointerleave", () => {
+    readout.textContent = "";
+  });
+  table.addEventListener("focusin", (event) => read(event.target));
+  table.addEventListener("focusout", () => {
+    readout.textContent = "";
+  });
+  table.addEventListener("keydown", (event) => {
+    const move = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] }[event.key];
+    if (!move) return;
+    event.preventDefault();
+    const [row, column] = placeOf(event.target);
+    const next = rows[row + move[0]]?.[column + move[1]];
+    if (!next) return;
+    event.target.tabIndex = -1;
+    next.tabIndex = 0;
+    next.focus();
+  });
 }
