@@ -8,8 +8,7 @@ import numpy as np
 
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.exports.motion_json import SequenceSummary, check_file_name, read_motion
-from moseg.workflows.exports.output_names import MASKS, MOTION, mask_name
-from moseg.workflows.exports.run_lengths import list_identities
+from moseg.workflows.exports.outputs import MASKS, MOTION, mask_name
 from moseg.workflows.sources.files import list_files, read_bytes
 from moseg.workflows.sources.image_files import IMAGE_SUFFIXES
 from moseg.workflows.sources.mask_files import decode_mask
@@ -102,6 +101,11 @@ def open_segmentation(folder: Path, images: Path | None = None, name: str | None
             raise MissingInputError("missing mask", where=path, expected=f"{summary.num_frames} masks, as in {MOTION}")
         _check_size(path, summary, "mask")
     return SavedSegmentation(folder, summary, frames or tuple(map(mask_name, range(summary.num_frames))))
+
+
+def list_identities(labels: np.ndarray) -> list[int]:
+    """Return the identities in uint16 (y, x) labels, ascending, without 0."""
+    return (np.flatnonzero(np.bincount(labels.ravel())[1:]) + 1).tolist()
 
 
 def _mask_paths(folder: Path, num_frames: int) -> Iterator[Path]:

@@ -7,7 +7,7 @@ import numpy as np
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from moseg.workflows.exports.output_names import OWN_MASK, mask_name
+from moseg.workflows.exports.outputs import OWN_MASK, mask_name
 from moseg.workflows.exports.ownership import MARK, is_own_mask
 from moseg.workflows.exports.palette import davis_palette
 from moseg.workflows.process.atomic_write import atomic_path, blame_output, sweep_leftovers

@@ -10,7 +10,7 @@ from PIL import Image
 
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
-from moseg.workflows.exports.draw_labels import brightest
+from moseg.workflows.exports.draw_overlay import brightest
 from moseg.workflows.exports.palette import identity_colours
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.reports.content import Layer, LegendEntry, Picture

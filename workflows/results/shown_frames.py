@@ -7,7 +7,7 @@ import numpy as np
 
 from moseg.store import ArtifactStore
 from moseg.tasks.metrics import sample_points
-from moseg.workflows.exports.draw_point_errors import PointLabels
+from moseg.workflows.exports.draw_errors import PointLabels
 from moseg.workflows.graph import SequenceLeaves
 from moseg.workflows.sources.resize import resize_labels
 

@@ -5,10 +5,15 @@ import numpy as np
 import pytest
 
 from moseg.workflows.exports.colour_maps import colour_soft_map
-from moseg.workflows.exports.draw_contact_sheet import draw_contact_sheet
+from moseg.workflows.exports.draw_contact_sheet import (
+    TILE_SIDE,
+    SheetFrame,
+    draw_column,
+    draw_contact_sheet,
+    tile_shape,
+)
 from moseg.workflows.exports.draw_errors import draw_errors
-from moseg.workflows.exports.draw_labels import draw_labels
-from moseg.workflows.exports.sheet_column import TILE_SIDE, SheetFrame, draw_column, tile_shape
+from moseg.workflows.exports.draw_overlay import draw_labels
 
 SHAPE = (TILE_SIDE // 2, TILE_SIDE)
 

@@ -9,7 +9,7 @@ from PIL import Image
 
 from moseg.schemas.errors import InputError
 from moseg.workflows.exports import summarise_sequence, write_masks, write_motion, write_overlay
-from moseg.workflows.exports.check_outputs import check_outputs
+from moseg.workflows.exports.outputs import check_outputs
 from moseg.workflows.exports.owned_folder import OwnedFolder
 from moseg.workflows.exports.ownership import OwnedFile, is_own_archive, is_own_mask, is_own_overlay, is_own_summary
 

@@ -5,15 +5,11 @@ from pathlib import Path
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.spelling import unknown_name
-from moseg.workflows.exports.formats.coco import COCO
-from moseg.workflows.exports.formats.colmap import COLMAP
+from moseg.workflows.exports.formats.annotations import COCO, YTVIS
 from moseg.workflows.exports.formats.davis import DAVIS
-from moseg.workflows.exports.formats.dynaslam import DYNASLAM
 from moseg.workflows.exports.formats.export_format import ExportFormat
-from moseg.workflows.exports.formats.instant_ngp import INSTANT_NGP
-from moseg.workflows.exports.formats.nerfstudio import NERFSTUDIO
+from moseg.workflows.exports.formats.ignore_masks import COLMAP, DYNASLAM, INSTANT_NGP, NERFSTUDIO
 from moseg.workflows.exports.formats.npz import NPZ
-from moseg.workflows.exports.formats.ytvis import YTVIS
 from moseg.workflows.exports.motion_json import check_file_name
 from moseg.workflows.exports.saved_segmentation import SavedSegmentation
 
