@@ -1,4 +1,4 @@
-"""A contact sheet: frames of a sequence side by side, below each what was found in it."""
+"""Contact sheet: frames of a sequence side by side, and below each frame what was found in it."""
 
 from collections.abc import Iterable
 from functools import cache
@@ -19,7 +19,7 @@ HEAD_SIZE, TEXT_SIZE = 28, 18
 TITLES_WIDTH = 156
 """Width of the titles left of the rows, px: the longest line of a legend, "false negative", beside its colour."""
 MIN_TILE = (102, 150)
-"""Least height and width that a tile has to itself, px: a legend of three lines, and the longest caption."""
+"""Minimum height and width of a tile's cell, px: a legend of three lines, and the longest caption."""
 _LINE = TEXT_SIZE + 6
 TILE_SIDE = 320
 """Longer side of a frame in a sheet, px: eight of them are as wide as a large screen."""
@@ -55,7 +55,7 @@ class SheetFrame(NamedTuple):
 
     @property
     def caption(self) -> str:
-        """What stands above the frame."""
+        """Text above the frame."""
         return f"frame {self.index}" + ("" if self.J is None else f"   J {self.J:.1f}")
 
 
@@ -103,7 +103,7 @@ def draw_contact_sheet(
 
 
 def draw_column(frame: SheetFrame, soft_title: str, void: int | None = None) -> dict[str, np.ndarray]:
-    """Pictures of a frame by their row's title, uint8 (y, x, rgb), all of one size.
+    """Draw the pictures of a frame by their row's title, uint8 (y, x, rgb), all of one size.
 
     Parameters
     ----------
@@ -130,14 +130,14 @@ def draw_column(frame: SheetFrame, soft_title: str, void: int | None = None) -> 
 
 
 def tile_shape(shape: tuple[int, int]) -> tuple[int, int]:
-    """Height and width, px, at which frames of a shape stand in a sheet."""
+    """Return height and width, px, of a frame in a sheet."""
     return tuple(max(1, round(side * TILE_SIDE / max(shape))) for side in shape)
 
 
 def _draw_title(
     sheet: Image.Image, pen: ImageDraw.ImageDraw, corner: tuple[int, int], title: str, soft_title: str
 ) -> None:
-    """A row's title and, below it, what its colours mean."""
+    """Draw a row's title and, below it, the meaning of its colours."""
     x, y = corner
     font = _font(TEXT_SIZE)
     pen.text((x, y), title, INK, font, anchor="lt")
@@ -158,7 +158,7 @@ def _draw_title(
 
 @cache
 def _font(size: int) -> ImageFont.FreeTypeFont:
-    """The font that Pillow brings along: the same on every machine."""
+    """Return the font that comes with Pillow, the same on every machine."""
     return ImageFont.load_default(size)
 
 

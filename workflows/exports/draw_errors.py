@@ -1,4 +1,4 @@
-"""Where a mask, or a prediction at labelled points, is right or wrong, drawn over the frame."""
+"""Errors of a mask, or of a prediction at labelled points, drawn over the frame."""
 
 from types import MappingProxyType
 from typing import NamedTuple
@@ -16,11 +16,11 @@ ERROR_COLOURS = MappingProxyType(
 """RGB. Of the colours of Okabe and Ito with white, the three that lie farthest apart in the worst of normal vision and
 the three dichromacies, by lightness alone too."""
 DIMMING = 0.3
-"""Share of the frame's brightness that is left: enough to know the scene by, darker than every error colour."""
+"""Share of the frame's brightness that is kept: enough to recognise the scene, darker than every error colour."""
 OPACITY = 0.8
-"""Share of the error colour in its pixels: a white frame does not pass for a true positive, edges stay visible."""
+"""Share of the error colour in its pixels: a white frame differs from a true positive, and edges stay visible."""
 POINT_RADIUS = 2
-"""Of a point's dot, px of the picture: larger ones would hide each other where hundreds lie on one car."""
+"""Of a point's dot, px of the picture: larger dots would hide each other where hundreds lie on one car."""
 
 
 class PointLabels(NamedTuple):
@@ -75,9 +75,9 @@ def draw_errors(image: np.ndarray, labels: np.ndarray, truth: np.ndarray, void: 
 
 
 def draw_point_errors(image: np.ndarray, labelled: PointLabels) -> np.ndarray:
-    """A dot at each point that moves, in the prediction or in truth, over the frame in dim grey.
+    """Draw a dot at each point that moves, in the prediction or in truth, over the frame in dim grey.
 
-    Colours are those of `draw_errors`. A point that is static in both has no dot, and errors lie above what is right.
+    Colours are those of `draw_errors`. A point that is static in both has no dot, and errors lie above correct points.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def draw_point_errors(image: np.ndarray, labelled: PointLabels) -> np.ndarray:
 
 
 def sort_errors(labels: np.ndarray, truth: np.ndarray) -> dict[str, np.ndarray]:
-    """Where each kind of `ERROR_COLOURS` is, bool of the shape of both; `labels` and `truth` are 0 = static."""
+    """Return where each kind of `ERROR_COLOURS` is, bool of the shape of `labels` and `truth`, both 0 = static."""
     predicted, moves = labels > 0, truth > 0
     return {
         "true positive": predicted & moves,

@@ -10,17 +10,17 @@ from moseg.workflows.exports.overlay_style import DEFAULT_STYLE, LINED, TINTED, 
 from moseg.workflows.exports.palette import identity_colours
 
 CUTOUT_DIMMING = 0.35
-"""Share of the brightness that is left around what is cut out: the scene is still known by it."""
+"""Share of the brightness that is kept around cut-out objects: the scene can still be recognised."""
 # Wider lines need round brushes: a square one is 1.4 times as wide along diagonals.
 _WIDEST_SQUARE_BRUSH = 3
-# Of the frame's height, and the least height in px that is read.
+# Of the frame's height, and the smallest legible height, px.
 _TEXT_SHARE, _MIN_TEXT = 1 / 18, 12
-# Of the text's height: white with a dark rim is read on every colour.
+# Of the text's height: white with a dark rim is legible on every colour.
 _STROKE_SHARE = 1 / 10
 
 
 def draw_overlay(image: np.ndarray, labels: np.ndarray, style: OverlayStyle) -> np.ndarray:
-    """A frame in a style.
+    """Draw a frame in a style.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def draw_labels(image: np.ndarray, labels: np.ndarray, style: OverlayStyle = DEF
     labels : uint16 (y, x)
         0 = static, left as it is.
     style : OverlayStyle
-        Its numbers and its side by side are not drawn here: `draw_overlay` does.
+        Numbers and the untouched frame are drawn by `draw_overlay`, not here.
 
     Returns
     -------
@@ -73,13 +73,13 @@ def draw_labels(image: np.ndarray, labels: np.ndarray, style: OverlayStyle = DEF
 
 
 def brightest(colours: np.ndarray) -> np.ndarray:
-    """Colours at full brightness, uint8 (..., rgb), seen on dark scenes too: the palette's first ones reach half."""
+    """Return colours at full brightness, uint8 (..., rgb), for dark scenes: the palette's first ones reach half."""
     strongest = colours.max(axis=-1, keepdims=True).astype(np.uint16)
     return (colours * np.uint16(255) // np.maximum(strongest, 1)).astype(np.uint8)
 
 
 def _draw_outline(drawn: np.ndarray, labels: np.ndarray, width: int) -> None:
-    """Colour, in place, the pixels whose neighbourhood holds more than one label."""
+    """Colour, in place, the pixels whose neighbourhood contains more than one label."""
     if not width:
         return
     shape = cv2.MORPH_RECT if width < _WIDEST_SQUARE_BRUSH else cv2.MORPH_ELLIPSE
@@ -90,7 +90,7 @@ def _draw_outline(drawn: np.ndarray, labels: np.ndarray, width: int) -> None:
 
 
 def _draw_identities(image: np.ndarray, labels: np.ndarray) -> np.ndarray:
-    """The number of each object at the mean of its pixels, kept inside the frame."""
+    """Draw the number of each object at the mean of its pixels, inside the frame."""
     height, width = labels.shape
     size = max(_MIN_TEXT, round(height * _TEXT_SHARE))
     stroke = max(1, round(size * _STROKE_SHARE))
@@ -113,5 +113,5 @@ def _draw_identities(image: np.ndarray, labels: np.ndarray) -> np.ndarray:
 
 @cache
 def _font(size: int) -> ImageFont.FreeTypeFont:
-    """The font that Pillow brings along: the same on every machine."""
+    """Return the font that comes with Pillow, the same on every machine."""
     return ImageFont.load_default(size)

@@ -37,7 +37,7 @@ def check_outputs(folder: str, video: str | None, has_overlay: bool = True, argu
     ------
     InputError
         Nothing can be written there; the video itself would be overwritten; or a file would be replaced that moseg did
-        not write, such as the ground truth of the frames or a mask that was corrected by hand.
+        not write, such as ground truth of the frames or a mask corrected by hand.
     """
     if not folder.strip():
         raise InputError("no output folder named", where=argument, got=repr(folder), expected="a folder")
