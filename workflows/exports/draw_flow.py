@@ -7,8 +7,8 @@ import numpy as np
 
 UNKNOWN_FLOW = (0, 0, 0)
 """RGB of a pixel with unknown flow; no vector has this colour."""
-# Hues from one of six corners of the colour cube to the next: red, yellow, green, cyan, blue, magenta and back. The eye
-# tells some apart better than others.
+# Number of hues from one of six corners of the colour cube to the next: red, yellow, green, cyan, blue, magenta, red.
+# The eye distinguishes some better than others.
 _STEPS = (15, 6, 4, 11, 13, 6)
 _CORNERS = ((255, 0, 0), (255, 255, 0), (0, 255, 0), (0, 255, 255), (0, 0, 255), (255, 0, 255), (255, 0, 0))
 # Brightness of vectors longer than the scale.

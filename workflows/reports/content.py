@@ -23,7 +23,7 @@ class ScoreTable(NamedTuple):
     columns : tuple of str
         The first one names the rows.
     is_published : bool
-        Whether a paper reports these figures, and nobody measured them here.
+        Whether a paper reports these figures, which are not measured here.
     better : tuple of Better or None
         Which values are better in each column of figures, None where neither is (a count); empty: more, in all columns.
     decimals : tuple of int

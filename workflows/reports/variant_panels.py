@@ -13,6 +13,7 @@ from moseg.workflows.reports.layers import all_colours, as_hex
 from moseg.workflows.reports.matrices import clustering_params, object_matrices
 from moseg.workflows.reports.missing import Missing, WhyAbsent, collect_missing, format_missing
 from moseg.workflows.reports.motion_count import FoundGroups, explain_objects, explain_tracks
+from moseg.workflows.results.found_objects import read_identities
 
 BACKGROUND = "background"
 MAX_TRACKS = 200
@@ -112,12 +113,8 @@ def sample_by_motion(motion: np.ndarray, max_tracks: int = MAX_TRACKS) -> np.nda
 
 def _object_names(store: ArtifactStore, graph: SequenceGraph) -> dict[int, str]:
     """Return ``background`` as 0, then each object by its identity: the identity and the name that a network gave."""
-    linking = store.attributes(graph.objects.linking())
-    identities = linking.get("given", range(1, linking["num_objects"]))
-    tags = linking.get("tags", [""] * len(identities))
-    return {0: BACKGROUND} | {
-        identity: f"{identity} {tag}".strip() for identity, tag in zip(identities, tags, strict=True)
-    }
+    identities, tags = read_identities(store, graph)
+    return {0: BACKGROUND} | {identity: f"{identity} {tags.get(identity, '')}".strip() for identity in identities}
 
 
 def _group(names: dict[int, str], groups: Iterable[int]) -> tuple[GroupedObject, ...]:

@@ -36,17 +36,22 @@ def found_refs(graph: SequenceGraph, variant: Variant) -> tuple[str, ...]:
     return (graph.objects.linking(), *(() if clustering is None else (clustering,)))
 
 
+def read_identities(store: ArtifactStore, graph: SequenceGraph) -> tuple[tuple[int, ...], dict[int, str]]:
+    """Read the identities of the objects of a sequence from the store, and the names that networks gave them."""
+    linking = store.attributes(graph.objects.linking())
+    identities = tuple(map(int, linking.get("given", range(1, linking["num_objects"]))))
+    tags = dict(zip(identities, linking["tags"], strict=True)) if "tags" in linking else {}
+    # An empty tag: the detector found a box but no name.
+    return identities, {identity: tag for identity, tag in tags.items() if tag}
+
+
 def read_found_objects(store: ArtifactStore, graph: SequenceGraph, variant: Variant) -> FoundObjects:
     """Read the objects from the store."""
     clustering = graph.clustering(variant)
-    linking = store.attributes(graph.objects.linking())
-    identities = tuple(map(int, linking.get("given", range(1, linking["num_objects"]))))
+    identities, tags = read_identities(store, graph)
     if clustering is None:
-        motion = np.arange(linking["num_objects"], dtype=np.uint16)
+        motion = np.arange(len(identities) + 1, dtype=np.uint16)
     else:
         motion = store.read(clustering, "motion")
     motions = {identity: int(group) for identity, group in zip(identities, motion[1:], strict=True)}
-    tags = dict(zip(identities, linking["tags"], strict=True)) if "tags" in linking else {}
-    # An empty tag: the detector found a box but no name.
-    tags = {identity: tag for identity, tag in tags.items() if tag}
     return FoundObjects(identities, motions, len(np.unique(motion)), tags)

@@ -1,10 +1,12 @@
 "use strict";
 document.documentElement.classList.add("js");
+
+// Light and dark colours.
 {
   const button = document.getElementById("theme-toggle");
   const prefersDark = matchMedia("(prefers-color-scheme: dark)");
 
-  // A page opened from a file may have no storage; the choice then lasts as long as the page.
+  // A page opened from a file may have no storage; the choice is then lost when the page is closed.
   const storage = (use) => {
     try {
       return use(localStorage);
@@ -32,6 +34,7 @@ document.documentElement.classList.add("js");
   });
 }
 
+// Sections: opened, filtered and marked in the sidebar.
 {
   const sequences = [...document.querySelectorAll("details.sequence")];
   const links = [...document.querySelectorAll(".sidebar a[href^='#']")];
@@ -67,7 +70,7 @@ document.documentElement.classList.add("js");
     document.getElementById("filter-count").textContent = wanted ? `${count} of ${sequences.length}` : "";
   });
 
-  // The link of what is being read is marked: the last section that begins above the upper third of the window.
+  // The marked link is that of the last section that begins in the upper third of the window or above.
   const targets = links.map((link) => document.getElementById(link.hash.slice(1)));
   let isDue = false;
   const mark = () => {
@@ -90,12 +93,13 @@ document.documentElement.classList.add("js");
   mark();
 }
 
+// Viewers: frames, layers, playing and the video.
 {
-  const MOST_DECODED = 96;
+  const MAX_DECODED = 96;
   const PLAY_INTERVAL_MS = 180;
   const decoded = new Map();
 
-  // Pictures are decoded when first shown; the least recently shown are forgotten.
+  // Pictures are decoded when first shown; the least recently shown are dropped.
   const decode = (key, address) => {
     let picture = decoded.get(key);
     decoded.delete(key);
@@ -105,7 +109,7 @@ document.documentElement.classList.add("js");
       picture = image.decode().then(() => image);
     }
     decoded.set(key, picture);
-    if (decoded.size > MOST_DECODED) decoded.delete(decoded.keys().next().value);
+    if (decoded.size > MAX_DECODED) decoded.delete(decoded.keys().next().value);
     return picture;
   };
 
@@ -161,7 +165,7 @@ document.documentElement.classList.add("js");
       };
     };
 
-    // While a frame is decoded the slider may move on: then only its last place is drawn next.
+    // The slider may move while a frame is decoded: only its last place is drawn next.
     const draw = async () => {
       isStale = isDrawing;
       if (isDrawing) return;
@@ -242,7 +246,7 @@ document.documentElement.classList.add("js");
   }, { rootMargin: "800px" });
   for (const viewer of waiting) seen.observe(viewer);
 
-  // Those of open sections follow when there is time, so that they are there when the page is printed.
+  // Viewers of open sections start when the browser is idle, so that they are complete when the page is printed.
   const whenIdle = globalThis.requestIdleCallback ?? ((work) => setTimeout(work, 200));
   const startNext = () => {
     const next = [...waiting].find((viewer) => viewer.offsetParent !== null);
@@ -256,6 +260,7 @@ document.documentElement.classList.add("js");
   whenIdle(startNext);
 }
 
+// Tabs of variants.
 for (const list of document.querySelectorAll("[role=tablist]")) {
   const tabs = [...list.querySelectorAll("[role=tab]")];
   const panelOf = (tab) => document.getElementById(tab.getAttribute("aria-controls"));
@@ -284,6 +289,7 @@ for (const list of document.querySelectorAll("[role=tablist]")) {
   select(tabs[0]);
 }
 
+// Matrices: the cell under the pointer or the focus is read out.
 for (const table of document.querySelectorAll(".heat-map")) {
   const readout = table.closest("figure").querySelector(".readout");
   const rows = [...table.tBodies[0].rows].map((row) => [...row.querySelectorAll("td")]);
@@ -296,7 +302,7 @@ for (const table of document.querySelectorAll(".heat-map")) {
     readout.textContent = `${labels[row]} × ${labels[column]}: ${cell.textContent}${unit}`;
   };
 
-  // One stop of the tab key a matrix; arrows go on from there.
+  // The tab key stops once at each matrix; arrows move within it.
   table.setAttribute("role", "grid");
   rows[0][0].tabIndex = 0;
   table.addEventListener("pointerover", (event) => {
