@@ -1,4 +1,4 @@
-"""Each style of overlay shows what it says, and the video plays in a browser."""
+"""Each style of overlay draws its parts, and the video plays in a browser."""
 
 import base64
 import io

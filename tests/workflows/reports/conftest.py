@@ -1,4 +1,4 @@
-"""A small report, and what opens it in a browser."""
+"""Fixtures: a small report, and a function that opens it in a browser."""
 
 import io
 from collections import Counter
@@ -152,23 +152,23 @@ def _make_page(*names: str, video_step: int = 1) -> ReportPage:
 
 @pytest.fixture(scope="session")
 def make_page() -> Callable[..., ReportPage]:
-    """Makes a report on sequences of the names given.
+    """Make a report on sequences of the names given.
 
-    Their pictures are flat, so that a pixel tells frame and layer: frames grow brighter by 40 from 40, masks and errors
-    cover the left half. Their video, brighter by 10 a frame, holds every `video_step`-th frame.
+    Their pictures are flat, so that a pixel identifies frame and layer: frames grow brighter by 40 from 40, masks and
+    errors cover the left half. Their video, brighter by 10 a frame, holds every `video_step`-th frame.
     """
     return _make_page
 
 
 @pytest.fixture
 def count_reads():
-    """Makes of a store one that counts its reads by reference and array."""
+    """Wrap a store so that it counts its reads by reference and array."""
     return _Counting
 
 
 @pytest.fixture
 def open_report(new_page, tmp_path):
-    """Opens a report in a browser of the options given, and waits for its first picture."""
+    """Open a report in a browser of the options given, and wait for its first picture."""
     numbers = count()
 
     def open_in(report: ReportPage, **options):
@@ -185,7 +185,7 @@ def open_report(new_page, tmp_path):
 
 @pytest.fixture(scope="session")
 def wait_until() -> Callable[..., None]:
-    """Waits for what holds in a page; the page lets Playwright compile nothing, so that its own wait fails."""
+    """Wait until an expression is true in a page; the page forbids `eval`, which Playwright's own wait needs."""
 
     def wait(page, expression: str) -> None:
         for _ in range(6000):

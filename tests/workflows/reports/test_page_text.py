@@ -1,4 +1,4 @@
-"""The report page as text: what lies in it and how often, without a browser."""
+"""The report page as text, without a browser."""
 
 import re
 from importlib.resources import files
@@ -21,7 +21,7 @@ def test_each_picture_lies_in_the_page_once(make_page):
     assert text.count("data:video") == 0 and text.count('id="video-0"') == 1
 
 
-def test_a_report_of_nothing_is_a_page(make_page):
+def test_an_empty_report_is_a_page(make_page):
     page = make_page("dog")
     bare = page.sequences[0]._replace(
         frames=(), layers=(), objects=(), variants=(), video=None, missing=("No <frame>.",)
@@ -60,7 +60,7 @@ def test_stages_without_time_have_a_dash(make_page):
     ],
     ids=["below ours", "over something else", "clips"],
 )
-def test_published_figures_say_once_of_what_they_are_and_that_nobody_measured_them(make_page, tables):
+def test_published_figures_are_marked_once_with_their_extent(make_page, tables):
     text = " ".join(re.sub("<[^>]+>", " ", render_page(make_page("dog")._replace(scores=tables))).split())
     assert text.count("not measured here") == 1
     assert re.search(
@@ -69,10 +69,10 @@ def test_published_figures_say_once_of_what_they_are_and_that_nobody_measured_th
     )
 
 
-def test_names_that_are_no_text_are_written_too(make_page):
+def test_names_that_are_not_unicode_are_escaped(make_page):
     assert "<h3>dog\\udcff</h3>" in render_page(make_page("dog\udcff")).encode().decode()
 
 
-def test_what_the_page_is_made_of_comes_with_the_package():
+def test_template_style_and_script_are_part_of_the_package():
     names = {entry.name for entry in files("moseg.workflows.reports.page").iterdir()}
     assert {"page.html", "page.css", "page.js"} <= names

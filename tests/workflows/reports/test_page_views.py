@@ -1,4 +1,4 @@
-"""What a page makes of numbers before they are drawn."""
+"""Numbers, matrices, plots and tables as a page lays them out."""
 
 import numpy as np
 import pytest
@@ -49,11 +49,11 @@ def test_numbers_are_short(value, text):
         (7790, "2 h 10 min"),
     ],
 )
-def test_durations_are_said_as_a_reader_says_them(seconds, text):
+def test_durations_have_units_that_suit_their_length(seconds, text):
     assert duration(seconds) == text
 
 
-def test_colours_of_residuals_go_by_their_logarithm():
+def test_colours_of_residuals_follow_their_logarithm():
     values = np.array([[np.nan, 1.0], [10.0, 100.0]])
     linear = gather_heat_map(Matrix("m", values, ("a", "b")))
     log = gather_heat_map(Matrix("m", values, ("a", "b"), is_log=True))
@@ -104,14 +104,14 @@ def _best(table: ScoreTable) -> list[str]:
     return [cell.text for _, row in lay_out_tables((table,))[0].groups[0].rows for cell in row if cell.is_best]
 
 
-def test_the_best_is_the_least_where_less_is_better():
+def test_the_best_is_the_smallest_where_less_is_better():
     rows = (("a", (5.0, 1.0, 3.0)), ("b", (4.0, 2.0, 3.0)))
     better = (Better.LESS, None, Better.MORE)
     table = ScoreTable("t", ("variant", "error", "motions", "F"), rows, better=better, decimals=(1, 0, 1))
     assert _best(table) == ["4.0"]
 
 
-def test_sequences_do_not_compete_nor_do_published_figures():
+def test_neither_sequences_nor_published_figures_are_compared():
     rows = (("a", (5.0,)), ("b", (4.0,)))
     assert _best(ScoreTable("t", ("sequence", "F"), rows)) == []
     assert _best(ScoreTable("t", ("method", "F"), rows, is_published=True)) == []
@@ -125,7 +125,7 @@ def test_published_figures_over_something_else_have_a_table_of_their_own():
     assert len(lay_out_tables((measured._replace(over="pixels"), published))) == 1
 
 
-def test_many_rows_of_single_scenes_are_folded_behind_what_sums_them_up():
+def test_many_rows_of_single_scenes_are_folded_after_their_means():
     means = ScoreTable("means", ("variant", "F"), (("a", (5.0,)),))
     scenes = [ScoreTable(name, ("sequence", "F"), tuple((str(n), (5.0,)) for n in range(9))) for name in "ab"]
     published = ScoreTable("p", ("method", "error"), (("b", (4.0,)),), is_published=True)
@@ -139,7 +139,7 @@ def test_many_rows_of_single_scenes_are_folded_behind_what_sums_them_up():
     assert not any(view.is_folded for view in lay_out_tables((means, scenes[0])))
 
 
-def test_the_second_pane_shows_what_is_meant_for_it():
+def test_the_second_pane_shows_the_layer_that_lies_beside():
     frame = Layer("frame", LayerKind.BASE, (None,), is_shown=True)
     flow, mask = Layer("flow", LayerKind.BASE, (None,)), Layer("mask", LayerKind.OVER, (None,), is_shown=True)
     truth, errors = Layer("truth", LayerKind.OVER, (None,)), Layer("errors", LayerKind.OVER, (None,), is_beside=True)
@@ -150,7 +150,7 @@ def test_the_second_pane_shows_what_is_meant_for_it():
     assert choose_panes(()) == ()
 
 
-def test_the_diagonal_leaves_the_colours_of_a_picture_to_the_rest():
+def test_the_diagonal_does_not_set_the_scale_of_a_picture():
     values = np.linspace(0, 0.1, 41 * 41).reshape(41, 41)
     np.fill_diagonal(values, 1)
     heat_map = gather_heat_map(Matrix("m", values, ()))
