@@ -1,16 +1,15 @@
 """Contact sheet: frames of a sequence side by side, and below each frame what was found in it."""
 
 from collections.abc import Iterable
-from functools import cache
 from typing import NamedTuple
 
 import cv2
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
 from moseg.workflows.exports.colour_maps import SOFT_COLOURS, colour_soft_map, draw_colour_bar
 from moseg.workflows.exports.draw_errors import ERROR_COLOURS, PointLabels, draw_errors, draw_point_errors
-from moseg.workflows.exports.draw_overlay import draw_labels
+from moseg.workflows.exports.draw_overlay import default_font, draw_labels
 from moseg.workflows.sources.resize import resize_labels
 
 PAPER, INK = (255, 255, 255), (32, 32, 32)
@@ -88,15 +87,15 @@ def draw_contact_sheet(
     row_height, column_width = (max(side, minimum) for side, minimum in zip(shape, MIN_TILE, strict=True))
     first_x, first_y = MARGIN + TITLES_WIDTH, MARGIN + HEAD_SIZE + 2 * GAP + _LINE
     step_x, step_y = column_width + GAP, row_height + GAP
-    width = max(first_x + len(columns) * step_x - GAP, MARGIN + round(_font(HEAD_SIZE).getlength(head))) + MARGIN
+    width = max(first_x + len(columns) * step_x - GAP, MARGIN + round(default_font(HEAD_SIZE).getlength(head))) + MARGIN
     sheet = Image.new("RGB", (width, first_y + len(titles) * step_y - GAP + MARGIN), PAPER)
     pen = ImageDraw.Draw(sheet)
-    pen.text((MARGIN, MARGIN), head, INK, _font(HEAD_SIZE), anchor="lt")
+    pen.text((MARGIN, MARGIN), head, INK, default_font(HEAD_SIZE), anchor="lt")
     for row, title in enumerate(titles):
         _draw_title(sheet, pen, (MARGIN, first_y + row * step_y), title, soft_title)
     for index, (caption, tiles) in enumerate(zip(captions, columns, strict=True)):
         x = first_x + index * step_x
-        pen.text((x, first_y - GAP), caption, INK, _font(TEXT_SIZE), anchor="ls")
+        pen.text((x, first_y - GAP), caption, INK, default_font(TEXT_SIZE), anchor="ls")
         for row, tile in enumerate(tiles.values()):
             sheet.paste(Image.fromarray(tile), (x, first_y + row * step_y))
     return np.asarray(sheet)
@@ -139,7 +138,7 @@ def _draw_title(
 ) -> None:
     """Draw a row's title and, below it, the meaning of its colours."""
     x, y = corner
-    font = _font(TEXT_SIZE)
+    font = default_font(TEXT_SIZE)
     pen.text((x, y), title, INK, font, anchor="lt")
     y += _LINE
     if title == soft_title:
@@ -154,12 +153,6 @@ def _draw_title(
             pen.rectangle((x, y, x + TEXT_SIZE - 2, y + TEXT_SIZE - 2), colour, INK)
             pen.text((x + TEXT_SIZE + 4, y + TEXT_SIZE // 2), kind, INK, font, anchor="lm")
             y += _LINE
-
-
-@cache
-def _font(size: int) -> ImageFont.FreeTypeFont:
-    """Return the font that comes with Pillow, the same on every machine."""
-    return ImageFont.load_default(size)
 
 
 def _resize(image: np.ndarray, shape: tuple[int, int]) -> np.ndarray:

@@ -102,16 +102,18 @@ def _draw_identities(image: np.ndarray, labels: np.ndarray) -> np.ndarray:
     sums = np.bincount(identities, weights=x), np.bincount(identities, weights=y)
     for identity in np.flatnonzero(areas):
         centre = [float(total[identity] / areas[identity]) for total in sums]
-        half = pen.textlength(str(identity), _font(size)) / 2 + stroke, size / 2 + stroke
+        half = pen.textlength(str(identity), default_font(size)) / 2 + stroke, size / 2 + stroke
         place = [
             min(max(at, reach), max(side - reach, reach))
             for at, reach, side in zip(centre, half, (width, height), strict=True)
         ]
-        pen.text(place, str(identity), "white", _font(size), anchor="mm", stroke_width=stroke, stroke_fill="black")
+        pen.text(
+            place, str(identity), "white", default_font(size), anchor="mm", stroke_width=stroke, stroke_fill="black"
+        )
     return np.asarray(canvas)
 
 
 @cache
-def _font(size: int) -> ImageFont.FreeTypeFont:
+def default_font(size: int) -> ImageFont.FreeTypeFont:
     """Return the font that comes with Pillow, the same on every machine."""
     return ImageFont.load_default(size)

@@ -18,12 +18,12 @@ _MIN_OPACITY = 0.25
 
 
 class DrawnPoints(NamedTuple):
-    """Points of one frame with their past.
+    """Points of some frames, of which the last one is drawn and the others are its past.
 
     Attributes
     ----------
     points : floating (N, F, xy)
-        px of a frame of `size`, pixel centres at integers; the last frame is the one drawn. F = 1 draws no tails.
+        px of a frame of `size`, pixel centres at integers; F = 1 draws no tails.
     visible : bool (N, F)
     colours : uint8 (N, rgb)
     size : (int, int)
@@ -34,6 +34,11 @@ class DrawnPoints(NamedTuple):
     visible: np.ndarray
     colours: np.ndarray
     size: tuple[int, int]
+
+    def until(self, frame: int) -> "DrawnPoints":
+        """Return the points up to a frame, with as much past as a tail shows."""
+        recent = slice(max(frame - TAIL_FRAMES, 0), frame + 1)
+        return self._replace(points=self.points[:, recent], visible=self.visible[:, recent])
 
 
 def draw_tracks(drawn: DrawnPoints, shape: tuple[int, int], radius: float) -> np.ndarray:

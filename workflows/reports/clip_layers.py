@@ -10,7 +10,7 @@ from moseg.store import ArtifactStore
 from moseg.workflows.exports.draw_errors import ERROR_COLOURS
 from moseg.workflows.exports.draw_tracks import TAIL_FRAMES, DrawnPoints, draw_tracks
 from moseg.workflows.graph import TrajectoryGraph
-from moseg.workflows.reports.content import Layer, LayerKind, LegendEntry, Picture, SequencePanel
+from moseg.workflows.reports.content import Layer, LayerKind, LegendEntry, SequencePanel
 from moseg.workflows.reports.layers import PlannedLayer, as_hex, encode_opaque, encode_transparent, make_layers
 from moseg.workflows.reports.missing import WhyAbsent, format_missing, name_absent
 from moseg.workflows.results.shown_frames import spread
@@ -171,12 +171,10 @@ class _Clip:
         is_shown: bool = False,
         order: np.ndarray | slice = slice(None),
     ) -> Layer:
-        def draw(frame: int) -> Picture:
-            recent = slice(max(frame - TAIL_FRAMES, 0), frame + 1)
-            drawn = DrawnPoints(self._points[order, recent], self._visible[order, recent], colours[order], self.size)
-            return encode_transparent(draw_tracks(drawn, self._shape, POINT_RADIUS))
-
-        pictures = tuple(map(draw, self.frames))
+        drawn = DrawnPoints(self._points[order], self._visible[order], colours[order], self.size)
+        pictures = tuple(
+            encode_transparent(draw_tracks(drawn.until(frame), self._shape, POINT_RADIUS)) for frame in self.frames
+        )
         return Layer(name, LayerKind.OVER, pictures, legend, description=description, is_shown=is_shown)
 
     def _labels(self) -> np.ndarray:

@@ -99,12 +99,9 @@ def plan_tracks(view: SequenceView, variant: Variant) -> PlannedLayer:
             identity = linked[section][owner]
             # Moving points are drawn last, above static ones.
             order = np.argsort(moves[identity], kind="stable")
+            drawn = DrawnPoints(points[order], visible[order], colours[identity[order]], view.graph.leaves.shape)
             for row in rows:
-                recent = slice(max(row - TAIL_FRAMES, 0), row + 1)
-                drawn = DrawnPoints(
-                    points[order, recent], visible[order, recent], colours[identity[order]], view.graph.leaves.shape
-                )
-                yield encode_transparent(draw_tracks(drawn, view.shape, POINT_RADIUS))
+                yield encode_transparent(draw_tracks(drawn.until(row), view.shape, POINT_RADIUS))
 
         by_section = groupby(map(view.place, view.frames), key=itemgetter(0))
         pictures = tuple(

@@ -86,18 +86,16 @@ def _make_true_points(view: SequenceView) -> Layer:
     points, visible, labels, size = read_labelled_points(view.store, view.graph.leaves.labelled_points)
     order = np.argsort(labels > 0, kind="stable")
     colours = np.where((labels > 0)[:, None], np.array(TRUTH_COLOUR), np.array(STATIC_POINT) // 2).astype(np.uint8)
-
-    def draw(frame: int) -> Picture:
-        recent = slice(max(frame - TAIL_FRAMES, 0), frame + 1)
-        drawn = DrawnPoints(points[order, recent], visible[order, recent], colours[order], size)
-        return encode_transparent(draw_tracks(drawn, view.shape, POINT_RADIUS))
-
+    drawn = DrawnPoints(points[order], visible[order], colours[order], size)
+    pictures = tuple(
+        encode_transparent(draw_tracks(drawn.until(frame), view.shape, POINT_RADIUS)) for frame in view.frames
+    )
     legend = (
         LegendEntry(as_hex(TRUTH_COLOUR), "moves"),
         LegendEntry(as_hex(np.array(STATIC_POINT) // 2), "stands still"),
     )
     description = f"Labelled points with their way over the last {TAIL_FRAMES} frames."
-    return Layer("ground truth", LayerKind.OVER, tuple(map(draw, view.frames)), legend=legend, description=description)
+    return Layer("ground truth", LayerKind.OVER, pictures, legend=legend, description=description)
 
 
 def _make_point_errors(view: SequenceView, variant: Variant, name: str) -> Layer:
