@@ -83,7 +83,7 @@ def _make_saliency(view: SequenceView) -> Layer:
         LayerKind.BASE,
         tuple(map(draw, view.frames)),
         key=_draw_bar(SOFT_COLOURS, "0", "1"),
-        description="How sure it is that a pixel moves otherwise than the background, 0 to 1.",
+        description="Confidence that a pixel moves differently from the background, 0 to 1.",
     )
 
 
@@ -106,7 +106,7 @@ def _make_residual_flow(view: SequenceView, name: str) -> Layer:
             flow[_resize(unknown.astype(np.float32), flow.shape[:2]) > 0.5] = np.nan
         return flow
 
-    return _draw_flows(view, name, "What is left of the flow to the next frame once the background's is taken", read)
+    return _draw_flows(view, name, "Flow to the next frame minus the flow of the background", read)
 
 
 def _read_flow(view: SequenceView, frame: int) -> np.ndarray:

@@ -71,7 +71,7 @@ def report_run(
     if status.version != version("moseg"):
         notes.append(f"made by moseg {status.version}, shown by {version('moseg')}: what has changed since is missing")
     if status.state != RunState.FINISHED:
-        notes.append(f"the run is {status.state}: what it has not come to is not here")
+        notes.append(f"the run is {status.state}: results that it has not computed yet are missing")
     about = subject.dataset or names[0]
     facts = facts_of_log(store, status)
     found = [panels.found[name] for name in shown]

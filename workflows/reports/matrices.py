@@ -123,9 +123,9 @@ def _clustered(store, graph, config, variant, labels) -> Matrix:
     mean = "geometric mean" if params.fusion == "product" else "arithmetic mean"
     named = " and ".join(map(_spell, views))
     description = f"The {mean} of the affinities of {named}" if len(views) > 1 else "The affinity"
-    description += ", on a unit diagonal, what no view knows filled in along chains of objects"
+    description += ", with a unit diagonal; values that no view has are filled in along chains of objects"
     if by_agreement:
-        description += ", and what every view takes for static set apart as one group"
+        description += ", and objects that every view takes for static are one group"
     description += "; 1: the same motion."
     if len(views) > 1 and params.fusion == "coregularised":
         description += " Spectral coordinates come from the views one by one; groups are linked by this kernel."
@@ -139,12 +139,12 @@ def _describe_residuals(config: PipelineConfig, view: str) -> str:
         kind, distance = f"{_spell(view)} flow model", "mean squared distance of its flow"
     return (
         f"Row: the object whose {kind} is applied; column: the object it is applied to. The {distance}, mean over frame"
-        " pairs; large: moves in another way."
+        " pairs; large: a different motion."
     )
 
 
 def _describe_affinity(config: PipelineConfig, view: str) -> str:
     return (
-        f"How alike two objects move under {_spell(view)}, by the method {config.affinity.method}: large is alike,"
-        " blank where they were never seen together."
+        f"How alike two objects move under {_spell(view)}, by the method {config.affinity.method}: large means alike;"
+        " no value where they were never visible together."
     )

@@ -42,7 +42,7 @@ def plan_moving_objects(view: SequenceView, variant: Variant, is_shown: bool) ->
             LayerKind.OVER,
             tuple(_draw_objects(view.labels(variant, frame), view.shape, _MOVING) for frame in view.frames),
             legend=object_legend(found, is_moving_only=True),
-            description="What moves on its own, with one colour and number per identity in all frames.",
+            description="Objects that move on their own, with one colour and number per identity in all frames.",
             is_shown=is_shown,
         )
 
@@ -68,7 +68,7 @@ def plan_proposals(view: SequenceView, variant: Variant) -> PlannedLayer:
             LayerKind.OVER,
             tuple(map(draw, view.frames)),
             legend=object_legend(found, is_moving_only=False),
-            description=f"All objects before their motion decides, linked over time; motions are those of {variant}.",
+            description=f"All proposed objects, linked over time, moving or static; motions are those of {variant}.",
         )
 
     return PlannedLayer("proposals", (*proposals, *found_refs(view.graph, variant)), make)
@@ -107,14 +107,14 @@ def plan_tracks(view: SequenceView, variant: Variant) -> PlannedLayer:
         pictures = tuple(
             picture for section, places in by_section for picture in draw_section(section, (row for _, row in places))
         )
-        static = LegendEntry(as_hex(STATIC_POINT), "on what stands still")
+        static = LegendEntry(as_hex(STATIC_POINT), "on static pixels")
         return Layer(
             "tracks",
             LayerKind.OVER,
             pictures,
             legend=(*object_legend(found, is_moving_only=True), static),
-            description=f"Point tracks with their way over the last {TAIL_FRAMES} frames of their section, in the"
-            f" colour of the object that they lie on; what moves is taken from {variant}.",
+            description=f"Point tracks with their paths over the last {TAIL_FRAMES} frames of their section, in the"
+            f" colour of the object that they lie on; moving objects are those of {variant}.",
         )
 
     return PlannedLayer("tracks", (*tracks, *found_refs(view.graph, variant)), make)

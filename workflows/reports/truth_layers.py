@@ -56,7 +56,7 @@ def _make_truth(view: SequenceView) -> Layer:
 
     legend = (LegendEntry(as_hex(TRUTH_COLOUR), "moves"),)
     if void is not None:
-        legend += (LegendEntry(as_hex(HATCH), "striped: counts for neither side"),)
+        legend += (LegendEntry(as_hex(HATCH), "striped: not counted"),)
     description = "What truly moves, each object with a border of its own."
     return Layer("ground truth", LayerKind.OVER, tuple(map(draw, view.frames)), legend=legend, description=description)
 
@@ -92,9 +92,9 @@ def _make_true_points(view: SequenceView) -> Layer:
     )
     legend = (
         LegendEntry(as_hex(TRUTH_COLOUR), "moves"),
-        LegendEntry(as_hex(np.array(STATIC_POINT) // 2), "stands still"),
+        LegendEntry(as_hex(np.array(STATIC_POINT) // 2), "static"),
     )
-    description = f"Labelled points with their way over the last {TAIL_FRAMES} frames."
+    description = f"Labelled points with their paths over the last {TAIL_FRAMES} frames."
     return Layer("ground truth", LayerKind.OVER, pictures, legend=legend, description=description)
 
 

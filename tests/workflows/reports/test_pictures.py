@@ -147,7 +147,7 @@ def test_tracks_lie_on_objects_in_their_colour_and_elsewhere_in_grey(pictures, e
     is_coloured = drawn & (np.ptp(image[..., :3].astype(int), axis=-1) > 100)
     assert np.mean(truth[is_coloured] > 0) > 0.8
     assert np.count_nonzero(drawn & (truth == 0)) > 20
-    assert {entry.meaning for entry in layer.legend} >= {"on what stands still"}
+    assert {entry.meaning for entry in layer.legend} >= {"on static pixels"}
 
 
 def test_flow_has_the_wheel_as_its_key_and_names_its_scale(pictures):
