@@ -35,7 +35,7 @@ class SheetFrame(NamedTuple):
     labels : uint16 (y, x)
         0 = static, else an identity.
     soft_map : float32 (h, w) or None
-        How sure it is that a pixel moves, 0..1, at any size.
+        Confidence that a pixel moves, 0..1, at any size.
     truth : unsigned integer (y, x) or None
         Ground truth at any size.
     J : float or None

@@ -1,5 +1,7 @@
 """Layers of the ground truth and of each variant's errors."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from moseg.schemas.configs import Variant
@@ -16,7 +18,7 @@ TRUTH_COLOUR = (255, 255, 255)
 """RGB of no identity: true objects and found ones share no numbers."""
 _TRUTH = RegionStyle(0.2)
 _ERRORS = RegionStyle(0.7, line=0)
-_ERROR_MEANINGS = {
+_MEANINGS = {
     "true positive": "moves, and was found",
     "false positive": "found, but does not move",
     "false negative": "moves, but was not found",
@@ -34,13 +36,22 @@ def plan_truth(view: SequenceView) -> PlannedLayer | None:
 
 def plan_errors(view: SequenceView, variant: Variant) -> PlannedLayer | None:
     """Plan the layer of where a variant is right or wrong; None where there is no ground truth."""
-    name, labels = f"errors ({variant})", view.label_refs(variant)
-    annotation, labelled_points = view.graph.leaves.annotation, view.graph.leaves.labelled_points
-    if annotation is not None:
-        return PlannedLayer(name, (annotation, *labels), lambda: _make_errors(view, variant, name))
-    if labelled_points is not None:
-        return PlannedLayer(name, (labelled_points, *labels), lambda: _make_point_errors(view, variant, name))
-    return None
+    leaves = view.graph.leaves
+    truth = leaves.annotation or leaves.labelled_points
+    if truth is None:
+        return None
+    name = f"errors ({variant})"
+
+    def make() -> Layer:
+        is_dense = leaves.annotation is not None
+        draw = _error_drawer(view, variant) if is_dense else _point_error_drawer(view, variant)
+        where = "pixel by pixel" if is_dense else "at its labelled points"
+        legend = (LegendEntry(as_hex(colour), f"{kind}: {_MEANINGS[kind]}") for kind, colour in ERROR_COLOURS.items())
+        description = f"All moving objects taken as one, compared with the ground truth {where}."
+        pictures = tuple(map(draw, view.frames))
+        return Layer(name, LayerKind.OVER, pictures, tuple(legend), description=description, is_beside=True)
+
+    return PlannedLayer(name, (truth, *view.label_refs(variant)), make)
 
 
 def _make_truth(view: SequenceView) -> Layer:
@@ -61,7 +72,7 @@ def _make_truth(view: SequenceView) -> Layer:
     return Layer("ground truth", LayerKind.OVER, tuple(map(draw, view.frames)), legend=legend, description=description)
 
 
-def _make_errors(view: SequenceView, variant: Variant, name: str) -> Layer:
+def _error_drawer(view: SequenceView, variant: Variant) -> Callable[[int], Picture | None]:
     void = view.graph.leaves.void
     colours = np.array([(0, 0, 0), *ERROR_COLOURS.values()], np.uint8)
 
@@ -77,9 +88,7 @@ def _make_errors(view: SequenceView, variant: Variant, name: str) -> Layer:
             regions[truth == void] = 0
         return encode_transparent(draw_regions(regions, colours, view.shape, _ERRORS))
 
-    description = "All moving objects taken as one, compared with the ground truth pixel by pixel."
-    pictures = tuple(map(draw, view.frames))
-    return Layer(name, LayerKind.OVER, pictures, _list_errors(), description=description, is_beside=True)
+    return draw
 
 
 def _make_true_points(view: SequenceView) -> Layer:
@@ -98,7 +107,7 @@ def _make_true_points(view: SequenceView) -> Layer:
     return Layer("ground truth", LayerKind.OVER, pictures, legend=legend, description=description)
 
 
-def _make_point_errors(view: SequenceView, variant: Variant, name: str) -> Layer:
+def _point_error_drawer(view: SequenceView, variant: Variant) -> Callable[[int], Picture]:
     labelled = read_labelled_points(view.store, view.graph.leaves.labelled_points)
 
     def draw(frame: int) -> Picture:
@@ -112,15 +121,7 @@ def _make_point_errors(view: SequenceView, variant: Variant, name: str) -> Layer
         drawn = DrawnPoints(found.points[shown][:, None], seen, colours, found.size)
         return encode_transparent(draw_tracks(drawn, view.shape, POINT_RADIUS))
 
-    description = "All moving objects taken as one, compared with the ground truth at its labelled points."
-    pictures = tuple(map(draw, view.frames))
-    return Layer(name, LayerKind.OVER, pictures, _list_errors(), description=description, is_beside=True)
-
-
-def _list_errors() -> tuple[LegendEntry, ...]:
-    return tuple(
-        LegendEntry(as_hex(colour), f"{kind}: {_ERROR_MEANINGS[kind]}") for kind, colour in ERROR_COLOURS.items()
-    )
+    return draw
 
 
 def _read_truth(view: SequenceView, frame: int) -> np.ndarray | None:
