@@ -62,7 +62,7 @@ class ArtifactStore(Protocol):
         Raises
         ------
         StoreError
-            The arrays do not fit the task's layout, or the backend cannot write.
+            The axis names do not fit the arrays, or the backend cannot write.
         TypeError, ValueError
             JSON cannot represent the attributes exactly.
         """

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from moseg.workflows.reports import write
+from moseg.workflows.reports import run_report
 
 STRIKES = """
 import os, signal, sys
@@ -82,7 +82,7 @@ def pages(monkeypatch):
         written.append(made)
         return made.title
 
-    monkeypatch.setattr(write, "render_page", render)
+    monkeypatch.setattr(run_report, "render_page", render)
     return written
 
 

@@ -8,8 +8,7 @@ import pytest
 from PIL import Image
 
 from moseg.store import open_store
-from moseg.workflows.exports.draw_contact_sheet import draw_contact_sheet
-from moseg.workflows.exports.sheet_column import TILE_SIDE, SheetFrame, draw_column
+from moseg.workflows.exports.draw_contact_sheet import TILE_SIDE, SheetFrame, draw_column, draw_contact_sheet
 from moseg.workflows.pipelines import contact_sheets
 from moseg.workflows.results.shown_frames import spread
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import moseg as python
-from moseg.workflows.exports.output_names import MOTION, OVERLAY
+from moseg.workflows.exports.outputs import MOTION, OVERLAY
 from moseg.workflows.exports.write_overlay import write_overlay
 
 OWN = 10

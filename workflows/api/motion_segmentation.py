@@ -23,10 +23,9 @@ from moseg.workflows.api.moving_object import MovingObject
 from moseg.workflows.api.notebook import draw_html
 from moseg.workflows.api.strip import draw_strip, spread_frames
 from moseg.workflows.exports import OverlayStyle
-from moseg.workflows.exports.check_outputs import check_outputs
 from moseg.workflows.exports.draw_overlay import draw_overlay
 from moseg.workflows.exports.formats import check_exports, choose_formats, export
-from moseg.workflows.exports.output_names import MASKS, MOTION, OVERLAY, mask_name
+from moseg.workflows.exports.outputs import MASKS, MOTION, OVERLAY, check_outputs, mask_name
 from moseg.workflows.exports.overlay_style import DEFAULT_STYLE
 from moseg.workflows.exports.saved_segmentation import open_segmentation
 from moseg.workflows.pipelines.segment import StoredSegmentation

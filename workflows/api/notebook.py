@@ -10,7 +10,7 @@ from PIL import Image
 
 from moseg.workflows.api.moving_object import MovingObject
 from moseg.workflows.exports import identity_colours
-from moseg.workflows.exports.draw_labels import brightest
+from moseg.workflows.exports.draw_overlay import brightest
 
 MOST_ROWS = 20
 """Objects in the table before the rest is only counted."""

@@ -149,8 +149,8 @@ def _evaluate(
     from moseg.workflows.exports import check_writable, write_text
     from moseg.workflows.pipelines.evaluate import evaluate as run_evaluation
     from moseg.workflows.pipelines.purpose import Purpose
-    from moseg.workflows.reports.build import tables_of
     from moseg.workflows.reports.run_report import RunReport
+    from moseg.workflows.reports.score_tables import score_tables
 
     config, folders = pipeline.read()
     if json is not None:
@@ -173,7 +173,8 @@ def _evaluate(
             shown.note_facts(session)
     if json is not None:
         write_text(json, report.model_dump_json(indent=2, exclude_none=True) + "\n")
-    lines = () if shown is None else (shown.write(tables_of(report), notes),)
+    tables = score_tables(report.dataset, report.over, {row.variant: row.sequences for row in report.rows})
+    lines = () if shown is None else (shown.write(tables, notes),)
     return report, session.stages(), notes, lines
 
 

@@ -35,7 +35,7 @@ def report(
     from moseg.store import open_store
     from moseg.workflows.exports import check_writable
     from moseg.workflows.reports.from_log import report_run
-    from moseg.workflows.reports.write import write_report
+    from moseg.workflows.reports.run_report import write_report
 
     check_writable(out)
     names = sequence_names(sequences)

@@ -54,11 +54,10 @@ def segment(
     """
     from moseg.workflows.datasets import SequenceSource
     from moseg.workflows.datasets.given_folders import with_given_folders
-    from moseg.workflows.exports.check_outputs import check_outputs
     from moseg.workflows.exports.formats import check_exports, choose_formats
     from moseg.workflows.exports.formats import export as export_saved
     from moseg.workflows.exports.motion_json import frame_names
-    from moseg.workflows.exports.output_names import MASKS, MOTION, OVERLAY, mask_name
+    from moseg.workflows.exports.outputs import MASKS, MOTION, OVERLAY, check_outputs, mask_name
     from moseg.workflows.exports.saved_segmentation import open_segmentation
     from moseg.workflows.pipelines.purpose import Purpose
     from moseg.workflows.pipelines.segment import segment as run_segmentation

@@ -6,7 +6,7 @@ from rich.table import Table
 from moseg.schemas.scores import EvaluationReport, GroundTruth, SequenceScore
 from moseg.workflows.engine.session import StageUse
 from moseg.workflows.reports.published_scores import PAPER_COLUMNS, PAPER_ROWS
-from moseg.workflows.reports.score_columns import score_columns
+from moseg.workflows.reports.score_tables import score_columns
 
 
 def console() -> Console:

@@ -22,8 +22,8 @@ def evaluate_clips(
     know, and the lines that name the files beside `json`."""
     from moseg.workflows.exports import write_text
     from moseg.workflows.pipelines.evaluate_trajectories import evaluate_trajectories
-    from moseg.workflows.reports.clip_tables import clip_tables
     from moseg.workflows.reports.run_report import RunReport
+    from moseg.workflows.reports.score_tables import clip_tables
 
     sources = [dataset.trajectories(name) for name in dataset.names]
     notes = _notes(dataset, config, variants, seeds)

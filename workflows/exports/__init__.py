@@ -1,6 +1,6 @@
-"""Files that commands leave behind: masks, an overlay video, a summary of the motions, tables."""
+"""Files that commands write: masks, an overlay video, a summary of the motions, contact sheets, exports."""
 
-from moseg.workflows.exports.draw_labels import draw_labels
+from moseg.workflows.exports.draw_overlay import draw_labels
 from moseg.workflows.exports.motion_json import ObjectSummary, SequenceSummary, summarise_sequence, write_motion
 from moseg.workflows.exports.overlay_style import OverlayMode, OverlayStyle
 from moseg.workflows.exports.palette import davis_palette, identity_colours

@@ -6,9 +6,9 @@ from itertools import pairwise
 import numpy as np
 
 UNKNOWN_FLOW = (0, 0, 0)
-"""RGB of a pixel whose flow nobody knows; no vector has it."""
-# Hues from one of six corners of the colour cube to the next: red, yellow, green, cyan, blue, magenta and back. The eye
-# tells some apart better than others.
+"""RGB of a pixel with unknown flow; no vector has this colour."""
+# Number of hues from one of six corners of the colour cube to the next: red, yellow, green, cyan, blue, magenta, red.
+# The eye distinguishes some better than others.
 _STEPS = (15, 6, 4, 11, 13, 6)
 _CORNERS = ((255, 0, 0), (255, 255, 0), (0, 255, 0), (0, 255, 255), (0, 0, 255), (255, 0, 255), (255, 0, 0))
 # Brightness of vectors longer than the scale.
@@ -16,7 +16,7 @@ _BEYOND = 0.75
 
 
 def colour_flow(flow: np.ndarray, longest: float) -> np.ndarray:
-    """The colours of vectors as the Middlebury benchmark draws them.
+    """Return the colours of vectors as the Middlebury benchmark draws them.
 
     No motion is white, a vector as long as `longest` has its direction's full colour, a longer one that colour darker.
     To the right is red, down yellow, to the left cyan, up violet.
@@ -52,7 +52,7 @@ def colour_flow(flow: np.ndarray, longest: float) -> np.ndarray:
 
 
 def draw_flow_wheel(side: int) -> np.ndarray:
-    """The key to `colour_flow`: a disc whose pixels have the colours of the vectors from its centre to them.
+    """Draw the key of `colour_flow`: a disc whose pixels have the colours of the vectors from its centre to them.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def draw_flow_wheel(side: int) -> np.ndarray:
     across = (np.arange(side) + 0.5 - radius) / radius
     vectors = np.stack(np.meshgrid(across, across), axis=-1)
     outside = np.hypot(vectors[..., 0], vectors[..., 1]) - 1
-    # What the border's soft pixels show is the disc's own colour.
+    # The border's soft pixels have the disc's own colour.
     inner = vectors / np.maximum(outside + 1, 1)[..., None]
     alpha = np.rint(255 * np.clip(0.5 - outside * radius, 0, 1)).astype(np.uint8)
     return np.dstack([colour_flow(inner * (1 - 1e-9), 1.0), alpha])
@@ -76,7 +76,7 @@ def draw_flow_wheel(side: int) -> np.ndarray:
 
 @cache
 def _direction_colours() -> np.ndarray:
-    """The wheel's 55 hues, float64 (55, rgb)."""
+    """Return the wheel's 55 hues, float64 (55, rgb)."""
     runs = []
     for (start, end), steps in zip(pairwise(np.array(_CORNERS)), _STEPS, strict=True):
         rise = 255 * np.arange(steps) // steps

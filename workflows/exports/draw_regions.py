@@ -1,4 +1,4 @@
-"""Regions as a transparent picture, to lie over any other."""
+"""Regions as a transparent picture that can lie over any other."""
 
 from typing import NamedTuple
 
@@ -11,13 +11,13 @@ from moseg.workflows.sources.resize import resize_labels
 LINE = 2
 """Usual width of a region's border, px, half of it to either side."""
 RIM = 1
-"""Width of the dark rim around it, px: the border is seen on what has its colour, too."""
+"""Width of the dark rim around it, px, by which the border is visible on its own colour."""
 RIM_OPACITY = 0.6
 HATCH = (128, 128, 128)
-"""RGB of the stripes over what does not count."""
+"""RGB of the stripes over pixels that do not count."""
 _HATCH_STEP, _HATCH_OPACITY = 6, 0.75
 _TEXT = 15
-# Drawn so many times as large and reduced: borders are smooth.
+# Pictures are drawn this many times as large and reduced, so that borders are smooth.
 _OVERSAMPLING = 2
 
 
@@ -52,7 +52,7 @@ def draw_regions(
     Parameters
     ----------
     regions : uint16 (y, x)
-        0 = nothing is said.
+        0 = no region.
     colours : uint8 (num_colours, rgb)
         Of borders, by region.
     shape : (int, int)
@@ -74,7 +74,7 @@ def draw_regions(
     largest, smallest = cv2.dilate(labels, brush), cv2.erode(labels, brush)
     line = largest != smallest
     rim = cv2.dilate(largest, _round_brush(2 * RIM)) > 0
-    # Weakest first: each next one replaces what lies below.
+    # From the bottom to the top: each replaces those below.
     opacity = np.zeros(large, np.float32)
     if hatched is not None:
         y, x = np.indices(large)
@@ -90,7 +90,7 @@ def draw_regions(
 
 
 def reduce_transparent(colour: np.ndarray, opacity: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """A large transparent picture at `shape`; pixels weigh by their opacity, so that no edge takes on a foreign colour.
+    """Reduce a transparent picture to `shape`; pixels are weighted by opacity, so that edges keep their colours.
 
     Parameters
     ----------
@@ -118,12 +118,12 @@ def _round_brush(width: int) -> np.ndarray:
 
 
 def _draw_numbers(drawn: np.ndarray, regions: np.ndarray) -> np.ndarray:
-    """Each region's number at its pixel that lies farthest inside, where it fits."""
+    """Draw each region's number at its innermost pixel, where it fits."""
     canvas = Image.fromarray(drawn)
     pen = ImageDraw.Draw(canvas)
     font = ImageFont.load_default(_TEXT)
     for region in np.flatnonzero(np.bincount(regions.ravel())[1:]) + 1:
-        # A frame of zeros: what is cut by the border is as near to it as to any other.
+        # Padded with zeros: the image border counts as a border of the region.
         inside = cv2.copyMakeBorder((regions == region).astype(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
         depth = cv2.distanceTransform(inside, cv2.DIST_L2, 3)[1:-1, 1:-1]
         if depth.max() < _TEXT / 2:

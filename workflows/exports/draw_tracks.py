@@ -1,4 +1,4 @@
-"""Points and where they came from, as a transparent picture to lie over any other."""
+"""Points and their recent paths as a transparent picture that can lie over any other."""
 
 from typing import NamedTuple
 
@@ -8,22 +8,22 @@ import numpy as np
 from moseg.workflows.exports.draw_regions import reduce_transparent
 
 TAIL_FRAMES = 8
-"""Frames that a tail reaches back."""
+"""Length of a tail, frames."""
 _OVERSAMPLING = 2
 _SHIFT = 3  # binary digits of a pixel's fraction, as OpenCV takes them
 _RIM_OPACITY = 0.7
 _TAIL_WIDTH = 1
 # Of a tail's oldest part; the newest has 1.
-_LEAST_OPACITY = 0.25
+_MIN_OPACITY = 0.25
 
 
 class DrawnPoints(NamedTuple):
-    """Points of one frame with their past.
+    """Points of some frames, of which the last one is drawn and the others are its past.
 
     Attributes
     ----------
     points : floating (N, F, xy)
-        px of a frame of `size`, pixel centres at integers; the last frame is the one drawn. F = 1 draws no tails.
+        px of a frame of `size`, pixel centres at integers; F = 1 draws no tails.
     visible : bool (N, F)
     colours : uint8 (N, rgb)
     size : (int, int)
@@ -35,9 +35,14 @@ class DrawnPoints(NamedTuple):
     colours: np.ndarray
     size: tuple[int, int]
 
+    def until(self, frame: int) -> "DrawnPoints":
+        """Return the points up to a frame, with as much past as a tail shows."""
+        recent = slice(max(frame - TAIL_FRAMES, 0), frame + 1)
+        return self._replace(points=self.points[:, recent], visible=self.visible[:, recent])
+
 
 def draw_tracks(drawn: DrawnPoints, shape: tuple[int, int], radius: float) -> np.ndarray:
-    """A dot at each point seen in the last frame, and the way that it came as long as it was seen without a gap.
+    """Draw a dot at each point visible in the last frame, and its path as far back as it was visible without a gap.
 
     Parameters
     ----------
@@ -62,7 +67,7 @@ def draw_tracks(drawn: DrawnPoints, shape: tuple[int, int], radius: float) -> np
     colours = drawn.colours[seen].astype(float)
     lengths = _unbroken(drawn.visible[seen])
     for back in range(min(TAIL_FRAMES, places.shape[1] - 1), 0, -1):
-        opacity = 1 - (1 - _LEAST_OPACITY) * (back - 1) / TAIL_FRAMES
+        opacity = 1 - (1 - _MIN_OPACITY) * (back - 1) / TAIL_FRAMES
         for index in np.flatnonzero(lengths > back):
             start, end = places[index, -1 - back].tolist(), places[index, -back].tolist()
             ink = (*(opacity * colours[index]), opacity)
@@ -78,6 +83,6 @@ def draw_tracks(drawn: DrawnPoints, shape: tuple[int, int], radius: float) -> np
 
 
 def _unbroken(visible: np.ndarray) -> np.ndarray:
-    """For each track the number of frames in a row, up to the last one, in which it was seen."""
+    """Return for each track the number of consecutive frames, up to the last one, in which it was visible."""
     hidden = ~visible[:, ::-1]
     return np.where(hidden.any(axis=1), hidden.argmax(axis=1), visible.shape[1])

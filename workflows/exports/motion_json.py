@@ -30,7 +30,7 @@ class ObjectSummary(Frozen):
     mean_area_fraction : float
         Its share of the frame's pixels, mean over those frames.
     tag : str or None
-        What a network called it, where one did.
+        Name that a network gave it, where one did.
     """
 
     identity: int = Field(ge=1)
@@ -83,7 +83,7 @@ def summarise_sequence(
     Parameters
     ----------
     name : str
-        Bytes that are no UTF-8, as a folder's name may have, are written out: JSON does not hold them.
+        Bytes that are not UTF-8, as a folder's name may have, are escaped: JSON cannot hold them.
     labels : iterable of uint16 (y, x)
         0 = static.
     fps : float
@@ -93,7 +93,7 @@ def summarise_sequence(
     motions : mapping of int to int
         Motion group of each identity that occurs.
     tags : mapping of int to str, optional
-        What the identities are called, where they have names.
+        Names of the identities, where they have any.
     frames : tuple of str, optional
         File names of the frames, where they have any.
 
@@ -139,7 +139,7 @@ def summarise_sequence(
 
 
 def frame_names(frames: FrameSource) -> tuple[str, ...] | None:
-    """File names of frames that come from a folder, one each; None for a video.
+    """Return the file names of frames that come from a folder, one each; None for a video.
 
     Raises
     ------
@@ -155,7 +155,7 @@ def frame_names(frames: FrameSource) -> tuple[str, ...] | None:
 
 
 def check_file_name(name: str, what: str, where: object) -> None:
-    """Raise InputError where a name cannot be that of one file, or is no text that JSON holds."""
+    """Raise InputError where a name cannot be that of one file, or JSON cannot hold it."""
     if not name or name == ".." or "\0" in name or Path(name).name != name:
         raise InputError(f"not a name of a {what}", where=where, got=repr(name), expected="a name without a folder")
     if any("\ud800" <= character <= "\udfff" for character in name):
@@ -163,7 +163,7 @@ def check_file_name(name: str, what: str, where: object) -> None:
 
 
 def read_motion(path: Path) -> SequenceSummary:
-    """Read what `write_motion` wrote.
+    """Read a file that `write_motion` wrote.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""How an overlay shows the moving objects."""
+"""Style of an overlay: how it shows the moving objects."""
 
 from enum import StrEnum
 
@@ -7,13 +7,13 @@ from pydantic import Field
 from moseg.schemas.frozen import Frozen
 
 DEFAULT_OPACITY = 0.45
-"""Seen on foliage, with the texture still visible."""
+"""Visible on foliage, with the texture still visible."""
 DEFAULT_OUTLINE_WIDTH = 2
 MOST_OUTLINE_WIDTH = 64
 
 
 class OverlayMode(StrEnum):
-    """What is drawn into a frame."""
+    """Drawing of the objects in a frame."""
 
     OUTLINE = "outline"
     """Each object tinted in its colour, with a line along its border."""

@@ -1,4 +1,4 @@
-"""A folder of files that an export writes: it never overwrites or removes what it did not write."""
+"""Folder of files that an export writes; files that no export wrote are never overwritten or removed."""
 
 import json
 from collections.abc import Iterable
@@ -16,7 +16,7 @@ LISTING = ".moseg-export.json"
 class OwnedFolder:
     """The folder of one export, in which it may write files of these names.
 
-    Used as a context: what an earlier export left and this one does not write again is removed at the end.
+    Used as a context: files of an earlier export that this one does not write again are removed at the end.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class OwnedFolder:
         self.folder, self.names = Path(folder), tuple(names)
 
     def check(self) -> frozenset[str]:
-        """Raise what entering it would, touching nothing; returns the names that an earlier export wrote."""
+        """Check that the folder can be written, without writing, and return the names that an earlier export wrote."""
         if len(set(self.names)) != len(self.names):
             repeated = next(name for name in self.names if self.names.count(name) > 1)
             raise InputError("two frames of one name", where=self.folder, got=repeated)
@@ -47,7 +47,7 @@ class OwnedFolder:
         earlier = self.check()
         self._swept = sweep_leftovers(self.folder)
         self._swept.__enter__()
-        # Listed before they are there: after a kill the next run still knows them as its own.
+        # Listed before they are written: after a kill the next run still recognises them as its own.
         self._list({*earlier, *self.names})
         return self
 
@@ -70,7 +70,7 @@ class OwnedFolder:
             return frozenset()
         except (OSError, ValueError, RecursionError) as error:
             raise InputError("listing of an export cannot be read", where=path, got=error) from error
-        # A name with a folder in it would let a listing reach beyond its own.
+        # A name that contains a folder would let a listing reach other folders.
         if not isinstance(names, list) or any(not isinstance(name, str) or Path(name).name != name for name in names):
             raise InputError("listing of an export cannot be read", where=path, expected="a list of file names")
         return frozenset(names)

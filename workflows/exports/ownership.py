@@ -1,4 +1,4 @@
-"""Which files are ours to replace: those that say so themselves. All others are somebody else's."""
+"""Ownership of files: moseg replaces only those that bear its mark."""
 
 import json
 import zipfile
@@ -18,7 +18,7 @@ from moseg.workflows.sources.video_file import METADATA_ERRORS
 MARK = "moseg"
 """The ``Software`` text of a mask, the ``comment`` of an overlay, the comment of an archive."""
 ANNOTATIONS_INFO = {"contributor": MARK}
-"""How the ``info`` of our annotations begins."""
+"""First entries of the ``info`` of moseg's annotations."""
 
 _ANNOTATIONS_START = json.dumps({"info": ANNOTATIONS_INFO}).removesuffix("}}").encode()
 _ANOTHER_FOLDER = "another output folder, or this one without such files"
@@ -31,20 +31,20 @@ class OwnedFile(NamedTuple):
     ----------
     path : Path
     is_own : callable
-        Of the path of a file that exists, whether we wrote it.
+        Of the path of a file that exists, whether moseg wrote it.
     """
 
     path: Path
     is_own: Callable[[Path], bool]
 
     def check(self) -> None:
-        """Raise InputError where a file stands there that is not ours, or that none can be written under the name."""
+        """Raise InputError where a file exists that moseg did not write, or where none can have this name."""
         if exists(self.path) and not self.is_own(self.path):
             raise InputError("a file not known as moseg's own", where=self.path, expected=_ANOTHER_FOLDER)
 
 
 def exists(path: Path) -> bool:
-    """Whether there is something at `path`; raises InputError where the name can be none, as one that is too long."""
+    """Return whether `path` exists; raises InputError where no file can have the name, such as one that is too long."""
     with blame_output(path):
         try:
             path.stat()
@@ -54,7 +54,7 @@ def exists(path: Path) -> bool:
 
 
 def is_own_mask(path: Path) -> bool:
-    """Whether a PNG bears our mark, which ground truth has not and most programs that edit a mask do not keep."""
+    """Return whether a PNG bears the mark, which ground truth lacks and most image editors do not keep."""
     try:
         with open_quietly(path) as image:
             return image.info.get("Software") == MARK
@@ -63,7 +63,7 @@ def is_own_mask(path: Path) -> bool:
 
 
 def is_own_overlay(path: Path) -> bool:
-    """Whether a video bears our mark."""
+    """Return whether a video bears the mark."""
     try:
         with av.open(f"file:{path}", format="mp4", metadata_errors=METADATA_ERRORS) as container:
             return container.metadata.get("comment") == MARK
@@ -72,7 +72,7 @@ def is_own_overlay(path: Path) -> bool:
 
 
 def is_own_summary(path: Path) -> bool:
-    """Whether a JSON file is a summary of motions: no other program has just these fields."""
+    """Return whether a JSON file is a summary of motions: no other program writes exactly these fields."""
     try:
         read_motion(path)
     except InputError:
@@ -81,7 +81,7 @@ def is_own_summary(path: Path) -> bool:
 
 
 def is_own_archive(path: Path) -> bool:
-    """Whether an archive of arrays bears our mark."""
+    """Return whether an archive of arrays bears the mark."""
     try:
         with zipfile.ZipFile(path) as archive:
             return archive.comment == MARK.encode()
@@ -90,7 +90,7 @@ def is_own_archive(path: Path) -> bool:
 
 
 def is_own_annotations(path: Path) -> bool:
-    """Whether a JSON file of annotations begins as ours do."""
+    """Return whether a JSON file of annotations begins with the mark."""
     try:
         with path.open("rb") as file:
             return file.read(len(_ANNOTATIONS_START)) == _ANNOTATIONS_START

@@ -7,7 +7,7 @@ import numpy as np
 
 @cache
 def davis_palette() -> np.ndarray:
-    """The 256 colours of the PASCAL VOC palette, uint8 (256, rgb), read-only; index 0 is black.
+    """Return the 256 colours of the PASCAL VOC palette, uint8 (256, rgb), read-only; index 0 is black.
 
     Bits 0, 3 and 6 of the index are the highest, second and third bit of red, bits 1, 4 and 7 those of green, and
     bits 2 and 5 those of blue.
@@ -27,10 +27,9 @@ def davis_palette() -> np.ndarray:
 
 
 def identity_colours(labels: np.ndarray) -> np.ndarray:
-    """Colour of each uint16 label, uint8 (..., rgb), the same in every frame and run; label 0 is black.
+    """Return the colour of each uint16 label, uint8 (..., rgb), the same in every frame and run; label 0 is black.
 
-    It is the palette's, so that an object looks the same in the overlay and in its mask; beyond 255 colours come round
-    again.
+    It is the palette's, so that an object has one colour in the overlay and in its mask; beyond 255 colours repeat.
     """
     return _colours_of_all_labels()[labels]
 

@@ -1,4 +1,4 @@
-"""What `moseg segment` left in a folder: the masks of every frame and the summary of its motions."""
+"""Output of `moseg segment` in a folder: the masks of every frame and the summary of its motions."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,8 +8,7 @@ import numpy as np
 
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.exports.motion_json import SequenceSummary, check_file_name, read_motion
-from moseg.workflows.exports.output_names import MASKS, MOTION, mask_name
-from moseg.workflows.exports.run_lengths import list_identities
+from moseg.workflows.exports.outputs import MASKS, MOTION, mask_name
 from moseg.workflows.sources.files import list_files, read_bytes
 from moseg.workflows.sources.image_files import IMAGE_SUFFIXES
 from moseg.workflows.sources.mask_files import decode_mask
@@ -43,12 +42,12 @@ class SavedSegmentation:
         return tuple(Path(name).stem for name in self.names)
 
     def labels(self) -> Iterator[np.ndarray]:
-        """Labels of each frame, uint16 (y, x), 0 = static, else an identity; one in memory at a time.
+        """Yield the labels of each frame, uint16 (y, x), 0 = static, else an identity; one in memory at a time.
 
         Raises
         ------
         InputError
-            A mask that cannot be read, or that holds an object which the summary does not name.
+            A mask cannot be read, or contains an object that the summary does not name.
         """
         known = {entry.identity for entry in self.summary.objects}
         for path in _mask_paths(self.folder, self.summary.num_frames):
@@ -61,13 +60,13 @@ class SavedSegmentation:
 
 
 def open_segmentation(folder: Path, images: Path | None = None, name: str | None = None) -> SavedSegmentation:
-    """Open what `moseg segment` left, checking that all masks are there at their size.
+    """Open the output of `moseg segment`, and check that all masks are present and of the right size.
 
     Parameters
     ----------
     folder : Path
     images : Path, optional
-        Folder of the frames, whose names count in place of those in ``motion.json``.
+        Folder of the frames, whose names replace those in ``motion.json``.
     name : str, optional
         Name of the sequence in place of the one in ``motion.json``.
 
@@ -96,7 +95,7 @@ def open_segmentation(folder: Path, images: Path | None = None, name: str | None
     if frames and len(frames) != summary.num_frames:
         where, got = images or folder / MOTION, f"{len(frames)} names of frames"
         raise InputError("masks and frames differ in number", where=where, got=got, expected=summary.num_frames)
-    # Before anything is made for each frame: a damaged summary may claim any number of them.
+    # Checked before anything is allocated for each frame: a damaged summary may claim any number of them.
     for path in _mask_paths(folder, summary.num_frames):
         if not path.is_file():
             raise MissingInputError("missing mask", where=path, expected=f"{summary.num_frames} masks, as in {MOTION}")
@@ -104,12 +103,17 @@ def open_segmentation(folder: Path, images: Path | None = None, name: str | None
     return SavedSegmentation(folder, summary, frames or tuple(map(mask_name, range(summary.num_frames))))
 
 
+def list_identities(labels: np.ndarray) -> list[int]:
+    """Return the identities in uint16 (y, x) labels, ascending, without 0."""
+    return (np.flatnonzero(np.bincount(labels.ravel())[1:]) + 1).tolist()
+
+
 def _mask_paths(folder: Path, num_frames: int) -> Iterator[Path]:
     return (folder / MASKS / mask_name(index) for index in range(num_frames))
 
 
 def _check_size(path: Path, summary: SequenceSummary, what: str) -> None:
-    """Raise InputError where an image, of which the header alone is read, has not the sequence's size."""
+    """Raise InputError where an image, of which only the header is read, does not have the sequence's size."""
     try:
         with open_quietly(path) as image:
             width, height = image.size

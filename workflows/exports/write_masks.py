@@ -7,7 +7,7 @@ import numpy as np
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from moseg.workflows.exports.output_names import OWN_MASK, mask_name
+from moseg.workflows.exports.outputs import OWN_MASK, mask_name
 from moseg.workflows.exports.ownership import MARK, is_own_mask
 from moseg.workflows.exports.palette import davis_palette
 from moseg.workflows.process.atomic_write import atomic_path, blame_output, sweep_leftovers
@@ -20,8 +20,8 @@ def write_masks(folder: Path, labels: Iterable[np.ndarray]) -> int:
     """Write one PNG per frame, with the palette of DAVIS, one frame in memory at a time.
 
     A palette ends at 255: a frame with an identity beyond 254 is written as a 16-bit grey image. Either way a pixel's
-    value is its identity. Masks that an earlier, longer run left in the folder are removed, and what a killed one left
-    half written; nothing else in it is touched.
+    value is its identity. Masks of an earlier, longer run are removed, and half-written files of a killed run; nothing
+    else in the folder is touched.
 
     Parameters
     ----------

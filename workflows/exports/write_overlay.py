@@ -1,4 +1,4 @@
-"""The video with its moving objects drawn in: H.264 in MP4, as browsers play it."""
+"""Video with its moving objects drawn in: H.264 in MP4, which browsers play."""
 
 import math
 import tempfile
@@ -41,7 +41,7 @@ def write_overlay(
 ) -> int:
     """Write frames with their moving objects drawn in, one frame in memory at a time.
 
-    H.264 in 4:2:0 wants even sizes: an odd last row or column is repeated.
+    H.264 in 4:2:0 needs even sizes: an odd last row or column is repeated.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def write_overlay(
     labels : iterable of uint16 (y, x)
         As many as frames and of their size.
     fps : float or Fraction
-        Frames per second; a rate that some container states beyond 1/1001 or 1000 is played at these.
+        Frames per second, limited to 1/1001 to 1000.
     style : OverlayStyle
         How objects are drawn.
     crf : int
@@ -105,9 +105,9 @@ def write_overlay(
 def encode_overlay(
     frames: Iterable[np.ndarray], labels: Iterable[np.ndarray], fps: float | Fraction, **options
 ) -> bytes:
-    """The bytes of the file that `write_overlay` writes; `options` are its further ones.
+    """Return the bytes of the file that `write_overlay` writes with these options.
 
-    The index can only be moved to the front of a file that lies somewhere: it is a temporary one.
+    A temporary file is needed: the index can be moved to the front of a file only.
     """
     with tempfile.TemporaryDirectory(prefix="moseg-overlay-") as folder:
         path = Path(folder) / "overlay.mp4"

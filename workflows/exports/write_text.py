@@ -1,4 +1,4 @@
-"""Text files: checked before the work, written whole or not at all."""
+"""Text files, checked before the work and written whole or not at all."""
 
 import tempfile
 from pathlib import Path
@@ -8,7 +8,7 @@ from moseg.workflows.process.atomic_write import atomic_path, blame_output
 
 
 def check_writable(path: Path) -> None:
-    """Raise InputError now rather than after the work where no file could be written at `path`; folders are created."""
+    """Check before the work that a file can be written at `path`, and create its folders; raises InputError."""
     path = Path(path)
     if path.is_dir():
         raise InputError("cannot write a file", where=path, got="a folder", expected="a file name")
@@ -16,7 +16,7 @@ def check_writable(path: Path) -> None:
 
 
 def check_folder(folder: Path) -> None:
-    """Raise InputError where no file could be written in `folder`, which is created where it is absent."""
+    """Check that a file can be written in `folder`, which is created where it is absent; raises InputError."""
     with blame_output(folder):
         Path(folder).mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):

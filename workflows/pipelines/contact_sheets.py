@@ -13,8 +13,7 @@ from moseg.tasks.metrics import Overlaps, count_overlaps, count_point_overlaps, 
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.session import Session
 from moseg.workflows.engine.waves import in_waves
-from moseg.workflows.exports.draw_contact_sheet import draw_contact_sheet
-from moseg.workflows.exports.sheet_column import SheetFrame
+from moseg.workflows.exports.draw_contact_sheet import SheetFrame, draw_contact_sheet
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.leaves import ingest_sequences
 from moseg.workflows.process.atomic_write import atomic_path, blame_output

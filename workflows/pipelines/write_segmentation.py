@@ -7,7 +7,7 @@ import numpy as np
 
 from moseg.store import ArtifactStore
 from moseg.workflows.exports.motion_json import SequenceSummary, summarise_sequence, write_motion
-from moseg.workflows.exports.output_names import MASKS, MOTION, OVERLAY
+from moseg.workflows.exports.outputs import MASKS, MOTION, OVERLAY
 from moseg.workflows.exports.overlay_style import DEFAULT_STYLE, OverlayStyle
 from moseg.workflows.exports.ownership import is_own_overlay
 from moseg.workflows.exports.write_masks import write_masks

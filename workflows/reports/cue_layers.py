@@ -1,4 +1,4 @@
-"""Layers of the cues: the frame, motion saliency, flow as a colour wheel, inverse depth."""
+"""Layers of the cues: the frame, motion saliency, flow in the colours of a wheel, inverse depth."""
 
 from collections.abc import Callable, Sequence
 
@@ -16,23 +16,21 @@ from moseg.workflows.exports.colour_maps import (
 )
 from moseg.workflows.exports.draw_flow import colour_flow, draw_flow_wheel
 from moseg.workflows.graph import GIVEN_SOURCES
-from moseg.workflows.reports.encode_picture import encode_opaque, encode_transparent
-from moseg.workflows.reports.picture_content import Layer, LayerKind, Picture
-from moseg.workflows.reports.planned_layer import PlannedLayer
-from moseg.workflows.reports.sequence_view import SequenceView
+from moseg.workflows.reports.content import Layer, LayerKind, Picture
+from moseg.workflows.reports.layers import PlannedLayer, SequenceView, encode_opaque, encode_transparent
 from moseg.workflows.sources.frames import shrink_to
 
 WHEEL_SIDE = 96
 BAR_SHAPE = (24, 220)
 """Height and width of a colour bar, px."""
 LARGEST_PERCENTILE = 99
-"""Of a frame: what few pixels exceed sets no scale."""
+"""Of a frame: a value that few pixels exceed, free of outliers."""
 SCALE_PERCENTILE = 75
-"""Of the frames of a sequence: a single one in which flow fails would make all others pale."""
+"""Of the frames of a sequence: a single frame in which flow fails would make all others pale."""
 
 
 def plan_cue_layers(view: SequenceView, variants: Sequence[Variant]) -> list[PlannedLayer]:
-    """The layers of the cues that a run of the variants reads."""
+    """Plan the layers of the cues that a run of the variants reads."""
     frames, leaves = view.frames, view.graph.leaves
     layers = [PlannedLayer("frame", tuple(leaves.frames[frame] for frame in frames), lambda: _make_frames(view))]
     models = {model for variant in variants for model in view.config.views(variant)}
@@ -57,12 +55,12 @@ def plan_cue_layers(view: SequenceView, variants: Sequence[Variant]) -> list[Pla
 
 
 def _with_next(view: SequenceView) -> tuple[int, ...]:
-    """Shown frames that have a next one to flow to."""
+    """Return the shown frames that have a next frame."""
     return tuple(frame for frame in view.frames if frame + 1 < len(view.graph.leaves.frames))
 
 
 def _has_gaps(view: SequenceView) -> bool:
-    """Whether the flow may be unknown in places: where files give it."""
+    """Return whether the flow may be unknown in places, as flow from files may."""
     return view.config.flow.method in GIVEN_SOURCES
 
 
@@ -85,7 +83,7 @@ def _make_saliency(view: SequenceView) -> Layer:
         LayerKind.BASE,
         tuple(map(draw, view.frames)),
         key=_draw_bar(SOFT_COLOURS, "0", "1"),
-        description="How sure it is that a pixel moves otherwise than the background, 0 to 1.",
+        description="Confidence that a pixel moves differently from the background, 0 to 1.",
     )
 
 
@@ -103,12 +101,12 @@ def _make_residual_flow(view: SequenceView, name: str) -> Layer:
         flow = view.store.read(view.graph.frame_cues.saliency(frame), "residual_flows")[1].astype(np.float32)
         flow *= np.float32(width / flow.shape[1])
         if _has_gaps(view):
-            # Saliency fills gaps in with what is known beside them, or with zeros.
+            # Saliency fills gaps with known values beside them, or with zeros.
             unknown = ~np.isfinite(_read_flow(view, frame)).all(axis=-1)
             flow[_resize(unknown.astype(np.float32), flow.shape[:2]) > 0.5] = np.nan
         return flow
 
-    return _draw_flows(view, name, "What is left of the flow to the next frame once the background's is taken", read)
+    return _draw_flows(view, name, "Flow to the next frame minus the flow of the background", read)
 
 
 def _read_flow(view: SequenceView, frame: int) -> np.ndarray:
@@ -116,7 +114,7 @@ def _read_flow(view: SequenceView, frame: int) -> np.ndarray:
 
 
 def _draw_flows(view: SequenceView, name: str, what: str, read: Callable[[int], np.ndarray]) -> Layer:
-    # Read twice, for the scale and for the colours: no more than one flow lies in memory.
+    # Read twice, for the scale and for the colours: only one flow is in memory.
     lengths = [_long_vector(read(frame)) for frame in _with_next(view)]
     longest = float(np.percentile(lengths, SCALE_PERCENTILE)) if lengths else 0.0
 
@@ -155,25 +153,25 @@ def _make_depth(view: SequenceView) -> Layer:
 
 
 def _long_vector(flow: np.ndarray) -> float:
-    """Length that few of a flow's known vectors exceed, in its unit."""
+    """Return the length that few of a flow's known vectors exceed, in its unit."""
     length = np.hypot(flow[..., 0], flow[..., 1])
     length = length[np.isfinite(length)]
     return float(np.percentile(length, LARGEST_PERCENTILE)) if length.size else 0.0
 
 
 def _resize(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Values (y, x, ...) at another size; what is not finite stays with its pixels."""
+    """Resize values (y, x, ...); where some are not finite, by nearest neighbours."""
     size = shape[1], shape[0]
     if not np.isfinite(values).all():
         return cv2.resize(values, size, interpolation=cv2.INTER_NEAREST_EXACT)
     return cv2.resize(values, size, interpolation=cv2.INTER_AREA if size[1] < len(values) else cv2.INTER_LINEAR)
 
 
-def _draw_bar(colours: int, least: str, most: str) -> Picture:
-    """A colour bar with what its ends mean written on them: no page is so light or dark that they are lost."""
+def _draw_bar(colours: int, min_text: str, max_text: str) -> Picture:
+    """Draw a colour bar with the meaning of its ends written on them, legible on light and dark pages."""
     bar = Image.fromarray(draw_colour_bar(BAR_SHAPE, colours))
     pen, font = ImageDraw.Draw(bar), ImageFont.load_default(14)
     height, width = BAR_SHAPE
-    pen.text((6, height // 2), least, (255, 255, 255), font, anchor="lm")
-    pen.text((width - 6, height // 2), most, (0, 0, 0), font, anchor="rm")
+    pen.text((6, height // 2), min_text, (255, 255, 255), font, anchor="lm")
+    pen.text((width - 6, height // 2), max_text, (0, 0, 0), font, anchor="rm")
     return encode_transparent(np.dstack([np.asarray(bar), np.full(BAR_SHAPE, 255, np.uint8)]))

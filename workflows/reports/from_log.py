@@ -1,4 +1,4 @@
-"""The report of a run that is over, or under way: from its log and what the store still has; nothing is computed."""
+"""Report of a finished or running run, from its log and the artifacts still stored; nothing is computed."""
 
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
@@ -11,15 +11,13 @@ from moseg.schemas.trajectory_scores import TrajectoryScore, average_row
 from moseg.store import ArtifactStore
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves, TrajectoryGraph
 from moseg.workflows.process.progress import PATIENCE_SEC, StageProgress
-from moseg.workflows.reports.build import build_page, panel_notes
-from moseg.workflows.reports.clip_tables import clip_tables
-from moseg.workflows.reports.content import ReportPage
+from moseg.workflows.reports.content import ReportPage, ScoreTable
 from moseg.workflows.reports.facts import facts_of_log
 from moseg.workflows.reports.missing import WhyAbsent
 from moseg.workflows.reports.panels import NUM_FRAMES, Panels, choose_shown
-from moseg.workflows.reports.score_tables import score_tables
+from moseg.workflows.reports.run_report import build_page, panel_notes
+from moseg.workflows.reports.score_tables import clip_tables, score_tables
 from moseg.workflows.reports.subject import RunSubject, read_subject
-from moseg.workflows.reports.table_content import ScoreTable
 from moseg.workflows.runlog.status import RunState, find_run, read_status
 
 
@@ -30,7 +28,7 @@ def report_run(
     num_frames: int = NUM_FRAMES,
     quiet: bool = True,
 ) -> ReportPage:
-    """The page of a run, as far as the store still has what it shows.
+    """Return the page of a run as far as its artifacts are stored.
 
     Parameters
     ----------
@@ -46,7 +44,7 @@ def report_run(
     Raises
     ------
     InputError
-        There is no such run, it says not what it is about, or has none of these sequences.
+        There is no such run, its log does not name its subject, or it has none of these sequences.
     StoreError
         The log cannot be read, or an artifact is damaged.
     """
@@ -73,7 +71,7 @@ def report_run(
     if status.version != version("moseg"):
         notes.append(f"made by moseg {status.version}, shown by {version('moseg')}: what has changed since is missing")
     if status.state != RunState.FINISHED:
-        notes.append(f"the run is {status.state}: what it has not come to is not here")
+        notes.append(f"the run is {status.state}: results that it has not computed yet are missing")
     about = subject.dataset or names[0]
     facts = facts_of_log(store, status)
     found = [panels.found[name] for name in shown]
@@ -83,7 +81,7 @@ def report_run(
 def _gather_frames(
     store: ArtifactStore, subject: RunSubject, panels: Panels, sequences: Iterable, why_absent: WhyAbsent
 ) -> tuple[tuple[ScoreTable, ...], tuple[str, ...]]:
-    """Score tables and what they lack; the panels on the way, so that one graph is held at a time."""
+    """Return score tables and notes on absent scores, and gather the panels, so that one graph is held at a time."""
     scores: dict[str, dict[str, SequenceScore | None]] = {variant.value: {} for variant in subject.variants}
     for leaves, fps in sequences:
         graph = SequenceGraph(leaves, subject.config)
@@ -94,15 +92,14 @@ def _gather_frames(
     if subject.command == "segment":
         return (), ()
     found = [score for by_name in scores.values() for score in by_name.values()]
-    so = "their cells and the means are empty"
     tables = score_tables(subject.dataset, _over(subject), scores)
-    return tables, _lacking(found.count(None), len(found), why_absent, so)
+    return tables, _note_absent(found.count(None), len(found), why_absent, "their cells and the means are empty")
 
 
 def _gather_clips(
     store: ArtifactStore, subject: RunSubject, panels: Panels, sequences: Iterable, why_absent: WhyAbsent
 ) -> tuple[tuple[ScoreTable, ...], tuple[str, ...]]:
-    """The same of trajectories: a clip of which a variant has no score is left out of its table."""
+    """Do the same for trajectories: a clip without a score of a variant is left out of that variant's table."""
     configs = seeded_configs(subject.config, subject.seeds)
     rows = {variant: {seed: {} for seed in configs} for variant in subject.variants}
     num_absent = 0
@@ -119,7 +116,7 @@ def _gather_clips(
     known = tuple(average_row(variant.value, by_seed) for variant, by_seed in rows.items() if all(by_seed.values()))
     tables = clip_tables(subject.dataset, known) if known else ()
     num_all = len(subject.sequences) * len(subject.variants)
-    return tables, _lacking(num_absent, num_all, why_absent, "the means are of the others")
+    return tables, _note_absent(num_absent, num_all, why_absent, "the means are of the others")
 
 
 def _score(
@@ -136,15 +133,15 @@ def _over(subject: RunSubject) -> str:
     return "points" if leaves.annotation is None else "pixels"
 
 
-def _lacking(num_absent: int, num_all: int, why: WhyAbsent, so: str) -> tuple[str, ...]:
+def _note_absent(num_absent: int, num_all: int, why: WhyAbsent, effect: str) -> tuple[str, ...]:
     if not num_absent:
         return ()
     gone = "not in the store (collected since, or never computed)"
-    return (f"{num_absent} of {num_all} scores are {gone if why == WhyAbsent.GONE else 'not computed yet'}: {so}",)
+    return (f"{num_absent} of {num_all} scores are {gone if why == WhyAbsent.GONE else 'not computed yet'}: {effect}",)
 
 
 def _damaged(store: ArtifactStore, error: CorruptArtifactError) -> StoreError:
-    """What a user can do about damage: nothing is computed here, so nothing is mended."""
+    """Return an error that names the command which repairs damage: nothing is computed here."""
     expected = (
         f"whole artifacts: `moseg store verify --quarantine --store {store.url}` takes the damaged ones out of service;"
         " the run's own command with --report computes them anew"

@@ -1,4 +1,4 @@
-"""What the motion models say of a sequence's objects: residuals, affinities, and the kernel that was clustered."""
+"""Matrices over a sequence's objects: residuals and affinities of the motion models, and the clustered kernel."""
 
 from collections.abc import Sequence
 
@@ -11,19 +11,26 @@ from moseg.tasks.clustering import agreed_static
 from moseg.tasks.clustering.agreement import set_apart
 from moseg.tasks.clustering.fusion import fill_unknown, fuse_kernels, unit_diagonal
 from moseg.workflows.graph import SequenceGraph
-from moseg.workflows.reports.figure_content import Matrix
-from moseg.workflows.reports.missing import Missing, telling_missing
+from moseg.workflows.reports.content import Matrix
+from moseg.workflows.reports.missing import Missing, collect_missing
 
 
 def object_matrices(
-    store: ArtifactStore, graph: SequenceGraph, config: PipelineConfig, variant: Variant, labels: tuple[str, ...]
-) -> tuple[tuple[Matrix, ...], tuple[Missing, ...]]:
-    """Matrices over the objects of a sequence, and what could not be shown.
+    store: ArtifactStore,
+    graph: SequenceGraph,
+    config: PipelineConfig,
+    variant: Variant,
+    labels: tuple[str, ...],
+    missing: list[Missing],
+) -> tuple[Matrix, ...]:
+    """Return the matrices over the objects of a sequence that can be shown.
 
     Parameters
     ----------
     labels : tuple of str
         Of the objects, the background's first.
+    missing : list of Missing
+        The matrices whose artifacts are not stored are added to it.
 
     Raises
     ------
@@ -31,27 +38,26 @@ def object_matrices(
         A stored artifact is damaged.
     """
     found: list[Matrix] = []
-    missing: list[Missing] = []
     views = config.views(variant)
     for view in views:
         if config.affinity.method == "hypotheses":
             continue
-        title = f"residuals, {_spelling(view)}"
-        with telling_missing(missing, title):
+        title = f"residuals, {_spell(view)}"
+        with collect_missing(missing, title):
             values = mean_residuals(store.read(ref, "residual") for ref in graph.motions.residuals(view))
             found.append(Matrix(title, values, labels, "px²", _describe_residuals(config, view), True))
     for view in views:
-        title = f"affinity, {_spelling(view)}"
-        with telling_missing(missing, title):
+        title = f"affinity, {_spell(view)}"
+        with collect_missing(missing, title):
             values = store.read(graph.motions.affinity(view), "affinity")
             found.append(Matrix(title, values, labels, "", _describe_affinity(config, view)))
-    with telling_missing(missing, "kernel"):
+    with collect_missing(missing, "kernel"):
         found.append(_clustered(store, graph, config, variant, labels))
-    return tuple(found), tuple(missing)
+    return tuple(found)
 
 
 def matrix_refs(graph: SequenceGraph, config: PipelineConfig, variant: Variant) -> tuple[str, ...]:
-    """References that the matrices, the eigenvalues and the groups of a variant are read from."""
+    """Return the references that the matrices, the eigenvalues and the groups of a variant read."""
     refs = [graph.objects.linking()]
     for view in config.views(variant):
         refs.append(graph.motions.affinity(view))
@@ -62,7 +68,7 @@ def matrix_refs(graph: SequenceGraph, config: PipelineConfig, variant: Variant) 
 
 
 def mean_residuals(sections) -> np.ndarray:
-    """Mean over frame pairs, as far as they know two objects, float64 (K, K); NaN where none does.
+    """Average residuals over the frame pairs in which they are known, float64 (K, K); NaN where there is none.
 
     Parameters
     ----------
@@ -80,7 +86,7 @@ def mean_residuals(sections) -> np.ndarray:
 def fused_kernel(
     affinities: Sequence[np.ndarray], supports: Sequence[np.ndarray], params: ClusteringParams
 ) -> np.ndarray:
-    """The kernel that `cluster_motions` makes of the views, float64 (K, K) without NaN.
+    """Return the kernel that `cluster_motions` makes of the views, float64 (K, K) without NaN.
 
     Parameters
     ----------
@@ -98,12 +104,12 @@ def fused_kernel(
 
 
 def clustering_params(graph: SequenceGraph, variant: Variant) -> ClusteringParams:
-    """The parameters in the recipe of a variant's clustering."""
+    """Return the parameters in the recipe of a variant's clustering."""
     return ClusteringParams(**graph.recipes[graph.clustering(variant)].params["clustering"])
 
 
-def _spelling(view: str) -> str:
-    """A motion model as the variant of its name is spelled, by the user and on the page's tabs."""
+def _spell(view: str) -> str:
+    """Spell a motion model as the variant of its name is spelled by the user and on the page's tabs."""
     return view.replace("_", "-")
 
 
@@ -115,11 +121,11 @@ def _clustered(store, graph, config, variant, labels) -> Matrix:
     supports = [store.read(ref, "static_support") for ref in refs] if by_agreement else []
     values = fused_kernel([store.read(ref, "affinity") for ref in refs], supports, params)
     mean = "geometric mean" if params.fusion == "product" else "arithmetic mean"
-    named = " and ".join(map(_spelling, views))
+    named = " and ".join(map(_spell, views))
     description = f"The {mean} of the affinities of {named}" if len(views) > 1 else "The affinity"
-    description += ", on a unit diagonal, what no view knows filled in along chains of objects"
+    description += ", with a unit diagonal; values that no view has are filled in along chains of objects"
     if by_agreement:
-        description += ", and what every view takes for static set apart as one group"
+        description += ", and objects that every view takes for static are one group"
     description += "; 1: the same motion."
     if len(views) > 1 and params.fusion == "coregularised":
         description += " Spectral coordinates come from the views one by one; groups are linked by this kernel."
@@ -130,15 +136,15 @@ def _describe_residuals(config: PipelineConfig, view: str) -> str:
     if view == "trajs":
         kind, distance = "fundamental matrix", f"{config.fundamental.statistic} squared Sampson distance of its tracks"
     else:
-        kind, distance = f"{_spelling(view)} flow model", "mean squared distance of its flow"
+        kind, distance = f"{_spell(view)} flow model", "mean squared distance of its flow"
     return (
         f"Row: the object whose {kind} is applied; column: the object it is applied to. The {distance}, mean over frame"
-        " pairs; large: moves in another way."
+        " pairs; large: a different motion."
     )
 
 
 def _describe_affinity(config: PipelineConfig, view: str) -> str:
     return (
-        f"How alike two objects move under {_spelling(view)}, by the method {config.affinity.method}: large is alike,"
-        " blank where they were never seen together."
+        f"How alike two objects move under {_spell(view)}, by the method {config.affinity.method}: large means alike;"
+        " no value where they were never visible together."
     )

@@ -1,4 +1,4 @@
-"""What a report cannot show, and why: the reason once, then all that it is the reason for."""
+"""Parts that a report cannot show: the reason once, then all parts to which it applies."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
@@ -29,18 +29,18 @@ class AbsentPart(NamedTuple):
 
 
 Missing = AbsentPart | str
-"""What cannot be shown: for want of artifacts, or as a sentence says."""
+"""What cannot be shown: a part that lacks artifacts, or a sentence."""
 
 
 def name_absent(name: str, refs: Iterable[str]) -> AbsentPart:
-    """A part that lacks these artifacts, counted by task."""
+    """Return a part that lacks these artifacts, counted by task."""
     counts = sorted(Counter(split_ref(ref)[0] for ref in refs).items())
     return AbsentPart(name, ", ".join(task if count == 1 else f"{count} {task}" for task, count in counts))
 
 
 @contextmanager
-def telling_missing(missing: list[Missing], name: str) -> Iterator[None]:
-    """Add a part to `missing` where the block needs an artifact that is not stored; damage is the caller's."""
+def collect_missing(missing: list[Missing], name: str) -> Iterator[None]:
+    """Add a part to `missing` where the block needs an artifact that is not stored; damage is raised."""
     try:
         yield
     except MissingArtifactError as error:
@@ -48,8 +48,8 @@ def telling_missing(missing: list[Missing], name: str) -> Iterator[None]:
         missing.append(AbsentPart(name, f"{stage}/{key[:KEY_DIGITS]}"))
 
 
-def say_missing(missing: Sequence[Missing], why: WhyAbsent) -> tuple[str, ...]:
-    """One sentence for all parts that lack artifacts, and the sentences that are there already."""
+def format_missing(missing: Sequence[Missing], why: WhyAbsent) -> tuple[str, ...]:
+    """Return one sentence for all parts that lack artifacts, then the other sentences."""
     parts = [f"{part.name} [{part.artifacts}]" for part in missing if isinstance(part, AbsentPart)]
-    told = (f"{why}: {'; '.join(parts)}.",) if parts else ()
-    return (*told, *(text for text in missing if isinstance(text, str)))
+    absent = (f"{why}: {'; '.join(parts)}.",) if parts else ()
+    return (*absent, *(text for text in missing if isinstance(text, str)))

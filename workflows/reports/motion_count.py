@@ -1,4 +1,4 @@
-"""How a number of motions came about, in one sentence."""
+"""Sentences that explain how a number of motions was chosen."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -8,7 +8,7 @@ from moseg.schemas.parameters.clustering import MotionCountParams
 
 
 class FoundGroups(NamedTuple):
-    """What a clustering was asked for and what came of it.
+    """Number of groups that a clustering was asked for, and the number that it made.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class FoundGroups(NamedTuple):
 
 
 def explain_objects(found: FoundGroups, params: ClusteringParams, scores: Sequence[float] = ()) -> str:
-    """How the number of motions of a sequence's objects was chosen.
+    """Explain how the number of motions of a sequence's objects was chosen.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def explain_objects(found: FoundGroups, params: ClusteringParams, scores: Sequen
     params : ClusteringParams
         As the clustering's recipe has them.
     scores : sequence of float
-        What 1, 2, ... groups were compared by.
+        Scores of 1, 2, ... groups, by which they were compared.
     """
     if found.num_asked is not None:
         return _explain_given(found, "objects, the background among them,")
@@ -61,7 +61,7 @@ def explain_objects(found: FoundGroups, params: ClusteringParams, scores: Sequen
 
 
 def explain_tracks(found: FoundGroups, params: TrajectoryClusteringParams) -> str:
-    """The same for trajectories, whose number of motions is found in other ways."""
+    """Explain how the number of motions of trajectories was chosen, which has other methods."""
     if found.num_asked is not None:
         return _explain_given(found, "trajectories")
     most = min(params.most_motions, found.num_items)
@@ -83,7 +83,7 @@ def explain_tracks(found: FoundGroups, params: TrajectoryClusteringParams) -> st
 
 
 def _explain_given(found: FoundGroups, items: str) -> str:
-    """A clustering of few items makes fewer groups than it is asked for."""
+    """Explain a given number; a clustering of few items makes fewer groups than it is asked for."""
     given = f"Given: {found.num_asked} (clustering.motions), the background's included"
     if found.motions == "gt":
         given = f"Given: {found.num_asked}, as many as the ground truth has, the background's included"
@@ -104,7 +104,7 @@ def _over_draws(params: TrajectoryClusteringParams) -> str:
 
 
 def _explain_scores(method: str, params: MotionCountParams, scores: Sequence[float]) -> str:
-    """One of the methods that compare groupings into 1, 2, ... motions; costs are stored as negative scores."""
+    """Explain a method that compares groupings into 1, 2, ... motions; costs are stored as negative scores."""
     costs = _listed([-score for score in scores])
     listed = _listed(scores)
     return {
@@ -125,7 +125,7 @@ def _explain_scores(method: str, params: MotionCountParams, scores: Sequence[flo
 
 
 def _listed(values: Sequence[float]) -> str:
-    """Values in as few digits, four or more, as tell those apart that differ."""
+    """Format values with the smallest number of digits, four or more, that keeps different values different."""
     if not values:
         return ""
     written = next(

@@ -11,47 +11,47 @@ from moseg.schemas.parameters.clustering import READ_TRACKS
 from moseg.workflows.exports.draw_regions import RegionStyle, draw_regions
 from moseg.workflows.exports.draw_tracks import TAIL_FRAMES, DrawnPoints, draw_tracks
 from moseg.workflows.exports.overlay_style import DEFAULT_OPACITY
-from moseg.workflows.reports.encode_picture import encode_transparent
-from moseg.workflows.reports.picture_content import Layer, LayerKind, LegendEntry, Picture
-from moseg.workflows.reports.planned_layer import PlannedLayer
-from moseg.workflows.reports.sequence_view import SequenceView, all_colours, all_tints, as_hex, list_identities
+from moseg.workflows.reports.content import Layer, LayerKind, LegendEntry, Picture
+from moseg.workflows.reports.layers import (
+    PlannedLayer,
+    SequenceView,
+    all_colours,
+    all_tints,
+    as_hex,
+    encode_transparent,
+    object_legend,
+)
 from moseg.workflows.results.found_objects import found_refs, read_found_objects
 
 STATIC_POINT = (190, 190, 190)
-"""RGB of points on what stands still."""
+"""RGB of points on static pixels."""
 POINT_RADIUS = 1.5
-"""px of the picture; more would hide small objects."""
+"""px of the picture; a larger radius would hide small objects."""
 _MOVING = RegionStyle(DEFAULT_OPACITY, is_numbered=True)
 _PROPOSED = RegionStyle(0.15, is_numbered=True)
 
 
 def plan_moving_objects(view: SequenceView, variant: Variant, is_shown: bool) -> PlannedLayer:
-    """The objects that a variant says move."""
+    """Plan the layer of the objects that move according to a variant."""
     name = f"moving objects ({variant})"
-    refs = (*view.label_refs(variant, view.frames), *found_refs(view.graph, variant))
 
     def make() -> Layer:
         found = read_found_objects(view.store, view.graph, variant)
-
-        def draw(frame: int) -> Picture:
-            return _draw_objects(view.labels(variant, frame), view.shape, _MOVING)
-
         return Layer(
             name,
             LayerKind.OVER,
-            tuple(map(draw, view.frames)),
-            legend=list_identities(found, is_moving_only=True),
-            description="What moves on its own, with one colour and number per identity in all frames.",
+            tuple(_draw_objects(view.labels(variant, frame), view.shape, _MOVING) for frame in view.frames),
+            legend=object_legend(found, is_moving_only=True),
+            description="Objects that move on their own, with one colour and number per identity in all frames.",
             is_shown=is_shown,
         )
 
-    return PlannedLayer(name, refs, make)
+    return PlannedLayer(name, (*view.label_refs(variant), *found_refs(view.graph, variant)), make)
 
 
 def plan_proposals(view: SequenceView, variant: Variant) -> PlannedLayer:
-    """All objects, as they were before it was decided which of them move."""
-    sections = sorted({view.place(frame)[0] for frame in view.frames})
-    refs = (*(view.graph.objects.proposals(section) for section in sections), *found_refs(view.graph, variant))
+    """Plan the layer of all objects, moving or static."""
+    proposals = [view.graph.objects.proposals(section) for section in view.sections()]
 
     def make() -> Layer:
         found = read_found_objects(view.store, view.graph, variant)
@@ -67,20 +67,15 @@ def plan_proposals(view: SequenceView, variant: Variant) -> PlannedLayer:
             "proposals",
             LayerKind.OVER,
             tuple(map(draw, view.frames)),
-            legend=list_identities(found, is_moving_only=False),
-            description=f"All objects before their motion decides, linked over time; motions are those of {variant}.",
+            legend=object_legend(found, is_moving_only=False),
+            description=f"All proposed objects, linked over time, moving or static; motions are those of {variant}.",
         )
 
-    return PlannedLayer("proposals", refs, make)
-
-
-def _draw_objects(labels: np.ndarray, shape: tuple[int, int], style: RegionStyle) -> Picture:
-    """Objects by identity as in the overlay: the tint is the palette's colour, the border that at full brightness."""
-    return encode_transparent(draw_regions(labels, all_colours(), shape, style, tints=all_tints()))
+    return PlannedLayer("proposals", (*proposals, *found_refs(view.graph, variant)), make)
 
 
 def reads_tracks(view: SequenceView, variants: Sequence[Variant]) -> bool:
-    """Whether any of the variants starts from point tracks."""
+    """Return whether any of the variants starts from point tracks."""
     params = view.config.clustering
     counts = params.motions == "auto" and params.auto in READ_TRACKS
     views = [view.config.views(variant) for variant in variants]
@@ -88,9 +83,8 @@ def reads_tracks(view: SequenceView, variants: Sequence[Variant]) -> bool:
 
 
 def plan_tracks(view: SequenceView, variant: Variant) -> PlannedLayer:
-    """The point tracks of each frame with a short tail, in the colour of what they lie on."""
-    sections = sorted({view.place(frame)[0] for frame in view.frames})
-    refs = (*(view.graph.motions.tracks(section) for section in sections), *found_refs(view.graph, variant))
+    """Plan the layer of the point tracks with a short tail, in the colour of the object that they lie on."""
+    tracks = [view.graph.motions.tracks(section) for section in view.sections()]
 
     def make() -> Layer:
         found = read_found_objects(view.store, view.graph, variant)
@@ -103,27 +97,29 @@ def plan_tracks(view: SequenceView, variant: Variant) -> PlannedLayer:
             ref = view.graph.motions.tracks(section)
             points, visible, owner = (view.store.read(ref, name) for name in ("points", "visible", "object"))
             identity = linked[section][owner]
-            # What moves lies above.
+            # Moving points are drawn last, above static ones.
             order = np.argsort(moves[identity], kind="stable")
+            drawn = DrawnPoints(points[order], visible[order], colours[identity[order]], view.graph.leaves.shape)
             for row in rows:
-                recent = slice(max(row - TAIL_FRAMES, 0), row + 1)
-                drawn = DrawnPoints(
-                    points[order, recent], visible[order, recent], colours[identity[order]], view.graph.leaves.shape
-                )
-                yield encode_transparent(draw_tracks(drawn, view.shape, POINT_RADIUS))
+                yield encode_transparent(draw_tracks(drawn.until(row), view.shape, POINT_RADIUS))
 
         by_section = groupby(map(view.place, view.frames), key=itemgetter(0))
         pictures = tuple(
             picture for section, places in by_section for picture in draw_section(section, (row for _, row in places))
         )
-        static = LegendEntry(as_hex(STATIC_POINT), "on what stands still")
+        static = LegendEntry(as_hex(STATIC_POINT), "on static pixels")
         return Layer(
             "tracks",
             LayerKind.OVER,
             pictures,
-            legend=(*list_identities(found, is_moving_only=True), static),
-            description=f"Point tracks with their way over the last {TAIL_FRAMES} frames of their section, in the"
-            f" colour of the object that they lie on; what moves is taken from {variant}.",
+            legend=(*object_legend(found, is_moving_only=True), static),
+            description=f"Point tracks with their paths over the last {TAIL_FRAMES} frames of their section, in the"
+            f" colour of the object that they lie on; moving objects are those of {variant}.",
         )
 
-    return PlannedLayer("tracks", refs, make)
+    return PlannedLayer("tracks", (*tracks, *found_refs(view.graph, variant)), make)
+
+
+def _draw_objects(labels: np.ndarray, shape: tuple[int, int], style: RegionStyle) -> Picture:
+    """Draw objects as in the overlay: areas in the palette's colours, outlines in these at full brightness."""
+    return encode_transparent(draw_regions(labels, all_colours(), shape, style, tints=all_tints()))

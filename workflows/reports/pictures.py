@@ -1,22 +1,26 @@
-"""The pictures of a sequence or clip in a report, gathered from a store without computing anything."""
+"""Pictures, video and table of objects of a sequence in a report, gathered from a store without computing anything."""
 
+import math
 from collections.abc import Sequence
 
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
+from moseg.workflows.exports.motion_json import summarise_sequence
+from moseg.workflows.exports.write_overlay import encode_overlay
 from moseg.workflows.graph import SequenceGraph
-from moseg.workflows.reports.clip_pictures import gather_clip_pictures
+from moseg.workflows.reports.content import ObjectRow, SequencePanel, Video
 from moseg.workflows.reports.cue_layers import plan_cue_layers
-from moseg.workflows.reports.missing import Missing, WhyAbsent, say_missing
+from moseg.workflows.reports.layers import PICTURE_SIDE, PlannedLayer, SequenceView, all_colours, as_hex, make_layers
+from moseg.workflows.reports.missing import Missing, WhyAbsent, format_missing, name_absent
 from moseg.workflows.reports.object_layers import plan_moving_objects, plan_proposals, plan_tracks, reads_tracks
-from moseg.workflows.reports.object_rows import list_objects
-from moseg.workflows.reports.overlay_video import encode_video
-from moseg.workflows.reports.planned_layer import PlannedLayer, SequencePictures, make_layers
-from moseg.workflows.reports.sequence_view import SequenceView
 from moseg.workflows.reports.truth_layers import plan_errors, plan_truth
+from moseg.workflows.results.found_objects import found_refs, read_found_objects
 from moseg.workflows.results.shown_frames import scored_frames, spread
 
-__all__ = ["SequencePictures", "gather_clip_pictures", "gather_pictures", "picture_refs"]
+CONSTANT_RATE_FACTOR = 28
+"""Of x264: at the size of a report its loss is hardly visible, and ten seconds take some hundred kilobytes."""
+MAX_VIDEO_FRAMES = 900
+"""Half a minute of a video at 30 frames per second; of longer ones every n-th frame is shown."""
 
 
 def gather_pictures(
@@ -27,22 +31,22 @@ def gather_pictures(
     num_frames: int,
     fps: float,
     why_absent: WhyAbsent = WhyAbsent.GONE,
-) -> SequencePictures:
-    """Pictures of a sequence, one frame in memory at a time.
+) -> SequencePanel:
+    """Gather the panel of a sequence without its variants, one frame in memory at a time.
 
-    What lacks an artifact is left out, and `missing` says so.
+    What lacks an artifact is left out, and `missing` names it.
 
     Parameters
     ----------
     variants : sequence of Variant
-        At least one; video, table of objects, proposals' motions and tracks' colours are the first one's.
+        At least one; video, table of objects, proposals' motions and tracks' colours are those of the first.
     num_frames : int
         Frames shown, spread evenly over the annotated ones, over all where there is no ground truth; all of them where
         there are fewer.
     fps : float
         Frames of the sequence per second of video.
     why_absent : WhyAbsent
-        What to say of artifacts that are not stored.
+        Reason that is given for artifacts that are not stored.
 
     Raises
     ------
@@ -51,27 +55,27 @@ def gather_pictures(
     """
     frames, missing = _shown_frames(store, graph, num_frames)
     view = SequenceView(store, graph, config, frames)
-    layers, without = make_layers(store, _plan_layers(view, variants))
-    objects, unlisted = list_objects(view, variants[0], fps)
-    video, unseen = encode_video(view, variants[0], fps)
-    return SequencePictures(
+    layers, absent = make_layers(store, _plan_layers(view, variants))
+    missing += absent
+    return SequencePanel(
+        name=graph.leaves.name,
         num_frames=len(graph.leaves.frames),
         shape=tuple(graph.leaves.shape),
         frames=frames,
         layers=layers,
-        objects=objects,
-        video=video,
-        missing=say_missing((*missing, *without, *unlisted, *unseen), why_absent),
+        objects=_list_objects(view, variants[0], fps, missing),
+        video=_encode_video(view, variants[0], fps, missing),
+        missing=format_missing(missing, why_absent),
     )
 
 
 def picture_refs(
     graph: SequenceGraph, config: PipelineConfig, variants: Sequence[Variant], num_frames: int
 ) -> tuple[str, ...]:
-    """References that `gather_pictures` reads: sinks of a run that ends with a report.
+    """Return the references that `gather_pictures` reads: sinks of a run that ends with a report.
 
-    Which frames have ground truth is not asked here: where there is any, the cues of all frames are named. An
-    evaluation makes them anyway.
+    The annotated frames are not known here: where there is ground truth, the cues of all frames are named. An
+    evaluation computes them anyway.
     """
     leaves = graph.leaves
     has_truth = leaves.annotation is not None or leaves.labelled_points is not None
@@ -81,23 +85,21 @@ def picture_refs(
     return tuple(dict.fromkeys((*shown, *leaves.frames, *graph.segmentations(variants[0]))))
 
 
-def _shown_frames(
-    store: ArtifactStore, graph: SequenceGraph, num_frames: int
-) -> tuple[tuple[int, ...], tuple[Missing, ...]]:
-    """The frames shown, and a sentence where they are not those that have ground truth."""
+def _shown_frames(store: ArtifactStore, graph: SequenceGraph, num_frames: int) -> tuple[tuple[int, ...], list[Missing]]:
+    """Return the frames shown, and a sentence where they are not those that have ground truth."""
     leaves = graph.leaves
     every = spread(len(leaves.frames), num_frames)
     truth = leaves.annotation or leaves.labelled_points
     if truth is not None and not store.has(truth):
-        return every, ("The ground truth is no longer in the store.",)
+        return every, ["The ground truth is no longer in the store."]
     shown = scored_frames(store, leaves)
     if not shown:
-        return every, ("No frame has ground truth.",)
-    return tuple(shown[position] for position in spread(len(shown), num_frames)), ()
+        return every, ["No frame has ground truth."]
+    return tuple(shown[position] for position in spread(len(shown), num_frames)), []
 
 
 def _plan_layers(view: SequenceView, variants: Sequence[Variant]) -> list[PlannedLayer]:
-    """All layers of a sequence: opaque ones, then what lies over them, what hides least last."""
+    """Plan all layers of a sequence: opaque ones, then those that lie over them, from the one that hides most."""
     layers = plan_cue_layers(view, variants)
     layers += [plan_moving_objects(view, variant, variant == variants[0]) for variant in variants]
     over = [plan_truth(view), *(plan_errors(view, variant) for variant in variants)]
@@ -106,3 +108,52 @@ def _plan_layers(view: SequenceView, variants: Sequence[Variant]) -> list[Planne
     if reads_tracks(view, variants):
         layers.append(plan_tracks(view, variants[0]))
     return layers
+
+
+def _list_objects(view: SequenceView, variant: Variant, fps: float, missing: list[Missing]) -> tuple[ObjectRow, ...]:
+    """List what moves in any frame of the sequence; add to `missing` where artifacts are absent."""
+    frames = range(len(view.graph.leaves.frames))
+    refs = {*view.label_refs(variant, frames), *found_refs(view.graph, variant)}
+    if absent := refs - view.store.present(refs):
+        missing.append(name_absent("table of objects", absent))
+        return ()
+    found = read_found_objects(view.store, view.graph, variant)
+    labels = (view.labels(variant, frame) for frame in frames)
+    name = view.graph.leaves.name
+    summary = summarise_sequence(name, labels, fps, found.num_motions, found.motions, found.tags)
+    colours = all_colours()
+    return tuple(
+        ObjectRow(
+            identity=each.identity,
+            colour=as_hex(colours[each.identity]),
+            motion=each.motion,
+            first_frame=each.first_frame,
+            last_frame=each.last_frame,
+            num_frames=each.num_frames,
+            mean_area_percent=100 * each.mean_area_fraction,
+            tag=each.tag,
+        )
+        for each in summary.objects
+    )
+
+
+def _encode_video(view: SequenceView, variant: Variant, fps: float, missing: list[Missing]) -> Video | None:
+    """Encode the overlay of a variant at `fps` frames of the sequence per second; add to `missing` what it lacks."""
+    leaves = view.graph.leaves
+    step = math.ceil(len(leaves.frames) / MAX_VIDEO_FRAMES)
+    frames = range(0, len(leaves.frames), step)
+    refs = {*(leaves.frames[frame] for frame in frames), *view.label_refs(variant, frames)}
+    if absent := refs - view.store.present(refs):
+        missing.append(name_absent(f"video of {variant}", absent))
+        return None
+    data = encode_overlay(
+        (view.store.read(leaves.frames[frame], "image") for frame in frames),
+        (view.labels(variant, frame) for frame in frames),
+        fps / step,
+        crf=CONSTANT_RATE_FACTOR,
+        max_side=PICTURE_SIDE,
+    )
+    if step > 1:
+        missing.append(f"The video shows one frame in {step} of {len(leaves.frames)}.")
+    height, width = (side + side % 2 for side in view.shape)
+    return Video(data, width, height, fps / step, step)

@@ -1,4 +1,4 @@
-"""Results that papers report, shown beside ours and never mixed with them."""
+"""Results that papers report, shown beside measured ones and never mixed with them."""
 
 _METHODS = (
     "MoSeg (supervised)",

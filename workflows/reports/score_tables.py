@@ -1,24 +1,43 @@
-"""Tables of a report: what was measured, and what the paper reports of the same data set."""
+"""Score tables: what was measured over frames or trajectories, and what papers report of the same data set."""
 
 from collections.abc import Mapping, Sequence
 
 from moseg.schemas.scores import GroundTruth, SequenceScore, mean_score
-from moseg.workflows.reports.published_scores import PAPER_COLUMNS, PAPER_ROWS
-from moseg.workflows.reports.score_columns import score_columns
-from moseg.workflows.reports.table_content import ScoreTable
+from moseg.schemas.trajectory_scores import TrajectoryRow
+from moseg.workflows.reports.content import Better, ScoreTable
+from moseg.workflows.reports.published_scores import (
+    ONE_MOTION_ERROR,
+    PAPER_COLUMNS,
+    PAPER_ROWS,
+    PUBLISHED_CLIPS,
+    PUBLISHED_ERRORS,
+)
 
 Scores = Mapping[str, Mapping[str, SequenceScore | None]]
 """By variant and sequence; None where a score is not in the store."""
+_COLUMNS = {
+    "Pu": "P",
+    "Ru": "R",
+    "Fu": "F",
+    "J": "J",
+    "F-boundary": "boundary_F",
+    "J/object": "J_objects",
+    "F-b/object": "boundary_F_objects",
+}
+
+
+def score_columns(over: GroundTruth) -> dict[str, str]:
+    """Return the fields of a `SequenceScore` by their column heads; points have no boundary scores."""
+    return {head: name for head, name in _COLUMNS.items() if over == "pixels" or "boundary" not in name}
 
 
 def score_tables(dataset: str, over: GroundTruth, scores: Scores) -> tuple[ScoreTable, ...]:
-    """Means of the variants where there are several, every sequence of each variant, and the paper's rows."""
+    """Return means of the variants where there are several, every sequence of each variant, and the paper's rows."""
     named = f"{dataset}, over points" if over == "points" else dataset
     columns = score_columns(over)
     tables = []
     if len(scores) > 1:
-        num_sequences = len(next(iter(scores.values())))
-        title = f"{named}, mean of {num_sequences} sequence{'' if num_sequences == 1 else 's'}"
+        title = f"{named}, mean of {_count(len(next(iter(scores.values()))), 'sequence')}"
         rows = tuple((variant, _mean(list(by_name.values()), over)) for variant, by_name in scores.items())
         tables.append(ScoreTable(title, ("variant", *columns), rows, over=over))
         tables.extend(_paper_tables(dataset, over))
@@ -29,8 +48,14 @@ def score_tables(dataset: str, over: GroundTruth, scores: Scores) -> tuple[Score
     return tuple(tables) if len(scores) > 1 else (*tables, *_paper_tables(dataset, over))
 
 
+def clip_tables(dataset: str, rows: tuple[TrajectoryRow, ...]) -> tuple[ScoreTable, ...]:
+    """Return the same of labelled trajectories, whose score is an error: the less, the better."""
+    tables = [_variant_table(dataset, rows)] if len(rows) > 1 else []
+    return (*tables, *(_clip_table(dataset, row) for row in rows), _published_table(dataset))
+
+
 def _paper_tables(dataset: str, over: GroundTruth) -> tuple[ScoreTable, ...]:
-    """The paper's rows under our columns, of which it has some."""
+    """Return the paper's rows under our columns, of which the paper has some."""
     if dataset not in PAPER_ROWS:
         return ()
     columns = tuple(score_columns(over))
@@ -39,7 +64,7 @@ def _paper_tables(dataset: str, over: GroundTruth) -> tuple[ScoreTable, ...]:
         by_column = dict(zip(PAPER_COLUMNS, values, strict=True))
         rows.append((method, tuple(map(by_column.get, columns))))
     title = f"{dataset}, as the paper reports it for the whole data set"
-    # The paper scores pixels, whatever we do.
+    # The paper scores pixels, also where we score points.
     decimals = (2,) * len(columns)
     return (ScoreTable(title, ("method", *columns), tuple(rows), is_published=True, over="pixels", decimals=decimals),)
 
@@ -49,5 +74,48 @@ def _cells(score: SequenceScore | None, over: GroundTruth) -> tuple[float | None
 
 
 def _mean(scores: Sequence[SequenceScore | None], over: GroundTruth) -> tuple[float | None, ...]:
-    """Of all sequences or of none: a mean of those that happen to be stored is no result."""
+    """Average all sequences, or none: a mean of those that happen to be stored is no result."""
     return _cells(None if None in scores else mean_score(list(scores)), over)
+
+
+def _variant_table(dataset: str, rows: tuple[TrajectoryRow, ...]) -> ScoreTable:
+    has_spread = rows[0].spread is not None
+    means = ((row.mean.error, row.mean.median_error, row.mean.num_motions_correct) for row in rows)
+    return ScoreTable(
+        f"{dataset}, {_count(len(rows[0].sequences), 'clip')}",
+        ("variant", "mean error %", "median", "right number %", *_if(has_spread, "spread of error")),
+        tuple((row.variant, (*mean, *_if(has_spread, row.spread))) for row, mean in zip(rows, means, strict=True)),
+        better=(Better.LESS, Better.LESS, Better.MORE, *_if(has_spread, None)),
+    )
+
+
+def _clip_table(dataset: str, row: TrajectoryRow) -> ScoreTable:
+    has_spread = row.spread is not None
+    cells = [
+        (name, (score.error, score.num_motions, score.num_motions_true, *_if(has_spread, score.spread)))
+        for name, score in row.sequences.items()
+    ]
+    cells.append(("mean", (row.mean.error, None, None, *_if(has_spread, row.spread))))
+    cells.append(("median", (row.mean.median_error, None, None, *_if(has_spread, None))))
+    return ScoreTable(
+        f"{dataset}, {row.variant} ({row.mean.num_motions_correct:.0f} % with the right number of motions)",
+        ("clip", "error %", "motions", "true", *_if(has_spread, "spread of error")),
+        tuple(cells),
+        better=(Better.LESS, None, None, *_if(has_spread, None)),
+        decimals=(1, 1 if has_spread else 0, 0, *_if(has_spread, 1)),
+    )
+
+
+def _published_table(dataset: str) -> ScoreTable:
+    rows = [*PUBLISHED_ERRORS.items(), ("everything one motion", (ONE_MOTION_ERROR, ONE_MOTION_ERROR))]
+    title = f"{dataset}, as published for all {PUBLISHED_CLIPS} clips, number of motions given"
+    columns = ("method (Xu, Cheong, Li, CVPR 2018)", "least error %", "largest error %")
+    return ScoreTable(title, columns, tuple(rows), is_published=True, better=(Better.LESS, Better.LESS))
+
+
+def _if(has_column: bool, cell):
+    return (cell,) if has_column else ()
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"

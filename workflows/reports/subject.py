@@ -1,4 +1,4 @@
-"""What a run was about, read from its log: the graph can be written again from it, without any source."""
+"""Subject of a run, read from its log: enough to write its graph again without the sources."""
 
 import json
 from typing import Literal, NamedTuple
@@ -23,7 +23,7 @@ class RunSequence(NamedTuple):
 
 
 class RunSubject(NamedTuple):
-    """What a run was about.
+    """Subject of a run.
 
     Attributes
     ----------
@@ -33,9 +33,9 @@ class RunSubject(NamedTuple):
     config : PipelineConfig
     variants : tuple of Variant, or of TrajectoryVariant
     sequences : tuple of RunSequence
-        Of all waves that the run came to.
+        Of all waves that the run reached.
     seeds : tuple of int or None
-        Seeds that figures are means over.
+        Seeds over which figures are averaged.
     notes : tuple of str
     """
 
@@ -49,21 +49,21 @@ class RunSubject(NamedTuple):
 
     @property
     def has_frames(self) -> bool:
-        """Whether it is about frames, not about trajectories without images."""
+        """Whether its subject is frames, not trajectories without images."""
         return isinstance(self.sequences[0].leaves, SequenceLeaves)
 
 
 def read_subject(store: ArtifactStore, run_id: str) -> RunSubject:
-    """What the log of a run says that it is about; a note tells of lines that are cut short.
+    """Read the subject of a run from its log; a note counts lines that are cut short.
 
     Raises
     ------
     InputError
-        The log does not say so, or not as this version of the configuration and the graph has it.
+        The log does not name it, or names fields that this version of the configuration or the graph does not have.
     StoreError
         The log cannot be read.
     """
-    # Of a large run the other lines are a hundred thousand.
+    # A large run has a hundred thousand other lines.
     lines = sorted((line for line in store.read_log(run_id) if _MARK in line), key=line_time)
     where = f"run {run_id}"
     whole = [line for line in lines if _is_json(line)]
@@ -87,7 +87,7 @@ def read_subject(store: ArtifactStore, run_id: str) -> RunSubject:
 
 
 def _is_json(line: bytes) -> bool:
-    """Whether a line is whole: a full disk or a kill can cut one short."""
+    """Return whether a line is complete: a full disk or a kill can cut one short."""
     try:
         json.loads(line)
     except (ValueError, RecursionError):

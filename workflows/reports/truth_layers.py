@@ -1,4 +1,6 @@
-"""Layers of the ground truth, and of where a variant differs from it."""
+"""Layers of the ground truth and of each variant's errors."""
+
+from collections.abc import Callable
 
 import numpy as np
 
@@ -6,19 +8,17 @@ from moseg.schemas.configs import Variant
 from moseg.workflows.exports.draw_errors import ERROR_COLOURS, sort_errors
 from moseg.workflows.exports.draw_regions import HATCH, RegionStyle, draw_regions
 from moseg.workflows.exports.draw_tracks import TAIL_FRAMES, DrawnPoints, draw_tracks
-from moseg.workflows.reports.encode_picture import encode_transparent
+from moseg.workflows.reports.content import Layer, LayerKind, LegendEntry, Picture
+from moseg.workflows.reports.layers import PlannedLayer, SequenceView, as_hex, encode_transparent
 from moseg.workflows.reports.object_layers import POINT_RADIUS, STATIC_POINT
-from moseg.workflows.reports.picture_content import Layer, LayerKind, LegendEntry, Picture
-from moseg.workflows.reports.planned_layer import PlannedLayer
-from moseg.workflows.reports.sequence_view import SequenceView, as_hex
 from moseg.workflows.results.shown_frames import annotated_frames, label_points, read_labelled_points
 from moseg.workflows.sources.resize import resize_labels
 
 TRUTH_COLOUR = (255, 255, 255)
-"""RGB, of no identity: what is true and what was found share no numbers."""
+"""RGB of no identity: true objects and found ones share no numbers."""
 _TRUTH = RegionStyle(0.2)
 _ERRORS = RegionStyle(0.7, line=0)
-_ERROR_MEANINGS = {
+_MEANINGS = {
     "true positive": "moves, and was found",
     "false positive": "found, but does not move",
     "false negative": "moves, but was not found",
@@ -26,7 +26,7 @@ _ERROR_MEANINGS = {
 
 
 def plan_truth(view: SequenceView) -> PlannedLayer | None:
-    """What truly moves; None where nobody says."""
+    """Plan the layer of what truly moves; None where there is no ground truth."""
     if view.graph.leaves.annotation is not None:
         return PlannedLayer("ground truth", (view.graph.leaves.annotation,), lambda: _make_truth(view))
     if view.graph.leaves.labelled_points is not None:
@@ -35,14 +35,23 @@ def plan_truth(view: SequenceView) -> PlannedLayer | None:
 
 
 def plan_errors(view: SequenceView, variant: Variant) -> PlannedLayer | None:
-    """Where a variant is right and where it is wrong; None where nobody can say."""
-    name, labels = f"errors ({variant})", view.label_refs(variant, view.frames)
-    annotation, labelled_points = view.graph.leaves.annotation, view.graph.leaves.labelled_points
-    if annotation is not None:
-        return PlannedLayer(name, (annotation, *labels), lambda: _make_errors(view, variant, name))
-    if labelled_points is not None:
-        return PlannedLayer(name, (labelled_points, *labels), lambda: _make_point_errors(view, variant, name))
-    return None
+    """Plan the layer of where a variant is right or wrong; None where there is no ground truth."""
+    leaves = view.graph.leaves
+    truth = leaves.annotation or leaves.labelled_points
+    if truth is None:
+        return None
+    name = f"errors ({variant})"
+
+    def make() -> Layer:
+        is_dense = leaves.annotation is not None
+        draw = _error_drawer(view, variant) if is_dense else _point_error_drawer(view, variant)
+        where = "pixel by pixel" if is_dense else "at its labelled points"
+        legend = (LegendEntry(as_hex(colour), f"{kind}: {_MEANINGS[kind]}") for kind, colour in ERROR_COLOURS.items())
+        description = f"All moving objects taken as one, compared with the ground truth {where}."
+        pictures = tuple(map(draw, view.frames))
+        return Layer(name, LayerKind.OVER, pictures, tuple(legend), description=description, is_beside=True)
+
+    return PlannedLayer(name, (truth, *view.label_refs(variant)), make)
 
 
 def _make_truth(view: SequenceView) -> Layer:
@@ -58,12 +67,12 @@ def _make_truth(view: SequenceView) -> Layer:
 
     legend = (LegendEntry(as_hex(TRUTH_COLOUR), "moves"),)
     if void is not None:
-        legend += (LegendEntry(as_hex(HATCH), "striped: counts for neither side"),)
+        legend += (LegendEntry(as_hex(HATCH), "striped: not counted"),)
     description = "What truly moves, each object with a border of its own."
     return Layer("ground truth", LayerKind.OVER, tuple(map(draw, view.frames)), legend=legend, description=description)
 
 
-def _make_errors(view: SequenceView, variant: Variant, name: str) -> Layer:
+def _error_drawer(view: SequenceView, variant: Variant) -> Callable[[int], Picture | None]:
     void = view.graph.leaves.void
     colours = np.array([(0, 0, 0), *ERROR_COLOURS.values()], np.uint8)
 
@@ -79,36 +88,32 @@ def _make_errors(view: SequenceView, variant: Variant, name: str) -> Layer:
             regions[truth == void] = 0
         return encode_transparent(draw_regions(regions, colours, view.shape, _ERRORS))
 
-    description = "All moving objects taken as one, compared with the ground truth pixel by pixel."
-    pictures = tuple(map(draw, view.frames))
-    return Layer(name, LayerKind.OVER, pictures, _list_errors(), description=description, is_beside=True)
+    return draw
 
 
 def _make_true_points(view: SequenceView) -> Layer:
     points, visible, labels, size = read_labelled_points(view.store, view.graph.leaves.labelled_points)
     order = np.argsort(labels > 0, kind="stable")
     colours = np.where((labels > 0)[:, None], np.array(TRUTH_COLOUR), np.array(STATIC_POINT) // 2).astype(np.uint8)
-
-    def draw(frame: int) -> Picture:
-        recent = slice(max(frame - TAIL_FRAMES, 0), frame + 1)
-        drawn = DrawnPoints(points[order, recent], visible[order, recent], colours[order], size)
-        return encode_transparent(draw_tracks(drawn, view.shape, POINT_RADIUS))
-
+    drawn = DrawnPoints(points[order], visible[order], colours[order], size)
+    pictures = tuple(
+        encode_transparent(draw_tracks(drawn.until(frame), view.shape, POINT_RADIUS)) for frame in view.frames
+    )
     legend = (
         LegendEntry(as_hex(TRUTH_COLOUR), "moves"),
-        LegendEntry(as_hex(np.array(STATIC_POINT) // 2), "stands still"),
+        LegendEntry(as_hex(np.array(STATIC_POINT) // 2), "static"),
     )
-    description = f"Labelled points with their way over the last {TAIL_FRAMES} frames."
-    return Layer("ground truth", LayerKind.OVER, tuple(map(draw, view.frames)), legend=legend, description=description)
+    description = f"Labelled points with their paths over the last {TAIL_FRAMES} frames."
+    return Layer("ground truth", LayerKind.OVER, pictures, legend=legend, description=description)
 
 
-def _make_point_errors(view: SequenceView, variant: Variant, name: str) -> Layer:
+def _point_error_drawer(view: SequenceView, variant: Variant) -> Callable[[int], Picture]:
     labelled = read_labelled_points(view.store, view.graph.leaves.labelled_points)
 
     def draw(frame: int) -> Picture:
         found = label_points(labelled, frame, view.labels(variant, frame))
         kinds = sort_errors(found.predicted, found.truth)
-        # Errors lie above what is right.
+        # Errors are drawn last, above correct points.
         shown = np.concatenate([np.flatnonzero(kinds[kind]) for kind in ERROR_COLOURS])
         counts = [np.count_nonzero(kinds[kind]) for kind in ERROR_COLOURS]
         colours = np.repeat(np.array(list(ERROR_COLOURS.values()), np.uint8), counts, axis=0)
@@ -116,19 +121,11 @@ def _make_point_errors(view: SequenceView, variant: Variant, name: str) -> Layer
         drawn = DrawnPoints(found.points[shown][:, None], seen, colours, found.size)
         return encode_transparent(draw_tracks(drawn, view.shape, POINT_RADIUS))
 
-    description = "All moving objects taken as one, compared with the ground truth at its labelled points."
-    pictures = tuple(map(draw, view.frames))
-    return Layer(name, LayerKind.OVER, pictures, _list_errors(), description=description, is_beside=True)
-
-
-def _list_errors() -> tuple[LegendEntry, ...]:
-    return tuple(
-        LegendEntry(as_hex(colour), f"{kind}: {_ERROR_MEANINGS[kind]}") for kind, colour in ERROR_COLOURS.items()
-    )
+    return draw
 
 
 def _read_truth(view: SequenceView, frame: int) -> np.ndarray | None:
-    """Labels of a frame; None where it has none, as where no frame has any and all are shown."""
+    """Read the labels of a frame; None where it has none, as where no frame has any and all are shown."""
     annotation = view.graph.leaves.annotation
     annotated = annotated_frames(view.store, annotation)
     if frame not in annotated:

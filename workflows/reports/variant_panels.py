@@ -1,20 +1,23 @@
-"""What one variant made of a sequence: its motion groups, matrices and eigenvalues."""
+"""What one variant found in a sequence or in a clip of trajectories: its motion groups, matrices and eigenvalues."""
 
 from collections.abc import Iterable
 
 import numpy as np
 
-from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
+from moseg.schemas.parameters import TrajectoryClusteringParams
 from moseg.store import ArtifactStore
-from moseg.workflows.graph import SequenceGraph
-from moseg.workflows.reports.content import GroupedObject, VariantPanel
-from moseg.workflows.reports.figure_content import EigenvaluePlot
+from moseg.workflows.graph import SequenceGraph, TrajectoryGraph
+from moseg.workflows.reports.content import EigenvaluePlot, GroupedObject, Matrix, VariantPanel
+from moseg.workflows.reports.layers import all_colours, as_hex
 from moseg.workflows.reports.matrices import clustering_params, object_matrices
-from moseg.workflows.reports.missing import Missing, WhyAbsent, say_missing, telling_missing
-from moseg.workflows.reports.motion_count import FoundGroups, explain_objects
-from moseg.workflows.reports.sequence_view import all_colours, as_hex
+from moseg.workflows.reports.missing import Missing, WhyAbsent, collect_missing, format_missing
+from moseg.workflows.reports.motion_count import FoundGroups, explain_objects, explain_tracks
+from moseg.workflows.results.found_objects import read_identities
 
 BACKGROUND = "background"
+MAX_TRACKS = 200
+"""Rows of a matrix: of more tracks an even sample is shown."""
 
 
 def variant_panel(
@@ -24,7 +27,12 @@ def variant_panel(
     variant: Variant,
     why_absent: WhyAbsent = WhyAbsent.GONE,
 ) -> VariantPanel:
-    """The panel of a variant, as far as the store has what it shows; `why_absent` is what to say of the rest.
+    """Gather the panel of a variant as far as its artifacts are stored.
+
+    Parameters
+    ----------
+    why_absent : WhyAbsent
+        Reason that is given for artifacts that are not stored.
 
     Raises
     ------
@@ -33,14 +41,16 @@ def variant_panel(
     """
     missing: list[Missing] = []
     names: dict[int, str] = {}
-    with telling_missing(missing, "names of the objects"):
+    with collect_missing(missing, "names of the objects"):
         names = _object_names(store, graph)
     clustering = graph.clustering(variant)
     if clustering is None:
-        # Nothing groups them: whatever is proposed counts as moving, each object in its own way.
-        return VariantPanel(variant.value, _group(names, range(len(names))), missing=say_missing(missing, why_absent))
+        # No clustering: every proposal counts as moving, each as a motion of its own.
+        return VariantPanel(
+            variant.value, _group(names, range(len(names))), missing=format_missing(missing, why_absent)
+        )
     objects, eigenvalues = (), None
-    with telling_missing(missing, "motion groups and eigenvalues"):
+    with collect_missing(missing, "motion groups and eigenvalues"):
         found = store.attributes(clustering)
         groups = store.read(clustering, "motion").tolist()
         objects = _group(names, groups) if names else ()
@@ -48,22 +58,63 @@ def variant_panel(
         spectrum = store.read(clustering, "eigenvalues")
         counted = FoundGroups(config.clustering.motions, asked, num_found, len(groups), len(spectrum))
         how = explain_objects(counted, clustering_params(graph, variant), found.get("scores", ()))
-        eigenvalues = EigenvaluePlot(plotted_spectrum(spectrum), num_found, how)
-    matrices, absent = object_matrices(store, graph, config, variant, tuple(names.values()))
-    missing.extend(absent)
+        eigenvalues = EigenvaluePlot(_squeeze(spectrum), num_found, how)
+    matrices = object_matrices(store, graph, config, variant, tuple(names.values()), missing)
     if config.affinity.method == "hypotheses":
         missing.append("residuals: affinity hypotheses compares objects under many models, and fits none to each.")
-    return VariantPanel(variant.value, objects, matrices, eigenvalues, say_missing(missing, why_absent))
+    return VariantPanel(variant.value, objects, matrices, eigenvalues, format_missing(missing, why_absent))
+
+
+def clip_panel(
+    store: ArtifactStore,
+    graph: TrajectoryGraph,
+    config: PipelineConfig,
+    variant: TrajectoryVariant,
+    why_absent: WhyAbsent = WhyAbsent.GONE,
+) -> VariantPanel:
+    """Gather the same of a clip of labelled trajectories: its kernels are sorted by motion."""
+    missing: list[Missing] = []
+    matrices: list[Matrix] = []
+    eigenvalues = motion = None
+    clustering = graph.clustering(variant)
+    recipe = graph.recipes[clustering].params
+    params = TrajectoryClusteringParams(**recipe["clustering"])
+    with collect_missing(missing, "motion groups and eigenvalues"):
+        motion = store.read(clustering, "motion")
+        num_motions, spectrum = store.attributes(clustering)["num_motions"], store.read(clustering, "eigenvalues")
+        counted = FoundGroups(config.clustering.motions, recipe["num_motions"], num_motions, len(motion), len(spectrum))
+        eigenvalues = EigenvaluePlot(_squeeze(spectrum), num_motions, explain_tracks(counted, params))
+    models = config.point_models(variant)
+    kernels = []
+    for model in models:
+        with collect_missing(missing, f"kernel, {model}"):
+            kernels.append(store.read(graph.kernel(model), "kernel").mean(axis=0, dtype=np.float64))
+            description = f"How alike two tracks move under {model} models, the mean over draws of hypotheses;"
+            matrices.append(_sampled(f"kernel, {model}", kernels[-1], motion, description))
+    if len(models) > 1 and len(kernels) == len(models):
+        is_product = params.method == "product"
+        fused = np.prod(kernels, axis=0) ** (1 / len(kernels)) if is_product else np.mean(kernels, axis=0)
+        description = f"The {'geometric' if is_product else 'arithmetic'} mean of the models' kernels;"
+        matrices.append(_sampled("fused kernel", fused, motion, description))
+    return VariantPanel(variant.value, (), tuple(matrices), eigenvalues, format_missing(missing, why_absent))
+
+
+def clip_refs(graph: TrajectoryGraph, config: PipelineConfig, variant: TrajectoryVariant) -> tuple[str, ...]:
+    """Return the references that the panel of a variant reads."""
+    return (graph.clustering(variant), *(graph.kernel(model) for model in config.point_models(variant)))
+
+
+def sample_by_motion(motion: np.ndarray, max_tracks: int = MAX_TRACKS) -> np.ndarray:
+    """Return at most so many tracks, evenly from all of them in the order of their motions, int (n,)."""
+    order = np.argsort(motion, kind="stable")
+    count = min(len(order), max_tracks)
+    return order[(2 * np.arange(count) + 1) * len(order) // (2 * count)] if count else order
 
 
 def _object_names(store: ArtifactStore, graph: SequenceGraph) -> dict[int, str]:
-    """``background`` as 0, then each object by its identity: that, with what a network called it."""
-    linking = store.attributes(graph.objects.linking())
-    identities = linking.get("given", range(1, linking["num_objects"]))
-    tags = linking.get("tags", [""] * len(identities))
-    return {0: BACKGROUND} | {
-        identity: f"{identity} {tag}".strip() for identity, tag in zip(identities, tags, strict=True)
-    }
+    """Return ``background`` as 0, then each object by its identity: the identity and the name that a network gave."""
+    identities, tags = read_identities(store, graph)
+    return {0: BACKGROUND} | {identity: f"{identity} {tags.get(identity, '')}".strip() for identity in identities}
 
 
 def _group(names: dict[int, str], groups: Iterable[int]) -> tuple[GroupedObject, ...]:
@@ -74,6 +125,15 @@ def _group(names: dict[int, str], groups: Iterable[int]) -> tuple[GroupedObject,
     )
 
 
-def plotted_spectrum(spectrum: np.ndarray) -> np.ndarray:
-    """Eigenvalues (V, n) of a clustering as a plot has them: of its only kernel, float64 (n,), or of each view's."""
+def _squeeze(spectrum: np.ndarray) -> np.ndarray:
+    """Return eigenvalues (V, n) of a clustering as float64 (n,) where there is only one view."""
     return spectrum[0] if len(spectrum) == 1 else spectrum
+
+
+def _sampled(title: str, kernel: np.ndarray, motion: np.ndarray | None, description: str) -> Matrix:
+    chosen = sample_by_motion(np.zeros(len(kernel)) if motion is None else motion)
+    order = "in the order of the file" if motion is None else "in the order of their motions"
+    share = "all tracks" if len(chosen) == len(kernel) else f"{len(chosen)} of {len(kernel)} tracks"
+    return Matrix(
+        title, kernel[np.ix_(chosen, chosen)], (), "", f"{description} {share}, {order}; large: the same motion."
+    )

@@ -1,1 +1,1 @@
-"""What a run found, read from the store."""
+"""Results of a run, read from the store."""

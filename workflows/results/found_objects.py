@@ -1,4 +1,4 @@
-"""What a variant found in a sequence: its objects, their motion groups and their names."""
+"""Objects that a variant found in a sequence, with their motion groups and names."""
 
 from typing import NamedTuple
 
@@ -10,18 +10,18 @@ from moseg.workflows.graph import SequenceGraph
 
 
 class FoundObjects(NamedTuple):
-    """Objects of a sequence by identity, those that stand still among them.
+    """Objects of a sequence by identity, static ones included.
 
     Attributes
     ----------
     identities : tuple of int
-        Of the objects of the sequence from 1 on, as pixels of the labels have them.
+        Of the objects of the sequence from 1 on, the values of the labels' pixels.
     motions : dict of int to int
         Motion group of each; 0 = static, with the background.
     num_motions : int
         Motion groups, the background's included.
     tags : dict of int to str
-        What networks called them; empty where none did.
+        Names that networks gave them; empty where none did.
     """
 
     identities: tuple[int, ...]
@@ -31,22 +31,27 @@ class FoundObjects(NamedTuple):
 
 
 def found_refs(graph: SequenceGraph, variant: Variant) -> tuple[str, ...]:
-    """References that `read_found_objects` reads."""
+    """Return the references that `read_found_objects` reads."""
     clustering = graph.clustering(variant)
     return (graph.objects.linking(), *(() if clustering is None else (clustering,)))
 
 
-def read_found_objects(store: ArtifactStore, graph: SequenceGraph, variant: Variant) -> FoundObjects:
-    """The objects as they lie in the store."""
-    clustering = graph.clustering(variant)
+def read_identities(store: ArtifactStore, graph: SequenceGraph) -> tuple[tuple[int, ...], dict[int, str]]:
+    """Read the identities of the objects of a sequence from the store, and the names that networks gave them."""
     linking = store.attributes(graph.objects.linking())
     identities = tuple(map(int, linking.get("given", range(1, linking["num_objects"]))))
+    tags = dict(zip(identities, linking["tags"], strict=True)) if "tags" in linking else {}
+    # An empty tag: the detector found a box but no name.
+    return identities, {identity: tag for identity, tag in tags.items() if tag}
+
+
+def read_found_objects(store: ArtifactStore, graph: SequenceGraph, variant: Variant) -> FoundObjects:
+    """Read the objects from the store."""
+    clustering = graph.clustering(variant)
+    identities, tags = read_identities(store, graph)
     if clustering is None:
-        motion = np.arange(linking["num_objects"], dtype=np.uint16)
+        motion = np.arange(len(identities) + 1, dtype=np.uint16)
     else:
         motion = store.read(clustering, "motion")
     motions = {identity: int(group) for identity, group in zip(identities, motion[1:], strict=True)}
-    tags = dict(zip(identities, linking["tags"], strict=True)) if "tags" in linking else {}
-    # The detector found a box but no word for it.
-    tags = {identity: tag for identity, tag in tags.items() if tag}
     return FoundObjects(identities, motions, len(np.unique(motion)), tags)

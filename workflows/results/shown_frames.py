@@ -1,4 +1,4 @@
-"""Which frames of a sequence are worth a look, and what is true in them."""
+"""Frames of a sequence that pictures show, and their labelled points."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -7,19 +7,19 @@ import numpy as np
 
 from moseg.store import ArtifactStore
 from moseg.tasks.metrics import sample_points
-from moseg.workflows.exports.draw_point_errors import PointLabels
+from moseg.workflows.exports.draw_errors import PointLabels
 from moseg.workflows.graph import SequenceLeaves
 from moseg.workflows.sources.resize import resize_labels
 
 
 def spread(num_items: int, num_chosen: int) -> tuple[int, ...]:
-    """Positions of at most `num_chosen` of some items: the middles of equally long runs."""
+    """Return positions of at most `num_chosen` of some items: the middles of equally long runs."""
     count = min(num_items, num_chosen)
     return tuple((2 * index + 1) * num_items // (2 * count) for index in range(count))
 
 
 def scored_frames(store: ArtifactStore, leaves: SequenceLeaves) -> Sequence[int]:
-    """Frames that the score is about; all where there is no ground truth."""
+    """Return the frames that are scored; all where there is no ground truth."""
     if leaves.annotation is not None:
         return annotated_frames(store, leaves.annotation)
     if leaves.labelled_points is not None:
@@ -28,7 +28,7 @@ def scored_frames(store: ArtifactStore, leaves: SequenceLeaves) -> Sequence[int]
 
 
 def annotated_frames(store: ArtifactStore, annotation: str) -> list[int]:
-    """Frames that have ground truth."""
+    """Return the frames that have ground truth."""
     return store.attributes(annotation)["indices"]
 
 
@@ -53,13 +53,13 @@ class LabelledPoints(NamedTuple):
 
 
 def read_labelled_points(store: ArtifactStore, labelled_points: str) -> LabelledPoints:
-    """All labelled points of a sequence: an array is read whole, so once for all frames."""
+    """Read all labelled points of a sequence, once for all frames: an array is read whole."""
     arrays = (store.read(labelled_points, name) for name in ("points", "visible", "labels"))
     return LabelledPoints(*arrays, tuple(store.attributes(labelled_points)["size"]))
 
 
 def label_points(labelled: LabelledPoints, frame: int, labels: np.ndarray) -> PointLabels:
-    """The points seen in a frame, with what is predicted and what is true."""
+    """Return the points visible in a frame, with their predicted and true labels."""
     points, visible = labelled.points[:, frame], labelled.visible[:, frame]
     found = sample_points(resize_labels(labels, labelled.size), points, visible, labelled.labels)
     return PointLabels(points[visible], *found, labelled.size)

@@ -92,7 +92,7 @@ def test_an_interrupted_report_leaves_the_one_before(moseg, evaluated, monkeypat
     def interrupt(*arguments, **options):
         raise KeyboardInterrupt
 
-    for broken in ("moseg.workflows.reports.from_log.build_page", "moseg.workflows.reports.write.render_page"):
+    for broken in ("moseg.workflows.reports.from_log.build_page", "moseg.workflows.reports.run_report.render_page"):
         with monkeypatch.context() as patched:
             patched.setattr(broken, interrupt)
             ran = moseg(*report)

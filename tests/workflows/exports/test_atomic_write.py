@@ -30,7 +30,7 @@ def test_a_failure_leaves_the_old_file_and_nothing_half_written(tmp_path):
     assert [entry.read_text() for entry in tmp_path.iterdir()] == ["old"]
 
 
-def test_what_went_wrong_first_is_what_is_told(tmp_path, monkeypatch):
+def test_the_first_error_is_the_one_reported(tmp_path, monkeypatch):
     def refuse(self, missing_ok=False):
         raise PermissionError("cannot be removed")
 

@@ -1,4 +1,4 @@
-"""Maps are colours on one scale, lighter where there is more."""
+"""Maps are colours on one scale, lighter for larger values."""
 
 import cv2
 import numpy as np
@@ -11,7 +11,7 @@ def lightness(image):
     return cv2.cvtColor(image, cv2.COLOR_RGB2LAB)[..., 0].astype(int)
 
 
-def test_the_nearer_the_lighter():
+def test_near_pixels_are_lighter():
     depth = np.linspace(0, 4, 9, dtype=np.float32)[None]
     shades = lightness(colour_inverse_depth(depth, 1.0, 3.0))[0]
     assert (np.diff(shades[2:7]) > 0).all()
@@ -25,7 +25,7 @@ def test_a_flat_scene_has_one_colour():
 
 
 @pytest.mark.parametrize("colours", [SOFT_COLOURS, DEPTH_COLOURS])
-def test_the_bar_grows_lighter_from_its_least_to_its_largest_value(colours):
+def test_the_bar_grows_lighter_from_its_smallest_to_its_largest_value(colours):
     bar = draw_colour_bar((4, 100), colours)
     assert bar.shape == (4, 100, 3)
     assert (np.diff(lightness(bar)[0, ::10]) > 0).all()

@@ -1,14 +1,19 @@
-"""A sheet shows what its frames have, one column a frame, one row a picture."""
+"""A sheet has one column a frame and one row for each of their pictures."""
 
 import cv2
 import numpy as np
 import pytest
 
 from moseg.workflows.exports.colour_maps import colour_soft_map
-from moseg.workflows.exports.draw_contact_sheet import draw_contact_sheet
+from moseg.workflows.exports.draw_contact_sheet import (
+    TILE_SIDE,
+    SheetFrame,
+    draw_column,
+    draw_contact_sheet,
+    tile_shape,
+)
 from moseg.workflows.exports.draw_errors import draw_errors
-from moseg.workflows.exports.draw_labels import draw_labels
-from moseg.workflows.exports.sheet_column import TILE_SIDE, SheetFrame, draw_column, tile_shape
+from moseg.workflows.exports.draw_overlay import draw_labels
 
 SHAPE = (TILE_SIDE // 2, TILE_SIDE)
 
@@ -58,7 +63,7 @@ def test_rows_are_frame_soft_map_mask_and_errors_from_top_to_bottom():
         ({"soft_map": None, "truth": None, "J": None}, ["frame", "mask"]),
     ],
 )
-def test_what_a_frame_lacks_has_no_row(without, titles):
+def test_pictures_that_frames_lack_have_no_row(without, titles):
     assert list(draw_column(made_up(**without), "posterior")) == titles
     heights = [draw_contact_sheet("", [frame]).shape[0] for frame in (made_up(), made_up(**without))]
     assert heights[0] - heights[1] == (4 - len(titles)) * (SHAPE[0] + 6)
@@ -72,7 +77,7 @@ def test_frames_stand_side_by_side_in_their_order():
     assert list(columns) == sorted(columns)
 
 
-def test_captions_say_frame_and_similarity():
+def test_captions_name_frame_and_similarity():
     assert made_up(7).caption == "frame 7   J 40.0"
     assert made_up(7, J=None).caption == "frame 7"
 
@@ -84,7 +89,7 @@ def test_the_head_the_captions_and_the_titles_are_written():
     assert not np.array_equal(draw_contact_sheet("", [made_up(J=None)], "posterior"), sheet)
 
 
-def test_a_long_head_line_makes_room_for_itself():
+def test_a_long_head_line_widens_the_sheet():
     short, long = (draw_contact_sheet("w" * length, [made_up()]) for length in (3, 200))
     assert long.shape[0] == short.shape[0]
     blank = (long[:, -16:] == 255).all()
@@ -110,7 +115,7 @@ def test_objects_and_errors_keep_their_place_when_the_frame_is_reduced():
     np.testing.assert_allclose(tiles["errors"].astype(int), expected["errors"], atol=1)
 
 
-def test_soft_maps_are_dark_at_nought_and_bright_at_one_in_every_frame():
+def test_soft_maps_are_dark_at_zero_and_bright_at_one_in_every_frame():
     levels = colour_soft_map(np.linspace(-0.5, 1.5, 41, dtype=np.float32)[None])[0].astype(int)
     assert levels[0].max() < 10
     assert levels[-1].min() > 100

@@ -1,13 +1,23 @@
-"""Errors are told apart by colour, whatever the frame shows; void has none."""
+"""Errors differ by colour on every frame; void has none."""
 
 from itertools import combinations
 
 import numpy as np
 import pytest
 
-from moseg.workflows.exports.draw_errors import DIMMING, ERROR_COLOURS, OPACITY, draw_errors
+from moseg.workflows.exports.draw_errors import (
+    DIMMING,
+    ERROR_COLOURS,
+    OPACITY,
+    POINT_RADIUS,
+    PointLabels,
+    draw_errors,
+    draw_point_errors,
+)
 
 VOID = 255
+IMAGE = np.random.default_rng(0).integers(0, 256, (60, 80, 3)).astype(np.uint8)
+DIM = draw_errors(IMAGE, np.zeros((60, 80), np.uint16), np.zeros((60, 80), np.uint16))
 
 
 def made_up(frame_colour):
@@ -30,7 +40,7 @@ def test_each_error_has_its_colour_over_the_dimmed_frame(grey):
     np.testing.assert_allclose(drawn, expected, atol=1)
 
 
-def test_the_colours_are_named_in_the_order_in_which_they_are_meant():
+def test_the_colours_are_named_in_order():
     assert list(ERROR_COLOURS) == ["true positive", "false positive", "false negative"]
 
 
@@ -39,13 +49,13 @@ def test_without_a_void_label_every_true_label_moves():
     np.testing.assert_allclose(drawn[4], tinted("true positive", 120), atol=1)
 
 
-def test_what_moves_in_both_is_right_whichever_object_it_is():
+def test_pixels_that_move_in_both_are_right_for_any_object():
     image, labels, truth = made_up(60)
     swapped = np.where(labels == 7, 9, np.where(labels == 9, 7, 0)).astype(np.uint16)
     np.testing.assert_array_equal(draw_errors(image, swapped, truth, VOID), draw_errors(image, labels, truth, VOID))
 
 
-def test_the_frame_has_no_colour_that_could_pass_for_an_error():
+def test_the_dimmed_frame_has_no_error_colour():
     drawn = draw_errors(*made_up((250, 160, 0)), void=VOID)
     assert np.ptp(drawn[0, 0]) == 0
     assert drawn[0, 0].max() < 100
@@ -84,3 +94,25 @@ def test_drawn_errors_differ_for_the_colour_blind_too(vision, grey):
     x, y, z = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116).T
     lab = np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
     assert min(np.linalg.norm(one - other) for one, other in combinations(lab, 2)) > 20
+
+
+def test_each_point_has_the_colour_of_its_kind_and_static_points_have_none():
+    points = np.array([[10, 10], [30, 10], [50, 10], [70, 10]], float)
+    labelled = PointLabels(points, np.uint16([3, 4, 0, 0]), np.uint16([2, 0, 2, 0]), (60, 80))
+    drawn = draw_point_errors(IMAGE, labelled)
+    assert [tuple(drawn[10, x]) for x in (10, 30, 50)] == list(ERROR_COLOURS.values())
+    np.testing.assert_array_equal(drawn[:, 60:], DIM[:, 60:])
+    y, x = np.nonzero((drawn != DIM).any(axis=-1))
+    assert max(np.hypot(np.subtract.outer(x, points[:3, 0]), (y - 10)[:, None]).min(axis=1)) <= POINT_RADIUS + 0.5
+
+
+def test_points_keep_their_place_in_a_smaller_picture():
+    labelled = PointLabels(np.array([[100.5, 60.5]]), np.uint16([1]), np.uint16([1]), (120, 160))
+    y, x = np.nonzero((draw_point_errors(IMAGE, labelled) == 255).all(axis=-1))
+    assert (x.mean(), y.mean()) == (50, 30)
+
+
+def test_errors_lie_above_correct_points():
+    points = np.array([[20, 20], [20, 20]], float)
+    labelled = PointLabels(points, np.uint16([0, 1]), np.uint16([1, 1]), (60, 80))
+    assert tuple(draw_point_errors(IMAGE, labelled)[20, 20]) == ERROR_COLOURS["false negative"]

@@ -1,4 +1,4 @@
-"""Flow has the colours that everybody who has seen the Middlebury wheel expects."""
+"""Flow has the colours of the Middlebury benchmark."""
 
 import colorsys
 
@@ -22,7 +22,7 @@ def test_directions_have_the_published_hues(vector, published):
     np.testing.assert_allclose(colour(*vector), published, atol=2)
 
 
-def test_the_longer_the_more_saturated():
+def test_longer_vectors_are_more_saturated():
     shades = [colorsys.rgb_to_hsv(*(level / 255 for level in colour(length, 0))) for length in (0.25, 0.5, 0.75, 1.0)]
     assert [saturation for _, saturation, _ in shades] == pytest.approx([0.25, 0.5, 0.75, 1.0], abs=0.01)
     assert {hue for hue, _, _ in shades} == {0.0}
@@ -46,7 +46,7 @@ def test_unknown_flow_is_black_and_its_neighbours_keep_their_colour(unknown):
     assert tuple(drawn[0, 1]) == (255, 0, 0)
 
 
-def test_a_sequence_without_motion_has_a_scale_too():
+def test_a_sequence_without_motion_has_a_scale():
     assert (colour_flow(np.zeros((2, 3, 2), np.float32), 0.0) == 255).all()
 
 

@@ -1,4 +1,4 @@
-"""Regions say something where they are, and nothing elsewhere."""
+"""Regions are drawn where they are, and the picture is transparent elsewhere."""
 
 import numpy as np
 import pytest
@@ -27,13 +27,13 @@ def test_inside_is_tinted_the_border_is_full_and_the_rest_is_transparent():
     assert not drawn[away].any()
 
 
-def test_a_dark_rim_parts_the_border_from_a_base_of_its_colour():
+def test_a_dark_rim_separates_the_border_from_a_base_of_its_colour():
     column = draw_regions(scene(), COLOURS, (40, 60), PLAIN)[:10, 17]
     dark = (column[:, 3] > 60) & (column[:, 0] < 60)
     assert dark.any()
 
 
-def test_what_a_border_encloses_may_have_a_tint_of_its_own():
+def test_the_area_inside_a_border_may_have_another_tint():
     drawn = draw_regions(scene(), COLOURS, (40, 60), PLAIN, tints=COLOURS // 2)
     assert drawn[20, 17].tolist() == [127, 0, 0, 128]
     assert drawn[20, 10].tolist() == [255, 0, 0, 255]
@@ -54,7 +54,7 @@ def test_borders_keep_their_width_at_any_size(shape):
     assert 1 <= np.count_nonzero((row[:, 0] > 200) & (row[:, 3] > 200)) <= 3
 
 
-def test_stripes_mark_what_does_not_count():
+def test_stripes_mark_pixels_that_do_not_count():
     hatched = np.zeros((40, 60), bool)
     hatched[32:40, 40:60] = True
     drawn = draw_regions(np.zeros((40, 60), np.uint16), COLOURS, (40, 60), PLAIN, hatched)
@@ -63,7 +63,7 @@ def test_stripes_mark_what_does_not_count():
     assert np.ptp(drawn[32:40, 40:60, :3], axis=-1).max() == 0
 
 
-def test_each_region_that_has_room_bears_its_number():
+def test_each_region_that_is_large_enough_has_its_number():
     regions = scene()
     regions[0:3, 0:3] = 2
     plain, numbered = (

@@ -1,4 +1,4 @@
-"""Points lie where they are seen, with a tail where they came from."""
+"""Points are drawn where they are visible, with a tail along their path."""
 
 import numpy as np
 
@@ -33,7 +33,7 @@ def test_a_dot_has_its_colour_and_a_dark_rim_and_the_rest_is_transparent():
     assert (columns(drawn).min(), columns(drawn).max()) == (57, 63)
 
 
-def test_a_tail_reaches_so_many_frames_back_and_fades():
+def test_a_tail_has_its_length_and_fades():
     drawn = draw_tracks(track(20), (40, 80), radius=2)
     assert abs(columns(drawn).min() - (60 - 3 * TAIL_FRAMES)) <= 1
     old, new = drawn[20, 60 - 3 * TAIL_FRAMES + 2, 3], drawn[20, 54, 3]
@@ -45,7 +45,7 @@ def test_a_tail_ends_at_a_gap():
     assert abs(columns(drawn).min() - (60 - 2 * 3)) <= 1
 
 
-def test_what_is_not_seen_now_is_not_drawn():
+def test_points_hidden_in_the_last_frame_are_not_drawn():
     assert not draw_tracks(track(5, hidden=[4]), (40, 80), radius=2).any()
 
 

@@ -1,4 +1,4 @@
-"""motion.json says what moves, when and how large."""
+"""motion.json holds what moves, when and how large it is."""
 
 import json
 
@@ -72,7 +72,7 @@ def test_a_path_that_cannot_be_written_is_named(tmp_path, labels):
     assert [entry.name for entry in tmp_path.iterdir()] == ["motion.json"]
 
 
-def test_a_name_that_is_no_utf_8_is_written_out(tmp_path):
+def test_a_name_that_is_not_utf_8_is_escaped(tmp_path):
     summary = summarise_sequence("f\udcffr", np.zeros((1, 2, 2), np.uint16), 24.0, 1, {})
     write_motion(tmp_path / "motion.json", summary)
     assert json.loads((tmp_path / "motion.json").read_text())["name"] == "f\\udcffr"

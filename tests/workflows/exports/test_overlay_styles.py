@@ -1,4 +1,4 @@
-"""Each style of overlay shows what it says, and the video plays in a browser."""
+"""Each style of overlay draws its parts, and the video plays in a browser."""
 
 import base64
 import io
@@ -15,8 +15,7 @@ from moseg.workflows.exports import (
     identity_colours,
     write_overlay,
 )
-from moseg.workflows.exports.draw_labels import CUTOUT_DIMMING
-from moseg.workflows.exports.draw_overlay import draw_overlay
+from moseg.workflows.exports.draw_overlay import CUTOUT_DIMMING, draw_overlay
 
 SHAPE = (40, 60)
 COLOUR = (200, 100, 40)

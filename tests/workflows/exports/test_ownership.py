@@ -1,4 +1,4 @@
-"""Files of ours are known by what they say; the same files out of another program's hands are not."""
+"""Files of moseg are recognised by their mark; the same files saved by another program are not."""
 
 import json
 
@@ -9,7 +9,7 @@ from PIL import Image
 
 from moseg.schemas.errors import InputError
 from moseg.workflows.exports import summarise_sequence, write_masks, write_motion, write_overlay
-from moseg.workflows.exports.check_outputs import check_outputs
+from moseg.workflows.exports.outputs import check_outputs
 from moseg.workflows.exports.owned_folder import OwnedFolder
 from moseg.workflows.exports.ownership import OwnedFile, is_own_archive, is_own_mask, is_own_overlay, is_own_summary
 
@@ -71,7 +71,7 @@ def test_a_foreign_summary_is_kept(out):
         check_outputs(str(out), None)
 
 
-def test_a_foreign_video_is_kept_and_no_obstacle_where_there_is_to_be_no_overlay(out):
+def test_a_foreign_video_is_kept_and_allowed_where_no_overlay_is_written(out):
     _without_mark(out / "overlay.mp4")
     with pytest.raises(InputError, match=r"not known as moseg's own in .*overlay\.mp4"):
         check_outputs(str(out), None)
@@ -81,7 +81,7 @@ def test_a_foreign_video_is_kept_and_no_obstacle_where_there_is_to_be_no_overlay
         check_outputs(str(out), None)
 
 
-def test_an_overlay_whose_other_texts_are_no_utf8_is_ours_still(out):
+def test_an_overlay_whose_other_texts_are_not_utf8_is_still_ours(out):
     path = out / "overlay.mp4"
     content = path.read_bytes()
     encoder = content.index(b"Lavf")
@@ -89,7 +89,7 @@ def test_an_overlay_whose_other_texts_are_no_utf8_is_ours_still(out):
     assert is_own_overlay(path)
 
 
-def test_a_run_killed_in_the_middle_goes_on(out):
+def test_a_run_killed_in_the_middle_can_be_continued(out):
     (out / "motion.json").unlink()
     (out / "masks" / "00002.png").unlink()
     check_outputs(str(out), None)
@@ -101,12 +101,12 @@ def test_a_shorter_run_does_not_remove_an_image_that_is_not_ours(out):
     assert sorted(path.name for path in (out / "masks").iterdir()) == ["00000.png", "00002.png"]
 
 
-def test_a_name_that_can_be_none_is_named_before_the_work(tmp_path):
+def test_an_impossible_name_is_reported_before_the_work(tmp_path):
     with pytest.raises(InputError, match=r"cannot write .*File name too long"):
         OwnedFile(tmp_path / ("n" * 252 + ".npz"), is_own_mask).check()
 
 
-def test_an_archive_of_a_version_to_come_is_not_ours(tmp_path):
+def test_an_archive_of_a_later_version_is_not_ours(tmp_path):
     path = tmp_path / "labels.npz"
     np.savez(path, labels=LABELS)
     content = bytearray(path.read_bytes())
@@ -115,7 +115,7 @@ def test_an_archive_of_a_version_to_come_is_not_ours(tmp_path):
     assert not is_own_archive(path)
 
 
-def test_a_listing_nested_without_end_is_named(tmp_path):
+def test_a_listing_nested_too_deeply_is_named(tmp_path):
     (tmp_path / ".moseg-export.json").write_text("[" * 100_000)
     with pytest.raises(InputError, match=r"listing of an export cannot be read in .*json"):
         OwnedFolder(tmp_path, ["00000.png"]).check()

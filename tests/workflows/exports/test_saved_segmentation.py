@@ -1,4 +1,4 @@
-"""A saved segmentation is opened whole, or what is wrong with it is named."""
+"""A saved segmentation is opened whole, or its fault is named."""
 
 import json
 
@@ -54,7 +54,7 @@ def test_names_of_a_folder_of_images_count_in_place_of_those_saved(folder, tmp_p
         open_segmentation(folder, tmp_path / "images")
 
 
-def test_images_that_exif_turns_are_called_so(folder, tmp_path):
+def test_images_that_exif_turns_are_named(folder, tmp_path):
     (tmp_path / "images").mkdir()
     exif = Image.Exif()
     exif[0x0112] = 6
@@ -103,19 +103,19 @@ def test_a_damaged_summary_is_one_line(folder, text):
 
 
 @pytest.mark.parametrize("name", ["../dog", "", ".."])
-def test_a_name_that_leads_elsewhere_is_refused(folder, name):
+def test_a_name_with_a_folder_is_refused(folder, name):
     change(folder, name=name)
     with pytest.raises(InputError, match="not a name of a sequence"):
         open_segmentation(folder)
 
 
-def test_names_of_frames_that_lead_elsewhere_are_refused(folder):
+def test_names_of_frames_with_a_folder_are_refused(folder):
     change(folder, frames=["x.jpg", "../y.jpg", "z.jpg"])
     with pytest.raises(InputError, match=r"not a name of a frame in .*motion.json; got '../y.jpg'"):
         open_segmentation(folder)
 
 
-def test_a_summary_that_claims_frames_without_end_is_refused_at_the_first_missing_mask(folder):
+def test_a_summary_that_claims_too_many_frames_is_refused_at_the_first_missing_mask(folder):
     change(folder, num_frames=2**62, frames=None)
     with pytest.raises(MissingInputError, match=r"missing mask in .*00003\.png; expected 4611686018427387904 masks"):
         open_segmentation(folder)

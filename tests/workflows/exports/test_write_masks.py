@@ -1,4 +1,4 @@
-"""Masks come back from their files as they were."""
+"""Masks are read from their files unchanged."""
 
 import os
 import uuid
@@ -63,7 +63,7 @@ def test_a_shorter_run_removes_the_frames_of_a_longer_one_and_nothing_else(tmp_p
     assert sorted(path.name for path in tmp_path.iterdir()) == ["00000.png", "cover.png", "notes.txt"]
 
 
-def test_what_a_killed_run_left_half_written_is_removed_and_what_another_writes_is_not(tmp_path, labels):
+def test_half_written_files_of_a_killed_run_are_removed_and_those_of_a_running_one_are_not(tmp_path, labels):
     left = tmp_path / f".{uuid.uuid4().hex}.part"
     others = [f".{uuid.uuid4().hex}.part", f"{uuid.uuid4().hex}.part", ".00019.png.part", ".00020.png.part.png"]
     for name in (left.name, *others):
@@ -86,7 +86,7 @@ def test_an_identity_keeps_its_colour_and_none_is_black():
     assert not identity_colours(np.zeros(1, np.uint16)).any()
 
 
-def test_a_folder_that_cannot_be_made_is_named(tmp_path, labels):
+def test_a_folder_that_cannot_be_created_is_named(tmp_path, labels):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match=r"cannot write in .*file/masks; got Not a directory"):
         write_masks(tmp_path / "file" / "masks", labels)

@@ -1,4 +1,4 @@
-"""The overlay plays, shows each frame once and shows its objects."""
+"""The overlay plays, and shows each frame once with its objects."""
 
 from fractions import Fraction
 
@@ -106,7 +106,7 @@ def test_bad_rates_and_paths_are_named(tmp_path):
 
 
 @pytest.mark.parametrize(("fps", "played"), [(1e-5, Fraction(1, 1001)), (1 / 500, Fraction(1, 500)), (3e9, 1000)])
-def test_a_rate_that_no_player_knows_is_brought_to_the_nearest_that_one_does(tmp_path, fps, played):
+def test_a_rate_beyond_the_players_limits_is_replaced_by_the_nearest_within(tmp_path, fps, played):
     write_overlay(tmp_path / "overlay.mp4", *scene(2), fps=fps)
     _, stream = decode(tmp_path / "overlay.mp4")
     assert float(stream.average_rate) == pytest.approx(float(played))

@@ -1,4 +1,4 @@
-"""A small report, and what opens it in a browser."""
+"""Fixtures: a small report, and a function that opens it in a browser."""
 
 import io
 from collections import Counter
@@ -11,11 +11,24 @@ import cv2
 import numpy as np
 import pytest
 
-from moseg.workflows.reports.content import GroupedObject, ReportPage, SequencePanel, VariantPanel
-from moseg.workflows.reports.figure_content import EigenvaluePlot, Matrix
+from moseg.workflows.reports.content import (
+    EigenvaluePlot,
+    GroupedObject,
+    Layer,
+    LayerKind,
+    LegendEntry,
+    Matrix,
+    ObjectRow,
+    ParameterRow,
+    Picture,
+    ReportPage,
+    ScoreTable,
+    SequencePanel,
+    StageRow,
+    VariantPanel,
+    Video,
+)
 from moseg.workflows.reports.page import render_page
-from moseg.workflows.reports.picture_content import Layer, LayerKind, LegendEntry, Picture, Video
-from moseg.workflows.reports.table_content import ObjectRow, ParameterRow, ScoreTable, StageRow
 
 WIDTH, HEIGHT = 64, 48
 FRAMES = (0, 4, 8, 12)
@@ -139,23 +152,23 @@ def _make_page(*names: str, video_step: int = 1) -> ReportPage:
 
 @pytest.fixture(scope="session")
 def make_page() -> Callable[..., ReportPage]:
-    """Makes a report on sequences of the names given.
+    """Make a report on sequences of the names given.
 
-    Their pictures are flat, so that a pixel tells frame and layer: frames grow brighter by 40 from 40, masks and errors
-    cover the left half. Their video, brighter by 10 a frame, holds every `video_step`-th frame.
+    Their pictures are flat, so that a pixel identifies frame and layer: frames grow brighter by 40 from 40, masks and
+    errors cover the left half. Their video, brighter by 10 a frame, holds every `video_step`-th frame.
     """
     return _make_page
 
 
 @pytest.fixture
 def count_reads():
-    """Makes of a store one that counts its reads by reference and array."""
+    """Wrap a store so that it counts its reads by reference and array."""
     return _Counting
 
 
 @pytest.fixture
 def open_report(new_page, tmp_path):
-    """Opens a report in a browser of the options given, and waits for its first picture."""
+    """Open a report in a browser of the options given, and wait for its first picture."""
     numbers = count()
 
     def open_in(report: ReportPage, **options):
@@ -172,7 +185,7 @@ def open_report(new_page, tmp_path):
 
 @pytest.fixture(scope="session")
 def wait_until() -> Callable[..., None]:
-    """Waits for what holds in a page; the page lets Playwright compile nothing, so that its own wait fails."""
+    """Wait until an expression is true in a page; the page forbids `eval`, which Playwright's own wait needs."""
 
     def wait(page, expression: str) -> None:
         for _ in range(6000):

@@ -11,11 +11,17 @@ from moseg.schemas.recipes import leaf_recipe
 from moseg.store import open_store
 from moseg.tasks.metrics import clustering_error
 from moseg.workflows.graph import TrajectoryGraph, TrajectoryLeaves
-from moseg.workflows.reports.clip_pictures import CLIP_SIDE, RIGHT_COLOUR, WRONG_COLOUR, clip_extent, match_groups
+from moseg.workflows.reports.clip_layers import (
+    CLIP_SIDE,
+    RIGHT_COLOUR,
+    WRONG_COLOUR,
+    clip_extent,
+    gather_clip_pictures,
+    match_groups,
+)
+from moseg.workflows.reports.layers import as_hex
 from moseg.workflows.reports.missing import WhyAbsent
 from moseg.workflows.reports.panels import Panels
-from moseg.workflows.reports.pictures import gather_clip_pictures
-from moseg.workflows.reports.sequence_view import as_hex
 from moseg.workflows.stages.registry import axes_of
 
 CONFIG = PipelineConfig()
@@ -52,7 +58,7 @@ def _layer(pictures, name):
 
 
 def _colours_at_points(picture):
-    """Colour of each point's centre in the clip's last frame."""
+    """Return the colour of each point's centre in the clip's last frame."""
     image = np.asarray(Image.open(io.BytesIO(picture.data)))
     assert image.shape[2] == 4
     return [as_hex(image[y, x, :3]) for x, y in PLACES]
@@ -75,14 +81,14 @@ def test_points_have_the_colours_of_motions_labels_and_errors(clip):
     assert [entry.meaning for entry in legend] == ["right: 4 trajectories", "wrong: 1 trajectory"]
 
 
-def test_nothing_is_said_between_points_and_tails_grow(clip):
+def test_the_picture_is_transparent_between_points_and_tails_grow(clip):
     pictures = gather_clip_pictures(*clip, CONFIG, (FUSED,), 4)
     drawn = [np.asarray(Image.open(io.BytesIO(picture.data)))[..., 3] > 0 for picture in pictures.layers[2].pictures]
     assert drawn[0].sum() < drawn[2].sum() < drawn[3].sum() < 0.2 * drawn[0].size
     assert not drawn[3][30:50].any()
 
 
-def test_the_canvas_holds_all_points_at_the_display_s_size():
+def test_the_canvas_contains_all_visible_points():
     points = np.array([[[0.0, 0.0], [1241.2, 374.4]]])
     assert clip_extent(points, np.ones((1, 2), bool)) == (375, 1242)
     assert clip_extent(points, np.array([[True, False]])) == (1, 1)
@@ -107,7 +113,7 @@ def test_the_matching_is_the_one_that_is_scored():
         assert 100 * np.mean(wrong) == pytest.approx(clustering_error(predicted, truth))
 
 
-def test_what_has_gone_is_told(clip):
+def test_absent_artifacts_are_named(clip):
     store, graph = clip
     store.remove(graph.clustering(FUSED))
     pictures = gather_clip_pictures(store, graph, CONFIG, (FUSED,), 2)

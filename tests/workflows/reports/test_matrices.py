@@ -1,4 +1,4 @@
-"""Matrices of a report are what the pipeline clustered, and sentences say truly how motions were counted."""
+"""Matrices of a report are those that the pipeline clustered, and sentences state how motions were counted."""
 
 from typing import get_args
 
@@ -11,12 +11,11 @@ from moseg.store import open_store
 from moseg.tasks.clustering import cluster_motions
 from moseg.tasks.clustering.spectral import normalise_affinity
 from moseg.workflows.graph import SequenceGraph
-from moseg.workflows.reports.clip_panels import MOST_TRACKS, sample_by_motion
+from moseg.workflows.reports.layers import all_colours, as_hex
 from moseg.workflows.reports.matrices import fused_kernel, matrix_refs, mean_residuals
 from moseg.workflows.reports.motion_count import FoundGroups, explain_objects, explain_tracks
-from moseg.workflows.reports.sequence_view import all_colours, as_hex
 from moseg.workflows.reports.subject import read_subject
-from moseg.workflows.reports.variant_panels import variant_panel
+from moseg.workflows.reports.variant_panels import MAX_TRACKS, sample_by_motion, variant_panel
 from moseg.workflows.runlog.status import list_runs
 
 AUTO = get_args(ClusteringParams.model_fields["auto"].annotation)
@@ -86,7 +85,7 @@ def test_a_motion_model_is_spelled_as_its_variant(squares_graph):
     assert "affinities of trajs and oc-depth" in fused.description
 
 
-def test_what_moves_has_its_colour_of_the_overlay_whatever_it_is_called(squares_graph):
+def test_moving_objects_have_their_colour_of_the_overlay_with_any_name(squares_graph):
     store, graph, config = squares_graph
 
     class Tagged:
@@ -111,7 +110,7 @@ def test_what_moves_has_its_colour_of_the_overlay_whatever_it_is_called(squares_
     ]
 
 
-def test_a_panel_reads_nothing_that_a_run_was_not_asked_for(squares_graph):
+def test_a_panel_reads_only_sinks_of_the_run(squares_graph):
     store, graph, config = squares_graph
     read = set()
 
@@ -134,7 +133,7 @@ def test_objects_compared_by_hypotheses_have_no_residuals_of_their_own(squares_g
 
 
 @pytest.mark.parametrize(("motions", "word"), [("gt", "ground truth"), (5, "clustering.motions")])
-def test_a_number_that_was_given_is_called_so_and_why_fewer_came_of_it(motions, word):
+def test_a_given_number_is_named_with_the_reason_for_fewer_groups(motions, word):
     for explain, params in ((explain_objects, ClusteringParams()), (explain_tracks, TrajectoryClusteringParams())):
         how = explain(FoundGroups(motions, 5, 5, 9), params)
         assert how.startswith("Given: 5") and word in how and how.endswith("included.")
@@ -156,7 +155,7 @@ def test_a_number_given_beyond_the_objects_is_not_shown_as_their_number(squares_
 
 
 @pytest.mark.parametrize("auto", AUTO)
-def test_every_way_to_count_motions_of_objects_has_its_sentence(auto):
+def test_every_method_that_counts_motions_of_objects_has_a_sentence(auto):
     scores = () if auto in ("threshold", "eigengap") else (-12.5, -10.25)
     found = FoundGroups("auto", None, 2, 6)
     how = explain_objects(found, ClusteringParams(auto=auto, static="group"), scores)
@@ -171,21 +170,21 @@ def test_every_way_to_count_motions_of_objects_has_its_sentence(auto):
     assert ("whatever number of groups is asked for" in how) == bool(scores)
 
 
-def test_scores_that_differ_are_written_so_and_equal_ones_alike():
+def test_different_scores_are_written_differently_and_equal_ones_equally():
     params = ClusteringParams(auto="description_length", static="group")
     how = explain_objects(FoundGroups("auto", None, 2, 6), params, (-123456.25, -123456.25, -123456.5))
     assert "123456.2, 123456.2, 123456.5 (" in how
 
 
 @pytest.mark.parametrize("auto", AUTO_TRACKS)
-def test_every_way_to_count_motions_of_tracks_has_its_sentence(auto):
+def test_every_method_that_counts_motions_of_tracks_has_a_sentence(auto):
     found = FoundGroups("auto", None, 2, 400)
     how = explain_tracks(found, TrajectoryClusteringParams(auto=auto, separate=False))
     assert how.startswith("Found: ") and how.endswith(".") and auto in how
     assert "lie apart" in explain_tracks(found, TrajectoryClusteringParams(auto=auto))
 
 
-def test_the_energy_is_told_with_all_its_weights():
+def test_the_sentence_on_the_energy_has_all_its_weights():
     params = TrajectoryClusteringParams(
         separate=False, most_motions=4, energy={"least_unit": 0.2, "cut_weight": 0.7, "motion_weight": 0.03}
     )
@@ -198,7 +197,7 @@ def test_the_energy_is_told_with_all_its_weights():
     assert "mean over the draws" not in explain_tracks(FoundGroups("auto", None, 2, 400), spectral)
 
 
-def test_of_several_views_the_mean_drops():
+def test_with_several_views_the_drop_is_that_of_their_mean():
     objects, tracks = ClusteringParams(auto="eigengap"), TrajectoryClusteringParams(auto="eigengap")
     for explain, params in ((explain_objects, objects), (explain_tracks, tracks)):
         assert "before their largest drop" in explain(FoundGroups("auto", None, 2, 9, num_views=1), params)
@@ -208,7 +207,7 @@ def test_of_several_views_the_mean_drops():
 def test_tracks_are_sampled_evenly_in_the_order_of_their_motions():
     motion = np.array([1] * 3000 + [0] * 1000)
     chosen = sample_by_motion(motion)
-    assert len(chosen) == MOST_TRACKS == len(set(chosen.tolist()))
-    assert motion[chosen].tolist() == [0] * (MOST_TRACKS // 4) + [1] * (3 * MOST_TRACKS // 4)
+    assert len(chosen) == MAX_TRACKS == len(set(chosen.tolist()))
+    assert motion[chosen].tolist() == [0] * (MAX_TRACKS // 4) + [1] * (3 * MAX_TRACKS // 4)
     assert sample_by_motion(np.array([1, 0, 1])).tolist() == [1, 0, 2]
     assert sample_by_motion(np.zeros(0)).tolist() == []

@@ -1,4 +1,4 @@
-"""The report page in a browser: what is seen, what is pressed, and that nothing else runs or is asked for."""
+"""The report page in a browser: pictures, controls, and no other code or request."""
 
 import pytest
 
@@ -35,7 +35,7 @@ def _shows(page, frame: int) -> None:
     assert page.locator(".frame-number b").first.text_content() == str(frame)
 
 
-def test_it_loads_without_errors_and_asks_for_nothing(new_page, make_page, tmp_path, wait_until):
+def test_it_loads_without_errors_and_requests_nothing(new_page, make_page, tmp_path, wait_until):
     path = tmp_path / "report.html"
     path.write_text(render_page(make_page(*NAMES)), encoding="utf-8")
     page = new_page()
@@ -78,7 +78,7 @@ def test_the_slider_changes_both_pictures_and_the_number(open_page):
     _shows(page, 0)
 
 
-def test_play_goes_on_by_itself_until_it_is_paused(open_page):
+def test_playing_continues_until_it_is_paused(open_page):
     page = open_page()
     page.get_by_role("button", name="play", exact=True).first.click()
     for frame in (12, 0, 4):
@@ -124,7 +124,7 @@ def test_the_video_plays_in_the_browser_and_follows_the_slider(open_page, wait_u
 
 
 @pytest.mark.parametrize(("step", "caption"), [(1, "Every frame, moving"), (2, "One frame in 2, moving")])
-def test_the_video_is_at_the_frame_of_the_slider_and_says_which_frames_it_has(
+def test_the_video_is_at_the_frame_of_the_slider_and_its_caption_names_its_frames(
     open_report, make_page, wait_until, step, caption
 ):
     page = open_report(make_page("dog", video_step=step))
@@ -136,7 +136,7 @@ def test_the_video_is_at_the_frame_of_the_slider_and_says_which_frames_it_has(
         wait_until(page, f"({VIDEO_LEVEL})() !== null && Math.abs(({VIDEO_LEVEL})() - {10 * frame}) < 5")
 
 
-def test_groups_of_motions_have_the_colours_of_what_moves(open_page):
+def test_groups_of_motions_have_the_colours_of_their_objects(open_page):
     page = open_page()
     swatches = "panel => [...panel.querySelectorAll('.motions .entry')].map(entry => "
     swatches += "[entry.textContent, entry.querySelector('rect')?.getAttribute('fill') ?? null])"
@@ -145,7 +145,7 @@ def test_groups_of_motions_have_the_colours_of_what_moves(open_page):
     assert panels.nth(1).evaluate(swatches) == [["background", None], ["1", None], ["2 dog", "#00a000"]]
 
 
-def test_tabs_answer_to_clicks_and_arrows(open_page):
+def test_tabs_react_to_clicks_and_arrows(open_page):
     page = open_page()
     tabs, panels = page.locator("[role=tab]"), page.locator("[role=tabpanel]")
 
@@ -162,7 +162,7 @@ def test_tabs_answer_to_clicks_and_arrows(open_page):
         assert page.evaluate("document.activeElement.textContent") == ("fused", "trajs", "base")[expected]
 
 
-def test_a_matrix_is_read_by_arrows(open_page):
+def test_arrows_move_within_a_matrix(open_page):
     page = open_page()
     figure = page.locator("figure.matrix").first
     figure.locator("tbody td").first.focus()
@@ -181,7 +181,7 @@ def test_the_plot_marks_the_number_of_motions(open_page):
     assert page.locator("figure.plot").nth(1).locator(".series").count() == 2
 
 
-def test_best_values_are_marked_among_what_was_measured(open_page):
+def test_best_measured_values_are_marked(open_page):
     page = open_page()
     assert [text.split(" ")[0] for text in page.locator(".best").all_text_contents()] == ["78.3", "86.2"]
     published = page.locator("tbody.published")

@@ -1,4 +1,4 @@
-"""The report page as it is read: in light and dark, on a phone, by keyboard, without scripts, with many sequences."""
+"""The report page in light and dark, on a phone, by keyboard, without scripts, with many sequences."""
 
 import itertools
 import re
@@ -50,7 +50,7 @@ def test_the_theme_is_switched_without_storage(new_page, make_page, tmp_path):
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_text_stands_out_from_its_ground(open_page, scheme):
+def test_text_has_enough_contrast(open_page, scheme):
     page = open_page(color_scheme=scheme)
     contrasts = page.evaluate(CONTRASTS, BODY_TEXT + ", .heat-map td")
     assert len(contrasts) > 40
@@ -60,14 +60,14 @@ def test_text_stands_out_from_its_ground(open_page, scheme):
     ) == (scheme == "dark")
 
 
-def test_a_phone_scrolls_down_only(open_page):
+def test_a_phone_scrolls_vertically_only(open_page):
     page = open_page(viewport=PHONE)
     for tab in (0, 1):
         page.locator("[role=tab]").nth(tab).click()
         assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
 
 
-def test_what_is_published_says_so_within_sight_of_a_phone(open_report, make_page):
+def test_published_figures_are_marked_within_the_width_of_a_phone(open_report, make_page):
     score = SequenceScore(P=1, R=2, F=3, J=4, boundary_F=5, J_objects=6, boundary_F_objects=7)
     tables = score_tables("davis-moving", "pixels", {"fused": {"dog": score}})
     page = open_report(make_page("dog")._replace(scores=tables), viewport=PHONE)
@@ -79,7 +79,7 @@ def test_what_is_published_says_so_within_sight_of_a_phone(open_report, make_pag
     assert table.evaluate("table => table.scrollLeft") > 0
 
 
-def test_every_control_is_reached_by_the_tab_key_and_seen_in_focus(open_page):
+def test_the_tab_key_reaches_every_control_with_a_visible_focus(open_page):
     page = open_page()
     page.keyboard.press("Tab")
     assert page.evaluate("document.activeElement.className") == "skip"
@@ -95,7 +95,7 @@ def test_every_control_is_reached_by_the_tab_key_and_seen_in_focus(open_page):
     assert wanted <= reached
 
 
-def test_without_scripts_tables_matrices_and_a_frame_are_there(open_page):
+def test_without_scripts_tables_matrices_and_a_frame_are_visible(open_page):
     page = open_page(java_script_enabled=False)
     assert page.locator("table.scores").is_visible()
     assert page.locator(".still img").first.is_visible()
@@ -105,7 +105,7 @@ def test_without_scripts_tables_matrices_and_a_frame_are_there(open_page):
     assert not page.locator(".transport").first.is_visible()
 
 
-def test_headings_go_down_one_level_at_a_time(open_page):
+def test_headings_skip_no_level(open_page):
     page = open_page()
     levels = page.evaluate("[...document.querySelectorAll('h1,h2,h3,h4,h5,h6')].map(h => Number(h.tagName[1]))")
     assert levels.count(1) == 1 and levels[0] == 1

@@ -1,17 +1,21 @@
-"""What a page makes of numbers before they are drawn."""
+"""Numbers, matrices, plots and tables as a page lays them out."""
 
 import numpy as np
 import pytest
 
-from moseg.workflows.reports.figure_content import EigenvaluePlot, Matrix
+from moseg.workflows.reports.content import (
+    Better,
+    EigenvaluePlot,
+    Layer,
+    LayerKind,
+    Matrix,
+    ScoreTable,
+)
 from moseg.workflows.reports.page.eigenvalue_plots import gather_plot
 from moseg.workflows.reports.page.heat_maps import gather_heat_map
 from moseg.workflows.reports.page.numbers import duration, short_number
-from moseg.workflows.reports.page.score_tables import gather_score_tables
-from moseg.workflows.reports.page.sequence_views import choose_panes
-from moseg.workflows.reports.page.stage_bars import gather_stages
-from moseg.workflows.reports.picture_content import Layer, LayerKind
-from moseg.workflows.reports.table_content import Better, ScoreTable, StageRow
+from moseg.workflows.reports.page.table_layout import lay_out_tables
+from moseg.workflows.reports.page.viewer import choose_panes
 
 
 @pytest.mark.parametrize(
@@ -45,11 +49,11 @@ def test_numbers_are_short(value, text):
         (7790, "2 h 10 min"),
     ],
 )
-def test_durations_are_said_as_a_reader_says_them(seconds, text):
+def test_durations_have_units_that_suit_their_length(seconds, text):
     assert duration(seconds) == text
 
 
-def test_colours_of_residuals_go_by_their_logarithm():
+def test_colours_of_residuals_follow_their_logarithm():
     values = np.array([[np.nan, 1.0], [10.0, 100.0]])
     linear = gather_heat_map(Matrix("m", values, ("a", "b")))
     log = gather_heat_map(Matrix("m", values, ("a", "b"), is_log=True))
@@ -97,17 +101,17 @@ def test_a_long_spectrum_is_cut_and_an_empty_one_not_drawn():
 
 
 def _best(table: ScoreTable) -> list[str]:
-    return [cell.text for _, row in gather_score_tables((table,))[0].groups[0].rows for cell in row if cell.is_best]
+    return [cell.text for _, row in lay_out_tables((table,))[0].groups[0].rows for cell in row if cell.is_best]
 
 
-def test_the_best_is_the_least_where_less_is_better():
+def test_the_best_is_the_smallest_where_less_is_better():
     rows = (("a", (5.0, 1.0, 3.0)), ("b", (4.0, 2.0, 3.0)))
     better = (Better.LESS, None, Better.MORE)
     table = ScoreTable("t", ("variant", "error", "motions", "F"), rows, better=better, decimals=(1, 0, 1))
     assert _best(table) == ["4.0"]
 
 
-def test_sequences_do_not_compete_nor_do_published_figures():
+def test_neither_sequences_nor_published_figures_are_compared():
     rows = (("a", (5.0,)), ("b", (4.0,)))
     assert _best(ScoreTable("t", ("sequence", "F"), rows)) == []
     assert _best(ScoreTable("t", ("method", "F"), rows, is_published=True)) == []
@@ -117,25 +121,25 @@ def test_sequences_do_not_compete_nor_do_published_figures():
 def test_published_figures_over_something_else_have_a_table_of_their_own():
     measured = ScoreTable("m", ("variant", "F"), (("a", (5.0,)),), over="points")
     published = ScoreTable("p", ("method", "F"), (("b", (4.0,)),), is_published=True, over="pixels")
-    assert len(gather_score_tables((measured, published))) == 2
-    assert len(gather_score_tables((measured._replace(over="pixels"), published))) == 1
+    assert len(lay_out_tables((measured, published))) == 2
+    assert len(lay_out_tables((measured._replace(over="pixels"), published))) == 1
 
 
-def test_many_rows_of_single_scenes_are_folded_behind_what_sums_them_up():
+def test_many_rows_of_single_scenes_are_folded_after_their_means():
     means = ScoreTable("means", ("variant", "F"), (("a", (5.0,)),))
     scenes = [ScoreTable(name, ("sequence", "F"), tuple((str(n), (5.0,)) for n in range(9))) for name in "ab"]
     published = ScoreTable("p", ("method", "error"), (("b", (4.0,)),), is_published=True)
-    views = gather_score_tables((means, *scenes, published))
+    views = lay_out_tables((means, *scenes, published))
     assert [(view.groups[0].title, view.is_folded) for view in views] == [
         ("means", False),
         ("p", False),
         ("a", True),
         ("b", True),
     ]
-    assert not any(view.is_folded for view in gather_score_tables((means, scenes[0])))
+    assert not any(view.is_folded for view in lay_out_tables((means, scenes[0])))
 
 
-def test_the_second_pane_shows_what_is_meant_for_it():
+def test_the_second_pane_shows_the_layer_that_lies_beside():
     frame = Layer("frame", LayerKind.BASE, (None,), is_shown=True)
     flow, mask = Layer("flow", LayerKind.BASE, (None,)), Layer("mask", LayerKind.OVER, (None,), is_shown=True)
     truth, errors = Layer("truth", LayerKind.OVER, (None,)), Layer("errors", LayerKind.OVER, (None,), is_beside=True)
@@ -146,22 +150,7 @@ def test_the_second_pane_shows_what_is_meant_for_it():
     assert choose_panes(()) == ()
 
 
-def test_shares_reused_and_bars_are_of_the_whole():
-    stages = gather_stages(
-        (StageRow("flow", 30, 10, 60.0), StageRow("depth", 0, 40, 0.0), StageRow("tracks", 1, 0, 15))
-    )
-    assert (stages.computed, stages.reused, stages.percent_reused) == (31, 50, 61.7)
-    assert [bar.percent for bar in stages.bars] == [100, 0, 25]
-    assert gather_stages(()).percent_reused == 0
-
-
-def test_no_time_is_a_dash_and_not_none_at_all():
-    stages = gather_stages((StageRow("ingest", 26, 0, 0.0), StageRow("flow", 30, 0, 0.05)))
-    assert [bar.time for bar in stages.bars] == ["–", "50 ms"] and stages.time == "50 ms"
-    assert gather_stages((StageRow("ingest", 26, 0, 0.0),)).time == "–"
-
-
-def test_the_diagonal_leaves_the_colours_of_a_picture_to_the_rest():
+def test_the_diagonal_does_not_set_the_scale_of_a_picture():
     values = np.linspace(0, 0.1, 41 * 41).reshape(41, 41)
     np.fill_diagonal(values, 1)
     heat_map = gather_heat_map(Matrix("m", values, ()))

@@ -1,4 +1,4 @@
-"""The pictures of a sequence in a report show what the run found, and say what they cannot show."""
+"""The pictures of a sequence in a report show the results of the run, and name what is absent."""
 
 import io
 
@@ -17,12 +17,13 @@ from moseg.workflows.exports.draw_errors import ERROR_COLOURS
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.leaves import ingest_jobs, make_leaves
 from moseg.workflows.pipelines.plan_evaluation import foresee_ingest
-from moseg.workflows.reports import overlay_video, sequence_view
+from moseg.workflows.reports import layers
+from moseg.workflows.reports import pictures as report_pictures
+from moseg.workflows.reports.content import LayerKind
 from moseg.workflows.reports.cue_layers import plan_cue_layers
+from moseg.workflows.reports.layers import all_colours, all_tints, as_hex
 from moseg.workflows.reports.missing import WhyAbsent
-from moseg.workflows.reports.picture_content import LayerKind
 from moseg.workflows.reports.pictures import gather_pictures, picture_refs
-from moseg.workflows.reports.sequence_view import all_colours, all_tints, as_hex
 from moseg.workflows.stages.registry import axes_of
 
 CONFIG = PipelineConfig(sections=SectionParams(length=4, overlap=2))
@@ -38,7 +39,7 @@ def _put(store, recipe, arrays, attributes=None):
 
 
 class _Recorder:
-    """A store that notes what is read of it."""
+    """A store that records the references that are read."""
 
     def __init__(self, store):
         self._store = store
@@ -51,7 +52,7 @@ class _Recorder:
 
 
 def _open(evaluation, config=CONFIG, **leaves):
-    """The store of an evaluation and the graph of its only sequence, with other leaves where given."""
+    """Return the store of an evaluation and the graph of its only sequence, with other leaves where given."""
     store = open_store(str(evaluation.store), create=False)
     source = open_dataset("folder", str(evaluation.root), max_side=config.max_side).sequence("squares")
     jobs = ingest_jobs(source, CONFIG, annotated=True)
@@ -80,7 +81,7 @@ def _drop(store, *tasks):
 
 
 def _read_missing(text):
-    """Why artifacts are absent, and what is absent for each part."""
+    """Return why artifacts are absent, and the absent artifacts of each part."""
     why, _, parts = text.removesuffix("].").partition(": ")
     return why, dict(part.split(" [") for part in parts.split("]; "))
 
@@ -103,7 +104,7 @@ def test_every_layer_has_a_picture_of_each_frame_at_its_size(pictures):
     assert [layer.name for layer in pictures.layers if layer.is_shown] == ["frame", "moving objects (fused)"]
 
 
-def test_frames_are_the_sequence_s_own(pictures, evaluated):
+def test_frames_are_those_of_the_sequence(pictures, evaluated):
     for frame, picture in zip(pictures.frames, _layer(pictures, "frame").pictures, strict=True):
         difference = _decode(picture).astype(int) - _read(evaluated, "frames", frame)
         assert np.abs(difference).mean() < 8
@@ -152,10 +153,10 @@ def test_tracks_lie_on_objects_in_their_colour_and_elsewhere_in_grey(pictures, e
     is_coloured = drawn & (np.ptp(image[..., :3].astype(int), axis=-1) > 100)
     assert np.mean(truth[is_coloured] > 0) > 0.8
     assert np.count_nonzero(drawn & (truth == 0)) > 20
-    assert {entry.meaning for entry in layer.legend} >= {"on what stands still"}
+    assert {entry.meaning for entry in layer.legend} >= {"on static pixels"}
 
 
-def test_flow_has_the_wheel_for_a_key_and_says_its_scale(pictures):
+def test_flow_has_the_wheel_as_its_key_and_names_its_scale(pictures):
     layer = _layer(pictures, "optical flow")
     assert _decode(layer.key).shape[2] == 4
     assert "px/frame" in layer.description
@@ -199,8 +200,8 @@ def test_the_video_shows_every_frame(pictures):
 
 
 def test_a_large_and_long_video_is_reduced_to_even_sizes_and_every_nth_frame(evaluated, monkeypatch):
-    monkeypatch.setattr(overlay_video, "MOST_FRAMES", 4)
-    for module in (overlay_video, sequence_view):
+    monkeypatch.setattr(report_pictures, "MAX_VIDEO_FRAMES", 4)
+    for module in (report_pictures, layers):
         monkeypatch.setattr(module, "PICTURE_SIDE", 101)
     pictures = gather_pictures(*_open(evaluated), CONFIG, FUSED, 1, fps=6.0)
     assert [frame.shape for frame in _play(pictures.video)] == [(76, 102, 3)] * 4
@@ -209,7 +210,7 @@ def test_a_large_and_long_video_is_reduced_to_even_sizes_and_every_nth_frame(eva
     assert _decode(_layer(pictures, "proposals").pictures[0]).shape == (76, 101, 4)
 
 
-def test_what_is_read_is_what_a_run_is_asked_for(evaluated):
+def test_pictures_read_exactly_the_sinks_of_the_run(evaluated):
     store, graph = _open(evaluated)
     recorder = _Recorder(store)
     gather_pictures(recorder, graph, CONFIG, FUSED, 10, fps=5.0)
@@ -244,7 +245,7 @@ def test_layers_without_their_artifacts_are_left_out_and_named(evaluated_copy, t
     assert (pictures.video is None) == ("video of fused" in names)
 
 
-def test_a_variant_that_never_ran_and_lost_ground_truth_are_told(evaluated_copy):
+def test_a_variant_that_never_ran_and_absent_ground_truth_are_named(evaluated_copy):
     store, graph = _open(evaluated_copy)
     store.remove(graph.leaves.annotation)
     pictures = gather_pictures(store, graph, CONFIG, (Variant.FUSED, Variant.OC), 2, fps=5.0)
@@ -254,7 +255,7 @@ def test_a_variant_that_never_ran_and_lost_ground_truth_are_told(evaluated_copy)
     assert set(_read_missing(absent)[1]) == {"ground truth", "errors (fused)", "errors (oc)", "moving objects (oc)"}
 
 
-def test_of_a_run_under_way_nothing_is_said_to_be_gone(evaluated_copy):
+def test_artifacts_of_a_running_run_are_not_called_collected(evaluated_copy):
     store, graph = _open(evaluated_copy)
     _drop(store, "flow", "segmentation")
     pictures = gather_pictures(store, graph, CONFIG, FUSED, 2, 5.0, WhyAbsent.NOT_YET)
@@ -274,7 +275,7 @@ def test_a_damaged_artifact_is_an_error(evaluated_copy):
         gather_pictures(store, graph, CONFIG, FUSED, 1, fps=5.0)
 
 
-def test_depth_is_shown_where_it_is_given_lighter_where_near(evaluated_copy):
+def test_given_depth_is_shown_lighter_where_near(evaluated_copy):
     store, _ = _open(evaluated_copy)
     recipe = leaf_recipe("given_depth", "0" * 64)
     depth = np.tile(np.linspace(0, 2, SHAPE[1], dtype=np.float32), (SHAPE[0], 1))
@@ -316,7 +317,7 @@ def test_without_ground_truth_there_is_neither_it_nor_errors(evaluated):
     assert pictures.missing == ()
 
 
-def test_cues_that_a_run_does_not_read_are_not_asked_for(evaluated):
+def test_cues_that_a_run_does_not_read_are_no_sinks(evaluated):
     config = CONFIG.model_copy(update={"proposal_source": "groundtruth"})
     _, plain = _open(evaluated)
     _, graph = _open(evaluated, config, masks=plain.leaves.annotation)
@@ -327,7 +328,7 @@ def test_cues_that_a_run_does_not_read_are_not_asked_for(evaluated):
     assert not stages & {"saliency", "depth"}
 
 
-def test_ground_truth_of_no_frame_leaves_all_frames_and_their_depth_to_see(evaluated_copy):
+def test_with_ground_truth_of_no_frame_all_frames_and_their_depth_are_shown(evaluated_copy):
     store, _ = _open(evaluated_copy)
     depth, annotation = leaf_recipe("given_depth", "0" * 64), leaf_recipe("annotation", "1" * 64)
     _put(store, depth, {"inverse_depth": np.ones(SHAPE, np.float32)})
@@ -363,7 +364,7 @@ def test_tracks_are_read_once_a_section_and_labelled_points_once_a_layer(evaluat
     assert counted.reads[recipe.ref, "points"] == counted.reads[recipe.ref, "labels"] == 2
 
 
-def test_what_is_left_of_flow_is_black_where_flow_is_unknown(evaluated_copy):
+def test_residual_flow_is_black_where_flow_is_unknown(evaluated_copy):
     store, plain = _open(evaluated_copy)
     flow = np.full((*SHAPE, 2), 3.0, np.float32)
     flow[:40, :60] = np.nan
@@ -371,7 +372,7 @@ def test_what_is_left_of_flow_is_black_where_flow_is_unknown(evaluated_copy):
     _put(store, recipe, {"flow": flow})
     config = CONFIG.model_copy(update={"flow": FlowParams(method="folder")})
     _, graph = _open(evaluated_copy, config, flow_forward=(recipe.ref,) * 9, flow_backward=(recipe.ref,) * 9)
-    view = sequence_view.SequenceView(store, graph, config, (2, 7))
+    view = layers.SequenceView(store, graph, config, (2, 7))
     for frame in view.frames:
         found = plain.recipes[plain.frame_cues.saliency(frame)].ref
         arrays = {name: store.read(found, name) for name in ("saliency", "strict_saliency", "flows", "residual_flows")}

@@ -1,4 +1,4 @@
-"""`moseg report` and `--report`: from a run to its page, with whatever the store still has."""
+"""`moseg report` and `--report`: the page of a run, from the artifacts still stored."""
 
 import json
 import os
@@ -11,7 +11,7 @@ from moseg.schemas.recipes import split_ref
 from moseg.store import open_store
 from moseg.workflows.reports import panels
 from moseg.workflows.reports.from_log import report_run
-from moseg.workflows.reports.write import write_report
+from moseg.workflows.reports.run_report import write_report
 from moseg.workflows.runlog.status import list_runs
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
@@ -21,7 +21,7 @@ SECTIONS = ("--section-length", "4", "--set", "sections.overlap=2")
 
 @pytest.fixture
 def report(moseg, evaluated_copy, tmp_path):
-    """Reports on a run of the evaluated squares."""
+    """Report on a run of the evaluated squares."""
 
     def call(*arguments):
         options = ("--quiet", "--store", evaluated_copy.store, "-o", tmp_path / "report.html")
@@ -69,7 +69,7 @@ def _drop(store, *tasks):
 
 
 def _damage(folder, store, task):
-    """Flip a byte of every array of an artifact of a task; its reference."""
+    """Flip a byte of every array of an artifact of a task, and return its reference."""
     ref = sorted(store.refs(task))[0]
     key = split_ref(ref)[1]
     for path in (folder / "objects" / task / key[:2] / key).rglob("c.*"):
@@ -138,7 +138,7 @@ def test_a_warm_run_reports_without_computing_and_shows_the_same(evaluated_copy,
 
 
 @pytest.mark.parametrize("command", ["report", "eval"])
-def test_an_output_that_cannot_be_written_is_told_before_the_work(command, evaluated_copy, moseg, tmp_path):
+def test_an_output_that_cannot_be_written_is_named_before_the_work(command, evaluated_copy, moseg, tmp_path):
     (tmp_path / "file").write_text("")
     option, data = ("-o", ()) if command == "report" else ("--report", evaluated_copy.arguments[1:])
     ran = moseg(command, *data, "--store", tmp_path / "other", option, tmp_path / "file" / "report.html")
@@ -163,7 +163,7 @@ def test_a_run_is_found_by_its_start(report, evaluated_copy, pages):
     ],
     ids=["run", "misspelt", "sequence", "frames"],
 )
-def test_what_is_not_there_is_one_line(report, tmp_path, arguments, words):
+def test_a_wrong_run_sequence_or_number_of_frames_is_one_line(report, tmp_path, arguments, words):
     _assert_one_line(report(*arguments), 2, *words)
     assert not (tmp_path / "report.html").exists()
 
@@ -174,7 +174,7 @@ def test_frames_and_sequences_are_chosen(report, pages):
     assert len(sequence.frames) == 3
 
 
-def test_a_run_that_has_not_finished_says_so(report, evaluated_copy, pages):
+def test_the_report_of_an_unfinished_run_says_so(report, evaluated_copy, pages):
     for log in (evaluated_copy.store / "logs").rglob("*.jsonl"):
         log.write_text("".join(line for line in log.read_text().splitlines(True) if '"closed"' not in line))
     assert report("latest", "--frames", "1").code == 0
@@ -206,7 +206,7 @@ def test_many_sequences_are_all_in_the_tables_and_the_first_in_pictures(
 ):
     for seed, name in enumerate("abc"):
         write_squares(tmp_path / "data" / name, num_frames=4, seed=seed)
-    monkeypatch.setattr(panels, "MOST_SEQUENCES", 2)
+    monkeypatch.setattr(panels, "MAX_SEQUENCES", 2)
     data = ("--dataset", "folder", "--root", tmp_path / "data", "--variant", "base", "--quiet")
     assert moseg("eval", *data, "--report", "report.html").code == 0
     assert moseg("report").code == moseg("report", "--sequences", "c").code == 0
@@ -242,7 +242,7 @@ def test_what_was_collected_is_named_and_the_rest_is_shown(report, evaluated_cop
 
 
 @pytest.mark.parametrize("task", ["affinity", "segmentation"])
-def test_damage_is_named_by_a_report_and_mended_by_the_run(task, report, evaluated_copy, moseg, pages, tmp_path):
+def test_damage_is_named_by_a_report_and_repaired_by_the_run(task, report, evaluated_copy, moseg, pages, tmp_path):
     store = open_store(str(evaluated_copy.store), create=False)
     ref = _damage(evaluated_copy.store, store, task)
     _assert_one_line(report(), 1, ref, "moseg store verify")
@@ -261,13 +261,13 @@ def test_a_run_computes_what_its_page_lacks(report, evaluated_copy, moseg, pages
     assert {"saliency", "fundamental_residual", "flow_residual"} <= {split_ref(ref)[0] for ref in store.refs()}
 
 
-def test_a_name_in_another_encoding_is_spelt_out(make_page, tmp_path):
+def test_a_name_in_another_encoding_is_escaped(make_page, tmp_path):
     page = make_page("dog")._replace(title=os.fsdecode(b"f\xfcr dich"))
     assert write_report(tmp_path / "report.html", page).startswith(f"report: {tmp_path}/report.html (")
     assert r"f\udcfcr dich" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
-def test_a_video_of_ones_own_is_reported(squares, moseg, pages, tmp_path):
+def test_a_user_s_video_is_reported(squares, moseg, pages, tmp_path):
     frames = tmp_path / "für dich"
     shutil.copytree(squares / "squares" / "frames", frames)
     ran = moseg("segment", frames, "--quiet", *SECTIONS, "--fps", "12", "--report", "own.html", "--motions", "2")

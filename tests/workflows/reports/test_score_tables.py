@@ -1,19 +1,18 @@
-"""Tables of a report: our figures, and the paper's beside them and never among them."""
+"""Tables of a report: measured figures, and published ones apart from them."""
 
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.scores import SequenceScore
 from moseg.schemas.trajectory_scores import TrajectoryMean, TrajectoryRow, TrajectoryScore
-from moseg.workflows.reports.clip_tables import clip_tables
-from moseg.workflows.reports.parameter_rows import parameter_rows
+from moseg.workflows.reports.content import Better
+from moseg.workflows.reports.facts import parameter_rows
 from moseg.workflows.reports.published_scores import PAPER_ROWS, PUBLISHED_ERRORS
-from moseg.workflows.reports.score_tables import score_tables
-from moseg.workflows.reports.table_content import Better
+from moseg.workflows.reports.score_tables import clip_tables, score_tables
 
 SCORE = SequenceScore(P=1, R=2, F=3, J=4, boundary_F=5, J_objects=6, boundary_F_objects=7)
 POINTS = SequenceScore(P=1, R=2, F=3, J=4, J_objects=6)
 
 
-def test_the_papers_rows_stand_under_our_columns_and_are_marked():
+def test_the_papers_rows_have_our_columns_and_are_marked():
     (ours, paper) = score_tables("davis-moving", "pixels", {"fused": {"dog": SCORE}})
     assert ours.columns == ("sequence", "Pu", "Ru", "Fu", "J", "F-boundary", "J/object", "F-b/object")
     assert ours.rows == (("dog", (1, 2, 3, 4, 5, 6, 7)), ("mean", (1, 2, 3, 4, 5, 6, 7)))
@@ -41,7 +40,7 @@ def test_several_variants_are_compared_first():
     assert base.title == "folder, base"
 
 
-def test_a_mean_of_some_is_no_result():
+def test_a_mean_over_incomplete_scores_is_empty():
     means, fused, base = score_tables(
         "folder", "pixels", {"fused": {"a": SCORE, "b": None}, "base": {"a": SCORE, "b": SCORE}}
     )
@@ -60,7 +59,7 @@ def _row(variant, spread=None):
     )
 
 
-def test_errors_are_better_where_they_are_less():
+def test_smaller_errors_are_better():
     means, fused, trajs, published = clip_tables("kt3dmoseg", (_row("fused"), _row("trajs")))
     assert means.columns == ("variant", "mean error %", "median", "right number %")
     assert means.better == (Better.LESS, Better.LESS, Better.MORE)
@@ -74,7 +73,7 @@ def test_tables_over_seeds_have_the_spread():
     assert {len(values) for _, values in fused.rows} == {len(fused.better)} == {len(fused.decimals)} == {4}
 
 
-def test_parameters_are_told_where_they_differ_as_a_user_writes_them():
+def test_parameters_that_differ_are_listed_as_a_user_writes_them():
     assert parameter_rows(PipelineConfig()) == ()
     settings = {
         "detections": {"tags": "car,person"},

@@ -1,4 +1,4 @@
-"""A run's log says what the run is about: enough to write its graph again."""
+"""A run's log names the subject of the run: enough to write its graph again."""
 
 import json
 import shlex
@@ -20,7 +20,7 @@ CONFIG = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2}}
 
 @pytest.fixture
 def log_of(evaluated_copy):
-    """The store of an evaluation, its latest run, and what rewrites a run's lines about its subject."""
+    """The store of an evaluation, its latest run, and a function that rewrites the lines about its subject."""
     store = open_store(str(evaluated_copy.store), create=False)
     run = list_runs(store)[0]
 
@@ -54,7 +54,7 @@ def test_a_status_counts_no_line_about_the_subject_as_unreadable(log_of, moseg):
     assert "unreadable" not in moseg("status", "latest", "--store", store.url).out
 
 
-def test_a_run_that_computes_nothing_leaves_no_log_and_a_later_one_says_all(evaluated_copy, moseg):
+def test_a_run_that_computes_nothing_leaves_no_log_and_a_later_one_is_complete(evaluated_copy, moseg):
     store = open_store(str(evaluated_copy.store), create=False)
     before = list_runs(store)
     arguments = (*evaluated_copy.arguments, "--store", evaluated_copy.store)
@@ -64,7 +64,7 @@ def test_a_run_that_computes_nothing_leaves_no_log_and_a_later_one_says_all(eval
     assert read_subject(store, list_runs(store)[0]).variants == (Variant.OC,)
 
 
-def test_every_wave_is_written_once_also_those_that_came_before_the_log(write_squares, moseg, tmp_path, monkeypatch):
+def test_every_wave_is_written_once_also_those_before_the_log(write_squares, moseg, tmp_path, monkeypatch):
     for seed, name in enumerate("ab"):
         write_squares(tmp_path / "data" / name, num_frames=5, seed=seed)
     monkeypatch.setattr(waves, "FRAMES", 1)
@@ -93,7 +93,7 @@ def test_every_wave_is_written_once_also_those_that_came_before_the_log(write_sq
     ],
     ids=["parameter", "leaf", "reference", "variant", "none", "field"],
 )
-def test_what_this_version_does_not_know_is_one_clear_line(log_of, moseg, tmp_path, change, words):
+def test_a_field_unknown_to_this_version_is_one_line(log_of, moseg, tmp_path, change, words):
     store, run, rewrite = log_of
     rewrite(change)
     with pytest.raises(InputError, match=run):
@@ -108,12 +108,12 @@ def _cut_short(store, run, is_copy):
     """Cut the line about the subject, or a copy of it, as a full disk does."""
     for path in (store.root / "logs" / run).glob("*.jsonl"):
         lines = path.read_bytes().splitlines(keepends=True)
-        told = [line for line in lines if b'"subject"' in line]
-        kept = lines if is_copy else [line for line in lines if line not in told]
-        path.write_bytes(b"".join(kept) + b"".join(line[: len(line) // 2] + b"\n" for line in told))
+        about_subject = [line for line in lines if b'"subject"' in line]
+        kept = lines if is_copy else [line for line in lines if line not in about_subject]
+        path.write_bytes(b"".join(kept) + b"".join(line[: len(line) // 2] + b"\n" for line in about_subject))
 
 
-def test_a_line_that_is_cut_short_is_passed_over_and_told(log_of):
+def test_a_line_that_is_cut_short_is_skipped_and_noted(log_of):
     store, run, _ = log_of
     whole = read_subject(store, run)
     _cut_short(store, run, is_copy=True)

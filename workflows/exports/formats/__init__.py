@@ -1,4 +1,4 @@
-"""Formats of other programs that a segmentation is exported in: one file each, and one line in the registry."""
+"""Formats of other programs in which a segmentation is exported; the registry lists them."""
 
 from moseg.workflows.exports.formats.export_format import ExportFormat
 from moseg.workflows.exports.formats.registry import FORMATS, check_exports, choose_formats, export

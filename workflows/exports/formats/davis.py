@@ -9,7 +9,7 @@ from moseg.workflows.exports.write_masks import LAST_PALETTE_IDENTITY, write_mas
 
 
 def write_davis(saved: SavedSegmentation, folder: Path, dilation: int | None = None) -> Path:
-    """Write ``davis/<sequence>/<frame>.png``, the value of a pixel its identity; returns the sequence's folder.
+    """Write ``davis/<sequence>/<frame>.png``, the value of a pixel its identity, and return the folder.
 
     References
     ----------
@@ -23,7 +23,7 @@ def write_davis(saved: SavedSegmentation, folder: Path, dilation: int | None = N
 
 
 def davis_folder(folder: Path, sequence: str, names: tuple[str, ...]) -> OwnedFolder:
-    """The folder that `write_davis` writes, and the names in it."""
+    """Return the folder that `write_davis` writes, with the names in it."""
     return OwnedFolder(folder / "davis" / sequence, (f"{Path(name).stem}.png" for name in names))
 
 

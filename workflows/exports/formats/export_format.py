@@ -1,4 +1,4 @@
-"""What an export format is."""
+"""Export format: a name, a description and functions that write it."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -11,7 +11,7 @@ class ExportTarget(Protocol):
     """The file or folder that a format writes."""
 
     def check(self) -> object:
-        """Raise InputError where it cannot be written, or where it would replace what is not ours."""
+        """Raise InputError where it cannot be written, or would replace a file that moseg did not write."""
 
 
 class ExportFormat(NamedTuple):
@@ -21,7 +21,7 @@ class ExportFormat(NamedTuple):
     ----------
     name : str
     description : str
-        What it writes and who reads it.
+        Files that it writes and programs that read them.
     write : callable
         Of the segmentation, the folder to write in, and the dilation of what moves in px (None: the format's own), to
         the path that it wrote.

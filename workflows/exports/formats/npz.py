@@ -1,4 +1,4 @@
-"""The labels of all frames in one archive of arrays."""
+"""Labels of all frames in one archive of arrays."""
 
 import zipfile
 from pathlib import Path
@@ -15,7 +15,7 @@ def write_npz(saved: SavedSegmentation, folder: Path, dilation: int | None = Non
     """Write ``<sequence>.npz``, one frame in memory at a time.
 
     It holds ``labels`` uint16 (frame, y, x), ``identities`` and ``motions`` uint16 (object,), ``tags`` str (object,),
-    ``names`` str (frame,) and ``fps`` float64 (); no objects, so that it loads without pickle.
+    ``names`` str (frame,) and ``fps`` float64 (); no Python objects, so that it loads without pickle.
     """
     summary = saved.summary
     arrays = {
@@ -43,12 +43,12 @@ def write_npz(saved: SavedSegmentation, folder: Path, dilation: int | None = Non
 
 
 def npz_file(folder: Path, sequence: str, names: tuple[str, ...]) -> OwnedFile:
-    """The file that `write_npz` writes."""
+    """Return the file that `write_npz` writes."""
     return OwnedFile(folder / f"{sequence}.npz", is_own_archive)
 
 
 def _member(name: str) -> zipfile.ZipInfo:
-    """A member without the time of day: the same labels give the same bytes."""
+    """Return a member without a time, so that the same labels give the same bytes."""
     member = zipfile.ZipInfo(f"{name}.npy")
     member.compress_type = zipfile.ZIP_DEFLATED
     return member

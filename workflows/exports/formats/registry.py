@@ -1,19 +1,15 @@
-"""The formats that a segmentation is exported in, by name."""
+"""Formats in which a segmentation is exported, by name."""
 
 from collections.abc import Iterable
 from pathlib import Path
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.spelling import unknown_name
-from moseg.workflows.exports.formats.coco import COCO
-from moseg.workflows.exports.formats.colmap import COLMAP
+from moseg.workflows.exports.formats.annotations import COCO, YTVIS
 from moseg.workflows.exports.formats.davis import DAVIS
-from moseg.workflows.exports.formats.dynaslam import DYNASLAM
 from moseg.workflows.exports.formats.export_format import ExportFormat
-from moseg.workflows.exports.formats.instant_ngp import INSTANT_NGP
-from moseg.workflows.exports.formats.nerfstudio import NERFSTUDIO
+from moseg.workflows.exports.formats.ignore_masks import COLMAP, DYNASLAM, INSTANT_NGP, NERFSTUDIO
 from moseg.workflows.exports.formats.npz import NPZ
-from moseg.workflows.exports.formats.ytvis import YTVIS
 from moseg.workflows.exports.motion_json import check_file_name
 from moseg.workflows.exports.saved_segmentation import SavedSegmentation
 
@@ -23,7 +19,7 @@ FORMATS = {entry.name: entry for entry in (DAVIS, COCO, YTVIS, COLMAP, NERFSTUDI
 def choose_formats(
     names: Iterable[str], dilation: int | None = None, frames: tuple[str, ...] | None = None
 ) -> tuple[ExportFormat, ...]:
-    """The formats named, each once.
+    """Return the formats named, each once.
 
     Parameters
     ----------
@@ -31,12 +27,12 @@ def choose_formats(
     dilation : int, optional
         Px, to be used with at least one of them.
     frames : tuple of str, optional
-        File names of the frames, where they are known before the work: each format must be able to hold them.
+        File names of the frames, where they are known before the work: each format must accept them.
 
     Raises
     ------
     InputError
-        There is none of the name, none that is dilated where a dilation is given, or one that cannot hold the frames.
+        No format has the name, none is dilated where a dilation is given, or one does not accept the frames' names.
     """
     names = tuple(dict.fromkeys(names))
     for name in names:
@@ -56,17 +52,17 @@ def choose_formats(
 def export(
     saved: SavedSegmentation, formats: Iterable[ExportFormat], folder: Path, dilation: int | None = None
 ) -> tuple[Path, ...]:
-    """Write a segmentation in some formats into a folder, none before all are known to go.
+    """Write a segmentation in some formats into a folder, after a check that all can be written.
 
     Returns
     -------
     tuple of Path
-        The files and folders that they wrote.
+        The files and folders written.
 
     Raises
     ------
     InputError
-        What `check_exports` refuses, an object that a format cannot hold, or a file that cannot be read or written.
+        `check_exports` fails, a format cannot hold an object, or a file cannot be read or written.
     """
     formats, folder = tuple(formats), Path(folder)
     check_exports(formats, folder, saved.summary.name, saved.names)
@@ -79,7 +75,7 @@ def export(
 
 
 def check_exports(formats: Iterable[ExportFormat], folder: Path, sequence: str, names: tuple[str, ...]) -> None:
-    """Check, before the work, that formats can be written into a folder; nothing is made or changed.
+    """Check before the work that formats can be written into a folder, without writing.
 
     Parameters
     ----------
@@ -93,7 +89,7 @@ def check_exports(formats: Iterable[ExportFormat], folder: Path, sequence: str, 
     Raises
     ------
     InputError
-        A name that can be none of a file, two frames of one name, or a file that would be replaced and is not ours.
+        A name is not that of a file, two frames share a name, or a file would be replaced that moseg did not write.
     """
     for entry in formats:
         check_file_name(sequence, "sequence", folder)

@@ -1,26 +1,26 @@
-"""Eigenvalues as points of a plot, in the coordinates of its drawing."""
+"""Eigenvalues as points of a plot, in the coordinates of its SVG drawing."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from moseg.workflows.reports.figure_content import EigenvaluePlot
+from moseg.workflows.reports.content import EigenvaluePlot
 from moseg.workflows.reports.page.numbers import short_number
 
 WIDTH, HEIGHT = 360, 215
 LEFT, RIGHT, TOP, BOTTOM = 40, 8, 22, 38
-MOST_SHOWN = 40
+MAX_SHOWN = 40
 
 
 class Tick(NamedTuple):
-    """Where on its axis a number stands."""
+    """A number and its position on its axis."""
 
     at: float
     text: str
 
 
 class Point(NamedTuple):
-    """An eigenvalue: where it is drawn, whether it counts as a motion, and what it says of itself."""
+    """An eigenvalue: its position, whether it counts as a motion, and its tooltip."""
 
     x: float
     y: float
@@ -35,7 +35,7 @@ class Plot(NamedTuple):
     ----------
     source : EigenvaluePlot
     series : tuple of tuple of Point
-        One a view; one only where the eigenvalues are of one matrix.
+        One for each view; only one where the eigenvalues are of one matrix.
     x_ticks, y_ticks : tuple of Tick
     chosen_x : float
         Between the last eigenvalue that counts as a motion and the next one.
@@ -57,19 +57,11 @@ class Plot(NamedTuple):
     bottom: int = HEIGHT - BOTTOM
 
 
-def _round_steps(low: float, high: float, most: int) -> np.ndarray:
-    """Round numbers from `low` to `high`, at most about `most`, spaced by 1, 2 or 5 times a power of ten."""
-    least = (high - low) / most
-    power = 10.0 ** np.floor(np.log10(least))
-    step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= least * (1 - 1e-9))
-    return np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step + 0.0
-
-
 def gather_plot(plot: EigenvaluePlot) -> Plot | None:
-    """What a page draws of eigenvalues, of one matrix or a row for each view; None where there are none."""
+    """Return eigenvalues, of one matrix or a row for each view, as a page draws them; None where there are none."""
     eigenvalues = np.atleast_2d(np.asarray(plot.eigenvalues, np.float64))
     num_eigenvalues = eigenvalues.shape[1]
-    shown = eigenvalues[:, : max(MOST_SHOWN, plot.num_motions + 5)]
+    shown = eigenvalues[:, : max(MAX_SHOWN, plot.num_motions + 5)]
     finite = shown[np.isfinite(shown)]
     if finite.size == 0:
         return None
@@ -101,3 +93,11 @@ def gather_plot(plot: EigenvaluePlot) -> Plot | None:
         num_shown=num_shown,
         num_eigenvalues=num_eigenvalues,
     )
+
+
+def _round_steps(low: float, high: float, max_steps: int) -> np.ndarray:
+    """Return about `max_steps` round numbers from `low` to `high`, spaced by 1, 2 or 5 times a power of ten."""
+    min_step = (high - low) / max_steps
+    power = 10.0 ** np.floor(np.log10(min_step))
+    step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= min_step * (1 - 1e-9))
+    return np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step + 0.0

@@ -1,15 +1,15 @@
-"""Numbers as a page prints them."""
+"""Numbers and durations as a page prints them."""
 
 import math
 
 
 def short_number(value: float, digits: int = 3) -> str:
-    """A number in few significant digits, for instance ``0.0421``, ``1.2e−5`` or ``−∞``; an en dash for NaN."""
+    """Format a number with few significant digits, as ``0.0421``, ``1.2e−5`` or ``−∞``; an en dash for NaN."""
     if math.isnan(value):
         return "–"
     if math.isinf(value):
         return "∞" if value > 0 else "−∞"
-    # A negative zero, or what rounding left of one, has no sign.
+    # A negative zero, also one from rounding, has no sign.
     value = value if abs(value) > 1e-300 else 0.0
     magnitude = abs(value)
     if magnitude and not 1e-3 <= magnitude < 1e5:
@@ -27,7 +27,7 @@ def _without_trailing_zeros(text: str) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Seconds as a reader says them: ``340 ms``, ``4.2 s``, ``3 min 05 s``, ``2 h 10 min``."""
+    """Format seconds: ``340 ms``, ``4.2 s``, ``3 min 05 s``, ``2 h 10 min``."""
     if seconds < 0.9995:
         return f"{seconds * 1000:.0f} ms"
     if seconds < 59.95:

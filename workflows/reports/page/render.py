@@ -1,4 +1,4 @@
-"""Renders what a report shows as one HTML file, in which style, script and pictures lie inline."""
+"""A report rendered as one HTML file that contains its style, script and pictures."""
 
 import base64
 import functools
@@ -7,43 +7,19 @@ from importlib.resources import files
 
 import jinja2
 
-from moseg.workflows.reports.content import ReportPage
-from moseg.workflows.reports.page.colour_map import colour_map_style
-from moseg.workflows.reports.page.score_tables import gather_score_tables
-from moseg.workflows.reports.page.sequence_views import data_url, gather_sequence, list_missing
-from moseg.workflows.reports.page.stage_bars import gather_stages
-
-STYLES = ("page.css", "tables.css", "viewer.css", "figures.css")
-SCRIPTS = ("theme.js", "sections.js", "viewer.js", "tabs.js", "matrices.js")
-
-
-def _read(name: str) -> str:
-    return files(__package__).joinpath(name).read_text(encoding="utf-8")
-
-
-@functools.cache
-def _environment() -> jinja2.Environment:
-    environment = jinja2.Environment(
-        loader=jinja2.FunctionLoader(_read),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["data_url"] = data_url
-    return environment
-
-
-def _policy_source(text: str) -> str:
-    """How a content security policy names an inline style or script: by its hash."""
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+from moseg.workflows.reports.content import ReportPage, SequencePanel
+from moseg.workflows.reports.page.eigenvalue_plots import gather_plot
+from moseg.workflows.reports.page.heat_maps import colour_map_style, gather_heat_map
+from moseg.workflows.reports.page.numbers import duration
+from moseg.workflows.reports.page.table_layout import lay_out_tables
+from moseg.workflows.reports.page.viewer import data_url, encode_base64, gather_viewer
 
 
 def render_page(page: ReportPage) -> str:
-    """A report as the text of one HTML page.
+    """Return a report as the text of one HTML page.
 
-    The page asks nothing of a network: style, script, pictures and videos lie in it, and its content security policy
-    lets nothing else run. Every text is escaped, whoever named the sequence. Without a script it still shows the
+    The page requests nothing: style, script, pictures and videos are part of it, and its content security policy
+    forbids everything else. Every text is escaped, as are the names of sequences. Without scripts it still shows the
     tables, the matrices and one frame of each sequence.
 
     Parameters
@@ -55,16 +31,12 @@ def render_page(page: ReportPage) -> str:
     str
         HTML, to be written as UTF-8.
     """
-    style = "\n".join([*map(_read, STYLES), colour_map_style()])
-    script = "\n".join(map(_read, SCRIPTS))
-    sequences = tuple(gather_sequence(number, panel) for number, panel in enumerate(page.sequences))
-    template = _environment().get_template("page.html")
-    text = template.render(
+    style, script = f"{_read('page.css')}\n{colour_map_style()}", _read("page.js")
+    text = _template().render(
         page=page,
-        tables=gather_score_tables(page.scores),
-        sequences=sequences,
-        stages=gather_stages(page.stages),
-        missing=list_missing(page.sequences),
+        tables=lay_out_tables(page.scores),
+        viewers=tuple(map(gather_viewer, page.sequences)),
+        missing=_list_missing(page.sequences),
         style=style,
         script=script,
         style_source=_policy_source(style),
@@ -72,3 +44,34 @@ def render_page(page: ReportPage) -> str:
     )
     # Names of files may hold bytes that are no text.
     return text.encode("utf-8", "backslashreplace").decode("utf-8")
+
+
+@functools.cache
+def _template() -> jinja2.Template:
+    environment = jinja2.Environment(
+        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters.update(
+        data_url=data_url, base64=encode_base64, duration=duration, heat_map=gather_heat_map, plot=gather_plot
+    )
+    return environment.from_string(_read("page.html"))
+
+
+def _read(name: str) -> str:
+    return files(__package__).joinpath(name).read_text(encoding="utf-8")
+
+
+def _policy_source(text: str) -> str:
+    """Return the hash by which a content security policy names an inline style or script."""
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+def _list_missing(panels: tuple[SequencePanel, ...]) -> tuple[tuple[int, str, tuple[str, ...]], ...]:
+    """List the number and name of each sequence that lacks something, and what is missing and why."""
+    rows = []
+    for number, panel in enumerate(panels):
+        of_variants = (f"{variant.variant}: {text}" for variant in panel.variants for text in variant.missing)
+        texts = tuple(dict.fromkeys([*panel.missing, *of_variants]))
+        if texts:
+            rows.append((number, panel.name, texts))
+    return tuple(rows)

@@ -21,7 +21,7 @@ def volume():
 
 @pytest.fixture
 def write_saved(tmp_path, volume):
-    """Writes the labels and opens them, with other labels, names of frames or tags where given."""
+    """Write the labels and open them, with other labels, names of frames or tags where given."""
 
     def write(labels=volume, frames=None, tags=None, name="dog walk"):
         folder = tmp_path / "out"

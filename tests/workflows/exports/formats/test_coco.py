@@ -1,4 +1,4 @@
-"""COCO's own reader finds every object of every frame, and the masks as they were."""
+"""COCO's own reader finds every object of every frame, with unchanged masks."""
 
 import json
 
@@ -17,7 +17,7 @@ def coco(saved):
     return COCO(str(FORMATS["coco"].write(saved, saved.folder, None)))
 
 
-def test_masks_are_the_labels_once_more(coco, volume):
+def test_masks_decode_to_the_labels(coco, volume):
     for image, labels in zip(coco.loadImgs(coco.getImgIds()), volume, strict=True):
         found = np.zeros_like(labels)
         for annotation in coco.loadAnns(coco.getAnnIds(image["id"])):
@@ -25,7 +25,7 @@ def test_masks_are_the_labels_once_more(coco, volume):
         np.testing.assert_array_equal(found, labels)
 
 
-def test_images_bear_the_frames_names_and_size(coco):
+def test_images_have_the_frames_names_and_size(coco):
     images = coco.loadImgs(coco.getImgIds())
     assert [image["file_name"] for image in images] == ["a 1.jpg", "b.png", "größe.JPG", "犬.webp"]
     assert {(image["width"], image["height"]) for image in images} == {(17, 12)}
@@ -41,7 +41,7 @@ def test_boxes_and_areas_are_those_of_the_masks(coco):
         assert (annotation["area"], annotation["iscrowd"]) == (mask.sum(), 0)
 
 
-def test_categories_are_the_tags_and_what_has_none_is_a_moving_object(coco):
+def test_categories_are_the_tags_and_objects_without_one_are_moving_objects(coco):
     names = {category["id"]: category["name"] for category in coco.loadCats(coco.getCatIds())}
     of_track = {entry["track_id"]: names[entry["category_id"]] for entry in coco.loadAnns(coco.getAnnIds())}
     assert of_track == {2: "dog", 7: "moving object"}

@@ -1,4 +1,4 @@
-"""Masks of what a reconstruction must not use: named, coloured and widened as each program expects."""
+"""Ignore masks have the names, values and dilation that each program expects."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def test_masks_are_named_after_the_frames(saved, name):
 
 
 @pytest.mark.parametrize("name", IGNORED_AND_USED)
-def test_what_moves_is_ignored_and_the_rest_used(write_saved, volume, name):
+def test_moving_pixels_are_ignored_and_the_rest_used(write_saved, volume, name):
     saved = write_saved(frames=PNG_NAMES)
     masks = read(FORMATS[name].write(saved, saved.folder, 0))
     ignored, used = IGNORED_AND_USED[name]
@@ -45,7 +45,7 @@ def test_what_moves_is_ignored_and_the_rest_used(write_saved, volume, name):
 
 
 @pytest.mark.parametrize("name", IGNORED_AND_USED)
-def test_a_dilation_reaches_so_many_pixels_in_every_direction(write_saved, name):
+def test_a_dilation_has_its_radius_in_every_direction(write_saved, name):
     point = np.zeros((1, 21, 31), dtype=np.uint16)
     point[0, 10, 15] = 3
     saved = write_saved(labels=point, frames=("0.png",))
@@ -60,7 +60,7 @@ def test_by_default_borders_are_ignored_too(saved, volume, name):
     assert np.count_nonzero(first == IGNORED_AND_USED[name][0]) > np.count_nonzero(volume[0])
 
 
-def test_dynaslam_widens_masks_itself_and_finds_them_by_the_names_of_png_frames(write_saved, saved, volume):
+def test_masks_of_dynaslam_are_not_dilated_and_have_the_names_of_png_frames(write_saved, saved, volume):
     with pytest.raises(InputError, match=r"not a PNG file in dynaslam; got a 1\.jpg"):
         FORMATS["dynaslam"].write(saved, saved.folder, None)
     saved = write_saved(frames=PNG_NAMES)

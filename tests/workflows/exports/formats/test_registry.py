@@ -1,4 +1,4 @@
-"""Formats are chosen by name, write whole files, and touch nothing that is not theirs."""
+"""Formats are chosen by name, write whole files, and touch no foreign file."""
 
 import json
 import uuid
@@ -71,7 +71,7 @@ def test_files_that_no_export_wrote_are_never_overwritten(saved, tmp_path, name)
     assert [path.read_bytes() for path in theirs.parent.iterdir()] == [b"annotated by hand"]
 
 
-def test_what_a_killed_export_left_is_taken_over(saved, monkeypatch):
+def test_files_of_a_killed_export_are_replaced(saved, monkeypatch):
     labels = saved.labels
 
     def killed(self):
@@ -124,7 +124,7 @@ def _saved_anew(path):
 @pytest.mark.parametrize(
     ("name", "file"), [("coco", "coco.json"), ("ytvis", "ytvis.json"), ("npz", "dog walk.npz"), ("colmap", "colmap")]
 )
-def test_a_file_of_somebody_else_stops_every_format_before_the_first_is_written(saved, tmp_path, name, file):
+def test_a_foreign_file_stops_every_format_before_the_first_is_written(saved, tmp_path, name, file):
     there = tmp_path / "there"
     there.mkdir()
     if name == "npz":
@@ -146,7 +146,7 @@ def test_a_file_of_somebody_else_stops_every_format_before_the_first_is_written(
 
 
 @pytest.mark.parametrize(("name", "change"), [("coco", _saved_anew), ("ytvis", _saved_anew), ("npz", _foreign_npz)])
-def test_an_export_that_was_worked_on_is_not_replaced(saved, name, change):
+def test_an_edited_export_is_not_replaced(saved, name, change):
     path = FORMATS[name].write(saved, saved.folder, None)
     assert FORMATS[name].write(saved, saved.folder, None) == path
     change(path)
@@ -164,7 +164,7 @@ def test_an_export_that_was_worked_on_is_not_replaced(saved, name, change):
         ("dog", ("a.png", "a.jpg"), r"two frames of one name .*a\.png"),
     ],
 )
-def test_names_that_cannot_be_written_are_known_before_the_work(tmp_path, sequence, names, message):
+def test_names_that_cannot_be_written_are_reported_before_the_work(tmp_path, sequence, names, message):
     with pytest.raises(InputError, match=message):
         check_exports(choose_formats(["npz", "nerfstudio"]), tmp_path, sequence, names)
     assert not list(tmp_path.iterdir())

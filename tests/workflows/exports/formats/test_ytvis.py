@@ -17,7 +17,7 @@ def content(saved):
     return json.loads(FORMATS["ytvis"].write(saved, saved.folder, None).read_text(encoding="utf-8"))
 
 
-def test_masks_are_the_labels_once_more(content, volume):
+def test_masks_decode_to_the_labels(content, volume):
     found = np.zeros_like(volume)
     for annotation in content["annotations"]:
         for index, runs in enumerate(annotation["segmentations"]):
@@ -26,7 +26,7 @@ def test_masks_are_the_labels_once_more(content, volume):
     np.testing.assert_array_equal(found, volume)
 
 
-def test_the_lists_have_an_entry_a_frame_and_nothing_where_the_object_is_not_seen(content):
+def test_the_lists_have_an_entry_a_frame_and_null_where_the_object_is_hidden(content):
     seen = {2: [True, True, False, True], 7: [True, True, False, False]}
     for annotation in content["annotations"]:
         for name in ("segmentations", "bboxes", "areas"):

@@ -1,13 +1,22 @@
-"""Whether a segmentation may be written where it is asked for, said before the work."""
+"""Output folder of `moseg segment`: names of its files, and a check before the work that they can be written."""
 
 import os
+import re
 from pathlib import Path
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.exports.output_names import MASKS, MOTION, OVERLAY, OWN_MASK
 from moseg.workflows.exports.ownership import OwnedFile, is_own_mask, is_own_overlay, is_own_summary
 from moseg.workflows.exports.write_text import check_folder, check_writable
 from moseg.workflows.process.atomic_write import blame_output
+
+MASKS, OVERLAY, MOTION = "masks", "overlay.mp4", "motion.json"
+OWN_MASK = re.compile(r"\d{5,}\.png")
+"""Names of the masks in their folder."""
+
+
+def mask_name(index: int) -> str:
+    """Return the file name of the mask of a frame, counted from 0."""
+    return f"{index:05d}.png"
 
 
 def check_outputs(folder: str, video: str | None, has_overlay: bool = True, argument: str = "--out") -> None:
@@ -20,15 +29,15 @@ def check_outputs(folder: str, video: str | None, has_overlay: bool = True, argu
     video : str or None
         Path of the video or of the folder of frames, where they came from one.
     has_overlay : bool
-        Whether there will be an overlay; where not, a file of its name that is not ours stays.
+        Whether there will be an overlay; where not, a file of its name that is not moseg's own stays.
     argument : str
-        What the folder was given by.
+        Option or argument that names the folder.
 
     Raises
     ------
     InputError
         Nothing can be written there; the video itself would be overwritten; or a file would be replaced that moseg did
-        not write, such as the ground truth of the frames or a mask that was corrected by hand.
+        not write, such as ground truth of the frames or a mask corrected by hand.
     """
     if not folder.strip():
         raise InputError("no output folder named", where=argument, got=repr(folder), expected="a folder")

@@ -1,4 +1,4 @@
-"""The pictures of a clip of labelled trajectories: points on a blank picture, for there are no images."""
+"""Layers of a clip of labelled trajectories: points on a blank picture, because there are no images."""
 
 from collections.abc import Sequence
 
@@ -10,16 +10,14 @@ from moseg.store import ArtifactStore
 from moseg.workflows.exports.draw_errors import ERROR_COLOURS
 from moseg.workflows.exports.draw_tracks import TAIL_FRAMES, DrawnPoints, draw_tracks
 from moseg.workflows.graph import TrajectoryGraph
-from moseg.workflows.reports.encode_picture import encode_opaque, encode_transparent
-from moseg.workflows.reports.missing import WhyAbsent, name_absent, say_missing
-from moseg.workflows.reports.picture_content import Layer, LayerKind, LegendEntry, Picture
-from moseg.workflows.reports.planned_layer import PlannedLayer, SequencePictures, make_layers
-from moseg.workflows.reports.sequence_view import as_hex
+from moseg.workflows.reports.content import Layer, LayerKind, LegendEntry, SequencePanel
+from moseg.workflows.reports.layers import PlannedLayer, as_hex, encode_opaque, encode_transparent, make_layers
+from moseg.workflows.reports.missing import WhyAbsent, format_missing, name_absent
 from moseg.workflows.results.shown_frames import spread
 from moseg.workflows.sources.frames import working_size
 
 CLIP_SIDE = 960
-"""Longer side of a clip's pictures, px: hundreds of points lie on one car, and blank pictures are small files."""
+"""Longer side of a clip's pictures, px: hundreds of points can lie on one car, and blank pictures are small files."""
 CANVAS = (24, 26, 30)
 """RGB of the blank picture."""
 POINT_RADIUS = 2.5
@@ -30,8 +28,9 @@ MOTION_COLOURS = np.array(
     ],
     np.uint8,
 )
-"""Of Okabe and Ito, whom colour-blind readers can follow, black on the dark picture replaced by grey; beyond eight they
-come round again."""
+"""The palette of Okabe and Ito for colour-blind readers, with grey in place of black, which the dark picture would
+hide; beyond eight motions colours repeat."""
+_TAILS = f"Tails reach back {TAIL_FRAMES} frames."
 RIGHT_COLOUR, WRONG_COLOUR = (150, 150, 150), ERROR_COLOURS["false positive"]
 
 
@@ -42,13 +41,13 @@ def gather_clip_pictures(
     variants: Sequence[TrajectoryVariant],
     num_frames: int,
     why_absent: WhyAbsent = WhyAbsent.GONE,
-) -> SequencePictures:
-    """Pictures of at most `num_frames` frames of a clip, spread evenly; it has neither objects nor a video.
+) -> SequencePanel:
+    """Gather the panel of a clip without its variants: at most `num_frames` frames, no objects, no video.
 
     Parameters
     ----------
     why_absent : WhyAbsent
-        What to say of artifacts that are not stored; without its points a clip has no frames and no size.
+        Reason that is given for artifacts that are not stored; without its points a clip has no frames and no size.
 
     Raises
     ------
@@ -58,7 +57,7 @@ def gather_clip_pictures(
     leaves = graph.leaves
     if not store.has(leaves.trajectories):
         absent = name_absent("the clip", [leaves.trajectories])
-        return SequencePictures(0, (0, 0), (), (), missing=say_missing([absent], why_absent))
+        return SequencePanel(leaves.name, 0, (0, 0), (), (), missing=format_missing([absent], why_absent))
     clip = _Clip(store, graph, num_frames)
     layers = [
         PlannedLayer("points", (), clip.make_canvas),
@@ -81,20 +80,21 @@ def gather_clip_pictures(
         ),
     ]
     made, missing = make_layers(store, layers)
-    return SequencePictures(clip.num_frames, clip.size, clip.frames, made, missing=say_missing(missing, why_absent))
+    missing = format_missing(missing, why_absent)
+    return SequencePanel(leaves.name, clip.num_frames, clip.size, clip.frames, made, missing=missing)
 
 
 def clip_extent(points: np.ndarray, visible: np.ndarray) -> tuple[int, int]:
-    """Height and width, px, of a picture from pixel 0 on that holds all visible points (N, F, xy)."""
+    """Return height and width, px, of a picture that begins at pixel 0 and holds all visible points (N, F, xy)."""
     farthest = points[visible].max(axis=0, initial=0)
     width, height = (int(np.floor(side + 0.5)) + 1 for side in farthest)
     return height, width
 
 
 def match_groups(predicted: np.ndarray, truth: np.ndarray) -> dict[int, int]:
-    """The label of each group that has one, by the matching that `clustering_error` scores; integers (N,) both."""
-    # That tells only how many are wrong. To share the matching would change the code that scores are named by; a test
-    # holds the two together.
+    """Return the label of each matched group, by the matching that `clustering_error` scores; integers (N,) both."""
+    # `clustering_error` returns only a count. Sharing the matching would change the code that is in the keys of scores;
+    # a test compares the two.
     groups, group_index = np.unique(predicted, return_inverse=True)
     labels, label_index = np.unique(truth, return_inverse=True)
     shared = np.zeros((len(groups), len(labels)), np.int64)
@@ -104,7 +104,7 @@ def match_groups(predicted: np.ndarray, truth: np.ndarray) -> dict[int, int]:
 
 
 class _Clip:
-    """A clip's points, and the layers of them."""
+    """A clip's points and their layers."""
 
     def __init__(self, store: ArtifactStore, graph: TrajectoryGraph, num_frames: int):
         self._store, self._graph = store, graph
@@ -137,7 +137,7 @@ class _Clip:
             entries.append(_describe(place, meaning, groups == group))
         description = (
             "Trajectories by the motion group that was found; a group has the colour of the label it is matched with."
-            f" {_tails()}"
+            f" {_TAILS}"
         )
         return self._draw(f"motions ({variant})", colours, tuple(entries), description, is_shown=is_shown)
 
@@ -146,7 +146,7 @@ class _Clip:
         names, places = np.unique(labels, return_inverse=True)
         legend = tuple(_describe(place, f"label {name}", labels == name) for place, name in enumerate(names.tolist()))
         colours = MOTION_COLOURS[places % len(MOTION_COLOURS)]
-        return self._draw("ground truth", colours, legend, f"Trajectories by their true motion. {_tails()}")
+        return self._draw("ground truth", colours, legend, f"Trajectories by their true motion. {_TAILS}")
 
     def make_errors(self, variant: TrajectoryVariant) -> Layer:
         labels, groups = self._labels(), self._groups(variant)
@@ -171,12 +171,10 @@ class _Clip:
         is_shown: bool = False,
         order: np.ndarray | slice = slice(None),
     ) -> Layer:
-        def draw(frame: int) -> Picture:
-            recent = slice(max(frame - TAIL_FRAMES, 0), frame + 1)
-            drawn = DrawnPoints(self._points[order, recent], self._visible[order, recent], colours[order], self.size)
-            return encode_transparent(draw_tracks(drawn, self._shape, POINT_RADIUS))
-
-        pictures = tuple(map(draw, self.frames))
+        drawn = DrawnPoints(self._points[order], self._visible[order], colours[order], self.size)
+        pictures = tuple(
+            encode_transparent(draw_tracks(drawn.until(frame), self._shape, POINT_RADIUS)) for frame in self.frames
+        )
         return Layer(name, LayerKind.OVER, pictures, legend, description=description, is_shown=is_shown)
 
     def _labels(self) -> np.ndarray:
@@ -193,7 +191,3 @@ def _describe(place: int, meaning: str, members: np.ndarray) -> LegendEntry:
 def _count(members: np.ndarray) -> str:
     count = int(np.count_nonzero(members))
     return f"{count} " + ("trajectory" if count == 1 else "trajectories")
-
-
-def _tails() -> str:
-    return f"Tails reach back {TAIL_FRAMES} frames."
