@@ -10,7 +10,7 @@ import torch
 from moseg.schemas.errors import InputError
 from moseg.workflows.process import devices
 from moseg.workflows.process.devices import current_device, list_accelerators, network_context, parse_device, set_device
-from moseg.workflows.process.threads import pin_threads
+from moseg.workflows.process.resources import pin_threads
 
 
 @pytest.fixture
@@ -86,7 +86,7 @@ print("torch" in sys.modules)
 
 def test_threads_bind_a_torch_loaded_before_or_after():
     code = """
-from moseg.workflows.process.threads import pin_threads
+from moseg.workflows.process.resources import pin_threads
 pin_threads(2)
 import torch
 before = torch.get_num_threads()

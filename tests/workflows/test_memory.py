@@ -7,11 +7,11 @@ import sys
 
 import pytest
 
-from moseg.workflows.process.memory import allocation_environ
+from moseg.workflows.process.resources import allocation_environ
 
 ALLOCATE = """
 import ctypes, resource, sys
-from moseg.workflows.process.memory import keep_freed_memory
+from moseg.workflows.process.resources import keep_freed_memory
 if "keep" in sys.argv:
     keep_freed_memory()
 malloc, free, memset = (getattr(ctypes.CDLL(None), name) for name in ("malloc", "free", "memset"))

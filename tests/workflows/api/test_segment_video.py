@@ -15,7 +15,7 @@ from PIL import Image
 from moseg.schemas.errors import InputError, MosegError, StoreError
 from moseg.workflows.api import segment_video
 from moseg.workflows.api.process_settings import kept_process_settings
-from moseg.workflows.process.threads import pin_threads
+from moseg.workflows.process.resources import pin_threads
 
 
 def _masks(folder) -> np.ndarray:
