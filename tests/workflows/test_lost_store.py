@@ -5,10 +5,10 @@ import shutil
 import numpy as np
 import pytest
 
-from moseg.schemas.errors import CorruptArtifactError, MissingStoreError, StoreError
+from moseg.schemas.errors import MissingStoreError, StoreError
 from moseg.schemas.recipes import Recipe
 from moseg.store import LocalStore, open_store
-from moseg.workflows.engine.execution import execute_batches, execute_ingest, quarantine_corrupt
+from moseg.workflows.engine.execution import execute_batches, execute_ingest
 from moseg.workflows.engine.ingest import IngestJob
 from moseg.workflows.runlog.run_log import RunLog
 from moseg.workflows.sources import SceneFrames
@@ -27,11 +27,7 @@ def _ingest(url):
     execute_ingest(url, [(job, RECIPE)], RUN)
 
 
-def _quarantine(url):
-    quarantine_corrupt(url, CorruptArtifactError("damaged", where=RECIPE.ref))
-
-
-@pytest.mark.parametrize("work", [_execute, _ingest, _quarantine])
+@pytest.mark.parametrize("work", [_execute, _ingest])
 @pytest.mark.parametrize("scheme", ["", "file://"])
 def test_what_a_worker_does_makes_no_store(tmp_path, work, scheme):
     with pytest.raises(MissingStoreError, match=r"no artifact store in .*gone"):
