@@ -1,4 +1,4 @@
-"""However many calls there are, only a window of them is held, and no call runs before those it waits for."""
+"""Of any number of calls only a window is held, and no call runs before those it waits for."""
 
 from itertools import count
 
@@ -22,7 +22,7 @@ def runner(request, monkeypatch):
 
 
 def _calls(number, drawn, folder=None):
-    """Calls that wait for the one before and the tenth before; with a folder they say so in a file."""
+    """Calls that wait for the one before and the tenth before; with a folder each writes a file."""
 
     # Workers cannot import this file; what is defined in a function travels as code.
     def work(number):

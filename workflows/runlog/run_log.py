@@ -44,7 +44,7 @@ class RunLog:
 
     @property
     def is_open(self) -> bool:
-        """True if the log was begun and not ended."""
+        """True between the start and the end of the log."""
         return self._is_open
 
     def open(self, num_workers: Callable[[], int]) -> None:
