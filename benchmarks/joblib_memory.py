@@ -40,11 +40,11 @@ from moseg.schemas.scores import SequenceScore
 from moseg.workflows.datasets import SequenceSource, open_dataset
 from moseg.workflows.engine.execution import seeded_generator
 from moseg.workflows.engine.planning import make_plan
-from moseg.workflows.engine.runs import open_session
+from moseg.workflows.engine.session import open_session
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.evaluate import evaluate
 from moseg.workflows.pipelines.leaves import FRAMES_PER_JOB, ingest_sequences
-from moseg.workflows.process.threads import pin_threads
+from moseg.workflows.process.resources import pin_threads
 from moseg.workflows.stages.registry import find_task
 
 

@@ -160,7 +160,7 @@ def test_the_wheel_runs_without_the_checkout(wheel, squares, tmp_path):
 
 
 def test_installed_code_and_the_checkouts_are_the_same_to_a_cluster(wheel, source):
-    code = "from moseg.workflows.cluster.code_fingerprint import code_fingerprint; print(code_fingerprint())"
+    code = "from moseg.workflows.cluster.process_facts import code_fingerprint; print(code_fingerprint())"
     found = set()
     for folder in (wheel.folder, source / EDITOR):
         environ = {"PATH": os.environ["PATH"], "PYTHONPATH": str(folder)}

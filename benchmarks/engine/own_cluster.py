@@ -12,8 +12,7 @@ from typing import NamedTuple
 
 from distributed import Client
 
-from moseg.workflows.process.memory import allocation_environ
-from moseg.workflows.process.threads import thread_environ
+from moseg.workflows.process.resources import allocation_environ, thread_environ
 
 START_SECONDS = 60.0
 """For how long a scheduler may take to listen, and workers to come."""

@@ -14,7 +14,7 @@ from PIL import Image, ImageDraw, ImageFont
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
 from moseg.workflows.datasets import open_dataset
-from moseg.workflows.engine.runs import open_session
+from moseg.workflows.engine.session import open_session
 from moseg.workflows.exports.colour_maps import colour_soft_map
 from moseg.workflows.exports.draw_flow import colour_flow
 from moseg.workflows.exports.draw_overlay import draw_overlay

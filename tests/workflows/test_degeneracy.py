@@ -1,4 +1,4 @@
-"""Fits that the data do not determine are told with their reasons, whatever stage they are of."""
+"""Fits that the data do not determine are reported with their reasons, for every stage."""
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def test_a_stage_without_reasons_has_its_invalid_fits_counted():
 @pytest.mark.parametrize(
     "arrays", [{}, {"flow": np.zeros(3)}, {"valid": np.ones((2, 3), bool)}, {"valid": np.ones((0, 3), bool)}]
 )
-def test_what_holds_no_invalid_fit_gives_no_event(arrays):
+def test_an_artifact_without_invalid_fits_gives_no_event(arrays):
     assert degenerate_event(REF, "flow_model", arrays) is None
 
 

@@ -1,4 +1,4 @@
-"""Devices are refused where they are not there, and torch is not loaded before it is needed."""
+"""Devices that do not exist are refused, and torch is not loaded before it is needed."""
 
 import subprocess
 import sys
@@ -10,12 +10,12 @@ import torch
 from moseg.schemas.errors import InputError
 from moseg.workflows.process import devices
 from moseg.workflows.process.devices import current_device, list_accelerators, network_context, parse_device, set_device
-from moseg.workflows.process.threads import pin_threads
+from moseg.workflows.process.resources import pin_threads
 
 
 @pytest.fixture
 def machine(monkeypatch):
-    """Pretends that torch sees so many CUDA devices and has, or lacks, Apple's GPU; restores the device chosen."""
+    """Simulates a number of CUDA devices, and Apple's GPU or none; restores the chosen device."""
     monkeypatch.setattr(devices, "_chosen", "auto")
 
     def pretend(num_cuda=0, has_mps=False):
@@ -31,13 +31,13 @@ def _run_python(code):
 
 
 @pytest.mark.parametrize("text", ["", "gpu", "CPU", "cuda:", "cuda:x", "cuda:-1", "cpu:0", "auto "])
-def test_what_names_no_device_is_refused(text):
+def test_a_wrong_name_of_a_device_is_refused(text):
     with pytest.raises(InputError, match=r"unknown device in --device; .* expected auto, cpu, cuda"):
         parse_device(text)
 
 
 @pytest.mark.parametrize(("text", "num_cuda"), [("cuda", 0), ("cuda:0", 0), ("cuda:2", 2), ("mps", 2)])
-def test_a_device_that_is_not_there_is_refused(machine, text, num_cuda):
+def test_a_missing_device_is_refused(machine, text, num_cuda):
     machine(num_cuda)
     with pytest.raises(InputError, match=f"no such device in --device; got {text}"):
         set_device(text)
@@ -72,7 +72,7 @@ def test_networks_run_without_gradients_and_on_the_cpu_in_full_precision():
     assert not torch.is_inference_mode_enabled()
 
 
-def test_torch_is_not_loaded_to_run_what_is_no_network():
+def test_torch_is_not_loaded_by_runs_without_networks():
     code = """
 import sys
 from moseg.workflows.cluster.runners import Call, open_runner
@@ -86,7 +86,7 @@ print("torch" in sys.modules)
 
 def test_threads_bind_a_torch_loaded_before_or_after():
     code = """
-from moseg.workflows.process.threads import pin_threads
+from moseg.workflows.process.resources import pin_threads
 pin_threads(2)
 import torch
 before = torch.get_num_threads()

@@ -1,4 +1,4 @@
-"""Events reach the log before they are needed, cost little, and never hide the error that they tell of."""
+"""Events reach the log before they are needed, cost little, and never hide the error that they report."""
 
 import os
 import pickle
@@ -25,7 +25,7 @@ REFS = [f"flow/{digit * 64}" for digit in "0123"]
 
 
 class _Store:
-    """Keeps appends, or refuses them."""
+    """A store that keeps appends, or refuses them."""
 
     def __init__(self, error=None):
         self.appends = []
@@ -43,7 +43,7 @@ def _refs(lines):
 
 @pytest.fixture
 def clock(monkeypatch):
-    """Stands still until it is moved."""
+    """A clock that stands still until it is moved."""
 
     class Clock:
         now = 0.0
@@ -56,7 +56,7 @@ def clock(monkeypatch):
     return clock
 
 
-def test_on_a_quick_store_every_event_is_written_at_once(clock):
+def test_on_a_fast_store_every_event_is_written_at_once(clock):
     store = _Store()
     with EventLog(store, "run") as log:
         for number, ref in enumerate(REFS, start=1):
@@ -91,20 +91,20 @@ def _log_late(store, error=None):
             raise error
 
 
-def test_what_waits_is_written_when_the_block_ends():
+def test_waiting_lines_are_written_when_the_block_ends():
     store = _Store()
     _log_late(store)
     assert [_refs(lines) for lines in store.appends] == [[REFS[0]]]
 
 
-def test_what_waits_is_written_when_the_block_fails():
+def test_waiting_lines_are_written_when_the_block_fails():
     store, error = _Store(), ValueError("broken")
     with pytest.raises(ValueError, match="broken"):
         _log_late(store, error)
     assert [_refs(lines) for lines in store.appends] == [[REFS[0]]]
 
 
-def test_a_log_that_cannot_be_written_is_told_and_hides_no_other_error():
+def test_a_failed_append_is_raised_and_hides_no_other_error():
     full = StoreError("cannot write a run's log: no space left")
     with pytest.raises(StoreError, match="a run's log"):
         _log_late(_Store(full))
@@ -155,7 +155,7 @@ def test_names_of_runs_differ_and_sort_as_the_runs_began(monkeypatch):
 
 
 @pytest.mark.parametrize("error", [ValueError("broken"), InputError("no such frame", where="a.png")])
-def test_that_an_error_is_in_the_log_travels_with_it(error):
+def test_the_note_that_an_error_is_logged_is_pickled_with_it(error):
     assert not is_written(error)
     note_written(error, REFS[0])
     assert is_written(pickle.loads(pickle.dumps(error)))

@@ -1,4 +1,4 @@
-"""What a task meets on a machine that lacks something becomes one line for the user."""
+"""A package or memory that a task misses on its machine is reported in one line."""
 
 import pytest
 
@@ -30,12 +30,12 @@ def execute(tmp_path, monkeypatch):
     return call
 
 
-def test_a_gpu_that_is_too_small_is_told_with_what_helps(execute):
+def test_a_gpu_with_too_little_memory_is_reported_with_a_remedy(execute):
     with pytest.raises(InputError, match=r"memory does not hold it in flow by raft; .*--batch 1"):
         execute(OutOfMemoryError("CUDA out of memory"))
 
 
-def test_a_worker_without_the_networks_libraries_is_told_how_to_get_them(execute, monkeypatch):
+def test_missing_libraries_of_networks_are_reported_with_a_remedy(execute, monkeypatch):
     monkeypatch.setattr("moseg.workflows.weights.packages.find_spec", lambda name: None)
     with pytest.raises(InputError, match="networks need torch"):
         execute(ModuleNotFoundError("No module named 'torch'", name="torch"))
@@ -48,7 +48,7 @@ def test_other_faults_stay_faults(execute, fault):
     assert raised.value is fault
 
 
-def test_a_worker_that_does_not_see_the_store_makes_none(tmp_path):
+def test_a_worker_without_access_to_the_store_creates_none(tmp_path):
     with pytest.raises(InputError, match="no artifact store"):
         execute_batches(str(tmp_path / "not shared"), [[Recipe(task="flow", version=1, params={"method": "raft"})]])
     assert list(tmp_path.iterdir()) == []

@@ -1,4 +1,4 @@
-"""Memory that arrays have given back stays with the process."""
+"""A process keeps the memory that arrays have freed."""
 
 import os
 import platform
@@ -7,11 +7,11 @@ import sys
 
 import pytest
 
-from moseg.workflows.process.memory import allocation_environ
+from moseg.workflows.process.resources import allocation_environ
 
 ALLOCATE = """
 import ctypes, resource, sys
-from moseg.workflows.process.memory import keep_freed_memory
+from moseg.workflows.process.resources import keep_freed_memory
 if "keep" in sys.argv:
     keep_freed_memory()
 malloc, free, memset = (getattr(ctypes.CDLL(None), name) for name in ("malloc", "free", "memset"))
@@ -36,6 +36,6 @@ def _faults(*arguments, environ=None):
 
 
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="glibc's setting")
-def test_memory_of_flow_fields_is_used_again():
+def test_memory_of_flow_fields_is_reused():
     assert _faults("keep") < _faults() / 2
     assert _faults(environ=allocation_environ()) < _faults() / 2

@@ -1,7 +1,8 @@
 """A plan is cut so that every network is loaded once, and frames go through it together."""
 
 from moseg.schemas.recipes import Recipe
-from moseg.workflows.engine.phases import batch_recipes, join_brief, network_of, split_phases
+from moseg.workflows.engine.calls import batch_cheap, batch_recipes
+from moseg.workflows.engine.phases import network_of, split_phases
 
 WEIGHTS = {name: f"weights/{digit * 64}" for name, digit in (("raft", "a"), ("depth", "b"), ("deaot", "c"))}
 
@@ -71,13 +72,13 @@ def test_frames_go_through_a_network_together():
     assert [recipe.ref for batch in batches for recipe in batch] == list(flows)
 
 
-def test_what_waits_for_another_recipe_is_computed_alone():
+def test_a_recipe_that_waits_for_another_is_computed_alone():
     plan = _chain(3)
     batches = [[recipe.task for recipe in batch] for batch in batch_recipes(plan, lambda recipe: 8)]
     assert batches == [["instances"] * 3, *[["seeds"], ["proposals"]] * 3]
 
 
-def test_other_parameters_are_another_batch():
+def test_recipes_of_other_parameters_form_another_batch():
     fast = Recipe(
         task="flow", version=1, params={"method": "raft", "iterations": 4}, inputs={"weights": WEIGHTS["raft"]}
     )
@@ -87,12 +88,12 @@ def test_other_parameters_are_another_batch():
     assert len(list(batch_recipes(_plan(fast, slow), lambda recipe: 8))) == 2
 
 
-def _join(plan, most):
+def _join(plan, max_batches):
     batches = [[recipe] for recipe in plan.values()]
-    return list(join_brief(batches, lambda recipe: recipe.task in ("flow", "saliency"), most))
+    return list(batch_cheap(batches, lambda recipe: recipe.task in ("flow", "saliency"), max_batches))
 
 
-def test_brief_recipes_that_follow_each_other_share_a_call():
+def test_cheap_recipes_that_follow_each_other_share_a_call():
     flows = [_recipe("flow", number) for number in range(5)]
     proposals = _recipe("proposals", 0, flow=flows[0].ref)
     joined = _join(_plan(*flows[:3], proposals, *flows[3:]), 2)

@@ -1,4 +1,4 @@
-"""What a run needs stays in the store while it works and after it finished, however other runs end."""
+"""The artifacts of a run stay in the store while it works and after it finished, however other runs end."""
 
 import json
 import shutil
@@ -118,7 +118,7 @@ def test_a_run_at_work_keeps_its_lease_however_a_run_of_the_same_work_ends(evalu
 
 
 @pytest.mark.parametrize("end", [_fail, _die])
-def test_a_rerun_that_ends_badly_leaves_the_pin_of_the_finished_run(evaluated_copy, end):
+def test_a_rerun_that_fails_leaves_the_pin_of_the_finished_run(evaluated_copy, end):
     store = _open(evaluated_copy)
     before = store.pinned()
     assert before
@@ -156,7 +156,7 @@ def test_a_warm_run_pins_what_it_reused(evaluated_copy):
     assert _rerun(evaluated_copy, SynchronousRunner()) == 0
 
 
-def test_a_store_that_takes_no_pins_can_be_read_and_not_worked_on(evaluated_copy, moseg, tmp_path):
+def test_without_write_access_for_pins_a_store_can_be_read_only(evaluated_copy, moseg, tmp_path):
     shutil.rmtree(evaluated_copy.store / "pins")
     (evaluated_copy.store / "pins").write_text("")
     arguments = (*evaluated_copy.arguments, "--store", evaluated_copy.store)

@@ -8,8 +8,9 @@ import pytest
 from distributed import Client, LocalCluster
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.cluster import placement
-from moseg.workflows.cluster.placement import GPU, ForeignGpus, ForeignWorkers, OwnWorkers, share_out
+from moseg.workflows.cluster import existing_cluster, local_workers
+from moseg.workflows.cluster.connection import TlsFiles
+from moseg.workflows.cluster.placement import GPU, AssignedAccelerators, DeclaredGpus
 from moseg.workflows.cluster.runners import Call, open_runner
 
 
@@ -42,7 +43,7 @@ def _run(runner):
 
 @pytest.fixture(scope="module")
 def cluster():
-    """Two workers of a cluster that is not ours."""
+    """Two workers of an existing cluster."""
     with (
         LocalCluster(
             n_workers=2,
@@ -58,17 +59,17 @@ def cluster():
 
 
 @pytest.fixture(scope="module")
-def own():
+def local():
     """Two local workers of a machine that has one GPU, and the devices for which GPUs were looked for."""
     asked = []
 
     def pretend(device):
         asked.append(device)
-        # `auto` stands for the GPU: no machine lacks it, and the other worker's device is `cpu`.
+        # `auto` stands for the GPU: every machine has it, and the other worker's device is `cpu`.
         return ("auto",)
 
     with pytest.MonkeyPatch.context() as patch, open_runner(workers=2) as runner:
-        patch.setattr(placement, "list_accelerators", pretend)
+        patch.setattr(local_workers, "list_accelerators", pretend)
         yield runner, asked
 
 
@@ -98,50 +99,74 @@ def declare(cluster):
         ([0, 1], ["cuda:0", "cuda:1", "cuda:2"], {0: "cuda:0", 1: "cuda:1"}),
     ],
 )
-def test_an_accelerator_belongs_to_one_worker(names, accelerators, expected):
-    plan = share_out(names, accelerators)
+def test_an_accelerator_belongs_to_one_worker(names, accelerators, expected, monkeypatch):
+    workers = {f"tcp://{name}": {"name": name} for name in names}
+    plugins = []
+    cluster = local_workers.LocalWorkers(len(names), threads=1, device="auto")
+    cluster._client = SimpleNamespace(
+        scheduler_info=lambda number: {"workers": workers}, register_plugin=plugins.append, status="running"
+    )
+    monkeypatch.setattr(local_workers, "list_accelerators", lambda device: accelerators)
+    assert cluster.claim_gpus() == bool(accelerators)
+    policy = plugins[-1]._policy if plugins else AssignedAccelerators()
     for name in names:
-        device, resources = plan.place(name, {})
+        device, resources = policy.place(name, {})
         assert device == expected.get(name, "cpu")
         assert resources == ({GPU: 1} if name in expected else {})
 
 
 def test_a_worker_that_declares_no_gpu_computes_on_its_cpu():
-    plan = ForeignWorkers("cuda")
-    assert plan.place("a", {}) == ("cpu", {})
-    assert plan.place("a", {GPU: 0.0}) == ("cpu", {})
-    assert plan.place("a", {GPU: 1.0}) == ("cuda", {})
-    assert OwnWorkers().place("a", {}) == ("cpu", {})
+    policy = DeclaredGpus("cuda")
+    assert policy.place("a", {}) == ("cpu", {})
+    assert policy.place("a", {GPU: 0.0}) == ("cpu", {})
+    assert policy.place("a", {GPU: 1.0}) == ("cuda", {})
+    assert AssignedAccelerators().place("a", {}) == ("cpu", {})
+
+
+@pytest.fixture
+def connect(monkeypatch):
+    """Connects to a cluster whose workers are in the given dict."""
+
+    def call(workers, device):
+        client = SimpleNamespace(
+            scheduler=SimpleNamespace(address="tcp://host:8786"),
+            scheduler_info=lambda number: {"workers": workers},
+            nthreads=lambda: dict.fromkeys(workers, 1),
+        )
+        check = SimpleNamespace(check_scheduler=lambda: None, check_workers=lambda threads: [], unresponsive=set())
+        monkeypatch.setattr(existing_cluster, "connect", lambda scheduler, tls: client)
+        monkeypatch.setattr(existing_cluster, "ClusterCheck", lambda client: check)
+        return existing_cluster.ExistingCluster("tcp://host:8786", TlsFiles(), threads=1, device=device)
+
+    return call
 
 
 @pytest.mark.parametrize("device", ["auto", "cuda"])
-def test_networks_wait_for_a_gpu_that_was_there_once(device):
+def test_networks_wait_for_a_gpu_once_a_worker_had_one(connect, device):
     workers = {"a": {"resources": {GPU: 1.0}}, "b": {"resources": {}}}
-    client = SimpleNamespace(scheduler_info=lambda number: {"workers": workers})
-    gpus = ForeignGpus(device)
-    assert gpus.claim(client)
+    cluster = connect(workers, device)
+    assert cluster.claim_gpus()
     del workers["a"]
-    assert gpus.claim(client)
+    assert cluster.claim_gpus()
 
 
-def test_a_gpu_that_joins_a_run_on_processors_is_used():
+def test_a_gpu_that_joins_a_run_on_cpus_is_used(connect):
     workers = {"b": {"resources": {}}}
-    client = SimpleNamespace(scheduler_info=lambda number: {"workers": workers})
-    gpus = ForeignGpus("auto")
-    assert not gpus.claim(client)
+    cluster = connect(workers, "auto")
+    assert not cluster.claim_gpus()
     workers["a"] = {"resources": {GPU: 1.0}}
-    assert gpus.claim(client)
+    assert cluster.claim_gpus()
 
 
-def test_nobody_asks_for_gpus_before_a_network_is_to_run(own):
-    runner, asked = own
+def test_gpus_are_not_looked_for_before_a_network_is_to_run(local):
+    runner, asked = local
     before = list(asked)
     runner.run([Call("light", abs, (-1,))], lambda name, result: None)
     assert asked == before
 
 
-def test_local_networks_never_overlap_and_run_where_the_gpu_is(own):
-    runner, asked = own
+def test_local_networks_never_overlap_and_run_where_the_gpu_is(local):
+    runner, asked = local
     rounds = [_run(runner), _run(runner)]
     assert asked == ["auto"]
     networks = [report for network, _ in rounds for report in network]
@@ -153,7 +178,7 @@ def test_local_networks_never_overlap_and_run_where_the_gpu_is(own):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="SIGKILL is POSIX")
-def test_a_worker_that_dies_at_work_comes_back_with_its_gpu(own, tmp_path):
+def test_a_worker_that_dies_at_work_comes_back_with_its_gpu(local, tmp_path):
     def die_once(path):
         import os
         import signal
@@ -167,7 +192,7 @@ def test_a_worker_that_dies_at_work_comes_back_with_its_gpu(own, tmp_path):
             return os.getpid(), _chosen
         os.kill(os.getpid(), signal.SIGKILL)
 
-    runner, _ = own
+    runner, _ = local
     calls = [*_calls()[:4], Call("dies-once", die_once, (str(tmp_path / "dead"),)), *_calls()[4:]]
     reports = {}
     runner.run([call._replace(needs_gpu=True) for call in calls], reports.__setitem__)

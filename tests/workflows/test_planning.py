@@ -1,4 +1,4 @@
-"""A plan walks from the sinks and stops at what is stored."""
+"""A plan walks from the sinks and stops at stored artifacts."""
 
 from types import SimpleNamespace
 
@@ -47,7 +47,7 @@ def _cases(draw):
 
 
 @given(_cases())
-def test_exactly_what_is_missing_and_needed_is_computed(case):
+def test_exactly_the_missing_and_needed_nodes_are_computed(case):
     inputs, stored, sinks = case
     compute, _, _ = Graph(inputs).plan(stored, sinks)
     assert len(compute) == len(set(compute))
@@ -63,7 +63,7 @@ def test_each_node_follows_its_inputs(case):
 
 
 @given(_cases())
-def test_reused_is_what_a_sink_or_a_miss_reads_and_nothing_below(case):
+def test_reused_are_the_inputs_of_sinks_and_misses_and_nothing_below(case):
     inputs, stored, sinks = case
     compute, reuse, _ = Graph(inputs).plan(stored, sinks)
     read = set(sinks).union(*(inputs[number] for number in compute))
@@ -103,7 +103,7 @@ def test_leaves_are_neither_computed_nor_counted_but_kept():
     assert LEAF in plan.touched()
 
 
-def test_a_stored_sink_is_one_look_up_and_nothing_below_is_asked_for():
+def test_below_a_stored_sink_nothing_is_looked_up():
     asked = []
     graph = Graph([[], [0], [1], [0, 1]])
 
@@ -115,7 +115,7 @@ def test_a_stored_sink_is_one_look_up_and_nothing_below_is_asked_for():
     assert asked == [[graph.refs[2]]]
 
 
-def test_the_nodes_of_one_step_are_one_question():
+def test_the_nodes_of_one_step_are_looked_up_in_one_request():
     asked = []
     graph = Graph([[], [], [0, 1], [0, 1]])
 

@@ -1,4 +1,4 @@
-"""A run's log says what happened to every artifact, also where the run was killed."""
+"""A run's log holds what happened to every artifact, even if the run was killed."""
 
 import json
 import shutil
@@ -33,14 +33,14 @@ import os, signal, sys
 from moseg.workflows.engine import execution
 from moseg.workflows.cli.app import run
 
-compute = execution._run
+compute = execution._execute_batch
 
-def die(store, recipes):
+def die(store, recipes, log):
     if recipes[0].task == sys.argv[1]:
         os.kill(os.getpid(), signal.SIGKILL)
-    return compute(store, recipes)
+    return compute(store, recipes, log)
 
-execution._run = die
+execution._execute_batch = die
 run(sys.argv[2:])
 """
 
@@ -50,12 +50,12 @@ def _open(folder):
 
 
 def _events(store):
-    """Events of the run that began last."""
+    """Return the events of the run that began last."""
     return list(read_events(store, list_runs(store)[0]))
 
 
 def _kinds(events):
-    """What happened to each artifact, in order; invalid fits and the run's own lines left out."""
+    """Return the events of each artifact, in order, without invalid fits and the run's own lines."""
     kinds = {}
     for event in events:
         if getattr(event, "ref", None) is not None and event.event != EventKind.DEGENERATE:
@@ -107,7 +107,7 @@ def test_workers_write_their_own_parts_of_the_same_log(evaluated, evaluated_by_w
     assert len(workers) in (1, 2) and client not in workers
 
 
-def test_what_a_run_builds_on_is_told_beside_what_it_computes(evaluated_copy):
+def test_a_log_holds_the_artifacts_that_a_run_reuses(evaluated_copy):
     store = _open(evaluated_copy.store)
     dropped = _drop(store, "segmentation", "score")
     session = _rerun(evaluated_copy)
@@ -126,7 +126,7 @@ def test_a_run_that_computes_nothing_leaves_no_log(evaluated_copy):
     assert store.logs() == before
 
 
-def test_a_store_that_takes_no_logs_can_be_read_and_not_worked_on(evaluated_copy, moseg):
+def test_without_write_access_for_logs_a_store_can_be_read_only(evaluated_copy, moseg):
     shutil.rmtree(evaluated_copy.store / "logs")
     (evaluated_copy.store / "logs").write_text("")
     arguments = (*evaluated_copy.arguments, "--store", evaluated_copy.store)
@@ -189,7 +189,7 @@ def test_an_artifact_that_another_run_stores_meanwhile_is_computed_and_a_lost_ra
     assert _kinds(events)[RECIPE.ref] == [EventKind.STARTED, EventKind.COMPUTED, EventKind.LOST_RACE]
 
 
-def test_a_failure_is_told_of_the_artifact_that_failed_only(execute):
+def test_a_failure_is_logged_for_the_failed_artifact_only(execute):
     other = Recipe(task="score", version=2, params={"method": "stub"})
     outputs = [Output({}, {})]
     events, error = execute([RECIPE, other], lambda store: outputs.pop())
@@ -202,7 +202,7 @@ def test_a_failure_is_told_of_the_artifact_that_failed_only(execute):
     assert [other.ref in note for note in error.__notes__] == [True]
 
 
-def test_invalid_fits_are_told(execute):
+def test_invalid_fits_are_logged(execute):
     def run(store):
         return Output(
             {"valid": np.array([[True, False]]), "theta": np.zeros((1, 2, 4)), "moments": np.zeros((1, 2, 3))}
@@ -219,7 +219,7 @@ def test_invalid_fits_are_told(execute):
     assert (events[2].num_invalid, events[2].num_fits) == (1, 2)
 
 
-def test_a_scene_without_texture_is_told_as_degenerate(moseg, write_image, tmp_path):
+def test_a_scene_without_texture_is_logged_as_degenerate(moseg, write_image, tmp_path):
     masks = np.zeros((48, 64), np.uint8)
     masks[10:20, 10:20] = 1
     for number in range(4):
@@ -238,17 +238,17 @@ def test_a_task_that_raises_ends_the_run_and_its_log(evaluated_copy, moseg, monk
     store = _open(evaluated_copy.store)
     (ref,) = _drop(store, "score")
 
-    def fail(store, recipes):
+    def fail(params, inputs, rng):
         raise RuntimeError("broken")
 
-    monkeypatch.setattr(execution, "_run", fail)
+    monkeypatch.setattr(execution, "find_task", lambda name, method: Task(name, method, version=1, run=fail))
     ran = moseg(*evaluated_copy.arguments, "--store", evaluated_copy.store)
     assert ran.code == 1
     assert ran.err.splitlines()[-1] == "moseg: a fault, not your input: RuntimeError: broken"
     assert f"while computing {ref}" in ran.err
     events = _events(store)
     assert _kinds(events)[ref] == [EventKind.PLANNED, EventKind.STARTED, EventKind.FAILED]
-    # Who met it has told it: the client does not do so again.
+    # The process in which it occurred has logged it; the client does not do so again.
     assert [event.message for event in events if event.event == EventKind.FAILED] == ["RuntimeError: broken"]
     assert (events[-1].outcome, events[-1].message) == ("failed", "RuntimeError: broken")
 
@@ -260,7 +260,7 @@ def test_a_task_that_raises_ends_the_run_and_its_log(evaluated_copy, moseg, monk
         (KeyboardInterrupt(), "interrupted", []),
     ],
 )
-def test_what_only_the_client_meets_is_told_by_the_client(evaluated_copy, error, outcome, messages):
+def test_a_failure_of_the_client_is_logged_by_the_client(evaluated_copy, error, outcome, messages):
     class Fails(SynchronousRunner):
         def run(self, calls, on_done):
             if calls:
@@ -275,7 +275,7 @@ def test_what_only_the_client_meets_is_told_by_the_client(evaluated_copy, error,
     assert (events[-1].event, events[-1].outcome) == (EventKind.CLOSED, outcome)
 
 
-def test_damage_is_told_and_planned_anew_but_nothing_else_is(evaluated_copy):
+def test_only_a_damaged_artifact_is_planned_anew(evaluated_copy):
     store = _open(evaluated_copy.store)
     _drop(store, "score", "segmentation", "clustering")
     ref = next(store.refs("affinity"))
@@ -291,7 +291,7 @@ def test_damage_is_told_and_planned_anew_but_nothing_else_is(evaluated_copy):
     assert read_status(store, list_runs(store)[0]).num_done == sum(COMPUTED[0] in found for found in kinds.values())
 
 
-def test_a_killed_run_leaves_what_was_in_flight(evaluated, tmp_path):
+def test_the_log_of_a_killed_run_shows_what_was_in_flight(evaluated, tmp_path):
     command = [sys.executable, "-c", DIES_AT, "saliency", *evaluated.arguments, "--store", str(tmp_path / "store")]
     assert subprocess.run(command, check=False).returncode == -signal.SIGKILL
     store = _open(tmp_path / "store")
@@ -299,26 +299,26 @@ def test_a_killed_run_leaves_what_was_in_flight(evaluated, tmp_path):
     assert status.state == RunState.DEAD
     (work,) = status.in_flight
     assert split_ref(work.ref)[0] == "saliency"
-    # What was stored is told, but for what a moment more would have told.
-    told = {event.ref for event in _events(store) if event.event == EventKind.COMMITTED}
+    # Stored artifacts are in the log, except those of the last moment.
+    logged = {event.ref for event in _events(store) if event.event == EventKind.COMMITTED}
     stored = {ref for ref in store.refs() if split_ref(ref)[0] not in LEAVES}
-    assert told and told <= stored
+    assert logged and logged <= stored
 
 
-def test_how_to_follow_a_run_is_said_once_and_only_where_something_is_computed(evaluated_copy, capsys):
+def test_a_run_that_computes_prints_once_how_to_follow_it(evaluated_copy, capsys):
     _rerun(evaluated_copy, quiet=False)
     assert capsys.readouterr().err == ""
     store = _open(evaluated_copy.store)
     _drop(store, "score")
     session = _rerun(evaluated_copy, quiet=False)
-    told = [line for line in capsys.readouterr().err.splitlines() if line.startswith("run ")]
-    assert told == [f"run {session.run_id} (moseg status {session.run_id} --store {evaluated_copy.store})"]
+    lines = [line for line in capsys.readouterr().err.splitlines() if line.startswith("run ")]
+    assert lines == [f"run {session.run_id} (moseg status {session.run_id} --store {evaluated_copy.store})"]
     _drop(store, "score")
     _rerun(evaluated_copy)
     assert capsys.readouterr().err == ""
 
 
-def test_bad_input_is_told_in_one_line_and_in_the_log(squares, moseg, write_image, tmp_path):
+def test_bad_input_is_reported_in_one_line_and_in_the_log(squares, moseg, write_image, tmp_path):
     folder = tmp_path / "data" / "one" / "frames"
     folder.mkdir(parents=True)
     shutil.copy(sorted((squares / "squares" / "frames").iterdir())[0], folder)

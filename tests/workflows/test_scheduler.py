@@ -65,7 +65,7 @@ def test_an_existing_cluster_gives_the_same_keys_and_bytes_and_lives_on(evaluate
 
 
 def _interrupt(arguments, env):
-    """See a run with two workers, in which somebody presses Ctrl-C, end with all that it started."""
+    """Run with two workers until Ctrl-C, and check that all started processes end."""
     run = subprocess.Popen(
         [*MOSEG, *arguments, "--workers", "2"],
         env=env,

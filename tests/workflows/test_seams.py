@@ -9,7 +9,7 @@ import pytest
 
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.workflows.datasets import SequenceSource
-from moseg.workflows.engine.runs import open_session
+from moseg.workflows.engine.session import open_session
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.leaves import ingest_sequences
 from moseg.workflows.sources import open_frames

@@ -1,4 +1,4 @@
-"""A run resumes, repairs what is damaged and gives the same bytes on every scheduler, alone or beside others."""
+"""A run resumes, repairs damage and gives the same bytes on every scheduler, alone or beside others."""
 
 import json
 import signal
@@ -81,7 +81,7 @@ def test_a_warm_run_computes_nothing(evaluated, moseg, tmp_path):
         (["fundamental", "flow_model", "saliency"], []),
     ],
 )
-def test_what_was_dropped_is_recomputed_where_it_is_needed(evaluated_copy, moseg, tmp_path, dropped, recomputed):
+def test_dropped_artifacts_are_recomputed_if_needed(evaluated_copy, moseg, tmp_path, dropped, recomputed):
     store = _open(evaluated_copy)
     before = _contents(store)
     num_needed = sum(len(list(store.refs(task))) for task in recomputed)
@@ -181,7 +181,7 @@ def test_damaged_labels_do_not_reach_the_users_masks(squares, moseg, tmp_path):
 
 
 class _OtherRunInBetween(SynchronousRunner):
-    """Before its first work, another run finds an artifact damaged and takes it out of service."""
+    """A runner before whose first call another run quarantines a damaged artifact."""
 
     def __init__(self, store, ref):
         self._store, self._ref = store, ref

@@ -1,4 +1,4 @@
-"""`moseg status` says how a run goes: while it runs, after it ended, and where it died."""
+"""`moseg status` shows the state of a run: while it works, after it ended, and after it died."""
 
 import json
 import os
@@ -99,7 +99,7 @@ def test_a_run_that_did_not_close_runs_as_long_as_its_process_does():
     assert running.is_asked and dead.is_asked
 
 
-def test_a_process_that_cannot_be_asked_counts_as_running_and_that_is_said():
+def test_a_process_that_cannot_be_checked_counts_as_running_with_a_mark():
     status = _summary(_opened(NO_PROCESS, space="0" * 16))
     assert (status.state, status.is_asked) == (RunState.RUNNING, False)
 
@@ -128,12 +128,12 @@ def test_artifacts_are_counted_by_stage_and_kind():
     assert [(trouble.ref, trouble.message) for trouble in status.failures] == [(_ref(3), "broken")]
 
 
-def test_what_was_stored_before_it_was_planned_by_another_clock_is_done():
+def test_an_artifact_stored_before_its_plan_by_another_clock_is_done():
     status = _summary(_opened(), *_computed(_ref(1), 1.0, 2.0), *_planned(_ref(1), _ref(2), seconds=3.0))
     assert (status.num_done, status.num_planned, status.stages[0].done) == (1, 2, 1)
 
 
-def test_an_artifact_that_was_mended_is_counted_once_and_no_hit():
+def test_a_repaired_artifact_is_counted_once_and_is_no_hit():
     status = _summary(
         _opened(),
         *_planned(_ref(1)),
@@ -147,7 +147,7 @@ def test_an_artifact_that_was_mended_is_counted_once_and_no_hit():
     assert [trouble.message for trouble in status.quarantined] == ["bad chunk"]
 
 
-def test_what_a_process_began_and_did_not_end_is_in_flight():
+def test_started_and_unfinished_artifacts_are_in_flight():
     begun = [_work(EventKind.STARTED, _ref(number), 1.0, pid=1) for number in (1, 2, 3)]
     done = [_work(EventKind.COMPUTED, _ref(1), 4.0, seconds=3.0), _work(EventKind.COMMITTED, _ref(1), 4.0)]
     status = _summary(_opened(), *begun, *done, _work(EventKind.STARTED, _ref(9), 2.0, pid=5))
@@ -157,12 +157,12 @@ def test_what_a_process_began_and_did_not_end_is_in_flight():
     ]
 
 
-def test_what_another_worker_began_anew_is_in_flight_there():
+def test_an_artifact_restarted_by_another_worker_is_in_flight_there():
     lost, again = _work(EventKind.STARTED, _ref(1), 1.0, pid=1), _work(EventKind.STARTED, _ref(1), 5.0, pid=2)
     assert [work.pid for work in _summary(_opened(), lost, again).in_flight] == [2]
 
 
-def test_the_rest_follows_from_the_seconds_of_each_stage_and_the_pace():
+def test_the_remaining_time_follows_from_the_seconds_of_each_stage_and_the_pace():
     refs = [_ref(number) for number in range(4)]
     scores = [_ref(number, "score") for number in range(2)]
     # Two workers, each at work all the time: the seconds of ten pass in five.
@@ -172,7 +172,7 @@ def test_the_rest_follows_from_the_seconds_of_each_stage_and_the_pace():
     assert status.rest_seconds == pytest.approx((2 * 4.0 + 1.0) / 2)
 
 
-def test_nothing_is_said_of_the_rest_before_anything_tells():
+def test_no_remaining_time_is_estimated_without_a_basis():
     planned = _planned(_ref(1))
     assert _summary(_opened(), *planned).rest_seconds is None
     sources = _planned(_ref(1, "ingest"), _ref(2, "ingest"))
@@ -190,7 +190,7 @@ def logged(tmp_path):
     return store, write
 
 
-def test_lines_that_are_no_events_are_counted_and_end_no_status(logged, moseg):
+def test_lines_that_are_no_events_are_counted_as_unreadable(logged, moseg):
     store, write = logged
     write(_opened(NO_PROCESS), *_planned(_ref(1), _ref(2)))
     assert "unreadable" not in moseg("status", RUN, "--store", store.url).out
@@ -374,7 +374,7 @@ def test_logs_of_runs_whose_results_are_kept_stay(logged):
     assert old_logs(store, grace_seconds=60.0) == ["forgotten", "kept"]
 
 
-def test_a_run_that_is_not_there_is_no_other_name_for_one_that_is_not_either(logged):
+def test_only_existing_runs_are_suggested(logged):
     store, write = logged
     for name in ("latest", "lates", RUN[:-1] + "x"):
         with pytest.raises(InputError) as raised:

@@ -1,4 +1,4 @@
-"""A data set is planned a wave at a time, and no figure depends on where it was cut."""
+"""A data set is planned one wave at a time, and no score depends on where it was cut."""
 
 from json import loads
 from types import SimpleNamespace
@@ -15,7 +15,7 @@ def _sources(counts):
 
 
 @given(st.lists(st.integers(1, 9000), max_size=20), st.integers(1, 6))
-def test_waves_hold_every_sequence_once_and_no_more_frames_than_agreed(counts, num_workers):
+def test_waves_hold_every_sequence_once_and_at_most_the_limit_of_frames(counts, num_workers):
     sources = _sources(counts)
     cut = list(cut_waves(sources, num_workers))
     assert [source for wave in cut for source in wave] == sources

@@ -1,4 +1,4 @@
-"""However many calls there are, only a window of them is held, and no call runs before those it waits for."""
+"""Of any number of calls only a window is held, and no call runs before those it waits for."""
 
 from itertools import count
 
@@ -15,14 +15,14 @@ WINDOW = 32
 def runner(request, monkeypatch):
     """A runner whose window is small."""
     monkeypatch.setattr(runners, "CALLS_AT_ONCE", WINDOW)
-    monkeypatch.setattr(runners, "MIN_IN_FLIGHT", WINDOW)
+    monkeypatch.setattr(runners, "MIN_WINDOW", WINDOW)
     monkeypatch.setattr(runners, "CALLS_PER_THREAD", WINDOW // 2)
     with open_runner(workers=request.param) as opened:
         yield opened
 
 
 def _calls(number, drawn, folder=None):
-    """Calls that wait for the one before and the tenth before; with a folder they say so in a file."""
+    """Calls that wait for the one before and the tenth before; with a folder each writes a file."""
 
     # Workers cannot import this file; what is defined in a function travels as code.
     def work(number):
@@ -67,7 +67,7 @@ def test_an_endless_run_ends_with_its_first_error(runner):
 
 
 def test_no_calls_start_no_workers(monkeypatch):
-    monkeypatch.setattr("moseg.workflows.cluster.clusters.LocalCluster", None)
+    monkeypatch.setattr("moseg.workflows.cluster.local_workers.LocalCluster", None)
     with open_runner(workers=2) as runner:
         runner.run([], lambda name, result: None)
         runner.run(iter(()), lambda name, result: None)
@@ -75,7 +75,7 @@ def test_no_calls_start_no_workers(monkeypatch):
 
 
 def test_the_scheduler_forgets_what_is_done(monkeypatch):
-    monkeypatch.setattr(runners, "MIN_IN_FLIGHT", WINDOW)
+    monkeypatch.setattr(runners, "MIN_WINDOW", WINDOW)
     monkeypatch.setattr(runners, "CALLS_PER_THREAD", WINDOW)
     sizes = []
     with open_runner(workers=1) as runner:

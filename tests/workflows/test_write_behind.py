@@ -1,4 +1,4 @@
-"""Outputs are stored while the next task computes; nobody sees a difference but the clock."""
+"""Outputs are stored while the next task computes; only the time differs."""
 
 import threading
 
@@ -20,7 +20,7 @@ def _flow(number):
 
 
 class SlowStore:
-    """A local store whose puts wait for `gate`, and fail where they are told to."""
+    """A local store whose puts wait for `gate`, and fail if `failure` is set."""
 
     def __init__(self, root):
         self._store = LocalStore(root)
@@ -43,33 +43,33 @@ def store(tmp_path):
 
 
 @pytest.fixture
-def told():
+def reported():
     return []
 
 
-def test_a_put_does_not_wait_for_the_store_and_all_are_told_in_order(store, told):
-    with WriteBehind(store, told.append) as behind:
+def test_a_put_does_not_wait_for_the_store_and_all_are_reported_in_order(store, reported):
+    with WriteBehind(store, reported.append) as behind:
         for number in range(MAX_WAITING):
             behind.put(_flow(number), Output({"flow": FLOW + number}), seconds=number)
-        assert told == [] and not store.has(_flow(0).ref)
+        assert reported == [] and not store.has(_flow(0).ref)
         assert behind.has(_flow(0).ref)
         store.gate.set()
-    assert [(put.recipe, put.seconds, put.outcome.result()) for put in told] == [
+    assert [(put.recipe, put.seconds, put.outcome.result()) for put in reported] == [
         (_flow(number), number, PutOutcome.COMMITTED) for number in range(MAX_WAITING)
     ]
     assert np.array_equal(store.read(_flow(1).ref, "flow"), FLOW + 1)
 
 
-def test_no_more_outputs_wait_than_agreed(store, told):
-    with WriteBehind(store, told.append) as behind:
+def test_at_most_max_waiting_outputs_wait(store, reported):
+    with WriteBehind(store, reported.append) as behind:
         threading.Timer(0.05, store.gate.set).start()
         for number in range(MAX_WAITING + 1):
             behind.put(_flow(number), Output({"flow": FLOW}), seconds=0.0)
-        assert told[0].recipe == _flow(0) and told[0].outcome.done()
+        assert reported[0].recipe == _flow(0) and reported[0].outcome.done()
 
 
-def test_reading_what_is_not_stored_yet_waits_for_it(store, told):
-    with WriteBehind(store, told.append) as behind:
+def test_a_read_waits_for_the_put_of_its_artifact(store, reported):
+    with WriteBehind(store, reported.append) as behind:
         behind.put(_flow(0), Output({"flow": FLOW}, {"count": 3}), seconds=0.0)
         threading.Timer(0.05, store.gate.set).start()
         view = ArtifactView(behind, _flow(0).ref)
@@ -84,24 +84,24 @@ def _put_and_read(store):
         behind.read(_flow(0).ref, "flow")
 
 
-def _put_and_fail(store, tell):
-    with WriteBehind(store, tell) as behind:
+def _put_and_fail(store, report):
+    with WriteBehind(store, report) as behind:
         behind.put(_flow(0), Output({"flow": FLOW}), seconds=0.0)
         threading.Timer(0.05, store.gate.set).start()
         raise ZeroDivisionError
 
 
-def test_a_put_that_failed_is_told_to_whoever_reads(store, told):
+def test_a_read_raises_the_failure_of_its_put(store, reported):
     store.failure = StoreError("no space left")
     store.gate.set()
     with pytest.raises(StoreError, match="no space"):
         _put_and_read(store)
 
 
-def test_what_was_computed_before_a_failure_is_stored_and_told(store, told):
+def test_outputs_before_a_failure_are_stored_and_reported(store, reported):
     with pytest.raises(ZeroDivisionError):
-        _put_and_fail(store, told.append)
-    assert store.has(_flow(0).ref) and len(told) == 1
+        _put_and_fail(store, reported.append)
+    assert store.has(_flow(0).ref) and len(reported) == 1
 
 
 def test_a_failed_put_does_not_hide_the_failure_before_it(store):

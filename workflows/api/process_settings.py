@@ -11,8 +11,7 @@ import dask
 import threadpoolctl
 
 from moseg.workflows.process import devices
-from moseg.workflows.process.memory import allocation_environ
-from moseg.workflows.process.threads import THREAD_VARIABLES
+from moseg.workflows.process.resources import THREAD_VARIABLES, allocation_environ
 
 
 class _Calls:

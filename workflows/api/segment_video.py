@@ -22,7 +22,7 @@ from moseg.workflows.api.process_settings import kept_process_settings
 from moseg.workflows.api.video_source import VideoLike, open_video
 from moseg.workflows.config.notes import motions_note
 from moseg.workflows.datasets.given_folders import with_given_folders
-from moseg.workflows.engine.runs import open_session
+from moseg.workflows.engine.session import open_session
 from moseg.workflows.exports import summarise_sequence
 from moseg.workflows.exports.motion_json import frame_names
 from moseg.workflows.pipelines.purpose import Purpose

@@ -143,7 +143,7 @@ class RunOptions:
     def open(self):
         """A session, as a context manager."""
         from moseg.workflows.cluster.connection import TlsFiles
-        from moseg.workflows.engine.runs import open_session
+        from moseg.workflows.engine.session import open_session
 
         return open_session(
             self.store,

@@ -1,4 +1,4 @@
-"""Whether the processes of a cluster run the same code as this one and have what it takes: asked before they work."""
+"""Check that the processes of a cluster run the same code as this one and have its packages, before they get work."""
 
 import sys
 from collections.abc import Iterable, Mapping
@@ -7,32 +7,31 @@ from typing import Any
 from distributed import Client
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.cluster.code_fingerprint import refuse_other_code
 from moseg.workflows.cluster.process_facts import process_facts
 
 
 class ClusterCheck:
-    """Asks each process of a cluster once.
+    """A check of each process of a cluster, done once.
 
-    Other code is refused, because no key would tell its results apart. Other versions of libraries are only told: every
-    artifact names those that made it, a store that lives for years holds results of many, and who cannot change a
-    cluster's image must still be able to work on it.
+    Other code is refused, because no key would distinguish its results. Other versions of libraries are only reported:
+    every artifact names those that made it, a store that lives for years holds results of many, and a user who cannot
+    change a cluster's image must still be able to work on it.
 
     Attributes
     ----------
-    speechless : set of str
+    unresponsive : set of str
         Addresses of late workers that cannot answer: they end when they are given work, which others then do.
     """
 
     def __init__(self, client: Client):
         self._client = client
-        self.speechless: set[str] = set()
+        self.unresponsive: set[str] = set()
         self._own = process_facts()
         self._checked: set[str] = set()
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
 
     def check_scheduler(self) -> None:
-        """Raise InputError where the scheduler, which unpacks what it hands on, has not the same code."""
+        """Raise InputError unless the scheduler, which unpacks what it passes on, has the same code."""
         where = f"scheduler {self._client.scheduler.address}"
         try:
             found = self._client.run_on_scheduler(process_facts)
@@ -43,65 +42,74 @@ class ClusterCheck:
         self._refuse(where, found)
 
     def check_workers(self, addresses: Iterable[str]) -> list[str]:
-        """Those of the workers that were not asked before; raises InputError where one of them cannot be given work."""
-        return self._accept(self._ask(addresses))
+        """Return the workers that were not checked before; raise InputError if one of them cannot be given work."""
+        return self._accept(self._request_facts(addresses))
 
     def check_late_workers(self, addresses: Iterable[str]) -> list[str]:
-        """The same for workers that join a run: one that cannot even answer is told of and left out, not refused."""
-        found = self._ask(addresses)
+        """Check workers that join a run; one that cannot answer is reported and left out, not refused."""
+        found = self._request_facts(addresses)
         for address, fact in found.items():
             if isinstance(fact, Exception):
-                self.speechless.add(address)
+                self.unresponsive.add(address)
                 got = " ".join(str(fact).split())
                 text = f"moseg: no moseg, or another version of it, in worker {address}, others do its work; got {got}"
                 print(text, file=sys.stderr)
-        return self._accept({address: fact for address, fact in found.items() if address not in self.speechless})
+        return self._accept({address: fact for address, fact in found.items() if address not in self.unresponsive})
 
-    def _ask(self, addresses: Iterable[str]) -> dict[str, Any]:
-        """What each worker that was not asked before says, or the exception that it gives in place of that."""
-        new = sorted(set(addresses) - self._checked - self.speechless)
+    def forget_workers(self) -> None:
+        """Have the next check include all workers again."""
+        self._checked.clear()
+        self.unresponsive.clear()
+
+    def _request_facts(self, addresses: Iterable[str]) -> dict[str, Any]:
+        """Return the facts of each worker that was not checked before, or the exception that it answered with."""
+        new = sorted(set(addresses) - self._checked - self.unresponsive)
         if not new:
             return {}
-        # A worker that has gone in the meantime gives an OSError; it can do no harm.
+        # A worker that has ended in the meantime gives an OSError; it can do no harm.
         found = self._client.run(process_facts, workers=new, on_error="return")
         return {address: fact for address, fact in found.items() if not isinstance(fact, OSError)}
 
     def _accept(self, facts: Mapping[str, Any]) -> list[str]:
         for address, fact in facts.items():
             self._refuse(f"worker {address}", fact)
-        self._tell({address: fact["versions"] for address, fact in facts.items()})
+        self._report_versions({address: fact["versions"] for address, fact in facts.items()})
         self._checked.update(facts)
         return list(facts)
 
-    def forget_workers(self) -> None:
-        """Ask all again when they are next checked."""
-        self._checked.clear()
-        self.speechless.clear()
-
     def _refuse(self, where: str, found: Any) -> None:
         if isinstance(found, Exception):
-            # The question itself cannot be understood; Dask hands on the reason as text.
+            # The process cannot import the function that was sent; Dask passes on the reason as text.
             expected = "the same moseg on the scheduler and on every worker"
             raise InputError("no moseg, or another version of it", where=where, got=found, expected=expected) from found
         refuse_other_code(where, found["fingerprint"], self._own["fingerprint"])
-        if found["lacks"]:
+        if found["missing"]:
             expected = f"the packages of moseg in the Python of that {where.partition(' ')[0]}"
-            raise InputError(f"no package {found['lacks']}", where=where, got="not installed", expected=expected)
+            raise InputError(f"no package {found['missing']}", where=where, got="not installed", expected=expected)
 
-    def _tell(self, versions: Mapping[str, Mapping[str, str]]) -> None:
-        """Name, once, the libraries of which workers have other versions."""
+    def _report_versions(self, versions: Mapping[str, Mapping[str, str]]) -> None:
+        """Print, once, the libraries of which workers have other versions."""
         found: dict[str, list[str]] = {}
         for address, theirs in sorted(versions.items()):
             for name in sorted(theirs.keys() | self._own["versions"].keys()):
                 here, there = (of.get(name, "none") for of in (self._own["versions"], theirs))
                 if here != there:
                     found.setdefault(f"{name} {there} (here {here})", []).append(address)
-        new = {text: addresses for text, addresses in found.items() if text not in self._told}
-        self._told.update(new)
+        new = {text: addresses for text, addresses in found.items() if text not in self._reported}
+        self._reported.update(new)
         if new:
-            texts = "; ".join(f"{text} on {_some(addresses)}" for text, addresses in new.items())
+            texts = "; ".join(f"{text} on {_name_some(addresses)}" for text, addresses in new.items())
             print(f"moseg: workers have other libraries, digits may differ: {texts}", file=sys.stderr)
 
 
-def _some(addresses: list[str]) -> str:
+def refuse_other_code(where: str, got: str, expected: str) -> None:
+    """Raise InputError unless the fingerprint `got` is the one expected."""
+    if got != expected:
+        expected = (
+            f"code {expected}, as here: install the same moseg there and restart it, it keeps the code that it loaded"
+        )
+        raise InputError("another version of moseg", where=where, got=f"code {got}", expected=expected)
+
+
+def _name_some(addresses: list[str]) -> str:
     return addresses[0] if len(addresses) == 1 else f"{addresses[0]} and {len(addresses) - 1} more"

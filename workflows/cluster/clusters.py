@@ -1,214 +1,99 @@
-"""The workers that calls are sent to: processes of this machine, or a Dask cluster that is not ours."""
+"""A cluster as its runner sees it: its workers, and its failures as one line in place of Dask's traces."""
 
-import sys
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import ExitStack
-from importlib.util import find_spec
+from asyncio import CancelledError
+from collections.abc import Iterator
+from concurrent.futures import CancelledError as FutureCancelledError
+from contextlib import contextmanager, suppress
 from typing import Protocol
 
-import dask
-from distributed import Client, LocalCluster
+from distributed import Client
+from distributed.client import ClosedClientError
+from distributed.comm import CommClosedError
+from distributed.scheduler import KilledWorker
 
 from moseg.schemas.errors import ClusterError, MosegError
-from moseg.workflows.cluster.check import ClusterCheck
-from moseg.workflows.cluster.code_fingerprint import code_fingerprint
-from moseg.workflows.cluster.connection import SHORT_LOGS, TlsFiles, connect
-from moseg.workflows.cluster.placement import ForeignGpus, ForeignWorkers, OwnGpus, OwnWorkers, Plan, set_up_workers
-from moseg.workflows.cluster.remote_calls import Setup, prepare_worker
-from moseg.workflows.plugins.registered import plugins_of_process
-from moseg.workflows.process.interrupts import defer_interrupts
-from moseg.workflows.process.memory import allocation_environ
-from moseg.workflows.process.threads import thread_environ
-from moseg.workflows.weights.packages import PACKAGES
+from moseg.workflows.cluster.remote_calls import Setup
+from moseg.workflows.cluster.submission_window import CallError
+
+RESUME = "what was finished is kept, the same command goes on from there"
 
 
 class Cluster(Protocol):
-    """Workers, and what is to be known of them.
+    """Workers, and what a runner needs of them.
 
     Attributes
     ----------
     setup : Setup
-        What every call asks of the process that runs it.
+        The state that every call requires of its process.
     where : str
-        What messages call the cluster; a client that Dask has closed no longer knows its scheduler's address.
+        The cluster's name in messages; a client that Dask has closed has lost its scheduler's address.
     """
 
     setup: Setup
     where: str
 
     def client(self) -> Client:
-        """The client, its workers started."""
+        """Return the client, its workers started."""
 
     def is_lost(self) -> bool:
-        """Whether the client had a connection to the scheduler and has none now."""
+        """Return whether the client had a connection to the scheduler and has none now."""
 
     def num_threads(self) -> int:
-        """How many calls run at the same time."""
+        """Return how many calls run at the same time."""
 
     def claim_gpus(self) -> bool:
-        """See `Gpus.claim`."""
+        """Return whether a call that runs a network must wait for a GPU; raise InputError if a GPU was requested and
+        there is none."""
 
     def admit_workers(self) -> int:
-        """Look at workers that have joined since, and return how many calls run at the same time; raises InputError
-        where one cannot be given work."""
+        """Check workers that have joined since, and return how many calls run at the same time; raise InputError if one
+        cannot be given work."""
 
     def examine_workers(self) -> None:
-        """Look at all workers again, because a call failed for want of a module."""
+        """Check all workers again, because a call failed for want of a module."""
 
     def close(self) -> None:
         """End what was started."""
 
 
-class LocalWorkers:
-    """So many processes of this machine, which start with the first call and come back where they die."""
-
-    def __init__(self, workers: int, threads: int, device: str):
-        self.setup = _setup(threads)
-        self.where = f"--workers {workers}"
-        self._workers = workers
-        self._gpus = OwnGpus(threads, device)
-        self._stack = ExitStack()
-        self._client: Client | None = None
-
-    def client(self) -> Client:
-        """See `Cluster.client`."""
-        if self._client is None:
-            settings = {
-                "distributed.nanny.pre-spawn-environ": thread_environ(self.setup.threads) | allocation_environ(),
-                # Samples the stack of every worker a hundred times a second.
-                "distributed.worker.profile.enabled": False,
-                **SHORT_LOGS,
-            }
-            with defer_interrupts(), dask.config.set(settings):
-                cluster = self._start()
-                self._client = self._stack.enter_context(Client(self._stack.enter_context(cluster)))
-                set_up_workers(self._client, self.setup.threads, OwnWorkers())
-        return self._client
-
-    def _start(self) -> LocalCluster:
-        try:
-            return LocalCluster(
-                n_workers=self._workers,
-                threads_per_worker=1,
-                processes=True,
-                host="127.0.0.1",
-                dashboard_address="127.0.0.1:0",
-                silence_logs="CRITICAL",
-            )
-        except RuntimeError as error:
-            # Dask's own says no more than that its nanny failed.
-            reason = error.__cause__ or error
-            expected = (
-                "memory enough for so many, or fewer workers; in a script of your own what is run must stand below"
-                " if __name__ == '__main__':"
-            )
-            raise ClusterError(
-                "a worker ended while it started", where=self.where, got=reason, expected=expected
-            ) from error
-
-    def is_lost(self) -> bool:
-        """See `Cluster.is_lost`."""
-        return self._client is not None and self._client.status != "running"
-
-    def num_threads(self) -> int:
-        """See `Cluster.num_threads`."""
-        return self._workers
-
-    def claim_gpus(self) -> bool:
-        """See `Cluster.claim_gpus`."""
-        return self._gpus.claim(self.client())
-
-    def admit_workers(self) -> int:
-        """See `Cluster.admit_workers`."""
-        # They are this program's own, and every call has them compare their code.
-        return self._workers
-
-    def examine_workers(self) -> None:
-        """See `Cluster.examine_workers`."""
-
-    def close(self) -> None:
-        """See `Cluster.close`."""
-        self._stack.close()
-
-
-class ForeignCluster:
-    """Whoever works for a scheduler, now or later; nothing of ours is left there.
-
-    Raises
-    ------
-    InputError
-        See `connect` and `ClusterCheck`; or a worker that declares a GPU lacks the device that was asked for.
-    ClusterError
-        The scheduler ended meanwhile.
-    """
-
-    def __init__(self, scheduler: str, tls: TlsFiles, threads: int, device: str):
-        self.setup = _setup(threads, ForeignWorkers(device))
-        self._gpus = ForeignGpus(device)
-        self._client = connect(scheduler, tls)
-        try:
-            self.where = self._client.scheduler.address
-            self._check = ClusterCheck(self._client)
-            self._check.check_scheduler()
-            if not self._admit(self._check.check_workers):
-                print(f"moseg: --scheduler {scheduler} has no workers yet, waiting for one", file=sys.stderr)
-        except OSError as error:
-            self._client.close()
-            if isinstance(error, MosegError):
-                raise
-            raise ClusterError("the scheduler is gone", where=f"--scheduler {scheduler}", got=error) from error
-        except BaseException:
-            self._client.close()
+@contextmanager
+def as_cluster_errors(cluster: Cluster) -> Iterator[None]:
+    """Raise the error of a call unchanged, and a failure of the cluster as ClusterError or InputError."""
+    try:
+        yield
+    except CallError as failed:
+        raise _explained(failed, cluster) from failed.reason
+    except (CommClosedError, CancelledError, FutureCancelledError) as error:
+        raise _gone(cluster, error) from error
+    except (OSError, ClosedClientError, AttributeError) as error:
+        # It comes from a store, or from the receiver of the results, if the scheduler is there. A client that Dask has
+        # closed has no scheduler whose methods could be called.
+        if isinstance(error, MosegError) or not cluster.is_lost():
             raise
-
-    def client(self) -> Client:
-        """See `Cluster.client`."""
-        return self._client
-
-    def is_lost(self) -> bool:
-        """See `Cluster.is_lost`."""
-        return self._client.status != "running"
-
-    def num_threads(self) -> int:
-        """See `Cluster.num_threads`."""
-        return self._count(self._client.nthreads())
-
-    def claim_gpus(self) -> bool:
-        """See `Cluster.claim_gpus`."""
-        return self._gpus.claim(self._client)
-
-    def admit_workers(self) -> int:
-        """See `Cluster.admit_workers`."""
-        return self._admit(self._check.check_late_workers)
-
-    def examine_workers(self) -> None:
-        """See `Cluster.examine_workers`."""
-        self._check.forget_workers()
-        self._admit(self._check.check_workers)
-
-    def close(self) -> None:
-        """See `Cluster.close`."""
-        self._client.close()
-
-    def _admit(self, check: Callable[[Iterable[str]], list[str]]) -> int:
-        threads = self._client.nthreads()
-        for address, refusal in self._prepare(check(threads)).items():
-            if not isinstance(refusal, OSError):
-                raise refusal
-            threads.pop(address)
-        return self._count(threads)
-
-    def _count(self, threads: Mapping[str, int]) -> int:
-        return sum(number for address, number in threads.items() if address not in self._check.speechless)
-
-    def _prepare(self, addresses: list[str]) -> dict[str, Exception]:
-        """Prepare new workers; what went wrong, by address."""
-        if not addresses:
-            return {}
-        answers = self._client.run(prepare_worker, self.setup, workers=addresses, on_error="return")
-        return {address: answer for address, answer in answers.items() if answer is not None}
+        raise _gone(cluster, error) from error
 
 
-def _setup(threads: int, plan: Plan | None = None) -> Setup:
-    packages = tuple(name for name in PACKAGES if find_spec(name) is not None)
-    return Setup(code_fingerprint(), threads, packages, plan, plugins_of_process())
+def _explained(failed: CallError, cluster: Cluster) -> BaseException:
+    stage, reason = failed.name.partition("-")[0], failed.reason
+    # A worker without a module reports that, or ends when it is given the call.
+    if isinstance(reason, ImportError | KilledWorker):
+        # If the scheduler has ended by now, the reason stays as it is.
+        with suppress(OSError, ClosedClientError, AttributeError):
+            cluster.examine_workers()
+    if isinstance(reason, KilledWorker):
+        last = getattr(reason.last_worker, "address", reason.last_worker)
+        return ClusterError(
+            "workers died again and again",
+            where=f"stage {stage}, call {failed.name}",
+            got=f"{reason.allowed_failures + 1} workers lost while they had it, the last one {last}",
+            expected=f"workers with enough memory (the usual reason): fewer of them, or --batch 1; {RESUME}",
+        )
+    if isinstance(reason, CancelledError | FutureCancelledError):
+        return _gone(cluster, reason)
+    return reason
+
+
+def _gone(cluster: Cluster, error: BaseException) -> ClusterError:
+    got = "a closed connection" if isinstance(error, AttributeError) else error
+    expected = f"a scheduler that lives as long as the run; {RESUME}"
+    return ClusterError("the scheduler is gone or dropped the work", where=cluster.where, got=got, expected=expected)

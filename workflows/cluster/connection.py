@@ -1,4 +1,4 @@
-"""Connecting to the scheduler of an existing Dask cluster, and saying in one line why that fails."""
+"""A connection to the scheduler of an existing Dask cluster; failures are reported in one line."""
 
 import json
 import logging
@@ -16,38 +16,37 @@ from distributed.security import Security
 from distributed.versions import VersionMismatchWarning
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.cluster.scheduler_probe import knock
+from moseg.workflows.cluster.scheduler_probe import probe_scheduler
 
 CONNECT_SEC = 10.0
-"""For how long a scheduler may take to answer, and to come back when the connection breaks."""
+"""Longest time that a scheduler may take to answer, and to come back when the connection breaks."""
 EXPECTED = "tcp://host:8786, tls://host:8786 or a scheduler file"
 SHORT_LOGS = {"distributed.admin.low-level-log-length": 50}
-"""Dask keeps the last messages of each connection, of up to a megabyte, for its developers: a thousand by default, and
-with them the calls that were done long ago."""
+"""Dask keeps the last messages of each connection, of up to a megabyte, for its developers: a thousand by default, with
+calls that were done long ago."""
 DASK_TLS = "distributed.comm.tls of Dask's configuration"
 
 
 class TlsFiles(NamedTuple):
-    """PEM files of the command line; what is None comes from Dask's own configuration."""
+    """PEM files of the command line; Dask's own configuration replaces those that are None."""
 
     ca: str | None = None
     cert: str | None = None
     key: str | None = None
 
     def named(self) -> dict[str, str]:
-        """The files that are given, by option."""
+        """Return the files that are given, by option."""
         options = {f"--tls-{name}": path for name, path in self._asdict().items()}
         return {option: path for option, path in options.items() if path is not None}
 
 
 def connect(scheduler: str, tls: TlsFiles) -> Client:
-    """A client of the cluster at an address, or of the one that a scheduler file (JSON) names.
+    """Return a client of the cluster at an address, or of the one that a scheduler file (JSON) names.
 
     Raises
     ------
     InputError
-        Nothing there answers as a Dask scheduler, the TLS files are none, or one side speaks TLS and the other does
-        not.
+        No Dask scheduler answers there, the TLS files cannot be used, or one side uses TLS and the other does not.
 
     References
     ----------
@@ -67,12 +66,12 @@ def connect(scheduler: str, tls: TlsFiles) -> Client:
     security = _security(tls)
     context = _context(security, tls, where) if protocol == "tls" else None
     if protocol in ("tcp", "tls"):
-        knock(host, port, context, where)
+        probe_scheduler(host, port, context, where)
     try:
         with warnings.catch_warnings(), dask.config.set(SHORT_LOGS):
-            # What differs is told in one line, once it is known of every worker.
+            # `ClusterCheck` reports other versions in one line for all workers.
             warnings.simplefilter("ignore", VersionMismatchWarning)
-            # A scheduler that is lost later ends the run with our own line.
+            # If the scheduler is lost later, the run ends with its own message.
             logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
             return Client(address, timeout=CONNECT_SEC, security=security, set_as_default=False)
     except (OSError, ValueError, RuntimeError, TypeError) as error:
@@ -80,12 +79,12 @@ def connect(scheduler: str, tls: TlsFiles) -> Client:
 
 
 def read_scheduler_file(path: str | Path) -> str:
-    """The address in a scheduler file; raises InputError where it is none."""
+    """Return the address in a scheduler file; raise InputError if the file is not one."""
     try:
         return str(json.loads(Path(path).read_text(encoding="utf-8"))["address"])
     except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         got = f"{type(error).__name__}: {error}"
-        expected = "what `dask scheduler --scheduler-file` writes"
+        expected = "a file written by `dask scheduler --scheduler-file`"
         raise InputError("not a scheduler file", where=f"--scheduler {path}", got=got, expected=expected) from error
 
 

@@ -1,27 +1,29 @@
-"""What runs on a worker around each call: the process is brought to its threads and device, and its code is checked.
+"""Code that runs on a worker around each call: it sets the process's threads and device, and checks its code.
 
-Workers of a cluster that is not ours come and go, and nothing that we leave there may outlive us. So its scheduler gets
-no plugin, and every call carries what its process must be like.
+Workers of an existing cluster come and go, and nothing that this program leaves there may outlive it. So its scheduler
+gets no plugin, and every call carries the setup that its process must have.
 """
 
 from collections.abc import Callable
+from importlib.util import find_spec
 from threading import Lock
 from typing import Any, NamedTuple
 
 from distributed import get_worker
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.cluster.code_fingerprint import code_fingerprint, refuse_other_code
-from moseg.workflows.cluster.placement import Plan
-from moseg.workflows.cluster.process_facts import lacking
+from moseg.workflows.cluster.check import refuse_other_code
+from moseg.workflows.cluster.placement import PlacementPolicy
+from moseg.workflows.cluster.process_facts import code_fingerprint, missing_packages
 from moseg.workflows.plugins.loading import match_plugins
-from moseg.workflows.plugins.registered import PluginSet
+from moseg.workflows.plugins.registered import PluginSet, plugins_of_process
 from moseg.workflows.process.devices import set_device
-from moseg.workflows.process.threads import pin_threads
+from moseg.workflows.process.resources import pin_threads
+from moseg.workflows.weights.packages import PACKAGES
 
 
 class Setup(NamedTuple):
-    """What every process that runs our calls must be like.
+    """The state that every process must have before it runs a call.
 
     Attributes
     ----------
@@ -30,8 +32,8 @@ class Setup(NamedTuple):
     threads : int
     network_packages : tuple of str
         Packages for networks that the client has.
-    plan : Plan, optional
-        None where the worker was given its threads and its device when it started.
+    policy : PlacementPolicy, optional
+        None if the worker was given its threads and its device when it started.
     plugins : PluginSet
         What is registered in the client.
     """
@@ -39,7 +41,7 @@ class Setup(NamedTuple):
     code: str
     threads: int
     network_packages: tuple[str, ...]
-    plan: Plan | None = None
+    policy: PlacementPolicy | None = None
     plugins: PluginSet = PluginSet(())
 
 
@@ -47,12 +49,21 @@ _lock = Lock()
 _ready: tuple[Setup, str | None] | None = None
 
 
-def prepare_process(setup: Setup, worker=None) -> None:
-    """Bring this process to `setup`; raises InputError where its code is another one or its device is missing."""
+def make_setup(threads: int, policy: PlacementPolicy | None = None) -> Setup:
+    """Return a setup with the code, the packages and the plug-ins of this process."""
+    packages = tuple(name for name in PACKAGES if find_spec(name) is not None)
+    return Setup(code_fingerprint(), threads, packages, policy, plugins_of_process())
+
+
+def prepare_process(setup: Setup, dask_worker=None) -> None:
+    """Give this process the state of `setup`; raise InputError if its code differs or its device is missing.
+
+    `Client.run` fills in `dask_worker`.
+    """
     global _ready
-    worker = worker or get_worker()
-    # What a worker declares can change while it lives.
-    device = setup.plan and setup.plan.place(worker.name, worker.state.total_resources).device
+    worker = dask_worker or get_worker()
+    # The resources that a worker declares can change while it runs.
+    device = setup.policy and setup.policy.place(worker.name, worker.state.total_resources).device
     with _lock:
         if _ready == (setup, device):
             return
@@ -64,29 +75,24 @@ def prepare_process(setup: Setup, worker=None) -> None:
         _ready = setup, device
 
 
-def prepare_worker(setup: Setup, dask_worker=None) -> None:
-    """The same for `Client.run`."""
-    prepare_process(setup, dask_worker)
-
-
 def run_call(setup: Setup, runs_network: bool, function: Callable[..., Any], arguments: tuple, *_done: object) -> Any:
-    """Result of a call, in a process that is brought to `setup` first; what was `_done` before it is in the store.
+    """Return the result of a call, after the process was prepared; the results of `_done` are in the store.
 
     Raises
     ------
     InputError
-        As `prepare_process`; or the process lacks a package that the call needs.
+        As `prepare_process`; or the process has not a package that the call needs.
     """
     prepare_process(setup)
-    if runs_network and (missing := lacking(setup.network_packages)):
-        raise _lacks(missing)
+    if runs_network and (missing := missing_packages(setup.network_packages)):
+        raise _missing_package(missing)
     try:
         return function(*arguments)
     except ModuleNotFoundError as error:
-        raise _lacks(error.name) from error
+        raise _missing_package(error.name) from error
 
 
-def _lacks(package: str | None) -> InputError:
+def _missing_package(package: str | None) -> InputError:
     where = f"worker {get_worker().address}"
     expected = "every package of this client in the Python of that worker"
     return InputError(f"no package {package}", where=where, got="not installed", expected=expected)

@@ -1,24 +1,23 @@
-"""Running calls that depend on each other: in this process, on local workers, or on an existing Dask cluster."""
+"""Runners of calls that depend on each other: in this process, on local workers, or on an existing Dask cluster."""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing, contextmanager
 from itertools import islice
-from typing import Any
+from typing import Any, Protocol
 
 import dask
 from dask.callbacks import Callback
 from dask.task_spec import Task, TaskRef
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.cluster.calls import Call, Runner
-from moseg.workflows.cluster.clusters import Cluster, ForeignCluster, LocalWorkers
+from moseg.workflows.cluster.clusters import Cluster, as_cluster_errors
 from moseg.workflows.cluster.connection import TlsFiles
-from moseg.workflows.cluster.failures import as_cluster_errors
+from moseg.workflows.cluster.existing_cluster import ExistingCluster
+from moseg.workflows.cluster.local_workers import LocalWorkers
 from moseg.workflows.cluster.placement import GPU
-from moseg.workflows.cluster.submission_window import CALLS_PER_THREAD, MIN_IN_FLIGHT, Flight
+from moseg.workflows.cluster.submission_window import CALLS_PER_THREAD, MIN_WINDOW, Call, SubmissionWindow
 from moseg.workflows.process.devices import current_device, parse_device, read_device, set_device
-from moseg.workflows.process.memory import keep_freed_memory
-from moseg.workflows.process.threads import check_bearable, pin_threads
+from moseg.workflows.process.resources import check_bearable, keep_freed_memory, pin_threads
 
 __all__ = ["Call", "DistributedRunner", "Runner", "SynchronousRunner", "TlsFiles", "open_runner"]
 
@@ -26,8 +25,26 @@ CALLS_AT_ONCE = 512
 """Calls that the synchronous scheduler is given at a time."""
 
 
+class Runner(Protocol):
+    """A way to run calls in an order that their dependencies allow."""
+
+    def run(self, calls: Iterable[Call], on_done: Callable[[str, Any], None]) -> None:
+        """Run all `calls` (each listed after those it waits for), pass each name and result to `on_done`, and raise the
+        first error.
+
+        Calls are drawn as there is room for them: of any number, only as many are held as fit into a window.
+        """
+
+    def has_gpu(self) -> bool:
+        """Return whether calls that run a network run it on a GPU; raise InputError if a GPU was requested and there is
+        none."""
+
+    def num_workers(self) -> int:
+        """Return how many calls run at the same time."""
+
+
 class SynchronousRunner:
-    """One call after the other in this process."""
+    """A runner of one call after the other in this process."""
 
     def run(self, calls: Iterable[Call], on_done: Callable[[str, Any], None]) -> None:
         """See `Runner.run`."""
@@ -37,13 +54,13 @@ class SynchronousRunner:
 
         remaining = iter(calls)
         with Callback(posttask=posttask):
-            while some := list(islice(remaining, CALLS_AT_ONCE)):
-                names = {call.name for call in some}
+            while calls := list(islice(remaining, CALLS_AT_ONCE)):
+                names = {call.name for call in calls}
                 graph = {
                     call.name: Task(
                         call.name, _run_after, call, *(TaskRef(name) for name in call.after if name in names)
                     )
-                    for call in some
+                    for call in calls
                 }
                 dask.get(graph, list(graph))
 
@@ -61,32 +78,30 @@ def _run_after(call: Call, *_done: object) -> Any:
 
 
 class DistributedRunner:
-    """On the workers of a Dask cluster; only references and reports travel through its scheduler."""
+    """A runner on the workers of a Dask cluster; only references and reports pass through its scheduler."""
 
     def __init__(self, cluster: Cluster):
         self._cluster = cluster
 
     def run(self, calls: Iterable[Call], on_done: Callable[[str, Any], None]) -> None:
         """See `Runner.run`."""
-        # To draw calls may ask the cluster, too.
+        remaining = iter(calls)
+        # Drawing a call may query the cluster too.
         with as_cluster_errors(self._cluster):
-            self._run(iter(calls), on_done)
-
-    def _run(self, remaining: Iterator[Call], on_done: Callable[[str, Any], None]) -> None:
-        waiting = list(islice(remaining, MIN_IN_FLIGHT))
-        if not waiting:
-            return
-        with closing(Flight(self._cluster.client(), self._cluster.setup)) as flight:
-            while waiting or flight:
-                if waiting:
-                    needs_gpus = any(call.needs_gpu for call in waiting) and self._cluster.claim_gpus()
-                    waiting = flight.submit(waiting, {GPU: 1} if needs_gpus else None)
-                    window = max(MIN_IN_FLIGHT, CALLS_PER_THREAD * self._cluster.admit_workers())
-                for name, result in flight.collect():
-                    on_done(name, result)
-                # Half a window at a time: each message to the scheduler costs some milliseconds.
-                if not waiting and len(flight) <= window // 2:
-                    waiting = list(islice(remaining, window - len(flight)))
+            waiting = list(islice(remaining, MIN_WINDOW))
+            if not waiting:
+                return
+            with closing(SubmissionWindow(self._cluster.client(), self._cluster.setup)) as window:
+                while waiting or window:
+                    if waiting:
+                        needs_gpus = any(call.needs_gpu for call in waiting) and self._cluster.claim_gpus()
+                        waiting = window.submit(waiting, {GPU: 1} if needs_gpus else None)
+                        size = max(MIN_WINDOW, CALLS_PER_THREAD * self._cluster.admit_workers())
+                    for name, result in window.collect():
+                        on_done(name, result)
+                    # Half a window at a time: each message to the scheduler costs some milliseconds.
+                    if not waiting and len(window) <= size // 2:
+                        waiting = list(islice(remaining, size - len(window)))
 
     def has_gpu(self) -> bool:
         """See `Runner.has_gpu`."""
@@ -107,18 +122,18 @@ def open_runner(
     threads: int = 1,
     tls: TlsFiles | None = None,
 ) -> Iterator[Runner]:
-    """A runner for the block: synchronous for 0 workers, else local worker processes or the cluster at `scheduler`.
+    """Open a runner for the block: synchronous for 0 workers, else local processes or the cluster at `scheduler`.
 
     Parameters
     ----------
     workers : int
-        They start with the first call: a run that finds everything in the store starts none.
+        They start with the first call: a run that finds everything in the store starts no worker.
     scheduler : str, optional
         Address of an existing cluster, or its scheduler file.
     device : str
         Where networks run, see `parse_device`. Each CUDA device goes to one local worker. In an existing cluster calls
-        that run a network go to workers that declare the resource ``GPU``; for ``auto`` to any on its CPU where none
-        does.
+        that run a network go to workers that declare the resource ``GPU``; if none does, ``auto`` lets any worker run
+        them on its CPU.
     threads : int
         CPU threads of each process.
     tls : TlsFiles, optional
@@ -127,8 +142,8 @@ def open_runner(
     Raises
     ------
     InputError
-        There is no such scheduler or device, or the numbers make no sense; or a process of the cluster has other code
-        than this one, or lacks a package.
+        There is no such scheduler or device, or a number is out of range; or a process of the cluster has other code
+        than this one, or misses a package.
     """
     if scheduler is not None and workers:
         raise InputError("--workers and --scheduler exclude each other", got=f"{workers} and {scheduler}")
@@ -142,7 +157,7 @@ def open_runner(
     keep_freed_memory()
     if scheduler is not None:
         read_device(device)
-        with closing(ForeignCluster(scheduler, tls, threads, device)) as cluster:
+        with closing(ExistingCluster(scheduler, tls, threads, device)) as cluster:
             yield DistributedRunner(cluster)
     elif workers == 0:
         set_device(device)

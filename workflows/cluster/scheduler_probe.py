@@ -1,6 +1,6 @@
-"""Knocking at the door of a Dask scheduler, to say at once why it does not open.
+"""A probe of a Dask scheduler, which reports at once why it cannot be reached.
 
-Dask itself tries again until its time is up, whatever the reason, and waits without end for a greeting.
+Dask itself retries until its time is up, whatever the reason, and waits without limit for a greeting.
 """
 
 import socket
@@ -9,51 +9,52 @@ import ssl
 from moseg.schemas.errors import InputError
 
 REACH_SEC = 5.0
-"""For how long a host may take to accept a connection."""
+"""Longest time that a host may take to accept a connection."""
 GREETING_SEC = 10.0
-"""For how long a scheduler that has accepted one may be busy before it greets."""
+"""Longest time between the connection and the scheduler's greeting."""
 SIZE_BYTES = 8
 MAX_GREETING_BYTES = 2**20
 
 
-def knock(host: str, port: int, context: ssl.SSLContext | None, where: str) -> None:
-    """Connect and wait to be greeted: a Dask scheduler greets whoever connects, with TLS under a `context`.
+def probe_scheduler(host: str, port: int, context: ssl.SSLContext | None, where: str) -> None:
+    """Probe a scheduler and report why it cannot be reached: Dask greets every client, with TLS under a `context`.
 
     Raises
     ------
     InputError
-        Nobody listens, the two sides do not both speak TLS or do not trust each other, or no greeting comes.
+        Nothing listens there, one side uses TLS and the other does not, the certificates are not trusted, or no
+        greeting comes.
     """
     try:
-        if _greets(host, port, context):
+        if _sends_greeting(host, port, context):
             return
-        got, expected = "no greeting as Dask gives it", "a Dask scheduler's port, often 8786"
+        got, expected = "no greeting as Dask sends it", "a Dask scheduler's port, often 8786"
     except ssl.SSLError as error:
-        # What is no record of TLS is a greeting in clear.
+        # An answer that is no TLS record is a greeting without TLS.
         if error.reason in ("WRONG_VERSION_NUMBER", "RECORD_LAYER_FAILURE", "UNEXPECTED_RECORD"):
-            got, expected = "a port that does not speak TLS", "tcp:// in place of tls://"
+            got, expected = "a port without TLS", "tcp:// in place of tls://"
         else:
             got, expected = error, "a CA and a certificate that both sides trust"
         raise InputError("no TLS with the scheduler", where=where, got=got, expected=expected) from error
     except OSError as error:
         got, expected = error, "a running scheduler: dask scheduler --port 8786"
         raise InputError("no Dask scheduler answers", where=where, got=got, expected=expected) from error
-    if context is None and _speaks_tls(host, port):
-        got, expected = "a port that speaks TLS", "tls:// in place of tcp://, with --tls-ca, --tls-cert and --tls-key"
+    if context is None and _uses_tls(host, port):
+        got, expected = "a port with TLS", "tls:// in place of tcp://, with --tls-ca, --tls-cert and --tls-key"
     raise InputError("no Dask scheduler answers", where=where, got=got, expected=expected)
 
 
-def _greets(host: str, port: int, context: ssl.SSLContext | None) -> bool:
+def _sends_greeting(host: str, port: int, context: ssl.SSLContext | None) -> bool:
     with socket.create_connection((host, port), timeout=REACH_SEC) as plain:
         if context is None:
-            # A TLS server waits for us to begin, and nothing is lost by asking it soon.
-            return _is_greeted(plain, 1.0) or (not _speaks_tls(host, port) and _is_greeted(plain, GREETING_SEC))
+            # A TLS server waits for the client to begin, so that it can be probed early.
+            return _has_greeting(plain, 1.0) or (not _uses_tls(host, port) and _has_greeting(plain, GREETING_SEC))
         with context.wrap_socket(plain) as encrypted:
-            return _is_greeted(encrypted, GREETING_SEC)
+            return _has_greeting(encrypted, GREETING_SEC)
 
 
-def _is_greeted(connection: socket.socket, seconds: float) -> bool:
-    """Whether a message of Dask's begins: with its size, which of a greeting is small, and of any text is not."""
+def _has_greeting(connection: socket.socket, seconds: float) -> bool:
+    """Return whether a message of Dask's arrives: it begins with its size, which is small, unlike any text."""
     connection.settimeout(seconds)
     try:
         start = connection.recv(SIZE_BYTES)
@@ -62,8 +63,8 @@ def _is_greeted(connection: socket.socket, seconds: float) -> bool:
     return len(start) == SIZE_BYTES and int.from_bytes(start, "little") < MAX_GREETING_BYTES
 
 
-def _speaks_tls(host: str, port: int) -> bool:
-    # Nothing is sent and nobody trusted: that there is a handshake at all is the answer.
+def _uses_tls(host: str, port: int) -> bool:
+    # No data are sent and no certificate is needed: that a handshake takes place is the answer.
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.check_hostname = False
     context.verify_mode = ssl.CERT_NONE

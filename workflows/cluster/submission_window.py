@@ -1,45 +1,57 @@
-"""Calls under way on a Dask cluster: a sliding window over any number of them."""
+"""Calls, and a sliding window over those that a Dask cluster runs."""
 
 import uuid
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from dask.highlevelgraph import HighLevelGraph, MaterializedLayer
 from dask.task_spec import Task, TaskRef
 from distributed import Client, Future, as_completed
 from distributed.client import ClosedClientError
 
-from moseg.workflows.cluster.calls import Call
 from moseg.workflows.cluster.remote_calls import Setup, run_call
 
 CALLS_PER_THREAD = 64
-"""Calls in flight for each thread of the cluster: with a few brief ones among them still seconds of work."""
-MIN_IN_FLIGHT = 512
-"""Calls in flight at least: the calls that wait for one long call, one for each section of a long video, must not fill
-the window while there is other work. Client and scheduler hold some 20 kB for each."""
-
+"""Calls in the window for each thread of the cluster: seconds of work even with a few cheap calls among them."""
+MIN_WINDOW = 512
+"""Smallest number of calls in the window: the calls that wait for one long call, one for each section of a long video,
+must not fill the window while there is other work. Client and scheduler hold some 20 kB for each."""
 MAX_CHAIN = 64
-"""Calls in flight that wait for each other one after the other: the scheduler keeps what is done as long as anything
-waits, over however many steps, for it."""
+"""Longest chain of calls in the window that wait for each other: the scheduler keeps a finished call as long as any
+other call waits for it, directly or not."""
 
 
-class Flight:
+class Call(NamedTuple):
+    """A function, its arguments, and the names of the calls that must be done before it.
+
+    Names begin with the stage and a hyphen. A call that runs a network has `needs_gpu`: on a GPU, no other such call
+    runs at the same time.
+    """
+
+    name: str
+    function: Callable[..., Any]
+    arguments: tuple
+    after: tuple[str, ...] = ()
+    needs_gpu: bool = False
+
+
+class SubmissionWindow:
     """Calls that were submitted and whose results were not yet collected.
 
-    Tasks are forgotten by the scheduler as soon as their results are collected and nothing in flight waits for them, so
-    its memory and the client's do not grow with the number of calls.
+    The scheduler forgets a call as soon as its result is collected and no call in the window waits for it, so its
+    memory and the client's do not grow with the number of calls.
     """
 
     def __init__(self, client: Client, setup: Setup):
         self._client = client
         self._setup = setup
-        # The scheduler would take a call of the same name, of another or an earlier run, for this one. Its task group
-        # is the name up to the first hyphen, the stage, so that groups stay few.
+        # The scheduler would confuse calls of the same name of two runs. A task group is the name up to the first
+        # hyphen, the stage, so that there are few groups.
         self._suffix = f"-{uuid.uuid4().hex}"
         self._futures: dict[str, Future] = {}
-        # While a call is in flight the scheduler must not forget what it waits for.
+        # While a call is in the window the scheduler must not forget the calls that it waits for.
         self._awaited: dict[str, list[Future]] = {}
         self._depths: dict[str, int] = {}
         self._completed = as_completed(loop=client.loop)
@@ -48,17 +60,17 @@ class Flight:
         return len(self._futures)
 
     def submit(self, calls: Sequence[Call], for_network: Mapping[str, int] | None = None) -> Sequence[Call]:
-        """Send off calls, each after those it waits for; those that run a network take the resources `for_network`.
+        """Submit calls, each after those it waits for; those that run a network take the resources `for_network`.
 
         Returns
         -------
         sequence of Call
-            The rest, from the first one on that would make too long a chain: to be given again when more is collected.
+            The rest, from the first call on that would make too long a chain: submit it again when more is collected.
         """
         layers: tuple[dict[str, Task], ...] = ({}, {})
         rest: Sequence[Call] = ()
         for number, call in enumerate(calls):
-            # What was collected is done.
+            # Collected calls are done.
             waits = [name for name in call.after if name in self._depths]
             depth = 1 + max((self._depths[name] for name in waits), default=0)
             if depth > MAX_CHAIN:
@@ -81,14 +93,14 @@ class Flight:
             {"calls": set(), "networks": set()},
         )
         keys = [call.name + self._suffix for call in calls]
-        # What was sent off before goes first, however soon after it this comes.
+        # Calls that were submitted before go first, however soon after them this comes.
         futures = self._client.get(graph, keys, sync=False, fifo_timeout=0)
         self._futures |= zip((call.name for call in calls), futures, strict=True)
         self._completed.update(futures)
         return rest
 
     def collect(self) -> Iterator[tuple[str, Any]]:
-        """Names and results of calls that are done, at least of one; raises the first error among them after these."""
+        """Yield names and results of finished calls, at least of one; raise the first error among them after these."""
         batch = self._completed.next_batch()
         failed = [future for future in batch if future.status in ("error", "cancelled")]
         done = [future for future in batch if future not in failed]
@@ -100,7 +112,7 @@ class Flight:
             raise CallError(self._name(future), future.exception())
 
     def _gather(self, done: Sequence[Future]) -> Sequence[Any]:
-        """Results; one whose worker has died since is computed again, which may fail."""
+        """Return results; one whose worker has died since is computed again, which may fail."""
         try:
             return self._client.gather(done)
         except Exception:
@@ -113,9 +125,9 @@ class Flight:
         return future.key.removesuffix(self._suffix)
 
     def close(self) -> None:
-        """Have the scheduler forget what is in flight."""
+        """Have the scheduler forget the calls in the window."""
         if self._futures:
-            # Dask closes the client when the scheduler is gone, and with it whatever it would have to forget.
+            # Dask closes the client when the scheduler is gone; then there is nothing to forget.
             with suppress(ClosedClientError):
                 self._client.cancel(list(self._futures.values()))
         self._futures.clear()
@@ -124,7 +136,7 @@ class Flight:
 
 
 class CallError(Exception):
-    """The call `name` failed for the `reason` that its process or the cluster gives."""
+    """A failure of the call `name`, for the `reason` that its process or the cluster gives."""
 
     def __init__(self, name: str, reason: BaseException):
         super().__init__(name, reason)

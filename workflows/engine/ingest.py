@@ -1,7 +1,7 @@
-"""Ingest: files become leaves of the graph, named by the digest of what they decode to.
+"""Ingest: files become leaves of the graph, named by the digest of their decoded content.
 
-Decoding is skipped where the same file bytes were decoded before: an `ingest` artifact, keyed by the files'
-fingerprint, remembers the leaves they gave. Modification times are never asked.
+Decoding is skipped if the same file bytes were decoded before: an `ingest` artifact, keyed by the files' fingerprint,
+remembers their leaves. Modification times are never used.
 """
 
 import time
@@ -14,19 +14,19 @@ import numpy as np
 from moseg.schemas.digests import digest_json, hash_array
 from moseg.schemas.errors import MissingArtifactError
 from moseg.schemas.recipes import Recipe, leaf_recipe
-from moseg.store import ArtifactStore, map_reads, open_store
+from moseg.store import ArtifactStore, map_reads
 from moseg.workflows.stages.registry import axes_of
 
 INGEST_VERSION = 1
 
 LeafWriter = Callable[[dict[str, np.ndarray], dict], str]
-"""Takes a leaf's arrays and attributes and returns its reference."""
+"""A function that takes a leaf's arrays and attributes and returns its reference."""
 
 
 class IngestJob(NamedTuple):
     """One source to decode into leaves of one kind (the leaf's task name).
 
-    Jobs of one `batch` run after each other in one process, because they share the work of decoding.
+    Jobs of one `batch` run one after the other in one process, because they share the work of decoding.
     """
 
     kind: str
@@ -35,27 +35,18 @@ class IngestJob(NamedTuple):
 
     @property
     def recipe(self) -> Recipe:
-        """The recipe under which the outcome is remembered."""
+        """Recipe under which the outcome is remembered."""
         params = {"kind": self.kind, "fingerprint": self.source.fingerprint()}
         return Recipe(task="ingest", version=INGEST_VERSION, params=params)
 
 
-def open_existing(store_url: str) -> ArtifactStore:
-    """The store that the client works on; raises InputError where this process does not see it.
-
-    Never made here: on a machine that does not share the folder it would take results that nobody finds.
-    """
-    return open_store(store_url, create=False)
-
-
-def run_ingest(store_url: str, batch: Sequence[tuple[IngestJob, Recipe]]) -> dict[str, dict]:
-    """Decode the sources of a batch, store their leaves and remember them; returns that memory by reference."""
-    store = open_existing(store_url)
+def run_ingest(store: ArtifactStore, batch: Sequence[tuple[IngestJob, Recipe]]) -> dict[str, dict]:
+    """Decode the sources of a batch, store and remember their leaves, and return that memory by reference."""
     remembered = {}
     for job, recipe in batch:
         started = time.perf_counter()
         attributes = _LEAVES[job.kind](partial(_put_leaf, store, job.kind), job.source)
-        # Another process may just have remembered the same, and a third be reading it.
+        # Another process may have remembered the same by now, and a third may be reading it.
         if _recall(store, recipe.ref) != attributes:
             store.remove(recipe.ref)
             store.put(recipe, {}, attributes, seconds=time.perf_counter() - started)
@@ -64,17 +55,17 @@ def run_ingest(store_url: str, batch: Sequence[tuple[IngestJob, Recipe]]) -> dic
 
 
 def preview_ingest(job: IngestJob) -> dict:
-    """What `run_ingest` would return, with nothing stored."""
+    """Return what `run_ingest` would return, and store nothing."""
     return _LEAVES[job.kind](partial(_name_leaf, job.kind), job.source)
 
 
 def recall_ingests(
     store: ArtifactStore, recipes: Sequence[Recipe], read: Callable[[ArtifactStore, str], dict | None] | None = None
 ) -> dict[str, dict | None]:
-    """What earlier ingests of the same bytes gave, by reference; None where there was none, or a leaf has gone since.
+    """Return the outcome of earlier ingests of the same bytes, by reference; None if there was none or a leaf is gone.
 
-    `read` gives the memory under a reference, or None where there is none to be trusted; by default a damaged one is
-    raised as CorruptArtifactError.
+    `read` returns the memory under a reference, or None if there is none or it is damaged; by default a damaged one
+    raises CorruptArtifactError.
     """
     refs = sorted(store.present(recipe.ref for recipe in recipes))
     memories = dict(zip(refs, map_reads(store, partial(read or _recall, store), refs), strict=True))
@@ -85,7 +76,7 @@ def recall_ingests(
 
 
 def _recall(store: ArtifactStore, ref: str) -> dict | None:
-    """What is remembered under a reference; None where nothing is, or is no longer."""
+    """Return the memory under a reference, or None if there is none any more."""
     try:
         return store.attributes(ref)
     except MissingArtifactError:
@@ -93,7 +84,7 @@ def _recall(store: ArtifactStore, ref: str) -> dict | None:
 
 
 def _per_item(name: str) -> Callable[[LeafWriter, Any], dict]:
-    """One leaf for each array that the source reads."""
+    """Return a function that stores one leaf for each array of the source."""
 
     def ingest(leaf: LeafWriter, source) -> dict:
         leaves, shape = [], None
@@ -106,7 +97,7 @@ def _per_item(name: str) -> Callable[[LeafWriter, Any], dict]:
 
 
 def _masks(leaf: LeafWriter, source) -> dict:
-    """One leaf for all masks of a sequence, with the frames they belong to."""
+    """Store one leaf for all masks of a sequence, with the indices of their frames."""
     indices, masks = [], []
     for index, mask in source.read():
         indices.append(int(index))
@@ -123,7 +114,7 @@ def _tracks(leaf: LeafWriter, source) -> dict:
 
 
 def _labelled_points(leaf: LeafWriter, source) -> dict:
-    """One leaf for the labelled points of a sequence, with the size of the frames they were labelled in."""
+    """Store one leaf for the labelled points of a sequence, with the size of the labelled frames."""
     found = source.read()
     labels = sorted({int(label) for label in found.labels} - {0})
     return {"leaves": [leaf(found._asdict(), {"size": list(source.size)})], "labels": labels}

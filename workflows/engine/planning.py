@@ -1,4 +1,4 @@
-"""A plan: which of a graph's nodes must be computed, and which stored artifacts they build on."""
+"""Plans: which of a graph's nodes must be computed, and which stored artifacts they build on."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,25 +16,25 @@ class Plan(NamedTuple):
     compute : dict of reference to recipe
         Misses, in an order in which each follows its inputs.
     reuse : tuple of references
-        Stored artifacts that a sink or a miss reads; what lies below them is not looked at.
+        Stored artifacts that a sink or a miss reads; their own inputs are not looked up.
     """
 
     compute: dict[str, Recipe]
     reuse: tuple[str, ...]
 
     def touched(self) -> set[str]:
-        """Every artifact that carrying the plan out reads or writes."""
+        """Return every artifact that the execution of the plan reads or writes."""
         inputs = (parent for recipe in self.compute.values() for parent in recipe.input_refs())
         return {*self.compute, *self.reuse, *inputs}
 
     def count(self) -> tuple[Counter[str], Counter[str]]:
-        """Artifacts to compute and to reuse, by stage; leaves are not counted."""
+        """Count artifacts to compute and to reuse, by stage; leaves are not counted."""
         computed = Counter(split_ref(ref)[0] for ref in self.compute)
         return computed, Counter(split_ref(ref)[0] for ref in self.reuse)
 
 
 def make_plan(store: ArtifactStore, recipes: Mapping[str, Recipe], sinks: Iterable[str]) -> Plan:
-    """Walk from the sinks towards the leaves and stop wherever an artifact exists.
+    """Walk from the sinks towards the leaves, stop at every stored artifact, and return the plan.
 
     References without a recipe are leaves: ingest has stored them, so they are neither computed nor counted.
     """
@@ -61,8 +61,8 @@ def make_plan(store: ArtifactStore, recipes: Mapping[str, Recipe], sinks: Iterab
 
 
 def _look_up(store: ArtifactStore, recipes: Mapping[str, Recipe], ends: Sequence[str]) -> set[str]:
-    """Those stored of all that a walk from `ends` meets; a step towards the leaves is one question to the store, which
-    may be far away."""
+    """Return the stored ones of all artifacts on a walk from `ends`; a step towards the leaves is one request to the
+    store, which may be remote."""
     stored: set[str] = set()
     met: set[str] = set()
     step = list(ends)

@@ -1,7 +1,7 @@
-"""Waves: runs of sequences that are planned and computed together.
+"""Waves: groups of sequences that are planned and computed together.
 
 A plan holds some kilobytes for every frame pair, in the client and in the pin that protects its artifacts. So a large
-data set is planned a part at a time; what sequences share is found in the store by the next part.
+data set is planned one wave at a time; the next wave finds the artifacts that sequences share in the store.
 """
 
 from collections.abc import Iterator, Sequence
@@ -10,24 +10,24 @@ from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.session import Session
 
 FRAMES = 4096
-"""Frames of a wave at least: beside the minutes that they take, the seconds in which a wave runs out are few."""
+"""Smallest limit of frames a wave: they take minutes, compared with which the seconds at a wave's end are few."""
 FRAMES_PER_WORKER = 1024
-"""Of a large cluster, so that each worker has minutes of work too."""
+"""The limit for a large cluster, so that each worker has minutes of work too."""
 
 
 def in_waves(session: Session, sources: Sequence[SequenceSource]) -> Iterator[list[SequenceSource]]:
-    """The waves of a session, each told of where there are several."""
-    waves = list(cut_waves(sources, session.num_workers()))
+    """Yield the waves of a session, and report each if there are several."""
+    waves = list(cut_waves(sources, session.runner.num_workers()))
     for number, wave in enumerate(waves, start=1):
         if len(waves) > 1:
-            session.tell(f"wave {number} of {len(waves)}: {len(wave)} sequences, {wave[0].name} to {wave[-1].name}")
+            session.report(f"wave {number} of {len(waves)}: {len(wave)} sequences, {wave[0].name} to {wave[-1].name}")
         yield wave
 
 
 def cut_waves(sources: Sequence[SequenceSource], num_workers: int) -> Iterator[list[SequenceSource]]:
-    """Sequences in their order, as many at a time as have no more frames together than a wave, or one that has more."""
+    """Yield sequences in their order: as many at a time as fit into a wave, or one that is longer than a wave."""
     if len(sources) == 1:
-        # Whatever its length; frames of a video are counted by decoding it.
+        # Of any length; to count the frames of a video takes decoding it.
         yield list(sources)
         return
     limit = max(FRAMES, FRAMES_PER_WORKER * num_workers)

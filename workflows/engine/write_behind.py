@@ -1,4 +1,4 @@
-"""Storing a task's output while the next task computes."""
+"""A store that takes a task's output while the next task computes."""
 
 from collections import deque
 from collections.abc import Callable
@@ -16,11 +16,11 @@ from moseg.workflows.stages.registry import axes_of
 from moseg.workflows.stages.task import Output
 
 MAX_WAITING = 2
-"""Outputs that may wait to be stored: as many as keep the thread busy, and few megabytes."""
+"""Outputs that may wait to be stored: enough to keep the thread busy, and few megabytes."""
 
 
 class Put(NamedTuple):
-    """An output on its way to the store, and the seconds that its task took."""
+    """An output that waits to be stored, and the seconds that its task took."""
 
     recipe: Recipe
     output: Output
@@ -29,29 +29,29 @@ class Put(NamedTuple):
 
 
 class WriteBehind(AbstractContextManager):
-    """A store whose puts happen in a thread, while reads of what is not stored yet wait for it.
+    """A store whose puts run in a thread; reads of an artifact that is not stored yet wait for it.
 
-    Digesting, encoding and writing take a seventh of the time that the tasks take, and leave the interpreter to others
-    meanwhile: where a core is free they cost nothing.
+    Digesting, encoding and writing take a seventh of the time of the tasks, and release the interpreter's lock: if a
+    core is free they cost nothing.
 
     Parameters
     ----------
     store : ArtifactStore
-    tell : function of a Put
+    report : function of a Put
         Called, in the caller's thread and in order, for each put that has ended; the last ones when the block ends.
-        Where the put failed its `outcome` raises.
+        The `outcome` of a failed put raises.
     """
 
-    def __init__(self, store: ArtifactStore, tell: Callable[[Put], None]):
+    def __init__(self, store: ArtifactStore, report: Callable[[Put], None]):
         self._store = store
-        self._tell = tell
+        self._report = report
         self._writer = ThreadPoolExecutor(1, thread_name_prefix="moseg-writer")
         self._waiting: deque[Put] = deque()
         self._outcomes: dict[str, Future[PutOutcome]] = {}
 
     def __exit__(self, kind, *exception) -> None:
         self._writer.shutdown(wait=True)
-        # What was computed before a failure is stored, and told of, and the first failure is the news.
+        # Outputs that were computed before a failure are stored and reported, and the first failure is raised.
         failure: StoreError | None = None
         while self._waiting:
             try:
@@ -63,11 +63,11 @@ class WriteBehind(AbstractContextManager):
 
     @property
     def url(self) -> str:
-        """The store's."""
+        """URL of the store."""
         return self._store.url
 
     def put(self, recipe: Recipe, output: Output, seconds: float) -> None:
-        """Have an output stored soon; waits where too many are not stored yet."""
+        """Queue an output for the store; wait if too many are not stored yet."""
         axes = axes_of(recipe.task, output.arrays)
         outcome = self._writer.submit(
             self._store.put, recipe, output.arrays, output.attributes, seconds=seconds, dims=axes
@@ -77,7 +77,7 @@ class WriteBehind(AbstractContextManager):
         self._settle(MAX_WAITING)
 
     def has(self, ref: str) -> bool:
-        """Whether an artifact is stored, or was put here."""
+        """Return whether an artifact is stored, or was put here."""
         return ref in self._outcomes or self._store.has(ref)
 
     def manifest(self, ref: str) -> Manifest:
@@ -101,9 +101,9 @@ class WriteBehind(AbstractContextManager):
             self._outcomes[ref].result()
         return self._store
 
-    def _settle(self, most: int) -> None:
-        """Tell of puts that have ended; wait until no more than `most` have not."""
-        while self._waiting and (len(self._waiting) > most or self._waiting[0].outcome.done()):
+    def _settle(self, max_waiting: int) -> None:
+        """Report puts that have ended; wait until at most `max_waiting` have not."""
+        while self._waiting and (len(self._waiting) > max_waiting or self._waiting[0].outcome.done()):
             put = self._waiting.popleft()
             wait([put.outcome])
-            self._tell(put)
+            self._report(put)

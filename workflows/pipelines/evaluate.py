@@ -79,7 +79,7 @@ def _score(
                 shown[graph] = fps
                 cues.extend(panels.sinks(graph))
             recipes |= graph.recipes
-        session.describe(make_subject(purpose, dataset, config, variants, sequences))
+        session.log.describe(make_subject(purpose, dataset, config, variants, sequences))
         return recipes, (*refs.values(), *cues)
 
     def read():

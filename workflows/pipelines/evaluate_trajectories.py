@@ -60,7 +60,9 @@ def evaluate_trajectories(
                     shown.append(graph)
                     more.extend(panels.sinks(graph))
                 recipes |= graph.recipes
-        session.describe(make_subject(purpose, dataset, config, variants, [(leaves, None) for leaves in clips], seeds))
+        session.log.describe(
+            make_subject(purpose, dataset, config, variants, [(leaves, None) for leaves in clips], seeds)
+        )
         return recipes, (*refs.values(), *more)
 
     def read():

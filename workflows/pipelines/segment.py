@@ -123,7 +123,7 @@ def segment(
             sinks = (*sinks, clustering, *affinities.values(), *chain.from_iterable(residuals.values()))
         if panels is not None:
             sinks = (*sinks, *panels.sinks(graphs[0]))
-        session.describe(make_subject(purpose, None, config, [variant], [(leaves, fps())]))
+        session.log.describe(make_subject(purpose, None, config, [variant], [(leaves, fps())]))
         return graphs[0].recipes, sinks
 
     def read():

@@ -1,1 +1,1 @@
-"""What a process needs whatever it computes: threads, memory, devices, progress, files written atomically."""
+"""Settings and services of any process: threads, memory, devices, interrupts, progress, files written atomically."""

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all."""
+"""Atomic writing: a file is written whole or not at all."""
 
 import os
 import re
@@ -10,7 +10,7 @@ from pathlib import Path
 from moseg.schemas.errors import InputError
 
 _PART = re.compile(r"\.[0-9a-f]{32}\.part")
-"""Names of files half written, as short as they can be: that of the file itself may be as long as the system allows."""
+"""Names of temporary files, as short as possible: that of the file itself may be as long as the system allows."""
 
 
 @contextmanager
@@ -19,7 +19,7 @@ def blame_output(path: Path, *more: type[Exception]) -> Iterator[None]:
     try:
         yield
     except InputError:
-        # Some are OSErrors too; they name what is wrong themselves.
+        # Some are OSErrors too; they already describe the problem.
         raise
     except (OSError, *more) as error:
         raise InputError("cannot write", where=path, got=getattr(error, "strerror", None) or error) from error
@@ -27,10 +27,10 @@ def blame_output(path: Path, *more: type[Exception]) -> Iterator[None]:
 
 @contextmanager
 def atomic_path(path: Path) -> Iterator[Path]:
-    """A path beside `path` to write to; renamed to it where the block ends well, removed where it does not.
+    """Give the block a path beside `path`, renamed to it if the block succeeds and removed if it fails.
 
-    Folders are created. Failures inside the block are left as they are: only the block knows whether they come from
-    writing or from what it writes.
+    Folders are created. Failures inside the block stay as they are: here it is unknown whether they come from writing
+    or from the data.
     """
     path = Path(path)
     with blame_output(path):
@@ -41,7 +41,7 @@ def atomic_path(path: Path) -> Iterator[Path]:
         with blame_output(path):
             os.replace(temporary, path)
     except BaseException:
-        # What went wrong first is what counts.
+        # Keep the original error.
         with suppress(OSError):
             temporary.unlink()
         raise
@@ -49,9 +49,9 @@ def atomic_path(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def sweep_leftovers(folder: Path) -> Iterator[None]:
-    """Remove, where the block ends well, what a killed run left half written in `folder`.
+    """Remove temporary files of killed runs from `folder` if the block succeeds.
 
-    Only what lay there before the block and did not change while it ran: another process may be writing its own.
+    Only those that were there before the block and did not change while it ran: others may belong to a process at work.
     """
     with blame_output(folder):
         before = {path: _state(path) for path in _parts(folder)}
@@ -67,7 +67,7 @@ def _parts(folder: Path) -> list[Path]:
 
 
 def _state(path: Path) -> tuple[int, int] | None:
-    """Size and time of change; None where the file has gone meanwhile."""
+    """Return size and time of change, or None if the file is gone."""
     try:
         status = path.stat()
     except FileNotFoundError:

@@ -1,6 +1,6 @@
-"""The device on which this process runs networks; it is no part of any key.
+"""The device on which this process runs networks; it is not part of any key.
 
-torch is imported only where the answer depends on it, so that runs without networks never wait for it.
+torch is imported only if the answer depends on it, so that runs without networks never wait for it.
 """
 
 import re
@@ -20,7 +20,7 @@ _chosen = "auto"
 
 
 def read_device(text: str) -> str:
-    """The device that `text` names, on whichever machine; raises InputError where it names none."""
+    """Return the device that `text` names, on any machine; raise InputError if it names none."""
     if not re.fullmatch(r"auto|cpu|mps|cuda(:[0-9]+)?", text):
         close = closest(text, ("auto", "cpu", "cuda", "mps"))
         expected = DEVICES if close is None else f"{DEVICES}; did you mean {close!r}?"
@@ -29,7 +29,7 @@ def read_device(text: str) -> str:
 
 
 def parse_device(text: str) -> str:
-    """The device that `text` names; raises InputError where it names none, or one that this machine lacks."""
+    """Return the device that `text` names; raise InputError if it names none, or one that is not here."""
     kind, _, index = read_device(text).partition(":")
     if kind == "cuda":
         count = _num_cuda(_require_torch(text))
@@ -37,34 +37,34 @@ def parse_device(text: str) -> str:
             got = f"{text}, where torch sees {count} CUDA devices"
             raise InputError("no such device", where="--device", got=got, expected="auto or cpu")
     elif kind == "mps" and not _require_torch(text).backends.mps.is_available():
-        raise InputError("no such device", where="--device", got="mps, which torch lacks here", expected="auto or cpu")
+        raise InputError("no such device", where="--device", got="mps, which torch lacks", expected="auto or cpu")
     return text
 
 
 def set_device(text: str) -> None:
-    """Have this process run its networks on the device that `text` names; raises as `parse_device`."""
+    """Have this process run its networks on the device that `text` names; raise as `parse_device`."""
     global _chosen
     _chosen = parse_device(text)
 
 
 def chosen_device() -> str:
-    """What `set_device` was given last."""
+    """Return the last argument of `set_device`."""
     return _chosen
 
 
 def current_device() -> "torch.device":
-    """The device that was set: the first GPU for ``cuda``; for ``auto`` also Apple's GPU or else the CPU."""
+    """Return the device that was set: the first GPU for ``cuda``; for ``auto`` also Apple's GPU or else the CPU."""
     torch = _require_torch(_chosen)
     return torch.device((*list_accelerators(_chosen), "cpu")[0])
 
 
 def list_accelerators(text: str) -> tuple[str, ...]:
-    """Devices that may share the work under ``--device text``: every visible CUDA device, or the one that is named.
+    """Return the devices that share the work under ``--device text``: every visible CUDA device, or the named one.
 
     Returns
     -------
     tuple of str
-        As ``cuda:0``; empty where networks run on the CPU.
+        Such as ``cuda:0``; empty if networks run on the CPU.
     """
     if text == "cpu" or ":" in text or text == "mps":
         return () if text == "cpu" else (text,)
@@ -79,15 +79,15 @@ def list_accelerators(text: str) -> tuple[str, ...]:
 
 @contextmanager
 def network_context(device: "torch.device") -> Iterator[None]:
-    """Inference without gradients; on CUDA in half precision, in which autocast leaves what float16 would spoil."""
+    """Run the block without gradients; on CUDA in half precision, except where autocast keeps float32."""
     import torch
 
     with ExitStack() as stack:
         stack.enter_context(torch.inference_mode())
         if device.type == "cuda":
-            # Kernels that name no device follow the current one.
+            # Kernels without a device use the current one.
             stack.enter_context(torch.cuda.device(device))
-            # What a kernel keeps in single precision is not to be done in TF32, with ten bits.
+            # Operations in single precision must not use TF32, which has ten bits.
             torch.backends.cudnn.allow_tf32 = False
             stack.enter_context(torch.autocast("cuda", dtype=torch.float16))
         yield

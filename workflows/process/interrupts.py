@@ -1,4 +1,4 @@
-"""Ctrl-C while worker processes are started."""
+"""Interrupts (Ctrl-C) while worker processes are started."""
 
 import signal
 import threading
@@ -9,15 +9,15 @@ from multiprocessing import resource_tracker
 
 @contextmanager
 def defer_interrupts() -> Iterator[None]:
-    """Raise an interruption of the block at its end; threads and processes that it starts never see one.
+    """Raise an interrupt of the block at its end; threads and processes that it starts never receive one.
 
-    Ctrl-C reaches the whole process group, and a cluster or a worker that is half started answers it with traces.
-    Elsewhere than in the main thread there is nothing to defer.
+    Ctrl-C reaches the whole process group, and a cluster or a worker that is half started prints traces on it.
+    Outside the main thread there is nothing to defer.
     """
     if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    # It lifts the mask of the thread that starts it.
+    # Its start removes the signal mask of the calling thread.
     resource_tracker.ensure_running()
     interrupted = threading.Event()
     previous = signal.signal(signal.SIGINT, lambda number, frame: interrupted.set())

@@ -1,4 +1,4 @@
-"""Progress of long work on standard error: bars on a terminal, plain lines elsewhere, nothing when quiet."""
+"""Progress of long work on standard error: bars on a terminal, plain lines elsewhere, nothing if quiet."""
 
 import sys
 import threading
@@ -22,13 +22,13 @@ from rich.progress import (
 PLAIN_FIRST_SEC = 2.0
 PLAIN_INTERVAL_SEC = 15.0
 PATIENCE_SEC = 1.0
-"""What is done within this time needs no bar, where little is usual."""
+"""Work that is usually short shows no bar before this time."""
 
 Item = TypeVar("Item")
 
 
 def bars_console() -> Console | None:
-    """The terminal to draw bars on; None where standard error is none, or one that cannot redraw a line."""
+    """Return the terminal to draw bars on, or None if standard error is not one that can redraw a line."""
     if sys.stderr is None or not sys.stderr.isatty():
         return None
     console = Console(stderr=True)
@@ -36,17 +36,17 @@ def bars_console() -> Console | None:
 
 
 class StageProgress(AbstractContextManager):
-    """Counts what is done of each stage.
+    """A count of finished work by stage.
 
     Parameters
     ----------
     totals : mapping of str to int
-        What there is to do, by stage; stages without any are left out.
+        Numbers of items by stage; stages without any are left out.
     quiet : bool
     what : str
-        What is counted.
+        Name of the items.
     patience_sec : float
-        Nothing is shown before.
+        Time before which nothing is shown.
     """
 
     def __init__(
@@ -69,7 +69,7 @@ class StageProgress(AbstractContextManager):
         return self
 
     def advance(self, stage: str, count: int = 1) -> None:
-        """So many more of `stage` are done."""
+        """Count further finished items of `stage`."""
         self._done[stage] += count
         if self._quiet or (not self._is_shown and time.monotonic() - self._started < self._patience_sec):
             return
@@ -83,7 +83,7 @@ class StageProgress(AbstractContextManager):
             self._print()
 
     def each(self, stage: str, items: Iterable[Item]) -> Iterator[Item]:
-        """The items, each counted as done when the next is asked for."""
+        """Yield the items; each counts as finished when the next is drawn."""
         for item in items:
             yield item
             self.advance(stage)
@@ -130,7 +130,7 @@ class StageProgress(AbstractContextManager):
 
 
 class Waiting(AbstractContextManager):
-    """Says what is going on where nobody knows how long it takes, once it takes some time."""
+    """A sign of work of unknown length, shown if it takes some time."""
 
     def __init__(self, what: str, quiet: bool = False):
         self._what = what

@@ -30,12 +30,12 @@ def facts_of_session(session: Session) -> RunFacts:
     words = [os.path.basename(sys.argv[0]), *sys.argv[1:]]
     rows = (
         ("command", as_unicode(shlex.join(words))),
-        ("run", session.run_id if session.has_log() else "computed nothing, so it left no log"),
+        ("run", session.run_id if session.log.is_open else "computed nothing, so it left no log"),
         ("began", _format_time(datetime.now(UTC) - timedelta(seconds=session.seconds))),
         ("took", duration(session.seconds)),
         ("version", f"moseg {version('moseg')}"),
         ("host", this_process()["host"]),
-        ("workers", str(session.num_workers())),
+        ("workers", str(session.runner.num_workers())),
         ("store", session.store.url),
     )
     return RunFacts(rows, tuple(StageRow(name, *use) for name, use in session.stages().items()))

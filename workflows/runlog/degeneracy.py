@@ -1,7 +1,7 @@
-"""Which fits of an artifact the data did not determine: one rule for every stage.
+"""Fits of an artifact that the data did not determine: one rule for every stage.
 
-A stage that fits models says which of them hold in a boolean array ``valid``, and may say why not in an array
-``reason`` of the same shape.
+A stage that fits models marks the determined ones in a boolean array ``valid``, and may give the reason for the others
+in an array ``reason`` of the same shape.
 """
 
 from collections.abc import Mapping
@@ -18,7 +18,7 @@ REASONS: dict[str, type[IntEnum]] = {"fundamental": Degeneracy}
 
 
 def degenerate_event(ref: str, stage: str, arrays: Mapping[str, np.ndarray]) -> DegenerateEvent | None:
-    """The fits that are not valid among an artifact's arrays; None where all are, or where it holds no fits."""
+    """Return an event about the invalid fits in an artifact's arrays, or None if there are none."""
     valid = arrays.get("valid")
     if valid is None or valid.all():
         return None

@@ -1,4 +1,4 @@
-"""Writing a run's events: each process appends lines to the run's log in the store."""
+"""The events of a run: each process appends lines to the run's log in the store."""
 
 import os
 import platform
@@ -14,9 +14,9 @@ from moseg.schemas.events import Event, EventKind, TroubleEvent, WorkEvent, writ
 from moseg.store import ArtifactStore
 
 LOG_SHARE = 0.01
-"""Part of a call's time that may go into its log, beside what is written when it begins and when it ends."""
+"""Part of a call's time that its log may take, in addition to one append when it begins and one when it ends."""
 MAX_APPEND_BYTES = 1 << 22
-"""Of a longer plan the lines are written in several appends, so that they never lie in memory together."""
+"""A longer plan is written in several appends, so that its lines are never in memory together."""
 MAX_MESSAGE = 2000
 """Characters of an error that are kept."""
 
@@ -24,7 +24,7 @@ _WRITTEN = "while computing "
 
 
 def new_run_id() -> str:
-    """A name for a run that no other has; names sort as their runs began, to a fraction of a millisecond."""
+    """Return a unique name for a run; names sort by the start of their runs, to a fraction of a millisecond."""
     now = datetime.now(UTC)
     fraction = now.microsecond * 0x1000 // 1_000_000
     return f"{now:%Y%m%dT%H%M%S}-{fraction:03x}{uuid.uuid4().hex[:5]}"
@@ -33,8 +33,8 @@ def new_run_id() -> str:
 class EventLog(AbstractContextManager):
     """This process's part of a run's log; without a run nothing is written.
 
-    On a disk an append takes some ten microseconds, on an object store some ten milliseconds. Lines that can wait do,
-    until the time since the last append makes that a hundredth; what waits is written when the block ends.
+    On a disk an append takes some ten microseconds, on an object store some ten milliseconds. Lines that can wait do so
+    until the append takes a hundredth of the time since the last one; the others are written when the block ends.
 
     Raises
     ------
@@ -52,7 +52,7 @@ class EventLog(AbstractContextManager):
         if kind is None:
             self.flush()
             return
-        # A full disk that stopped the work stops its log too, and is told once.
+        # A full disk that stopped the work stops its log too, and is reported once.
         with suppress(StoreError):
             self.flush()
 
@@ -68,7 +68,7 @@ class EventLog(AbstractContextManager):
             self.flush()
 
     def flush(self) -> None:
-        """Write what waits."""
+        """Write the lines that wait."""
         waiting, self._waiting = self._waiting, []
         self.write_lines(waiting)
 
@@ -88,27 +88,27 @@ class EventLog(AbstractContextManager):
 
 
 def this_process() -> dict:
-    """Time, host and process, which most lines begin with."""
+    """Return time, host and process, with which most lines begin."""
     return {"time": datetime.now(UTC), "host": _host(), "pid": os.getpid()}
 
 
 def work_event(kind: EventKind, ref: str, seconds: float | None = None) -> WorkEvent:
-    """A step of an artifact's computation that this process takes now."""
+    """Return the event of a step of an artifact's computation in this process, now."""
     return WorkEvent(event=kind, ref=ref, seconds=seconds, **this_process())
 
 
 def failed_event(error: BaseException, ref: str | None = None) -> TroubleEvent:
-    """The failure that an error means, for one artifact or the run."""
+    """Return the event of a failure of one artifact, or of the run."""
     return TroubleEvent(event=EventKind.FAILED, ref=ref, message=describe_error(error), **this_process())
 
 
 def as_unicode(text: str) -> str:
-    """Text of arguments and paths, which may hold bytes of another encoding; these are written as ``\\udcfc``."""
+    """Return text of arguments or paths, in which bytes of another encoding are written as ``\\udcfc``."""
     return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def describe_error(error: BaseException) -> str:
-    """One line about an error; of a fault also its kind, which our own errors say in words."""
+    """Return one line about an error; it begins with the class of an error that is not this program's own."""
     text = as_unicode(" ".join(str(error).split()))
     if not type(error).__module__.startswith("moseg.schemas."):
         text = f"{type(error).__name__}: {text}".removesuffix(": ")
@@ -116,12 +116,12 @@ def describe_error(error: BaseException) -> str:
 
 
 def note_written(error: BaseException, ref: str) -> None:
-    """Add to an error on its way to the client what was computed; this also says that the log has it."""
+    """Add a note to an error that the artifact was being computed; it also marks the error as logged."""
     error.add_note(f"{_WRITTEN}{ref}")
 
 
 def is_written(error: BaseException) -> bool:
-    """Whether the process that met the error has written it to the log."""
+    """Return whether the process in which the error occurred has written it to the log."""
     return any(note.startswith(_WRITTEN) for note in getattr(error, "__notes__", ()))
 
 

@@ -1,4 +1,4 @@
-"""What a run's client writes to the run's log: what it planned and found, and how it ended."""
+"""The client's part of a run's log: what was planned and found, and how the run ended."""
 
 import os
 import shlex
@@ -27,8 +27,8 @@ from moseg.workflows.runlog.events import EventLog, as_unicode, describe_error, 
 class RunLog:
     """The client's part of a run's log.
 
-    It begins when there is something to compute. A run that finds all it asks for leaves none: nothing happened, and
-    its store may be one that can only be read.
+    It begins when there is something to compute. A run that finds everything in the store leaves no log: nothing
+    happened, and its store may be read-only.
     """
 
     def __init__(self, store: ArtifactStore, run_id: str, quiet: bool = False):
@@ -44,11 +44,11 @@ class RunLog:
 
     @property
     def is_open(self) -> bool:
-        """Whether the log was begun and not ended."""
+        """True between the start and the end of the log."""
         return self._is_open
 
     def open(self, num_workers: Callable[[], int]) -> None:
-        """Begin the log; later calls do nothing, nor ask for the number of workers, which a scheduler must tell."""
+        """Begin the log; later calls do nothing. The number of workers may take a request to a scheduler."""
         if self._is_open:
             return
         opened = RunOpened(
@@ -62,45 +62,41 @@ class RunLog:
         )
         self._events.write([opened])
         self._is_open = True
-        self._tell_subjects()
+        self._write_subjects()
 
     def describe(self, subject: SubjectEvent) -> None:
-        """What the run is about: each wave of sequences once, when the log begins or now where it has begun."""
+        """Write the subject of the run, each wave of sequences once: now, or when the log begins."""
         self._subjects.setdefault(tuple(sequence.leaves["name"] for sequence in subject.sequences), subject)
         if self._is_open:
-            self._tell_subjects()
+            self._write_subjects()
 
     def announce(self) -> None:
-        """Say on standard error, once, how to follow the run."""
+        """Print on standard error, once, how to follow the run."""
         if not self._quiet and not self._is_announced:
             command = shlex.join(["moseg", "status", self._run_id, "--store", self._store.url])
             print(f"run {self._run_id} ({command})", file=sys.stderr, flush=True)
         self._is_announced = True
 
-    def plan(self, computed: Collection[str], reused: Collection[str]) -> None:
+    def plan(self, computed: Collection[str], reused: Collection[str] = ()) -> None:
         """Write which artifacts will be computed and which are reused, unless an earlier plan of the run did."""
         self._plan(EventKind.PLANNED, computed)
         self._plan(EventKind.HIT, reused)
 
-    def plan_ingest(self, refs: Collection[str]) -> None:
-        """Sources that are to be decoded."""
-        self._plan(EventKind.PLANNED, refs)
-
     def quarantined(self, error: CorruptArtifactError) -> None:
-        """The artifact that an error names was taken out of service; another plan has it computed anew."""
+        """Write that the artifact named by an error was quarantined; another plan includes it anew."""
         self._written.pop(error.ref, None)
         event = TroubleEvent(event=EventKind.QUARANTINED, ref=error.ref, message=str(error), **this_process())
         self._events.write([event])
 
     @contextmanager
     def watch(self) -> Iterator[None]:
-        """Notice how the block ends."""
+        """Record how the block ends, for `close`."""
         try:
             yield
         except Exception as error:
             self._outcome, self._error = Outcome.FAILED, error
             if self._is_open and not is_written(error):
-                # What stops the work may stop its log: the first error is the one to tell.
+                # Keep the original error if logging also fails.
                 with suppress(StoreError):
                     self._events.write([failed_event(error)])
             raise
@@ -122,9 +118,9 @@ class RunLog:
         with suppress(StoreError):
             self._events.write([closed])
 
-    def _tell_subjects(self) -> None:
+    def _write_subjects(self) -> None:
         new = {names: subject for names, subject in self._subjects.items() if subject is not None}
-        # Of a line that is written only the names are kept: a wave's leaves take a megabyte.
+        # After it is written only its names are kept: a wave's leaves take a megabyte.
         self._subjects.update(dict.fromkeys(new))
         now = this_process()["time"]
         self._events.write_lines(write_event(subject.model_copy(update={"time": now})) for subject in new.values())

@@ -1,4 +1,4 @@
-"""How a run goes, or went, as its log tells it."""
+"""The status of a run, as read from its log."""
 
 import time
 from collections.abc import Collection, Iterable, Iterator
@@ -16,18 +16,18 @@ from moseg.store.owners import is_running
 from moseg.workflows.runlog.status_counts import InFlight, RunCounts, StageStatus, Trouble
 
 LATEST = "latest"
-"""Stands for the run that began last."""
+"""Name for the run that began last."""
 
 
 class RunState(StrEnum):
-    """Where a run is."""
+    """The state of a run."""
 
     RUNNING = "running"
     FINISHED = "finished"
     FAILED = "failed"
     INTERRUPTED = "interrupted"
     DEAD = "dead"
-    """Its process is gone and has not said how it ended."""
+    """Its process is gone, and the log has no line about its end."""
 
 
 class RunStatus(Frozen):
@@ -36,21 +36,21 @@ class RunStatus(Frozen):
     Attributes
     ----------
     is_asked : bool
-        Whether a run that is not closed could be asked: a process of another host counts as running.
+        Whether the process of a run that is not closed could be checked: on another host it counts as running.
     started, ended, last_event, asked : datetime
-        Of the first line, of the last one of a run that ended, of the last one, and of the moment of the question.
+        Times of the first line, of the end of a run that ended, of the last line, and of this status.
     seconds : float
         From the start to the end, or to now.
     rest_seconds : float or None
-        Estimate of what a run at work still needs; None where nothing tells yet.
+        Estimate of the remaining time of a run at work; None as long as there is no basis for one.
     num_done, num_planned : int
         Artifacts to compute that are stored, and all of them.
     stages : tuple of StageStatus
         In the order in which they were planned.
     in_flight : tuple of InFlight
-        What each process was computing last and has not ended.
+        What each process began last and has not ended.
     num_unreadable : int
-        Lines of the log that this version does not read or that were cut short; nothing else counts them.
+        Lines of the log that this version cannot read or that were cut short; no other count includes them.
     """
 
     run_id: str
@@ -81,17 +81,17 @@ class RunStatus(Frozen):
 
 
 def read_status(store: ArtifactStore, run_id: str) -> RunStatus:
-    """The status of a run now; raises StoreError where its log cannot be read."""
+    """Return the status of a run now; raise StoreError if its log cannot be read."""
     return summarise(run_id, _read_lines(store, run_id), datetime.now(UTC))
 
 
 def read_events(store: ArtifactStore, run_id: str) -> Iterator[Event]:
-    """The events of all processes of a run, by time; lines that are none are passed over."""
+    """Return the events of all processes of a run, by time; lines that are none are skipped."""
     return (event for event in _read_lines(store, run_id) if event is not None)
 
 
 def summarise(run_id: str, events: Iterable[Event | None], now: datetime) -> RunStatus:
-    """The status that events, by time, tell at the time `now`; None stands for a line that cannot be read."""
+    """Return the status at the time `now` from events, by time; None stands for a line that cannot be read."""
     counts = RunCounts()
     opened: RunOpened | None = None
     closed: RunClosed | None = None
@@ -109,7 +109,7 @@ def summarise(run_id: str, events: Iterable[Event | None], now: datetime) -> Run
         elif not isinstance(event, SubjectEvent):
             counts.add(event)
     if opened is None:
-        raise StoreError("a log without a beginning", where=f"run {run_id}", expected="a line that says 'opened'")
+        raise StoreError("a log without a beginning", where=f"run {run_id}", expected="a line with the event 'opened'")
     state, is_asked = _state(opened, closed)
     ended = closed.time if closed is not None else last_event if state == RunState.DEAD else None
     seconds = ((ended or now) - opened.time).total_seconds()
@@ -138,7 +138,7 @@ def summarise(run_id: str, events: Iterable[Event | None], now: datetime) -> Run
 
 
 def find_run(store: ArtifactStore, name: str) -> str:
-    """The run of this name, the only one whose name begins so, or the latest.
+    """Return the run of this name, the only one whose name begins so, or the latest.
 
     Raises
     ------
@@ -162,13 +162,13 @@ def find_run(store: ArtifactStore, name: str) -> str:
 
 
 def list_runs(store: ArtifactStore) -> list[str]:
-    """Runs that left a log, the latest first."""
+    """Return the runs that left a log, the latest first."""
     return sorted(store.logs(), reverse=True)
 
 
 def old_logs(store: ArtifactStore, grace_seconds: float) -> list[str]:
-    """Runs whose logs may go: none of their processes wrote within the grace period, none is at work, and no pin keeps
-    their results, of which a report needs the log."""
+    """Return runs whose logs may be removed: none of their processes wrote within the grace period or is at work, and
+    no pin keeps their results, for which a report needs the log."""
     before = time.time() - grace_seconds
     # A run at work has a pin of its own name, but not while it decodes its sources.
     pinned = store.pinned()
@@ -177,11 +177,11 @@ def old_logs(store: ArtifactStore, grace_seconds: float) -> list[str]:
 
 
 def _is_needed(store: ArtifactStore, run_id: str, pinned: Collection[str]) -> bool:
-    """Whether a run's results are kept, or it has not closed and its process is known to run."""
+    """Return whether a run's results are kept, or it has not closed and its process certainly runs."""
     try:
         lines = store.read_log(run_id)
     except StoreError:
-        # Of a log that cannot be read now nobody knows whether it may go.
+        # A log that cannot be read now may be needed.
         return True
     events = [_read_line(line) for line in lines if b'"opened"' in line or b'"closed"' in line]
     closed = [event for event in events if isinstance(event, RunClosed)]
@@ -191,11 +191,11 @@ def _is_needed(store: ArtifactStore, run_id: str, pinned: Collection[str]) -> bo
 
 
 def _read_lines(store: ArtifactStore, run_id: str) -> Iterator[Event | None]:
-    """The events of a run's lines by time, None of a line that is none.
+    """Return the events of a run's lines by time, None for a line that is none.
 
-    Lines are sorted before they are read: of a run of 100,000 artifacts the events would take a gigabyte.
+    Lines are sorted before they are parsed: the events of a run of 100,000 artifacts would take a gigabyte.
     """
-    # Stable: what one process wrote at one time stays in its order.
+    # A stable sort: lines that one process wrote at the same time stay in their order.
     return map(_read_line, sorted(store.read_log(run_id), key=line_time))
 
 

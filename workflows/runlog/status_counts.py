@@ -1,4 +1,4 @@
-"""Counting a run's events: by stage, by artifact and by process."""
+"""Counts of a run's events: by stage, by artifact and by process."""
 
 from collections import Counter
 from datetime import datetime
@@ -16,15 +16,15 @@ class StageStatus(Frozen):
     Attributes
     ----------
     planned, done : int
-        To compute, and of these stored by now, whoever stored them.
+        Artifacts to compute, and those of them that are stored by now, by any process.
     hits : int
-        Stored before, and read or asked for by the run.
+        Artifacts stored before, and read or requested by the run.
     computed, committed, lost_races, failed : int
         Events of each kind.
     degenerate, invalid_fits, fits : int
-        Artifacts with fits that are not valid, their fits of that kind, and all their fits.
+        Artifacts with invalid fits, their invalid fits, and all their fits.
     reasons : dict of str to int
-        Why fits are not valid, as far as the stage says.
+        Why fits are not valid, if the stage gives reasons.
     seconds : float
         Inside the stage's functions.
     """
@@ -45,7 +45,7 @@ class StageStatus(Frozen):
 
 
 class InFlight(Frozen):
-    """What a process began and has not ended: the artifact in hand since when, and how many it takes after that."""
+    """Work of a process: the artifact that it computes, since when, and how many it takes after that."""
 
     host: str
     pid: int
@@ -55,7 +55,7 @@ class InFlight(Frozen):
 
 
 class Trouble(Frozen):
-    """A failure or damage, and the artifact where it is about one."""
+    """A failure or damage, and its artifact if there is one."""
 
     time: datetime
     ref: str | None
@@ -63,7 +63,7 @@ class Trouble(Frozen):
 
 
 class RunCounts:
-    """What the events of a run add up to, taken in the order of their times."""
+    """Counts of the events of a run, which are added in the order of their times."""
 
     def __init__(self):
         self.failures: list[Trouble] = []
@@ -113,19 +113,19 @@ class RunCounts:
                 self._done.discard(event.ref)
 
     def num_planned(self) -> int:
-        """Artifacts to compute."""
+        """Return the number of artifacts to compute."""
         return len(self._planned)
 
     def num_done(self) -> int:
-        """Those of them that are stored."""
-        # Not in the order of the lines: with clocks that differ an artifact seems to be stored before it was planned.
+        """Return how many of them are stored."""
+        # In any order: if clocks differ, an artifact seems to be stored before it was planned.
         return len(self._done & self._planned.keys())
 
     def stages(self) -> tuple[StageStatus, ...]:
-        """Counts by stage: those with something to compute as they were planned, then those that were only read."""
+        """Return counts by stage: first stages with something to compute, as planned, then those only read."""
         planned = Counter(map(_stage, self._planned))
         done = Counter(map(_stage, self._done & self._planned.keys()))
-        # What the run itself computed is no hit, though a later plan of the run finds it stored.
+        # An artifact that the run itself computed is no hit, though a later plan of the run finds it stored.
         hits = Counter(_stage(ref) for ref in sorted(self._hits - self._planned.keys()))
         names = dict.fromkeys([*planned, *hits, *(stage for stage, _ in self._counts)])
         return tuple(
@@ -142,7 +142,7 @@ class RunCounts:
         )
 
     def in_flight(self) -> tuple[InFlight, ...]:
-        """What each process is computing, by host and process."""
+        """Return what each process is computing, by host and process."""
         by_process: dict[tuple[str, int], list[WorkEvent]] = {}
         for event in self._started.values():
             by_process.setdefault((event.host, event.pid), []).append(event)
@@ -154,9 +154,9 @@ class RunCounts:
         return tuple(found)
 
     def rest_seconds(self, now: datetime) -> float | None:
-        """What is left, each artifact at its stage's mean seconds, at the pace at which seconds were done so far.
+        """Estimate the remaining seconds from each stage's mean time and the pace of the workers so far.
 
-        None while the sources are decoded: what follows is planned after that.
+        None while the sources are decoded: the rest is planned after that.
         """
         done = self._seconds.total()
         if self._work_began is None or not done or {_stage(ref) for ref in self._planned} <= {INGEST}:

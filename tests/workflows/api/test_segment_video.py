@@ -15,7 +15,7 @@ from PIL import Image
 from moseg.schemas.errors import InputError, MosegError, StoreError
 from moseg.workflows.api import segment_video
 from moseg.workflows.api.process_settings import kept_process_settings
-from moseg.workflows.process.threads import pin_threads
+from moseg.workflows.process.resources import pin_threads
 
 
 def _masks(folder) -> np.ndarray:
@@ -249,4 +249,4 @@ def test_a_script_without_a_main_guard_is_told_of_it(segmented, tmp_path):
     ran = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert ran.returncode == 1
     assert "a worker ended while it started in workers 1" in ran.stderr
-    assert "what is run must stand below if __name__ == '__main__':" in ran.stderr
+    assert "the code must stand below if __name__ == '__main__':" in ran.stderr

@@ -10,7 +10,7 @@ from moseg.workflows.process.progress import StageProgress, Waiting
 
 @pytest.fixture
 def clock(monkeypatch):
-    """Seconds that tests let pass."""
+    """A clock that tests move."""
     now = [1000.0]
     monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
     return now
@@ -37,7 +37,7 @@ def test_quiet_is_silent(clock, capsys):
     assert capsys.readouterr() == ("", "")
 
 
-def test_what_is_brief_is_not_told_where_that_is_usual(clock, capsys):
+def test_work_that_is_usually_short_shows_no_early_line(clock, capsys):
     with StageProgress({"files": 3}, what="files hashed", patience_sec=1.0) as shown:
         for _ in range(3):
             shown.advance("files")
@@ -62,14 +62,14 @@ def test_an_interruption_prints_no_last_line(clock, capsys):
     assert capsys.readouterr().err == ""
 
 
-def test_waiting_is_told_once_it_takes_time(monkeypatch, capsys):
+def test_waiting_is_shown_after_some_time(monkeypatch, capsys):
     monkeypatch.setattr(progress, "PATIENCE_SEC", 0.01)
-    told, deadline = "", time.monotonic() + 600
+    shown, deadline = "", time.monotonic() + 600
     with Waiting("adding up the store"):
-        while not told and time.monotonic() < deadline:
+        while not shown and time.monotonic() < deadline:
             time.sleep(0.005)
-            told = capsys.readouterr().err
-    assert told + capsys.readouterr().err == "adding up the store …\n"
+            shown = capsys.readouterr().err
+    assert shown + capsys.readouterr().err == "adding up the store …\n"
     monkeypatch.setattr(progress, "PATIENCE_SEC", 600)
     with Waiting("adding up the store"):
         pass

@@ -17,14 +17,14 @@ import time
 from moseg.workflows.engine import execution
 from moseg.workflows.cli import main
 
-compute = execution._run
+compute = execution._execute_batch
 
-def wait(store, recipes):
+def wait(store, recipes, log):
     if recipes[0].task == "affinity":
         time.sleep(600)
-    return compute(store, recipes)
+    return compute(store, recipes, log)
 
-execution._run = wait
+execution._execute_batch = wait
 main()
 """
 HIDE, SHOW = "\x1b[?25l", "\x1b[?25h"

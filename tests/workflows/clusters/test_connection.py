@@ -1,4 +1,4 @@
-"""Any scheduler can be reached, in clear or by TLS; one that cannot is refused at once, in one line."""
+"""Any scheduler can be reached, with or without TLS; one that cannot is refused at once, in one line."""
 
 import json
 import socket
@@ -40,7 +40,7 @@ def _options(files):
 
 @pytest.fixture(scope="module")
 def behind_tls(tls_files, make_cluster, tmp_path_factory):
-    """A scheduler that speaks TLS, and a worker."""
+    """A scheduler with TLS, and a worker."""
     cluster = make_cluster(tmp_path_factory.mktemp("tls-cluster"))
     try:
         cluster.start_scheduler(tls_files)
@@ -57,25 +57,25 @@ def test_a_cluster_behind_tls_gives_the_same_results(behind_tls, tls_files, eval
     assert json.loads((tmp_path / "report.json").read_text())["rows"] == evaluated.report["rows"]
 
 
-def test_certificates_of_dasks_own_configuration_do_as_well(behind_tls, tls_files):
+def test_certificates_of_dasks_own_configuration_are_used(behind_tls, tls_files):
     names = {"ca-file": tls_files.ca, "client.cert": tls_files.cert, "client.key": tls_files.key}
     with dask.config.set({f"distributed.comm.tls.{name}": path for name, path in names.items()}):
         connect(behind_tls.address, TlsFiles()).close()
         connect(str(behind_tls.file), TlsFiles()).close()
 
 
-def test_two_sides_that_do_not_both_speak_tls_or_trust_each_other_are_told_so(behind_tls, cluster, tls_files, make_tls):
-    secret, clear = behind_tls, cluster
+def test_tls_on_one_side_only_or_untrusted_certificates_are_refused(behind_tls, cluster, tls_files, make_tls):
+    with_tls, without_tls = behind_tls, cluster
     stranger = make_tls("stranger")
-    with pytest.raises(InputError, match="got a port that speaks TLS; expected tls://"):
-        connect(secret.address.replace("tls", "tcp"), TlsFiles())
-    with pytest.raises(InputError, match="got a port that does not speak TLS; expected tcp://"):
-        connect(clear.address.replace("tcp", "tls"), tls_files)
+    with pytest.raises(InputError, match="got a port with TLS; expected tls://"):
+        connect(with_tls.address.replace("tls", "tcp"), TlsFiles())
+    with pytest.raises(InputError, match="got a port without TLS; expected tcp://"):
+        connect(without_tls.address.replace("tcp", "tls"), tls_files)
     with pytest.raises(InputError, match=r"no TLS with the scheduler .*certificate verify failed"):
-        connect(secret.address, stranger)
+        connect(with_tls.address, stranger)
     with pytest.raises(InputError, match=r"no TLS with the scheduler .*alert"):
-        connect(secret.address, stranger._replace(ca=tls_files.ca))
-    assert connect(secret.address, tls_files).close() is None
+        connect(with_tls.address, stranger._replace(ca=tls_files.ca))
+    assert connect(with_tls.address, tls_files).close() is None
 
 
 def test_tls_without_usable_files_is_refused(tls_files, tmp_path, monkeypatch):
@@ -103,21 +103,21 @@ def test_a_command_with_certificates_and_no_tls_is_bad_use(moseg, in_empty_folde
 
 
 @pytest.mark.parametrize("address", ["127.0.0.1:port", "nowhere://127.0.0.1:8786", "tcp://", "no.json"])
-def test_what_is_no_address_is_refused(address, tmp_path, monkeypatch):
+def test_a_wrong_address_is_refused(address, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match="--scheduler"):
         connect(address, TlsFiles())
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[]", "null", '{"address": 3}'])
-def test_a_file_that_is_no_scheduler_file_is_refused(text, tmp_path):
+def test_a_wrong_scheduler_file_is_refused(text, tmp_path):
     path = tmp_path / "scheduler.json"
     path.write_text(text)
     with pytest.raises(InputError, match="--scheduler"):
         connect(str(path), TlsFiles())
 
 
-def test_a_port_where_nobody_listens_or_somebody_else_is_refused(monkeypatch):
+def test_a_port_without_a_dask_scheduler_is_refused(monkeypatch):
     monkeypatch.setattr("moseg.workflows.cluster.scheduler_probe.GREETING_SEC", 0.1)
     with socket.create_server(("127.0.0.1", 0)) as server:
         free = server.getsockname()[1]
@@ -135,7 +135,7 @@ def test_a_port_where_nobody_listens_or_somebody_else_is_refused(monkeypatch):
         connect(f"tcp://{other}", TlsFiles())
 
 
-def test_a_cluster_without_workers_is_waited_for(cluster, capsys):
+def test_a_run_waits_for_the_first_worker_of_a_cluster(cluster, capsys):
     found = {}
     with open_runner(scheduler=cluster.address) as runner:
         assert "has no workers yet" in capsys.readouterr().err

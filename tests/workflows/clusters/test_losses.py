@@ -1,4 +1,4 @@
-"""Workers may die at any time; the run goes on, or ends with one line that says at what they died."""
+"""Workers may die at any time: the run goes on, or ends with one line that names the call at which they died."""
 
 import json
 import os
@@ -15,10 +15,10 @@ from distributed.scheduler import KilledWorker
 
 from moseg.schemas.errors import ClusterError
 from moseg.store import open_store
-from moseg.workflows.cluster.clusters import ForeignCluster
 from moseg.workflows.cluster.connection import TlsFiles
+from moseg.workflows.cluster.existing_cluster import ExistingCluster
 from moseg.workflows.cluster.runners import Call, DistributedRunner, open_runner
-from moseg.workflows.cluster.submission_window import CallError, Flight
+from moseg.workflows.cluster.submission_window import CallError, SubmissionWindow
 
 MOSEG = [sys.executable, "-c", "from moseg.workflows.cli import main; main()"]
 DEADLINE_SEC = 600
@@ -36,14 +36,14 @@ def _contents(folder):
     }
 
 
-@pytest.mark.parametrize("kind", ["own", "foreign"])
+@pytest.mark.parametrize("kind", ["local", "existing"])
 def test_a_run_outlives_a_worker_and_gives_the_same_bytes(kind, cluster, strike_at, evaluated, tmp_path):
     # A worker dies just before the first of its flows is there.
     step = "event == 'os.rename' and '/objects/flow/' in str(arguments[1])"
     env, killed = strike_at(step, "os.kill(os.getpid(), signal.SIGKILL)", in_worker=True)
-    if kind == "foreign":
+    if kind == "existing":
         cluster.add_worker("one", path=killed.parent, has_nanny=True)
-    options = ("--workers", "1") if kind == "own" else ("--scheduler", cluster.address)
+    options = ("--workers", "1") if kind == "local" else ("--scheduler", cluster.address)
     report = tmp_path / "report.json"
     arguments = [*evaluated.arguments, *options, "--store", str(tmp_path / "store"), "--json", str(report)]
     run = subprocess.run(
@@ -114,7 +114,7 @@ class _LostCluster:
         raise ClosedClientError("Client is closed.")
 
 
-def test_whatever_asks_a_lost_cluster_is_told_so():
+def test_every_use_of_a_lost_cluster_raises_cluster_error():
     runner = DistributedRunner(_LostCluster())
 
     def draw():
@@ -131,30 +131,30 @@ def test_whatever_asks_a_lost_cluster_is_told_so():
             ask()
 
 
-def test_a_fault_of_ours_is_not_blamed_on_a_cluster_that_is_there():
+def test_an_own_fault_is_not_reported_as_a_loss_of_a_cluster_that_is_there():
     cluster = _LostCluster()
     cluster.is_lost = lambda: False
     with pytest.raises(AttributeError):
         DistributedRunner(cluster).num_workers()
 
 
-def _flight(**methods):
-    """One call under way at a client with these methods."""
-    flight = Flight(SimpleNamespace(loop=object(), **methods), None)
+def _window(**methods):
+    """Return a window with one submitted call, of a client with these methods."""
+    window = SubmissionWindow(SimpleNamespace(loop=object(), **methods), None)
     killed = KilledWorker("flow-0", "tcp://worker:1", 3)
-    future = SimpleNamespace(key="flow-0" + flight._suffix, status="finished", exception=lambda: killed)
-    flight._futures["flow-0"] = future
-    flight._completed = SimpleNamespace(next_batch=lambda: [future])
-    return flight, future
+    future = SimpleNamespace(key="flow-0" + window._suffix, status="finished", exception=lambda: killed)
+    window._futures["flow-0"] = future
+    window._completed = SimpleNamespace(next_batch=lambda: [future])
+    return window, future
 
 
 def test_a_client_that_is_closed_has_nothing_to_cancel():
     def cancel(futures):
         raise ClosedClientError("Client is closed.")
 
-    flight, _ = _flight(cancel=cancel)
-    flight.close()
-    assert len(flight) == 0
+    window, _ = _window(cancel=cancel)
+    window.close()
+    assert len(window) == 0
 
 
 def test_a_result_that_was_lost_and_fails_when_computed_again_is_the_call_s_failure():
@@ -162,9 +162,9 @@ def test_a_result_that_was_lost_and_fails_when_computed_again_is_the_call_s_fail
         future.status = "error"
         raise future.exception()
 
-    flight, future = _flight(gather=gather)
+    window, future = _window(gather=gather)
     with pytest.raises(CallError) as raised:
-        list(flight.collect())
+        list(window.collect())
     assert (raised.value.name, type(raised.value.reason)) == ("flow-0", KilledWorker)
 
 
@@ -181,7 +181,7 @@ def test_workers_that_end_while_they_start_are_one_line_and_a_fault(evaluated, m
     def start(**options):
         raise RuntimeError("Nanny failed to start.") from OSError("cannot allocate memory")
 
-    monkeypatch.setattr("moseg.workflows.cluster.clusters.LocalCluster", start)
+    monkeypatch.setattr("moseg.workflows.cluster.local_workers.LocalCluster", start)
     ran = moseg(*evaluated.arguments, "--store", tmp_path / "store", "--workers", "2")
     assert ran.code == 1
     (line,) = ran.err.splitlines()
@@ -193,9 +193,9 @@ def test_a_scheduler_that_ends_before_the_first_answer_is_one_line(monkeypatch):
         raise CommClosedError("in <TCP>: Stream is closed")
 
     client = SimpleNamespace(scheduler=SimpleNamespace(address="tcp://host:8786"), close=lambda: None)
-    monkeypatch.setattr("moseg.workflows.cluster.clusters.connect", lambda scheduler, tls: client)
+    monkeypatch.setattr("moseg.workflows.cluster.existing_cluster.connect", lambda scheduler, tls: client)
     monkeypatch.setattr(
-        "moseg.workflows.cluster.clusters.ClusterCheck", lambda client: SimpleNamespace(check_scheduler=ask)
+        "moseg.workflows.cluster.existing_cluster.ClusterCheck", lambda client: SimpleNamespace(check_scheduler=ask)
     )
     with pytest.raises(ClusterError, match=r"the scheduler is gone in --scheduler tcp://host:8786; .*closed"):
-        ForeignCluster("tcp://host:8786", TlsFiles(), threads=1, device="auto")
+        ExistingCluster("tcp://host:8786", TlsFiles(), threads=1, device="auto")

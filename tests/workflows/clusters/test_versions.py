@@ -6,48 +6,44 @@ from pathlib import Path
 import pytest
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.cluster import code_fingerprint as fingerprints
-from moseg.workflows.cluster import runners
+from moseg.workflows.cluster import process_facts, runners
 from moseg.workflows.cluster.check import ClusterCheck
 from moseg.workflows.cluster.runners import Call, open_runner
 
 DEADLINE_SEC = 600
 ROOT = Path(__file__).resolve().parents[3]
-FOLDERS = ("schemas", "store", "moseg_tasks", "workflows")
-"""Of the packages, in the checkout."""
-EDITOR = "docs/editor"
-"""Links to them, by which a copy is imported."""
 NO_SUCH_PACKAGE = """
 import sys
 
-class Lacking:
+class Blocker:
     def find_spec(name, path=None, target=None):
-        if name.partition(".")[0] in LACKING:
+        if name in MISSING:
             raise ModuleNotFoundError(f"No module named {name!r}", name=name)
 
-sys.meta_path.insert(0, Lacking)
+sys.meta_path.insert(0, Blocker)
 """
 
 
 @pytest.fixture
 def other_version(tmp_path) -> Path:
-    """A folder of the same packages with a word more in one of them."""
-    for folder in FOLDERS:
-        shutil.copytree(ROOT / folder, tmp_path / "other" / folder, ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copytree(ROOT / EDITOR, tmp_path / "other" / EDITOR, symlinks=True)
-    path = tmp_path / "other" / "moseg_tasks" / "flow" / "dis.py"
+    """A folder with a copy of the package `moseg` that has one more line."""
+    ignored = shutil.ignore_patterns("__pycache__")
+    package = shutil.copytree(ROOT / "workflows" / "api" / "moseg", tmp_path / "other" / "moseg", ignore=ignored)
+    for room, folder in zip(process_facts.ROOMS, ("schemas", "store", "moseg_tasks", "workflows"), strict=True):
+        shutil.copytree(ROOT / folder, package / room.partition(".")[2], ignore=ignored)
+    path = package / "tasks" / "flow" / "dis.py"
     path.write_text(path.read_text() + "\nWORD = 1\n")
-    return tmp_path / "other" / EDITOR
+    return tmp_path / "other"
 
 
 @pytest.fixture
 def without(tmp_path):
-    """A folder that takes packages away from a Python that has it on its path."""
+    """Returns a folder that hides packages from a Python that has it on its path."""
 
     def make(*packages: str) -> Path:
         folder = tmp_path / "-".join(packages)
         folder.mkdir()
-        (folder / "sitecustomize.py").write_text(f"LACKING = {packages!r}\n{NO_SUCH_PACKAGE}")
+        (folder / "sitecustomize.py").write_text(f"MISSING = {packages!r}\n{NO_SUCH_PACKAGE}")
         return folder
 
     return make
@@ -55,8 +51,8 @@ def without(tmp_path):
 
 @pytest.fixture
 def small_windows(monkeypatch):
-    """New workers are asked whenever calls are sent off: many times in a small window."""
-    monkeypatch.setattr(runners, "MIN_IN_FLIGHT", 8)
+    """Have new workers checked often: they are whenever calls are submitted, which a small window repeats."""
+    monkeypatch.setattr(runners, "MIN_WINDOW", 8)
     monkeypatch.setattr(runners, "CALLS_PER_THREAD", 8)
 
 
@@ -85,7 +81,7 @@ def test_a_worker_of_another_version_is_refused_by_name(with_a_worker, other_ver
     cluster = with_a_worker
     cluster.add_worker("other", path=other_version)
     address = cluster.worker_address("other")
-    own = fingerprints.code_fingerprint()
+    own = process_facts.code_fingerprint()
     expected = f"expected code {own}, as here: install the same moseg there"
     _expect_refusal(moseg, cluster, f"another version of moseg in worker {address}; got code ", expected)
 
@@ -97,23 +93,23 @@ def test_a_scheduler_of_another_version_is_refused(start_cluster, other_version,
 
 @pytest.mark.parametrize(
     ("packages", "what"),
-    [(["moseg"], "no moseg"), (["cv2"], "no package cv2"), (["poselib"], "no package poselib")],
+    [(process_facts.ROOMS, "no moseg"), (["cv2"], "no package cv2"), (["poselib"], "no package poselib")],
 )
-def test_a_worker_that_lacks_a_package_is_refused_by_name(
+def test_a_worker_with_a_missing_package_is_refused_by_name(
     with_a_worker, without, moseg, in_empty_folder, packages, what
 ):
     cluster = with_a_worker
-    cluster.add_worker("lacking", path=without(*packages))
-    _expect_refusal(moseg, cluster, what, f"in worker {cluster.worker_address('lacking')}")
+    cluster.add_worker("incomplete", path=without(*packages))
+    _expect_refusal(moseg, cluster, what, f"in worker {cluster.worker_address('incomplete')}")
 
 
-def test_a_worker_that_lacks_what_networks_need_computes_all_else(cluster, without):
+def test_a_worker_without_the_packages_of_networks_runs_all_other_calls(cluster, without):
     pytest.importorskip("torch")
-    cluster.add_worker("lacking", path=without("torch"))
+    cluster.add_worker("incomplete", path=without("torch"))
     found = {}
     with open_runner(scheduler=cluster.address, device="cpu") as runner:
         runner.run(_slow_calls(1), found.__setitem__)
-        with pytest.raises(InputError, match=f"no package torch in worker {cluster.worker_address('lacking')}"):
+        with pytest.raises(InputError, match=f"no package torch in worker {cluster.worker_address('incomplete')}"):
             runner.run(_slow_calls(1, needs_gpu=True), found.__setitem__)
     assert found == {"slow-0": 0}
 
@@ -140,24 +136,24 @@ def test_a_worker_without_moseg_that_joins_later_leaves_its_calls_to_the_others(
     def join(name, result):
         found[name] = result
         if not late:
-            late.append(cluster.add_worker("late", path=without("moseg")))
+            late.append(cluster.add_worker("late", path=without(*process_facts.ROOMS)))
 
     with open_runner(scheduler=cluster.address) as runner:
         runner.run(_slow_calls(40), join)
     assert len(found) == 40
     late[0].wait(timeout=DEADLINE_SEC)
-    assert "No module named 'moseg'" in cluster.log("late")
+    assert "No module named 'moseg.workflows'" in cluster.log("late")
 
 
 def test_nothing_of_a_run_stays_on_the_cluster(with_a_worker, without):
     with open_runner(scheduler=with_a_worker.address) as runner:
         runner.run(_slow_calls(3), lambda name, result: None)
     # A plugin that was left behind would keep it from joining.
-    with_a_worker.add_worker("strange", path=without("moseg"))
+    with_a_worker.add_worker("strange", path=without(*process_facts.ROOMS))
 
 
 class _Workers:
-    """A cluster whose workers say what they are told to."""
+    """A cluster whose workers give the answers of the test."""
 
     def __init__(self, versions, answers=()):
         self._versions = versions
@@ -171,7 +167,7 @@ class _Workers:
         return said | {address: answer for address, answer in self._answers.items() if address in workers}
 
 
-def test_other_libraries_are_told_once_in_one_line_and_not_refused(capsys):
+def test_other_versions_of_libraries_are_reported_once_in_one_line(capsys):
     other = {"a": {"numpy": "1.0"}, "b": {"numpy": "1.0"}, "c": {}, "d": {"scipy": "2.0", "numpy": "1.0"}}
     check = ClusterCheck(_Workers(other))
     assert check.check_workers("abc") == ["a", "b", "c"]
@@ -185,29 +181,29 @@ def test_other_libraries_are_told_once_in_one_line_and_not_refused(capsys):
     assert capsys.readouterr().err == ""
 
 
-def test_a_late_worker_that_cannot_answer_is_left_out_and_told_once(capsys):
-    missing = ModuleNotFoundError("No module named 'moseg'")
+def test_a_late_worker_that_cannot_answer_is_left_out_and_reported_once(capsys):
+    missing = ModuleNotFoundError("No module named 'moseg.workflows'")
     check = ClusterCheck(_Workers({}, {"b": missing, "c": OSError("gone")}))
     assert check.check_workers("a") == ["a"]
     for new in (["d"], []):
         assert check.check_late_workers("abcd") == new
-        assert check.speechless == {"b"}
+        assert check.unresponsive == {"b"}
     (line,) = capsys.readouterr().err.splitlines()
-    assert "in worker b" in line and "No module named 'moseg'" in line
-    # Once a call has failed for want of a module it is named as the reason.
+    assert "in worker b" in line and "No module named 'moseg.workflows'" in line
+    # After a call has failed for want of a module, the worker is named as the reason.
     check.forget_workers()
     with pytest.raises(InputError, match="no moseg, or another version of it in worker b"):
         check.check_workers("abd")
 
 
 def test_a_late_worker_of_another_version_is_refused():
-    check = ClusterCheck(_Workers({}, {"b": {"fingerprint": "0", "lacks": None, "versions": {}}}))
+    check = ClusterCheck(_Workers({}, {"b": {"fingerprint": "0", "missing": None, "versions": {}}}))
     with pytest.raises(InputError, match="another version of moseg in worker b"):
         check.check_late_workers("ab")
 
 
 def _installed(folder: Path, **files: str) -> Path:
-    for room in fingerprints.ROOMS:
+    for room in process_facts.ROOMS:
         (folder / room).mkdir(parents=True)
         (folder / room / "__init__.py").write_bytes(b"")
     for name, text in files.items():
@@ -216,8 +212,8 @@ def _installed(folder: Path, **files: str) -> Path:
 
 
 def _fingerprint(folder, monkeypatch):
-    monkeypatch.setattr(fingerprints, "_folders", lambda room: [folder / room])
-    return fingerprints.code_fingerprint.__wrapped__()
+    monkeypatch.setattr(process_facts, "_folders", lambda room: [folder / room])
+    return process_facts.code_fingerprint.__wrapped__()
 
 
 def test_the_code_is_its_files_names_and_texts(tmp_path, monkeypatch):
@@ -236,4 +232,4 @@ def test_the_code_is_its_files_names_and_texts(tmp_path, monkeypatch):
 
 
 def test_the_code_of_this_process_is_read_once():
-    assert fingerprints.code_fingerprint() is fingerprints.code_fingerprint()
+    assert process_facts.code_fingerprint() is process_facts.code_fingerprint()

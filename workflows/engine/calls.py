@@ -1,0 +1,95 @@
+"""The calls that compute one phase of a plan: which recipes each of them takes."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+
+from moseg.schemas.digests import canonical_json
+from moseg.schemas.recipes import Recipe
+from moseg.workflows.cluster.runners import Call, Runner
+from moseg.workflows.engine.execution import execute_batches
+from moseg.workflows.engine.phases import network_of
+from moseg.workflows.stages.registry import find_task
+
+GPU_BATCH = 8
+"""Frames that a GPU is given at once unless the user chooses: RAFT then takes some 4 GB at 1024x576."""
+CHEAP_PER_CALL = 24
+"""Flows both ways and saliency of eight frames: a second of work, so that the scheduler's time is negligible."""
+CALLS_PER_WORKER = 8
+"""Calls that each worker should get at least, so that all end at about the same time."""
+
+
+def make_calls(
+    recipes: Mapping[str, Recipe], runner: Runner, store_url: str, run_id: str, batch: int | None = None
+) -> Iterator[Call]:
+    """Yield the calls that compute the recipes of one phase.
+
+    Parameters
+    ----------
+    recipes : mapping of reference to recipe
+        In an order in which each follows its inputs.
+    batch : int, optional
+        Recipes of a network that are computed at once; by default `GPU_BATCH` on a GPU, else 1.
+    """
+    batch_size = batch or 1
+    if batch is None and any(network_of(recipe) is not None for recipe in recipes.values()):
+        batch_size = GPU_BATCH if runner.has_gpu() else 1
+
+    def size(recipe: Recipe) -> int:
+        task = find_task(recipe.task, recipe.params["method"])
+        return 1 if task.run_together is None else batch_size
+
+    def is_cheap(recipe: Recipe) -> bool:
+        return find_task(recipe.task, recipe.params["method"]).is_cheap
+
+    call_of: dict[str, str] = {}
+    # With little to do, no worker should wait for the long call of another.
+    share = sum(map(is_cheap, recipes.values())) // (CALLS_PER_WORKER * runner.num_workers())
+    for batches in batch_cheap(batch_recipes(recipes, size), is_cheap, min(max(share, 1), CHEAP_PER_CALL)):
+        name = batches[0][0].ref.replace("/", "-")
+        computed = [recipe for batch in batches for recipe in batch]
+        parents = dict.fromkeys(
+            call_of[parent] for recipe in computed for parent in recipe.input_refs() if parent in call_of
+        )
+        call_of |= {recipe.ref: name for recipe in computed}
+        arguments = (store_url, tuple(map(tuple, batches)), run_id)
+        yield Call(name, execute_batches, arguments, tuple(parents), network_of(computed[0]) is not None)
+
+
+def batch_recipes(recipes: Mapping[str, Recipe], size: Callable[[Recipe], int]) -> Iterator[list[Recipe]]:
+    """Yield batches of at most `size` recipes that differ in their inputs only.
+
+    A recipe that reads another one's result is alone. Batches follow those that they wait for.
+    """
+    groups: dict[object, list[Recipe]] = {}
+    for ref, recipe in recipes.items():
+        is_alone = size(recipe) == 1 or any(parent in recipes for parent in recipe.input_refs())
+        kind = (recipe.task, recipe.version, canonical_json(recipe.params), recipe.inputs.get("weights"))
+        groups.setdefault(ref if is_alone else kind, []).append(recipe)
+    for group in groups.values():
+        step = size(group[0])
+        for start in range(0, len(group), step):
+            yield group[start : start + step]
+
+
+def batch_cheap(
+    batches: Iterable[list[Recipe]], is_cheap: Callable[[Recipe], bool], max_batches: int
+) -> Iterator[list[list[Recipe]]]:
+    """Yield the batches that one call computes one after the other.
+
+    Up to `max_batches` cheap ones that follow each other share a call, any other batch is alone. If the plan goes from
+    frame to frame, a call so processes neighbouring frames, whose images and flows stay in its process. Calls follow
+    those that they wait for as long as the batches do.
+    """
+    joined: list[list[Recipe]] = []
+    for batch in batches:
+        if not is_cheap(batch[0]):
+            if joined:
+                yield joined
+                joined = []
+            yield [batch]
+            continue
+        joined.append(batch)
+        if len(joined) == max_batches:
+            yield joined
+            joined = []
+    if joined:
+        yield joined

@@ -1,0 +1,62 @@
+"""The pins of a run: a lease on the artifacts that it works on, and its results."""
+
+import math
+import time
+from collections.abc import Iterable, Sequence
+
+from moseg.schemas.digests import digest_json
+from moseg.schemas.errors import StoreError
+from moseg.store import ArtifactStore
+
+LEASE_SECONDS = 7 * 86_400.0
+"""Time for which `gc` spares the artifacts of a run in progress if the run dies without ending its lease."""
+
+
+class RunPins:
+    """The pins by which `gc` spares what a run needs.
+
+    Attributes
+    ----------
+    results : dict of str to None
+        Names of the pins of finished work, in their order.
+    """
+
+    def __init__(self, store: ArtifactStore, run_id: str):
+        self._store = store
+        self._run_id = run_id
+        self._leased: frozenset[str] = frozenset()
+        self._renew_at = math.inf
+        self.results: dict[str, None] = {}
+
+    def lease(self, refs: Iterable[str]) -> None:
+        """Protect these artifacts, in place of those that were leased before."""
+        leased = frozenset(refs)
+        self._store.pin(self._run_id, leased, lease_seconds=LEASE_SECONDS)
+        self._leased = leased
+        self._renew_at = time.monotonic() + LEASE_SECONDS / 2
+
+    def renew(self) -> None:
+        """Renew the lease if half of it is over."""
+        if time.monotonic() > self._renew_at:
+            self.lease(self._leased)
+
+    def end_lease(self) -> None:
+        """End the lease; results stay pinned."""
+        if self._leased:
+            self._store.unpin(self._run_id)
+            self._leased = frozenset()
+
+    def keep(self, refs: Sequence[str], is_new: bool) -> None:
+        """Pin the results of finished work under a name that follows from them.
+
+        If nothing is new the store may be read-only; then nothing is collected from it either, and no pin is needed.
+        """
+        name = digest_json("run", sorted(refs))[:16]
+        if self._store.pin_of(name) is None:
+            try:
+                self._store.pin(name, refs)
+            except StoreError:
+                if is_new:
+                    raise
+                return
+        self.results[name] = None
