@@ -68,63 +68,24 @@ def ransac(
     P. Torr and A. Zisserman, MLESAC, CVIU 2000 (the truncated cost, MSAC);
     O. Chum, J. Matas and J. Kittler, Locally optimized RANSAC, DAGM 2003.
     """
-    matrix, distance = search_model(
-        lambda index: family.solve(points0[index], points1[index]),
-        lambda models: family.distance_squared(models, points0, points1),
-        (len(points0), family.sample_size),
-        threshold=threshold,
-        num_samples=num_samples,
-        num_refits=num_refits,
-        rng=rng,
-    )
-    return RobustFit(matrix, distance < threshold**2)
-
-
-def search_model(
-    fit: Callable[[np.ndarray], np.ndarray],
-    distance_squared: Callable[[np.ndarray], np.ndarray],
-    sizes: tuple[int, int],
-    *,
-    threshold: float,
-    num_samples: int,
-    num_refits: int,
-    rng: np.random.Generator,
-) -> tuple[np.ndarray, np.ndarray]:
-    """The search of `ransac` for models of any kind.
-
-    Parameters
-    ----------
-    fit : function of an index
-        Models of samples, intp (num_samples, sample_size), or the one of the points in a mask, bool (N,).
-    distance_squared : function of models (H, ...)
-        Of every point to each of them, float64 (H, N).
-    sizes : (int, int)
-        N and the size of a sample.
-
-    Returns
-    -------
-    model : of `fit`
-    distance : float64 (N,)
-        Squared distances to it.
-    """
-    num_points, sample_size = sizes
-    models = fit(draw_samples(num_points, sample_size, num_samples, rng))
     limit = threshold**2
-    distances = distance_squared(models)
+    samples = draw_samples(len(points0), family.sample_size, num_samples, rng)
+    models = family.solve(points0[samples], points1[samples])
+    distances = family.distance_squared(models, points0, points1)
     costs = np.minimum(distances, limit).sum(axis=-1)
     best = int(np.argmin(costs))
     model, distance, cost = models[best], distances[best], costs[best]
     for _ in range(num_refits):
         inlier_mask = distance < limit
-        if inlier_mask.sum() < sample_size:
+        if inlier_mask.sum() < family.sample_size:
             break
-        refit = fit(inlier_mask)
-        refit_distance = distance_squared(refit[None])[0]
+        refit = family.solve(points0[inlier_mask], points1[inlier_mask])
+        refit_distance = family.distance_squared(refit[None], points0, points1)[0]
         refit_cost = np.minimum(refit_distance, limit).sum()
         if refit_cost >= cost:
             break
         model, distance, cost = refit, refit_distance, refit_cost
-    return model, distance
+    return RobustFit(model, distance < limit)
 
 
 def draw_samples(num_points: int, sample_size: int, num_samples: int, rng: np.random.Generator) -> np.ndarray:
