@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from moseg.tasks.geometry.ransac import draw_samples
+
 MIN_POINTS = 5
 """Four point pairs meet some affine epipolar geometry exactly."""
 _SAMPLE_SIZE = 4
@@ -37,8 +39,7 @@ def affine_epipolar_distances(
     joint = np.concatenate([points0, points1], axis=1)
     if len(joint) < MIN_POINTS:
         return None
-    picked = np.argpartition(rng.random((num_samples, len(joint))), _SAMPLE_SIZE - 1, axis=1)[:, :_SAMPLE_SIZE]
-    samples = joint[picked]
+    samples = joint[draw_samples(len(joint), _SAMPLE_SIZE, num_samples, rng)]
     centres = samples.mean(axis=1)
     normals = np.linalg.svd(samples - centres[:, None])[2][:, -1]
     distances = np.abs(normals @ joint.T - np.sum(normals * centres, axis=1)[:, None])

@@ -8,13 +8,15 @@ from moseg.tasks.geometry.null_vector import null_vector
 SAMPLE_SIZE = 8
 
 
-def eight_point(points0: np.ndarray, points1: np.ndarray) -> np.ndarray:
-    """Fundamental matrices of rank 2 from eight or more point pairs each.
+def eight_point(points0: np.ndarray, points1: np.ndarray, rank_two: bool = True) -> np.ndarray:
+    """Return the fundamental matrices of eight or more point pairs each.
 
     Parameters
     ----------
     points0, points1 : float64 (..., N, 2)
         Matching points, N >= 8.
+    rank_two : bool
+        Whether the last step is taken, to the nearest matrix of rank 2. Without it, the matrix has any rank.
 
     Returns
     -------
@@ -28,7 +30,9 @@ def eight_point(points0: np.ndarray, points1: np.ndarray) -> np.ndarray:
     normalised0, T0 = hartley_transform(points0)
     normalised1, T1 = hartley_transform(points1)
     F = null_vector(epipolar_equations(normalised0, normalised1)).reshape(*points0.shape[:-2], 3, 3)
-    F = np.swapaxes(T1, -1, -2) @ nearest_rank_two(F) @ T0
+    if rank_two:
+        F = nearest_rank_two(F)
+    F = np.swapaxes(T1, -1, -2) @ F @ T0
     return F / np.linalg.norm(F, axis=(-2, -1), keepdims=True)
 
 

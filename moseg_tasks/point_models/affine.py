@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import DTypeLike
 
-from moseg.tasks.point_models.blocks import combine_products
+from moseg.tasks.point_models.blocks import combine_products, sum_of_squares
 from moseg.tasks.point_models.correspondences import Correspondences, checked, checked_for_fit
 from moseg.tasks.point_models.local_coordinates import local_coordinates
 
@@ -73,7 +73,7 @@ class AffineModel:
         monomials[..., 3:, :] = np.swapaxes(points1 - points0, -1, -2)
         to_pixels = local.scale[..., None, None]
         factors = [(first * to_pixels, monomials), (second * to_pixels, monomials)]
-        return combine_products(factors, _sum_of_squares, 0, dtype)
+        return combine_products(factors, sum_of_squares, 0, dtype)
 
     def degenerate(self, data: Correspondences) -> np.ndarray:
         """Whether the points are fewer than three, coincident or collinear in either frame: bool (...)."""
@@ -85,11 +85,6 @@ class AffineModel:
         # Centring leaves rounding of the size of the coordinates where the points coincide.
         size = np.abs(by_frame).max(axis=(-2, -1)) * data.num_points * np.finfo(np.float64).eps
         return (extents[..., 1] <= np.maximum(self.min_conditioning * extents[..., 0], size)).any(axis=-1)
-
-
-def _sum_of_squares(products: np.ndarray, squared: np.ndarray) -> None:
-    products *= products
-    np.add(products[0], products[1], out=squared)
 
 
 def _through_three_points(points0: np.ndarray, points1: np.ndarray) -> np.ndarray:

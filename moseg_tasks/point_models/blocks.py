@@ -50,3 +50,9 @@ def combine_products(
             np.matmul(coefficients[..., block, :], monomials, out=product)
         combine(products, result[..., block, :])
     return result
+
+
+def sum_of_squares(products: np.ndarray, squared: np.ndarray) -> None:
+    """Fill `squared` with the sum of the squares of two products, for `combine_products`."""
+    products *= products
+    np.add(products[0], products[1], out=squared)

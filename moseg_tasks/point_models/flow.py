@@ -7,7 +7,7 @@ from numpy.typing import DTypeLike
 
 from moseg.tasks.motion_models import FlowModel
 from moseg.tasks.motion_models.monomials import evaluate_monomials
-from moseg.tasks.point_models.blocks import combine_products
+from moseg.tasks.point_models.blocks import combine_products, sum_of_squares
 from moseg.tasks.point_models.correspondences import Correspondences, checked, checked_for_fit
 
 _TINY = np.finfo(np.float64).tiny
@@ -71,7 +71,7 @@ class FlowPointModel:
             minus_one = np.full((*parameters.shape[:-1], 1), -1.0)
             rows = np.concatenate([monomials, displacement[..., component : component + 1, :]], axis=-2)
             factors.append((np.concatenate([parameters @ terms.T, minus_one], axis=-1), rows))
-        return combine_products(factors, _sum_of_squares, 0, dtype)
+        return combine_products(factors, sum_of_squares, 0, dtype)
 
     def degenerate(self, data: Correspondences) -> np.ndarray:
         """Whether the points are too few or leave more than one solution: bool (...).
@@ -99,8 +99,3 @@ class FlowPointModel:
         x, y = np.moveaxis(data.points[..., 0, :] - np.asarray(centre, dtype=np.float64), -1, 0)
         depth = data.inverse_depth if self.needs_depth else np.zeros_like(x)
         return np.swapaxes(evaluate_monomials(x, y, depth), -1, -2)
-
-
-def _sum_of_squares(products: np.ndarray, squared: np.ndarray) -> None:
-    products *= products
-    np.add(products[0], products[1], out=squared)

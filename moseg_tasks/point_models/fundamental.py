@@ -7,7 +7,6 @@ from numpy.typing import DTypeLike
 
 from moseg.tasks.geometry.coordinates import hartley_transform
 from moseg.tasks.geometry.eight_point import SAMPLE_SIZE, eight_point, epipolar_equations
-from moseg.tasks.geometry.null_vector import null_vector
 from moseg.tasks.point_models.blocks import combine_products
 from moseg.tasks.point_models.correspondences import Correspondences, checked, checked_for_fit
 from moseg.tasks.point_models.local_coordinates import local_coordinates
@@ -39,7 +38,7 @@ class FundamentalModel:
         """Float64 (..., 3, 3) by the eight-point algorithm, with or without its last step."""
         data = checked_for_fit(data, self.num_frames, self.needs_depth, self.sample_size)
         points0, points1 = data.points[..., 0, :], data.points[..., 1, :]
-        return eight_point(points0, points1) if self.rank_two else _bilinear(points0, points1)
+        return eight_point(points0, points1, self.rank_two)
 
     def residual(self, parameters: np.ndarray, data: Correspondences, dtype: DTypeLike = np.float64) -> np.ndarray:
         """Squared Sampson distance, px^2 (..., H, N): two matrix products, of the error and of its gradient's square.
@@ -61,15 +60,6 @@ class FundamentalModel:
         normalised = [hartley_transform(data.points[..., frame, :])[0] for frame in (0, 1)]
         singular = np.linalg.svd(epipolar_equations(*normalised), compute_uv=False)
         return singular[..., 7] < self.min_conditioning * singular[..., 0]
-
-
-def _bilinear(points0: np.ndarray, points1: np.ndarray) -> np.ndarray:
-    """Matrices (..., 3, 3) of least algebraic error, of any rank."""
-    normalised0, T0 = hartley_transform(points0)
-    normalised1, T1 = hartley_transform(points1)
-    F = null_vector(epipolar_equations(normalised0, normalised1)).reshape(*points0.shape[:-2], 3, 3)
-    F = np.swapaxes(T1, -1, -2) @ F @ T0
-    return F / np.linalg.norm(F, axis=(-2, -1), keepdims=True)
 
 
 def fundamental_distances(F: np.ndarray, points: np.ndarray, dtype: DTypeLike) -> np.ndarray:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from moseg.tasks.geometry.coordinates import hartley_transform, homogeneous
-from moseg.tasks.point_models.inverse_iteration import least_vector
+from moseg.tasks.geometry.null_vector import iterated_null_vector
 
 SAMPLE_SIZE = 7
 _ALL_ENTRIES = tuple(np.indices((3, 3)).reshape(2, 9))
@@ -36,7 +36,7 @@ def trifocal_tensor(points: np.ndarray) -> np.ndarray:
         hartley_transform(points[..., frame, :]) for frame in range(3)
     )
     x0, lines1, lines2 = homogeneous(normalised0), _axis_lines(normalised1), _axis_lines(normalised2)
-    tensor = least_vector(_equations(x0, lines1, lines2, _ALL_ENTRIES)).reshape(*points.shape[:-3], 3, 3, 3)
+    tensor = iterated_null_vector(_equations(x0, lines1, lines2, _ALL_ENTRIES)).reshape(*points.shape[:-3], 3, 3, 3)
     tensor = _with_epipoles(x0, lines1, lines2, *epipoles(tensor))
     return transform_tensor(tensor, T0, np.linalg.inv(T1), np.linalg.inv(T2))
 
@@ -72,7 +72,7 @@ def _with_epipoles(
     """The tensor (..., 3, 3, 3) of least algebraic error among those with these epipoles."""
     basis1, basis2 = _basis_ending_in(epipole1), _basis_ending_in(epipole2)
     rotated1, rotated2 = lines1 @ basis1[..., None, :, :], lines2 @ basis2[..., None, :, :]
-    entries = least_vector(_equations(x0, rotated1, rotated2, _LAST_ROW_AND_COLUMN))
+    entries = iterated_null_vector(_equations(x0, rotated1, rotated2, _LAST_ROW_AND_COLUMN))
     tensor = np.zeros((*entries.shape[:-1], 3, 3, 3))
     tensor[..., _LAST_ROW_AND_COLUMN[0], _LAST_ROW_AND_COLUMN[1]] = entries.reshape(*entries.shape[:-1], 3, 5)
     return basis1[..., None, :, :] @ tensor @ _transposed(basis2)[..., None, :, :]

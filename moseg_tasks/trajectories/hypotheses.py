@@ -6,6 +6,7 @@ import numpy as np
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import HypothesisParams
+from moseg.tasks.geometry.ransac import draw_samples
 from moseg.tasks.point_models import Correspondences, PointModel
 
 _LARGEST = float(np.finfo(np.float16).max)
@@ -99,7 +100,7 @@ def _frame_sets(num_frames: int, size: int, gaps: tuple[int, ...]) -> list[list[
 def _minimal_samples(num_points: int, size: int, num_samples: int, rng: np.random.Generator) -> np.ndarray:
     """Indices (num_samples, size), different within a sample."""
     if num_points < 2 * size**2:
-        return np.argpartition(rng.random((num_samples, num_points)), size - 1, axis=1)[:, :size]
+        return draw_samples(num_points, size, num_samples, rng)
     # Repetitions are rare among so many: drawing those samples again is faster than permutations.
     samples = rng.integers(num_points, size=(num_samples, size))
     while (repeated := (np.diff(np.sort(samples, axis=1), axis=1) == 0).any(axis=1)).any():
