@@ -7,6 +7,12 @@ from numpy.typing import DTypeLike
 
 from moseg.tasks.geometry.coordinates import hartley_transform
 from moseg.tasks.geometry.eight_point import SAMPLE_SIZE, eight_point, epipolar_equations
+from moseg.tasks.geometry.sampson import (
+    gradient_coefficients,
+    gradient_monomials,
+    quadratic_coefficients,
+    quadratic_monomials,
+)
 from moseg.tasks.point_models.blocks import combine_products
 from moseg.tasks.point_models.correspondences import Correspondences, checked, checked_for_fit
 from moseg.tasks.point_models.local_coordinates import local_coordinates
@@ -50,7 +56,18 @@ class FundamentalModel:
         ----------
         R. Hartley and A. Zisserman, Multiple View Geometry, 2nd edition, eq. 11.9.
         """
-        return fundamental_distances(parameters, checked(data, self.num_frames, self.needs_depth).points, dtype)
+        local = local_coordinates(checked(data, self.num_frames, self.needs_depth).points)
+        to_pixels = local.to_pixels()
+        F = np.swapaxes(to_pixels, -1, -2) @ parameters @ to_pixels
+        F = F / np.linalg.norm(F, axis=(-2, -1), keepdims=True)
+        points0, points1 = local.points[..., 0, :], local.points[..., 1, :]
+        factors = [
+            (_error_coefficients(F), _error_monomials(points0, points1)),
+            (gradient_coefficients(F), gradient_monomials(points0, points1)),
+        ]
+        squared = combine_products(factors, _squared_over_gradient, 0, dtype)
+        squared *= local.squared_scale().astype(dtype)
+        return squared
 
     def degenerate(self, data: Correspondences) -> np.ndarray:
         """Whether the points leave more than one fundamental matrix: bool (...)."""
@@ -60,27 +77,6 @@ class FundamentalModel:
         normalised = [hartley_transform(data.points[..., frame, :])[0] for frame in (0, 1)]
         singular = np.linalg.svd(epipolar_equations(*normalised), compute_uv=False)
         return singular[..., 7] < self.min_conditioning * singular[..., 0]
-
-
-def fundamental_distances(F: np.ndarray, points: np.ndarray, dtype: DTypeLike) -> np.ndarray:
-    """Squared Sampson distances (..., H, N) of points (..., N, 2, 2) to matrices (..., H, 3, 3), their unit squared."""
-    local = local_coordinates(points)
-    to_pixels = local.to_pixels()
-    F = np.swapaxes(to_pixels, -1, -2) @ F @ to_pixels
-    F = F / np.linalg.norm(F, axis=(-2, -1), keepdims=True)
-    points0, points1 = local.points[..., 0, :], local.points[..., 1, :]
-
-    rows, columns = F[..., :2, :], F[..., :2]
-    gradient0 = _quadratic_coefficients(np.swapaxes(rows, -1, -2) @ rows)
-    gradient1 = _quadratic_coefficients(columns @ np.swapaxes(columns, -1, -2))
-    monomials = np.concatenate([_quadratic_monomials(points0), _quadratic_monomials(points1)], axis=-2)
-    factors = [
-        (_error_coefficients(F), _error_monomials(points0, points1)),
-        (np.concatenate([gradient0, gradient1], axis=-1), monomials),
-    ]
-    squared = combine_products(factors, _squared_over_gradient, 0, dtype)
-    squared *= local.squared_scale().astype(dtype)
-    return squared
 
 
 def _squared_over_gradient(products: np.ndarray, squared: np.ndarray) -> None:
@@ -94,7 +90,7 @@ def _squared_over_gradient(products: np.ndarray, squared: np.ndarray) -> None:
 def _error_coefficients(F: np.ndarray) -> np.ndarray:
     """Coefficients (..., 9) of x1' F x0 on `_error_monomials`: the entries of S, then of K."""
     S, K = (F + np.swapaxes(F, -1, -2)) / 2, (F - np.swapaxes(F, -1, -2)) / 2
-    return np.concatenate([_quadratic_coefficients(S), K[..., [0, 0, 1], [1, 2, 2]]], axis=-1)
+    return np.concatenate([quadratic_coefficients(S), K[..., [0, 0, 1], [1, 2, 2]]], axis=-1)
 
 
 def _error_monomials(points0: np.ndarray, points1: np.ndarray) -> np.ndarray:
@@ -102,21 +98,10 @@ def _error_monomials(points0: np.ndarray, points1: np.ndarray) -> np.ndarray:
     middle, u = (points0 + points1) / 2, points1 - points0
     half = u / 2
     monomials = np.empty((*u.shape[:-2], 9, u.shape[-2]))
-    monomials[..., :6, :] = _quadratic_monomials(middle)
+    monomials[..., :6, :] = quadratic_monomials(middle)
     monomials[..., 0, :] -= half[..., 0] ** 2
     monomials[..., 1, :] -= half[..., 0] * half[..., 1]
     monomials[..., 3, :] -= half[..., 1] ** 2
     monomials[..., 6, :] = u[..., 0] * middle[..., 1] - u[..., 1] * middle[..., 0]
     monomials[..., 7:, :] = np.swapaxes(u, -1, -2)
     return monomials
-
-
-def _quadratic_coefficients(Q: np.ndarray) -> np.ndarray:
-    """Coefficients (..., 6) of x'Qx, Q symmetric, on `_quadratic_monomials`."""
-    return Q[..., [0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2]] * [1, 2, 2, 1, 2, 1]
-
-
-def _quadratic_monomials(points: np.ndarray) -> np.ndarray:
-    """xx, xy, x, yy, y and 1 of points (..., N, 2): (..., 6, N)."""
-    x, y = points[..., 0], points[..., 1]
-    return np.stack([x * x, x * y, x, y * y, y, np.ones_like(x)], axis=-2)

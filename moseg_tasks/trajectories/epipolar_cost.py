@@ -7,6 +7,7 @@ import numpy as np
 
 from moseg.schemas.parameters import EnergyParams
 from moseg.tasks.geometry.eight_point import SAMPLE_SIZE, epipolar_equations, nearest_rank_two
+from moseg.tasks.geometry.sampson import gradient_coefficients, gradient_monomials
 
 _LAST_ROUNDS = 2
 """Rounds with the final threshold."""
@@ -111,8 +112,7 @@ def _prepare(points: np.ndarray, visible: np.ndarray, frame0: int, frame1: int, 
     thresholds = np.sqrt((params.threshold / scale) ** 2 + params.relative**2 * displacement)
     equations = epipolar_equations(points0, points1)
     products = (equations[:, :, None] * equations[:, None, :]).reshape(len(seen), 81)
-    quadratics = np.concatenate([_quadratic_monomials(points0), _quadratic_monomials(points1)])
-    return _Pair(seen, equations, products, quadratics, thresholds)
+    return _Pair(seen, equations, products, gradient_monomials(points0, points1), thresholds)
 
 
 def _fit_all(fits: list[_Fits], num_iterations: int) -> list[np.ndarray]:
@@ -123,7 +123,7 @@ def _fit_all(fits: list[_Fits], num_iterations: int) -> list[np.ndarray]:
     for left in reversed(range(num_iterations)):
         sums = [weight @ fit.pair.products for fit, weight in zip(fits, weights, strict=True)]
         matrices = _solve(np.concatenate(sums).reshape(-1, 9, 9))
-        coefficients = _gradient_coefficients(matrices)
+        coefficients = gradient_coefficients(matrices)
         far = 4.0 ** max(left - _LAST_ROUNDS, 0)
         for index, fit in enumerate(fits):
             own, pair = slice(bounds[index], bounds[index + 1]), fit.pair
@@ -161,16 +161,3 @@ def _hartley_of(normal: np.ndarray, xy: list[int]) -> np.ndarray:
     transform[:, :2, 2] = -scale[:, None] * centroid
     transform[:, 2, 2] = 1
     return transform
-
-
-def _gradient_coefficients(F: np.ndarray) -> np.ndarray:
-    """Coefficients (K, 12) of the squared gradient of x1' F x0 on the quadratic monomials of x0, then of x1."""
-    rows, columns = F[:, :2, :], F[:, :, :2]
-    forms = (np.swapaxes(rows, 1, 2) @ rows, columns @ np.swapaxes(columns, 1, 2))
-    return np.concatenate([form[:, [0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2]] * [1, 2, 2, 1, 2, 1] for form in forms], 1)
-
-
-def _quadratic_monomials(points: np.ndarray) -> np.ndarray:
-    """xx, xy, x, yy, y and 1 of points (n, 2): (6, n)."""
-    x, y = points.T
-    return np.stack([x * x, x * y, x, y * y, y, np.ones_like(x)])
