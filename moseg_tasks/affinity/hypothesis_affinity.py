@@ -11,8 +11,7 @@ import numpy as np
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.affinity import HypothesisAffinityParams
-from moseg.tasks.affinity.object_samples import draw_object_samples
-from moseg.tasks.affinity.preferences import preferred_in_common
+from moseg.tasks.affinity.preferences import fading_preference_kernel
 from moseg.tasks.point_models import Correspondences, PointModel, point_model
 
 
@@ -106,6 +105,39 @@ def object_residuals(
     return residual
 
 
+def draw_object_samples(
+    owner: np.ndarray, sample_size: int, num_samples: int, num_objects: int, rng: np.random.Generator
+) -> np.ndarray:
+    """Tracks of random minimal samples, each from the union of a few random objects.
+
+    A sample of the whole frame is of one motion with the motion's share of the tracks to the power of the sample size:
+    where the background shows few of them, never. A sample of one object is of one motion but says nothing of what
+    lies beyond it. A few objects are often of one motion and always of several places.
+
+    Parameters
+    ----------
+    owner : integer (N,)
+        Object of each track.
+    sample_size : int
+        At most N.
+    num_samples : int
+    num_objects : int
+        Objects that a sample is drawn from, all equally likely; inside their union so are all tracks. Where these are
+        too few, the rest of the sample is of the other objects.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    intp (num_samples, sample_size)
+        Without repetition inside a sample.
+    """
+    _, inverse = np.unique(owner, return_inverse=True)
+    place = np.argsort(rng.random((num_samples, inverse.max() + 1)), axis=1)
+    is_outside = (place >= num_objects)[:, inverse]
+    keys = rng.random((num_samples, len(owner))) + is_outside
+    return np.argpartition(keys, sample_size - 1, axis=1)[:, :sample_size]
+
+
 def fused_preferences(residuals: Sequence[np.ndarray], params: HypothesisAffinityParams) -> np.ndarray:
     """Affinity of objects by the hypotheses that they prefer, of several models as one.
 
@@ -126,7 +158,7 @@ def fused_preferences(residuals: Sequence[np.ndarray], params: HypothesisAffinit
     float64 (K, K)
         In 0..1, symmetric, 1 on the diagonal; NaN where two objects were never seen together: missing is not zero.
     """
-    kernels = np.stack([preferred_in_common(residual, params.window, params.fade) for residual in residuals])
+    kernels = np.stack([fading_preference_kernel(residual, params.window, params.fade) for residual in residuals])
     known = np.isfinite(kernels)
     count = known.sum(axis=0)
     if params.fusion == "product":

@@ -8,13 +8,9 @@ from scipy.spatial.distance import squareform
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import AffinityParams, FundamentalParams
 from moseg.schemas.parameters.affinity import HypothesisAffinityParams
-from moseg.tasks.affinity import (
-    draw_object_samples,
-    fused_preferences,
-    hypothesis_affinity,
-    ork_affinity,
-    preferred_in_common,
-)
+from moseg.tasks.affinity import hypothesis_affinity, ork_affinity
+from moseg.tasks.affinity.hypothesis_affinity import draw_object_samples, fused_preferences
+from moseg.tasks.affinity.preferences import fading_preference_kernel
 from moseg.tasks.clustering.fusion import unit_diagonal
 from moseg.tasks.geometry import fit_fundamentals, fundamental_residuals
 from moseg.tasks.metrics.clustering_error import clustering_error
@@ -103,9 +99,9 @@ def test_missing_pairs_take_no_part():
     residuals = np.random.default_rng(1).random((6, 100, 4))
     gone = residuals.copy()
     gone[2:, :, 3] = np.nan
-    found = preferred_in_common(gone, window=0.1, fade=0.0)
-    np.testing.assert_allclose(found[3], preferred_in_common(residuals[:2], window=0.1, fade=0.0)[3])
-    np.testing.assert_allclose(found[:3, :3], preferred_in_common(residuals, window=0.1, fade=0.0)[:3, :3])
+    found = fading_preference_kernel(gone, window=0.1, fade=0.0)
+    np.testing.assert_allclose(found[3], fading_preference_kernel(residuals[:2], window=0.1, fade=0.0)[3])
+    np.testing.assert_allclose(found[:3, :3], fading_preference_kernel(residuals, window=0.1, fade=0.0)[:3, :3])
 
 
 def test_objects_that_never_meet_are_unknown_not_unlike(scenes):
@@ -152,7 +148,7 @@ def test_a_preference_fades_with_what_it_leaves_beyond_the_typical(excess, expec
     residuals = np.full((1, 100, 3), 1e4)
     residuals[:, :3] = 0.04
     residuals[:, :3, 2] += excess * 0.04
-    kernel = preferred_in_common(residuals, window=0.01, fade=10.0)
+    kernel = fading_preference_kernel(residuals, window=0.01, fade=10.0)
     assert kernel[0, 1] == pytest.approx(1.0)
     assert kernel[0, 2] == pytest.approx(expected)
 

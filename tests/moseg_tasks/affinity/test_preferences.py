@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from moseg.schemas.errors import InputError
-from moseg.tasks.object_hypotheses import preference_kernel
+from moseg.tasks.affinity import preference_kernel
 
 
 def test_shared_preferences_by_hand():
