@@ -8,12 +8,11 @@ import numpy as np
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import ClusteringParams
 from moseg.tasks.clustering.agreement import set_apart
-from moseg.tasks.clustering.count_motions import CountEvidence, MotionCount, count_motions
+from moseg.tasks.clustering.count_motions import CountEvidence, MotionCount, count_by_eigengap, count_motions
 from moseg.tasks.clustering.fusion import fill_unknown, fuse_kernels, unit_diagonal
 from moseg.tasks.clustering.kmeans import cluster_points
 from moseg.tasks.clustering.linkage import link_objects
 from moseg.tasks.clustering.motion_tracks import MotionTracks
-from moseg.tasks.clustering.num_motions import count_by_eigengap
 from moseg.tasks.clustering.spectral import Embedding, embed_views
 from moseg.tasks.clustering.stability import resampled_affinities
 

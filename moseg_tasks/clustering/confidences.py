@@ -30,7 +30,7 @@ def confidences(labelings: Sequence[np.ndarray], kernel: np.ndarray, eigenvalues
     P. Rousseeuw, "Silhouettes", 1987; D. Davies and D. Bouldin, "A cluster separation measure", 1979; T. Calinski and
     J. Harabasz, "A dendrite method for cluster analysis", 1974.
     """
-    # Half a second to import: see random_kmeans.
+    # Half a second to import: see `cluster_many_points`.
     from sklearn.metrics import calinski_harabasz_score, davies_bouldin_score, silhouette_score
 
     spectrum = np.append(np.maximum(eigenvalues.mean(axis=0), 0.0), 0.0)

@@ -1,10 +1,8 @@
-"""k-means of a few points: the optimum itself where points are few enough to try every partition."""
+"""k-means: the optimum of a few points, found by trying every partition, and Lloyd's algorithm for more."""
 
 from functools import lru_cache
 
 import numpy as np
-
-from moseg.tasks.clustering.random_kmeans import cluster_many_points
 
 MOST_EXACT = 10
 """Ten points have 115,975 partitions, which take some 20 ms; eleven have six times as many."""
@@ -34,6 +32,34 @@ def cluster_points(points: np.ndarray, num_clusters: int) -> np.ndarray:
     labels = cluster_many_points(points, min(num_clusters, num_distinct), _NUM_STARTS, _SEED)
     _, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
     return np.argsort(np.argsort(first))[inverse]
+
+
+def cluster_many_points(points: np.ndarray, count: int, num_starts: int, seed: int) -> np.ndarray:
+    """Label of each point in the best of some k-means runs, each with starts of its own (k-means++).
+
+    Parameters
+    ----------
+    points : float64 (N, D)
+    count : int
+        Number of clusters, at most N.
+    num_starts, seed : int
+
+    Returns
+    -------
+    labels : int64 (N,)
+        From 0, each in use; fewer than `count` where points coincide.
+
+    References
+    ----------
+    D. Arthur and S. Vassilvitskii, "k-means++: the advantages of careful seeding", SODA 2007.
+    """
+    # With scipy.stats behind it, it takes half a second to import, which every process would pay at its start.
+    from sklearn.cluster import KMeans
+
+    if count == 1:
+        return np.zeros(len(points), dtype=np.int64)
+    labels = KMeans(count, n_init=num_starts, random_state=seed).fit(points).labels_
+    return np.unique(labels, return_inverse=True)[1]
 
 
 def _best_partition(points: np.ndarray, num_clusters: int) -> np.ndarray:

@@ -60,7 +60,7 @@ def stability_scores(resampled: Sequence[Sequence[np.ndarray]], least_agreement:
 
 
 def _mean_agreement(labelings: Sequence[np.ndarray]) -> float:
-    # Half a second to import: see random_kmeans.
+    # Half a second to import: see `cluster_many_points`.
     from sklearn.metrics import adjusted_rand_score
 
     pairs = list(itertools.combinations(labelings, 2))

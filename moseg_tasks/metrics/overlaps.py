@@ -1,7 +1,7 @@
-"""How many pixels each pair of a true and a predicted label shares."""
+"""Pixels that each pair of a true and a predicted label shares, and J, the Jaccard index that follows from them."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 import numpy as np
 
@@ -51,6 +51,28 @@ def add_overlaps(frames: Iterable[Overlaps]) -> Overlaps:
     for overlaps in frames:
         total.update(overlaps)
     return dict(total)
+
+
+def region_similarity(overlaps: Overlaps, true_labels: Collection[int], predicted_labels: Collection[int]) -> float:
+    """Intersection over union of a true and a predicted mask in one frame, 1 where both are empty.
+
+    Parameters
+    ----------
+    overlaps : Overlaps
+        Of the frame, void pixels left out.
+    true_labels, predicted_labels : collection of int
+        Labels whose pixels make up either mask.
+
+    References
+    ----------
+    Perazzi et al., "A Benchmark Dataset and Evaluation Methodology for Video Object Segmentation", CVPR 2016.
+    """
+    intersection = union = 0
+    for (truth, predicted), count in overlaps.items():
+        in_truth, in_prediction = truth in true_labels, predicted in predicted_labels
+        intersection += count * (in_truth and in_prediction)
+        union += count * (in_truth or in_prediction)
+    return intersection / union if union else 1.0
 
 
 def _index_labels(labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

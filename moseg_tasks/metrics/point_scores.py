@@ -8,8 +8,7 @@ from moseg.schemas.errors import InputError
 from moseg.schemas.scores import SequenceScore
 from moseg.tasks.metrics.assign_objects import assign_objects
 from moseg.tasks.metrics.foreground_scores import score_foreground
-from moseg.tasks.metrics.overlaps import Overlaps, add_overlaps, count_overlaps
-from moseg.tasks.metrics.region_similarity import region_similarity
+from moseg.tasks.metrics.overlaps import Overlaps, add_overlaps, count_overlaps, region_similarity
 from moseg.tasks.tracks.labels_at import labels_at
 
 PointPairs = Iterable[tuple[np.ndarray, np.ndarray]]

@@ -9,8 +9,7 @@ from moseg.schemas.scores import SequenceScore
 from moseg.tasks.metrics.assign_objects import assign_objects
 from moseg.tasks.metrics.boundary_similarity import boundary_similarity
 from moseg.tasks.metrics.foreground_scores import score_foreground
-from moseg.tasks.metrics.overlaps import Overlaps, add_overlaps, count_overlaps
-from moseg.tasks.metrics.region_similarity import region_similarity
+from moseg.tasks.metrics.overlaps import Overlaps, add_overlaps, count_overlaps, region_similarity
 
 FramePairs = Callable[[], Iterable[tuple[np.ndarray, np.ndarray]]]
 """Starts a new pass over the (predicted, truth) label images of the annotated frames."""

@@ -6,9 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from moseg.schemas.parameters import TrajectoryClusteringParams
-from moseg.tasks.clustering.eigenpairs import leading_eigenpairs
-from moseg.tasks.clustering.random_kmeans import cluster_many_points
-from moseg.tasks.clustering.spectral import normalise_affinity, unit_rows
+from moseg.tasks.clustering.kmeans import cluster_many_points
+from moseg.tasks.clustering.spectral import leading_eigenpairs, normalise_affinity, unit_rows
 from moseg.tasks.trajectories.pieces import link_pieces, piece_affinity
 
 

@@ -7,10 +7,9 @@ import numpy as np
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import TrajectoryClusteringParams
-from moseg.tasks.clustering.count_motions import CountEvidence, count_motions
+from moseg.tasks.clustering.count_motions import CountEvidence, count_by_eigengap, count_motions
+from moseg.tasks.clustering.kmeans import cluster_many_points
 from moseg.tasks.clustering.motion_tracks import MotionTracks
-from moseg.tasks.clustering.num_motions import count_by_eigengap
-from moseg.tasks.clustering.random_kmeans import cluster_many_points
 from moseg.tasks.clustering.spectral import embed_views
 from moseg.tasks.trajectories.apart import separate_objects
 from moseg.tasks.trajectories.candidates import Candidates, View, in_order

@@ -5,7 +5,7 @@ import pytest
 
 from moseg.schemas.parameters import ObjectHypothesisParams
 from moseg.tasks.object_hypotheses import background_cells, scale_by_background, split_background
-from moseg.tasks.object_hypotheses.background_scale import geometric_mean
+from moseg.tasks.object_hypotheses.background_cells import geometric_mean
 
 PARAMS = ObjectHypothesisParams()
 NAN = np.nan
