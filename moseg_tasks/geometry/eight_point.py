@@ -21,7 +21,7 @@ def eight_point(points0: np.ndarray, points1: np.ndarray, rank_two: bool = True)
     Returns
     -------
     F : float64 (..., 3, 3)
-        x1' F x0 = 0, unit Frobenius norm. Arbitrary but finite where the points do not determine it.
+        x1' F x0 = 0, unit Frobenius norm. Arbitrary but finite if the points do not determine it.
 
     References
     ----------
@@ -37,13 +37,13 @@ def eight_point(points0: np.ndarray, points1: np.ndarray, rank_two: bool = True)
 
 
 def epipolar_equations(points0: np.ndarray, points1: np.ndarray) -> np.ndarray:
-    """The rows x1' F x0 = 0, linear in the nine entries of F (row-major): float64 (..., N, 9)."""
+    """Return the rows of x1' F x0 = 0, linear in the nine entries of F (row-major): float64 (..., N, 9)."""
     x0, y0 = points0[..., 0], points0[..., 1]
     x1, y1 = points1[..., 0], points1[..., 1]
     return np.stack([x1 * x0, x1 * y0, x1, y1 * x0, y1 * y0, y1, x0, y0, np.ones_like(x0)], axis=-1)
 
 
 def nearest_rank_two(F: np.ndarray) -> np.ndarray:
-    """The matrix of rank 2 nearest to each F in Frobenius norm."""
+    """Return the matrix of rank 2 nearest to each F in Frobenius norm."""
     U, S, Vh = np.linalg.svd(F)
     return F - S[..., 2, None, None] * U[..., :, 2, None] * Vh[..., None, 2, :]

@@ -10,7 +10,7 @@ from moseg.tasks.geometry.sampson import sampson_squared
 
 
 class ModelFamily(NamedTuple):
-    """What RANSAC needs to know of a two-view model."""
+    """Solver and error metric of a two-view model, for RANSAC."""
 
     sample_size: int
     solve: Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -22,7 +22,7 @@ HOMOGRAPHY = ModelFamily(homography.SAMPLE_SIZE, homography.homography_dlt, homo
 
 
 class RobustFit(NamedTuple):
-    """A model and the points that agree with it."""
+    """A model and its inliers."""
 
     matrix: np.ndarray
     """float64 (3, 3)"""
@@ -40,10 +40,10 @@ def ransac(
     num_refits: int,
     rng: np.random.Generator,
 ) -> RobustFit:
-    """The model of least truncated squared distance over random minimal samples, refitted to its inliers.
+    """Return the model of smallest truncated squared distance over random minimal samples, refitted to its inliers.
 
-    All samples are solved at once; there is no early stop, so the time and the random stream depend on the number of
-    points alone.
+    All samples are solved at once; there is no early stop, so the time and the random stream depend only on the number
+    of points.
 
     Parameters
     ----------
@@ -54,9 +54,9 @@ def ransac(
     threshold : float
         Sampson distance of an inlier, in the unit of the points.
     num_samples : int
-        Minimal samples drawn.
+        Number of minimal samples.
     num_refits : int
-        Least-squares refits to the inliers, as long as they lower the cost.
+        Most least-squares refits to the inliers; they end when the cost no longer falls.
     rng : numpy.random.Generator
 
     Returns
@@ -89,6 +89,6 @@ def ransac(
 
 
 def draw_samples(num_points: int, sample_size: int, num_samples: int, rng: np.random.Generator) -> np.ndarray:
-    """Indices of random samples without repetition inside a sample: intp (num_samples, sample_size)."""
+    """Draw the indices of random samples, without repetition inside a sample: intp (num_samples, sample_size)."""
     keys = rng.random((num_samples, num_points))
     return np.argpartition(keys, sample_size - 1, axis=1)[:, :sample_size]

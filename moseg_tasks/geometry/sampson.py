@@ -20,8 +20,8 @@ def sampson_squared(F: np.ndarray, points0: np.ndarray, points1: np.ndarray) -> 
     Returns
     -------
     squared : float64 (..., N)
-        (x1' F x0)^2 / (|F x0|^2 + |F' x1|^2) with the norms over the first two coordinates; px^2 where the points are
-        in pixels. 0 where a point sits on its epipole, whose epipolar line is every line.
+        (x1' F x0)^2 / (|F x0|^2 + |F' x1|^2) with the norms over the first two coordinates; px^2 if the points are
+        in pixels. 0 for a point on its epipole, where the epipolar line is undefined.
 
     References
     ----------
@@ -32,7 +32,7 @@ def sampson_squared(F: np.ndarray, points0: np.ndarray, points1: np.ndarray) -> 
     lines0 = x1 @ F
     algebraic = np.sum(x1 * lines1, axis=-1)
     gradient = np.sum(lines1[..., :2] ** 2, axis=-1) + np.sum(lines0[..., :2] ** 2, axis=-1)
-    # At an epipole both vanish, numerator first.
+    # At an epipole both vanish, the numerator faster.
     return algebraic**2 / np.maximum(gradient, np.finfo(np.float64).tiny)
 
 
