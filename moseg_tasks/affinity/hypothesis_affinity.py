@@ -1,8 +1,8 @@
-"""Affinity between objects from many hypotheses of motion: alike is what prefers the same hypotheses.
+"""Affinity between objects from many motion hypotheses: objects that prefer the same hypotheses are alike.
 
-A rank among the objects' own models, as the paper takes it, has no answer for a motion that owns a single object: some
-other object's model must come second. Among hundreds of hypotheses of the frame such an object has preferences of its
-own, shared by none. No fit to a single object is needed, and no scale in pixels.
+A rank among the objects' own models, as in the paper, is not defined for a motion with a single object: some other
+object's model must come second. Among hundreds of hypotheses of the frame such an object prefers some that no other
+object prefers. No fit to a single object and no scale in pixels is needed.
 """
 
 from collections.abc import Sequence
@@ -23,12 +23,12 @@ def hypothesis_affinity(
     params: HypothesisAffinityParams,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """Affinity of each two objects of a clip, by many hypotheses of each of `params.models` in each frame pair.
+    """Return the affinity of each two objects of a clip, by many hypotheses of `params.models` in each frame pair.
 
     Parameters
     ----------
     points : float (N, F, 2)
-        xy, px; any value where invisible.
+        xy, px; any value if invisible.
     visible : bool (N, F)
     owner : integer (N,)
         Object of each track, below `num_objects`; each track may be an object of its own.
@@ -40,18 +40,18 @@ def hypothesis_affinity(
     Returns
     -------
     float64 (K, K)
-        As of ``fused_preferences``.
+        See ``fused_preferences``.
 
     Raises
     ------
     InputError
-        Where the arrays disagree, an object is out of range, or a model is unknown or not of two frames.
+        If the arrays disagree, an object is out of range, or a model is unknown or not of two frames.
     """
     _check_tracks(points, visible, owner, num_objects)
     models = [_two_view_model(name) for name in params.models]
     sizes = np.bincount(owner, minlength=num_objects)
-    # All tracks of an object that has no more: a trajectory that stands for itself takes part.
-    least = np.minimum(params.min_tracks, np.maximum(sizes, 1))
+    # Not more than an object has, so that single trajectories are objects too.
+    min_tracks = np.minimum(params.min_tracks, np.maximum(sizes, 1))
     gap = max(min(params.gap, points.shape[1] - 1), 1)
     residuals = np.full((len(models), max(points.shape[1] - gap, 0), params.num_hypotheses, num_objects), np.nan)
     for frame in range(residuals.shape[1]):
@@ -59,7 +59,7 @@ def hypothesis_affinity(
         seen = visible[:, frames].all(axis=1)
         tracks = Correspondences(points[seen][:, frames].astype(np.float64))
         for index, model in enumerate(models):
-            residuals[index, frame] = object_residuals(tracks, owner[seen], least, model, params, rng)
+            residuals[index, frame] = object_residuals(tracks, owner[seen], min_tracks, model, params, rng)
     return fused_preferences(residuals, params)
 
 
@@ -71,16 +71,16 @@ def object_residuals(
     params: HypothesisAffinityParams,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """Median squared distance of each object's tracks to models of minimal samples from a few objects each.
+    """Return the median squared distance of each object's tracks to models of minimal samples from a few objects.
 
     Parameters
     ----------
     tracks : Correspondences
-        N tracks seen in both frames of a pair.
+        N tracks visible in both frames of a pair.
     owner : integer (N,)
-        Object of each.
+        Object of each track.
     min_tracks : int (K,)
-        Fewer tracks of an object say nothing of it.
+        Objects with fewer tracks are ignored.
     model : PointModel
     params : HypothesisAffinityParams
         `num_hypotheses` and `num_objects` are read.
@@ -89,18 +89,18 @@ def object_residuals(
     Returns
     -------
     float64 (num_hypotheses, K)
-        px²; NaN for objects with too few tracks, and for all where the frames share fewer than a sample takes.
+        px²; NaN for objects with too few tracks, and for all if there are fewer tracks than in a sample.
     """
     residual = np.full((params.num_hypotheses, len(min_tracks)), np.nan)
     if tracks.num_points < model.sample_size:
         return residual
     samples = draw_object_samples(owner, model.sample_size, params.num_hypotheses, params.num_objects, rng)
-    # In single precision: only the order of distances is used, and what overflows is as far as can be.
+    # In single precision, because only the order of distances is used; overflows count as the largest.
     with np.errstate(over="ignore"):
         squared = model.residual(model.fit(tracks.take(samples)), tracks, np.float32)
-    for index, least in enumerate(min_tracks):
+    for index, num_required in enumerate(min_tracks):
         own = owner == index
-        if own.sum() >= least:
+        if own.sum() >= num_required:
             residual[:, index] = np.median(squared[:, own], axis=1)
     return residual
 
@@ -108,11 +108,11 @@ def object_residuals(
 def draw_object_samples(
     owner: np.ndarray, sample_size: int, num_samples: int, num_objects: int, rng: np.random.Generator
 ) -> np.ndarray:
-    """Tracks of random minimal samples, each from the union of a few random objects.
+    """Draw tracks of random minimal samples, each from the union of a few random objects.
 
-    A sample of the whole frame is of one motion with the motion's share of the tracks to the power of the sample size:
-    where the background shows few of them, never. A sample of one object is of one motion but says nothing of what
-    lies beyond it. A few objects are often of one motion and always of several places.
+    The probability that a sample of the whole frame has one motion is the motion's share of the tracks to the power of
+    the sample size: with few background tracks it is close to 0. A sample of one object has one motion, but its model
+    is not determined outside the object. A few objects often share one motion and always cover several places.
 
     Parameters
     ----------
@@ -122,8 +122,8 @@ def draw_object_samples(
         At most N.
     num_samples : int
     num_objects : int
-        Objects that a sample is drawn from, all equally likely; inside their union so are all tracks. Where these are
-        too few, the rest of the sample is of the other objects.
+        Number of objects that a sample is drawn from, all equally likely; so are all tracks of their union. If these
+        are too few, the rest of the sample is of the other objects.
     rng : numpy.random.Generator
 
     Returns
@@ -139,24 +139,24 @@ def draw_object_samples(
 
 
 def fused_preferences(residuals: Sequence[np.ndarray], params: HypothesisAffinityParams) -> np.ndarray:
-    """Affinity of objects by the hypotheses that they prefer, of several models as one.
+    """Return the affinity of objects by the hypotheses that they prefer, fused over several models.
 
-    Models err in opposite ways. A fundamental matrix explains two objects of which one moves along the epipolar lines
-    of the other; a homography tears a deep background apart. Their product wants both to agree. The power makes small
-    affinities smaller, so that the mean affinity between groups, which clustering goes by, is that of their nearest
-    parts rather than of all: parts of one motion at opposite ends of the frame need not be alike.
+    Models have opposite errors. A fundamental matrix explains two objects of which one moves along the epipolar lines
+    of the other; homographies differ within a deep background. Their product requires both to agree. The power reduces
+    small affinities, so that the mean affinity between groups, which the clustering uses, depends mostly on their most
+    similar parts: parts of one motion at opposite ends of the frame need not be alike.
 
     Parameters
     ----------
     residuals : sequence of float (M, H, K)
-        For each model [pair, hypothesis, object], px²; NaN where an object is absent.
+        For each model [pair, hypothesis, object], px²; NaN if an object is absent.
     params : HypothesisAffinityParams
         `window`, `fade`, `fusion` and `power` are read.
 
     Returns
     -------
     float64 (K, K)
-        In 0..1, symmetric, 1 on the diagonal; NaN where two objects were never seen together: missing is not zero.
+        In 0..1, symmetric, 1 on the diagonal; NaN, not 0, for two objects never visible together.
     """
     kernels = np.stack([fading_preference_kernel(residual, params.window, params.fade) for residual in residuals])
     known = np.isfinite(kernels)

@@ -10,7 +10,7 @@ from moseg.schemas.errors import InputError
 _FEW_LABELS = 256
 
 Overlaps = dict[tuple[int, int], int]
-"""Pixels by (true label, predicted label), background (0) included; pairs without a common pixel are left out."""
+"""Pixels by (true label, predicted label), including background (0), without pairs that share no pixel."""
 
 
 def count_overlaps(predicted: np.ndarray, truth: np.ndarray, void: int | None = None) -> Overlaps:
@@ -21,12 +21,12 @@ def count_overlaps(predicted: np.ndarray, truth: np.ndarray, void: int | None = 
     predicted, truth : unsigned integer (y, x)
         Labels; 0 is the background.
     void : int, optional
-        True label of pixels that count for neither side.
+        True label of pixels that are ignored.
 
     Raises
     ------
     InputError
-        Where the two are not label images of one size.
+        If the two are not label images of one size.
     """
     _check_labels(predicted, truth)
     predicted_labels, predicted_index = _index_labels(predicted)
@@ -46,7 +46,7 @@ def count_overlaps(predicted: np.ndarray, truth: np.ndarray, void: int | None = 
 
 
 def add_overlaps(frames: Iterable[Overlaps]) -> Overlaps:
-    """Sum of the overlaps of several frames: those of the (frame, y, x) volumes."""
+    """Sum the overlaps of several frames to those of the (frame, y, x) volumes."""
     total: Counter = Counter()
     for overlaps in frames:
         total.update(overlaps)
@@ -54,14 +54,14 @@ def add_overlaps(frames: Iterable[Overlaps]) -> Overlaps:
 
 
 def region_similarity(overlaps: Overlaps, true_labels: Collection[int], predicted_labels: Collection[int]) -> float:
-    """Intersection over union of a true and a predicted mask in one frame, 1 where both are empty.
+    """Return the intersection over union of a true and a predicted mask in one frame, 1 if both are empty.
 
     Parameters
     ----------
     overlaps : Overlaps
-        Of the frame, void pixels left out.
+        Overlaps of the frame, without void pixels.
     true_labels, predicted_labels : collection of int
-        Labels whose pixels make up either mask.
+        Labels of the pixels of each mask.
 
     References
     ----------
@@ -76,7 +76,7 @@ def region_similarity(overlaps: Overlaps, true_labels: Collection[int], predicte
 
 
 def _index_labels(labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Labels, ascending, and each pixel's position among them; labels that are many count only where they occur."""
+    """Return labels, ascending, and each pixel's position among them; of many labels only those that occur."""
     num_labels = int(labels.max(initial=0)) + 1
     if num_labels <= _FEW_LABELS:
         return np.arange(num_labels), labels
@@ -86,6 +86,7 @@ def _index_labels(labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _check_labels(predicted: np.ndarray, truth: np.ndarray) -> None:
+    """Raise InputError unless both are label images of one size."""
     for name, labels in (("prediction", predicted), ("ground truth", truth)):
         if labels.ndim != 2 or labels.dtype not in (np.uint8, np.uint16):
             got = f"{labels.dtype} {labels.shape}"

@@ -7,9 +7,7 @@ import numpy as np
 from moseg.tasks.motion_models.monomials import Frame, evaluate_monomials, image_coordinates
 from moseg.tasks.motion_models.pixel_sums import Pixels
 
-_GRID_PIXELS = (
-    512  # several dozen for each parameter; more gain nothing, because the full sums correct the fit
-)
+_GRID_PIXELS = 512  # several dozen for each parameter; more gain nothing, because the full sums correct the fit
 
 
 def sum_coarsely(pixels: Pixels) -> tuple[Frame, np.ndarray, np.ndarray]:

@@ -1,4 +1,4 @@
-"""Objects compared by the motion hypotheses that explain them: many hypotheses of the whole frame, one ranking each."""
+"""Comparison of objects by their ranks of many motion hypotheses of the whole frame."""
 
 from moseg.tasks.affinity import preference_kernel
 from moseg.tasks.object_hypotheses.background_cells import (

@@ -6,7 +6,7 @@ from moseg.schemas.parameters import ObjectHypothesisParams
 
 
 def background_cells(image_shape: tuple[int, int], params: ObjectHypothesisParams) -> np.ndarray:
-    """Cell of each pixel, row by row: int64 (H, W).
+    """Return the cell of each pixel, numbered row by row: int64 (H, W).
 
     Parameters
     ----------
@@ -22,38 +22,38 @@ def background_cells(image_shape: tuple[int, int], params: ObjectHypothesisParam
 
 
 def split_background(owner: np.ndarray, cell: np.ndarray, num_objects: int) -> np.ndarray:
-    """Node of each pixel or track: its object, or from K on the background's cell that it lies in.
+    """Return the node of each pixel or track: its object, or K plus the background's cell that contains it.
 
     Parameters
     ----------
     owner : unsigned integer (...)
         Object, 0 = background.
     cell : int64 (...)
-        Of ``background_cells``, at the same places.
+        From ``background_cells``, of the same pixels or tracks.
     num_objects : int
         K, the background included.
 
     Returns
     -------
     uint16 (...)
-        Nothing is of node 0 any more.
+        No element is of node 0.
     """
     return np.where(owner == 0, num_objects + cell, owner).astype(np.uint16)
 
 
 def scale_by_background(kernel: np.ndarray, num_objects: int, params: ObjectHypothesisParams) -> np.ndarray:
-    """Affinity between objects in units of the affinity between the background's cells.
+    """Return the affinity between objects in units of the affinity between the background's cells.
 
-    A rank has no scale: two objects of one motion share a few or most of their preferred hypotheses, according to the
-    noise, to the scene's depth and to how many hypotheses are of their motion. All of this holds for the background's
-    cells too, and these are known to move as one: they set the unit. An object is as alike to the background as to the
-    cell that is most like it, for cells at other depths tell nothing.
+    A rank has no scale: two objects of one motion share few or most of their preferred hypotheses, depending on the
+    noise, the scene's depth and the number of hypotheses of their motion. The same is true of the background's cells,
+    which are known to share one motion: they define the unit. The affinity of an object to the background is that to
+    the most similar cell, because cells at other depths are not informative.
 
     Parameters
     ----------
     kernel : float64 (N, N)
-        Of ``preference_kernel``; nodes 0 .. K - 1 are objects, node 0 (the whole background) is not read, the others
-        are the background's cells. NaN where unknown.
+        From ``preference_kernel``; nodes 0 .. K - 1 are objects, node 0 (the whole background) is not read, the others
+        are the background's cells. NaN if unknown.
     num_objects : int
         K.
     params : ObjectHypothesisParams
@@ -62,8 +62,8 @@ def scale_by_background(kernel: np.ndarray, num_objects: int, params: ObjectHypo
     Returns
     -------
     float64 (K, K)
-        In 0..1, symmetric, 1 on the diagonal. NaN where unknown: for an object that is never seen, for two never seen
-        together, and between all where fewer than two cells are known or none is like another.
+        In 0..1, symmetric, 1 on the diagonal. NaN if unknown: for an object that is never visible, for two never
+        visible together, and between all objects if fewer than two cells are known or none is like another.
     """
     affinity = np.full((num_objects, num_objects), np.nan)
     cells = num_objects + np.flatnonzero(np.isfinite(np.diag(kernel)[num_objects:]))
@@ -83,13 +83,13 @@ def scale_by_background(kernel: np.ndarray, num_objects: int, params: ObjectHypo
 
 
 def geometric_mean(values0: np.ndarray, values1: np.ndarray) -> np.ndarray:
-    """Elementwise geometric mean of two arrays of affinities in 0..1; where one is NaN the other stands alone."""
+    """Return the elementwise geometric mean of two arrays of affinities in 0..1; if one is NaN, the other."""
     known0, known1 = np.isfinite(values0), np.isfinite(values1)
     mean = np.sqrt(np.where(known0, values0, 1.0) * np.where(known1, values1, 1.0))
     return np.where(known0 & known1, mean, np.where(known0, values0, values1))
 
 
 def _greatest(values: np.ndarray) -> np.ndarray:
-    """Largest known value of each column; NaN where none is."""
+    """Return the largest known value of each column; NaN if there is none."""
     largest = np.where(np.isnan(values), -np.inf, values).max(axis=0, initial=-np.inf)
     return np.where(np.isfinite(largest), largest, np.nan)

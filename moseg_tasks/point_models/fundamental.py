@@ -1,4 +1,4 @@
-"""The fundamental matrix: eight points, a rigid scene seen by a camera that moves."""
+"""The fundamental matrix: eight points, a rigid scene and a moving camera."""
 
 from dataclasses import dataclass
 
@@ -25,12 +25,12 @@ class FundamentalModel:
     Attributes
     ----------
     rank_two : bool
-        Whether F is brought to rank 2, as that of two cameras is. Then a minimal model no longer meets its own sample:
-        of near frames with noisy points, the smallest change to rank 2 moves it further than the noise. Without, x1'
-        F x0 = 0 is a general bilinear relation, exact on eight points: the better hypothesis, not the better estimate.
+        Whether F is brought to rank 2, the rank for two cameras. A minimal model then no longer fits its own sample:
+        between near frames with noisy points, the smallest change to rank 2 exceeds the noise. Without it, x1' F x0 = 0
+        is a general bilinear relation, exact on eight points: a better hypothesis, but not a better estimate.
     min_conditioning : float
-        Least ratio of the eighth to the first singular value of the Hartley-normalised epipolar equations of points
-        that determine it: below are planes, cameras without a translation, points on a line or twice the same.
+        Smallest ratio of the eighth to the first singular value of the Hartley-normalised epipolar equations for
+        points that determine it. Planes, cameras without a translation, collinear and repeated points are below it.
     """
 
     rank_two: bool = True
@@ -41,16 +41,16 @@ class FundamentalModel:
     needs_depth: bool = False
 
     def fit(self, data: Correspondences) -> np.ndarray:
-        """Float64 (..., 3, 3) by the eight-point algorithm, with or without its last step."""
+        """Return float64 (..., 3, 3) by the eight-point algorithm, with or without its last step."""
         data = checked_for_fit(data, self.num_frames, self.needs_depth, self.sample_size)
         points0, points1 = data.points[..., 0, :], data.points[..., 1, :]
         return eight_point(points0, points1, self.rank_two)
 
     def residual(self, parameters: np.ndarray, data: Correspondences, dtype: DTypeLike = np.float64) -> np.ndarray:
-        """Squared Sampson distance, px^2 (..., H, N): two matrix products, of the error and of its gradient's square.
+        """Return the squared Sampson distance, px^2 (..., H, N), by products for the error and its squared gradient.
 
         With x0 = m - u/2 and x1 = m + u/2, x1' F x0 = m'Sm - u'Su/4 + u'Km for the symmetric and the skew part S, K of
-        F. Between near frames S and u are small, so the sum keeps small errors in single precision.
+        F. Between near frames S and u are small, so the sum is accurate for small errors in single precision.
 
         References
         ----------
@@ -70,7 +70,7 @@ class FundamentalModel:
         return squared
 
     def degenerate(self, data: Correspondences) -> np.ndarray:
-        """Whether the points leave more than one fundamental matrix: bool (...)."""
+        """Return whether more than one fundamental matrix fits the points: bool (...)."""
         data = checked(data, self.num_frames, self.needs_depth)
         if data.num_points < self.sample_size:
             return np.ones(data.points.shape[:-3], dtype=bool)
@@ -81,20 +81,20 @@ class FundamentalModel:
 
 def _squared_over_gradient(products: np.ndarray, squared: np.ndarray) -> None:
     error, gradient = products
-    # At an epipole both vanish, numerator first, and what is left of the gradient is the rounding of the sum.
+    # At an epipole both vanish, the numerator faster; the gradient is then rounding of the sum.
     np.maximum(gradient, np.finfo(squared.dtype).eps, out=gradient)
     error *= error
     np.divide(error, gradient, out=squared)
 
 
 def _error_coefficients(F: np.ndarray) -> np.ndarray:
-    """Coefficients (..., 9) of x1' F x0 on `_error_monomials`: the entries of S, then of K."""
+    """Return x1' F x0 as coefficients (..., 9) of `_error_monomials`: the entries of S, then of K."""
     S, K = (F + np.swapaxes(F, -1, -2)) / 2, (F - np.swapaxes(F, -1, -2)) / 2
     return np.concatenate([quadratic_coefficients(S), K[..., [0, 0, 1], [1, 2, 2]]], axis=-1)
 
 
 def _error_monomials(points0: np.ndarray, points1: np.ndarray) -> np.ndarray:
-    """Monomials (..., 9, N) of mm' - uu'/4, then of u x m."""
+    """Return the monomials (..., 9, N) of mm' - uu'/4, then of u x m."""
     middle, u = (points0 + points1) / 2, points1 - points0
     half = u / 2
     monomials = np.empty((*u.shape[:-2], 9, u.shape[-2]))
