@@ -8,12 +8,12 @@ from moseg.schemas.frozen import Frozen
 
 
 class DetectionParams(Frozen):
-    """Which networks name, find, outline and track the objects of a section (proposals: detections)."""
+    """Networks that tag, detect, segment and track the objects of a section (proposals: detections)."""
 
-    tagger: Literal["ram", "ram-plus"] = Field("ram", description="names what is in a section's first frame")
-    tags: tuple[str, ...] | None = Field(None, description="names of objects to look for; with them nothing is tagged")
-    masks: Literal["sam-hq", "sam2"] = Field("sam-hq", description="outlines what the detector's boxes hold")
-    tracker: Literal["deaot", "sam2"] = Field("deaot", description="carries the masks through the section")
+    tagger: Literal["ram", "ram-plus"] = Field("ram", description="network that tags a section's first frame")
+    tags: tuple[str, ...] | None = Field(None, description="names of objects to detect, instead of tagging")
+    masks: Literal["sam-hq", "sam2"] = Field("sam-hq", description="network that segments the detector's boxes")
+    tracker: Literal["deaot", "sam2"] = Field("deaot", description="network that tracks the masks through the section")
 
     @field_validator("tags", mode="before")
     @classmethod
