@@ -12,7 +12,7 @@ import numpy as np
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.affinity import HypothesisAffinityParams
 from moseg.tasks.affinity.preferences import fading_preference_kernel
-from moseg.tasks.point_models import Correspondences, PointModel, point_model
+from moseg.tasks.point_models import Correspondences, PointModel, point_model, sample_residuals
 
 
 def hypothesis_affinity(
@@ -57,52 +57,14 @@ def hypothesis_affinity(
     for frame in range(residuals.shape[1]):
         frames = [frame, frame + gap]
         seen = visible[:, frames].all(axis=1)
-        tracks = Correspondences(points[seen][:, frames].astype(np.float64))
+        tracks, seen_owner = Correspondences(points[seen][:, frames].astype(np.float64)), owner[seen]
         for index, model in enumerate(models):
-            residuals[index, frame] = object_residuals(tracks, owner[seen], min_tracks, model, params, rng)
+            if tracks.num_points >= model.sample_size:
+                samples = draw_object_samples(
+                    seen_owner, model.sample_size, params.num_hypotheses, params.num_objects, rng
+                )
+                residuals[index, frame] = sample_residuals(tracks, seen_owner, min_tracks, model, samples)
     return fused_preferences(residuals, params)
-
-
-def object_residuals(
-    tracks: Correspondences,
-    owner: np.ndarray,
-    min_tracks: np.ndarray,
-    model: PointModel,
-    params: HypothesisAffinityParams,
-    rng: np.random.Generator,
-) -> np.ndarray:
-    """Return the median squared distance of each object's tracks to models of minimal samples from a few objects.
-
-    Parameters
-    ----------
-    tracks : Correspondences
-        N tracks visible in both frames of a pair.
-    owner : integer (N,)
-        Object of each track.
-    min_tracks : int (K,)
-        Objects with fewer tracks are ignored.
-    model : PointModel
-    params : HypothesisAffinityParams
-        `num_hypotheses` and `num_objects` are read.
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    float64 (num_hypotheses, K)
-        px²; NaN for objects with too few tracks, and for all if there are fewer tracks than in a sample.
-    """
-    residual = np.full((params.num_hypotheses, len(min_tracks)), np.nan)
-    if tracks.num_points < model.sample_size:
-        return residual
-    samples = draw_object_samples(owner, model.sample_size, params.num_hypotheses, params.num_objects, rng)
-    # In single precision, because only the order of distances is used; overflows count as the largest.
-    with np.errstate(over="ignore"):
-        squared = model.residual(model.fit(tracks.take(samples)), tracks, np.float32)
-    for index, num_required in enumerate(min_tracks):
-        own = owner == index
-        if own.sum() >= num_required:
-            residual[:, index] = np.median(squared[:, own], axis=1)
-    return residual
 
 
 def draw_object_samples(

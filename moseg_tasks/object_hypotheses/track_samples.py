@@ -4,7 +4,7 @@ import numpy as np
 
 from moseg.schemas.parameters import ObjectHypothesisParams
 from moseg.tasks.geometry.ransac import draw_samples
-from moseg.tasks.point_models import POINT_MODELS, Correspondences
+from moseg.tasks.point_models import POINT_MODELS, Correspondences, sample_residuals
 
 TRACK_MODELS = ("fundamental", "homography")
 """The first does not detect motion along epipolar lines; the second detects all motion, but also parallax."""
@@ -45,16 +45,10 @@ def track_sample_residuals(
     """
     residual = np.full((len(TRACK_MODELS), params.num_hypotheses, num_nodes), np.nan)
     tracks = Correspondences(np.stack([points0, points1], axis=1).astype(np.float64))
-    members = [np.flatnonzero(nodes == node) for node in range(num_nodes)]
-    for found, name in zip(residual, TRACK_MODELS, strict=True):
+    min_tracks = np.full(num_nodes, min_points)
+    for index, name in enumerate(TRACK_MODELS):
         model = POINT_MODELS[name]
-        if tracks.num_points < model.sample_size:
-            continue
-        samples = draw_samples(tracks.num_points, model.sample_size, params.num_hypotheses, rng)
-        # In single precision, because only the order of distances is used; overflows count as the largest.
-        with np.errstate(over="ignore"):
-            squared = model.residual(model.fit(tracks.take(samples)), tracks, np.float32)
-        for node, own in enumerate(members):
-            if len(own) >= min_points:
-                found[:, node] = np.median(squared[:, own], axis=1)
+        if tracks.num_points >= model.sample_size:
+            samples = draw_samples(tracks.num_points, model.sample_size, params.num_hypotheses, rng)
+            residual[index] = sample_residuals(tracks, nodes, min_tracks, model, samples)
     return residual

@@ -3,6 +3,7 @@
 from moseg.tasks.point_models.correspondences import Correspondences
 from moseg.tasks.point_models.point_model import PointModel
 from moseg.tasks.point_models.registry import POINT_MODELS, point_model
+from moseg.tasks.point_models.sample_residuals import sample_residuals
 from moseg.tasks.point_models.trifocal_degeneracy import TrifocalDegeneracy
 
 __all__ = [
@@ -11,4 +12,5 @@ __all__ = [
     "PointModel",
     "TrifocalDegeneracy",
     "point_model",
+    "sample_residuals",
 ]

@@ -75,9 +75,9 @@ class FlowPointModel:
         return combine_products(factors, sum_of_squares, 0, dtype)
 
     def degenerate(self, data: Correspondences) -> np.ndarray:
-        """Whether the points are too few or leave more than one solution: bool (...).
+        """Return whether the points are too few or have more than one solution: bool (...).
 
-        Without depth: all on one conic, so also on a line. With depth also where it adds nothing to the points.
+        Without depth these are points on one conic, and so on a line; with depth, also points of dependent depth.
         """
         data = checked(data, self.num_frames, self.needs_depth)
         if data.num_points < self.sample_size:

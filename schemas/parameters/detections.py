@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field, field_validator
 
 from moseg.schemas.frozen import Frozen
+from moseg.schemas.parameters.comma_separated import split_commas
 
 
 class DetectionParams(Frozen):
@@ -15,10 +16,7 @@ class DetectionParams(Frozen):
     masks: Literal["sam-hq", "sam2"] = Field("sam-hq", description="network that segments the detector's boxes")
     tracker: Literal["deaot", "sam2"] = Field("deaot", description="network that tracks the masks through the section")
 
-    @field_validator("tags", mode="before")
-    @classmethod
-    def _split_names(cls, value: object) -> object:
-        return tuple(name.strip() for name in value.split(",")) if isinstance(value, str) else value
+    _split_tags = field_validator("tags", mode="before")(split_commas)
 
     @field_validator("tags")
     @classmethod

@@ -5,6 +5,7 @@ from typing import Annotated
 from pydantic import Field, field_validator
 
 from moseg.schemas.frozen import Frozen
+from moseg.schemas.parameters.comma_separated import split_commas
 from moseg.schemas.units import Unit
 
 
@@ -26,7 +27,4 @@ class RamParams(Frozen):
     )
     excluded_tags: tuple[str, ...] = Field((), description="ignored tags, in the spelling of the tagger's list")
 
-    @field_validator("excluded_tags", mode="before")
-    @classmethod
-    def _split_names(cls, value: object) -> object:
-        return tuple(name.strip() for name in value.split(",")) if isinstance(value, str) else value
+    _split_excluded_tags = field_validator("excluded_tags", mode="before")(split_commas)

@@ -6,6 +6,7 @@ from pydantic import Field, PositiveInt, field_validator
 
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.parameters.clustering import MotionCountParams
+from moseg.schemas.parameters.comma_separated import are_different_counts, split_commas
 from moseg.schemas.units import Unit
 
 
@@ -23,15 +24,12 @@ class HypothesisParams(Frozen):
         (1,), description="frames between neighbouring frames of a pair or triple; all gaps are used"
     )
 
-    @field_validator("gaps", mode="before")
-    @classmethod
-    def _split_gaps(cls, value: object) -> object:
-        return tuple(gap.strip() for gap in value.split(",")) if isinstance(value, str) else value
+    _split_gaps = field_validator("gaps", mode="before")(split_commas)
 
     @field_validator("gaps")
     @classmethod
     def _check_gaps(cls, value: tuple[int, ...]) -> tuple[int, ...]:
-        if not value or min(value) < 1 or len(set(value)) < len(value):
+        if not are_different_counts(value):
             raise ValueError("different numbers of frames from 1 on, separated by commas")
         return value
 
@@ -71,15 +69,12 @@ class PieceParams(Frozen):
         3, ge=1, description="visible trajectories of a piece below which it is ignored in a pair"
     )
 
-    @field_validator("counts", mode="before")
-    @classmethod
-    def _split_counts(cls, value: object) -> object:
-        return tuple(count.strip() for count in value.split(",")) if isinstance(value, str) else value
+    _split_counts = field_validator("counts", mode="before")(split_commas)
 
     @field_validator("counts")
     @classmethod
     def _check_counts(cls, value: tuple[int, ...]) -> tuple[int, ...]:
-        if not value or min(value) < 1 or len(set(value)) < len(value):
+        if not are_different_counts(value):
             raise ValueError("different numbers of pieces from 1 on, separated by commas")
         return tuple(sorted(value))
 
