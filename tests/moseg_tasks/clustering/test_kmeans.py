@@ -36,7 +36,7 @@ def test_no_labeling_of_few_points_is_tighter(points, num_clusters):
 
 
 @pytest.mark.parametrize("num_points", [MAX_EXACT, MAX_EXACT + 1, 40])
-def test_groups_that_lie_apart_are_found(num_points):
+def test_separate_groups_are_found(num_points):
     truth = np.arange(num_points) % 4
     points = np.array([[0, 0], [0, 9], [9, 0], [9, 9.5]])[truth] + np.random.default_rng(1).random((num_points, 2))
     np.testing.assert_array_equal(cluster_points(points, 4), truth)

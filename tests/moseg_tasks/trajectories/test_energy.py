@@ -35,7 +35,7 @@ def test_the_cut_decides_between_groupings_of_equal_cost(rigid_clip):
     assert np.array_equal(best.labels, by_side) and best.cost < 1e-9
 
 
-def test_the_cost_decides_where_cuts_say_nothing(rigid_clip):
+def test_the_cost_decides_between_groupings_of_equal_cut(rigid_clip):
     clip = rigid_clip((60, 40))
     everything = np.ones((100, 100), np.float32)
     energy = Energy(clip.points, clip.visible, everything, EnergyParams(step=1))
