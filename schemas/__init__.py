@@ -1,1 +1,1 @@
-"""The words of the project: frozen models of recipes, manifests, configs and scores, and the errors."""
+"""Frozen models of recipes, manifests, configurations and scores, and the errors."""

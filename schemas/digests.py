@@ -14,7 +14,7 @@ _JSON = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=Fal
 
 
 def digest_bytes(domain: str, *parts: bytes | memoryview) -> str:
-    """Hexadecimal BLAKE2b-256 of `parts`, each preceded by its length, under a domain tag."""
+    """Return the hexadecimal BLAKE2b-256 of `parts`, each preceded by its length, under a domain tag."""
     state = blake2b(digest_size=DIGEST_BYTES, person=domain_tag(domain))
     for part in parts:
         view = memoryview(part).cast("B")
@@ -24,20 +24,20 @@ def digest_bytes(domain: str, *parts: bytes | memoryview) -> str:
 
 
 def digest_json(domain: str, value) -> str:
-    """Digest of the canonical JSON of `value`; raises TypeError or ValueError where that is not exact."""
+    """Return the digest of the canonical JSON of `value`; raise TypeError or ValueError if that is not exact."""
     return digest_bytes(domain, canonical_json(value))
 
 
 def digest_array(domain: str, array: np.ndarray) -> str:
-    """Digest of an array's dtype, shape and little-endian C-order bytes."""
+    """Return the digest of an array's dtype, shape and little-endian C-order bytes."""
     return digest_bytes(domain, *_array_parts(array))
 
 
 def hash_array(array: np.ndarray) -> str:
-    """``sha256:`` and the SHA-256 of an array's dtype, shape and little-endian C-order bytes.
+    """Return ``sha256:`` and the SHA-256 of an array's dtype, shape and little-endian C-order bytes.
 
-    Processors of the last years have instructions for it, which make it twice as fast as BLAKE2b: digesting flow fields
-    and frames once took a tenth of a run.
+    Recent processors have instructions for it, which make it twice as fast as BLAKE2b: with that, digests of flow
+    fields and frames took a tenth of a run.
     """
     header, content = _array_parts(array)
     state = sha256(_SHA_TAG + len(header).to_bytes(8, "little") + header)
@@ -46,7 +46,7 @@ def hash_array(array: np.ndarray) -> str:
 
 
 def _array_parts(array: np.ndarray) -> tuple[bytes, memoryview]:
-    """Canonical JSON of dtype and shape, and the little-endian C-order bytes."""
+    """Return the canonical JSON of dtype and shape, and the little-endian C-order bytes."""
     if array.dtype.hasobject:
         raise TypeError("object arrays have no bytes to digest")
     little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
@@ -54,16 +54,16 @@ def _array_parts(array: np.ndarray) -> tuple[bytes, memoryview]:
 
 
 def canonical_json(value) -> bytes:
-    """UTF-8 JSON with sorted keys and no blanks, of str, bool, int, finite float, None, list and dict only.
+    """Return UTF-8 JSON with sorted keys and no blanks, of str, bool, int, finite float, None, list and dict only.
 
-    Anything whose order or value JSON would not keep (sets, NaN, non-string keys, numpy scalars) is refused.
+    Anything whose order or value JSON does not preserve (sets, NaN, non-string keys, numpy scalars) is an error.
     """
     _refuse_inexact(value)
     return _JSON.encode(value).encode("utf-8")
 
 
 def domain_tag(domain: str) -> bytes:
-    """The 16-byte BLAKE2b personalisation of a record type."""
+    """Return the 16-byte BLAKE2b personalisation of a record type."""
     tag = f"moseg:{domain}".encode("ascii")
     if len(tag) > blake2b.PERSON_SIZE:
         raise ValueError(f"domain {domain!r} is longer than {blake2b.PERSON_SIZE - 6} characters")
@@ -71,6 +71,7 @@ def domain_tag(domain: str) -> bytes:
 
 
 def _refuse_inexact(value) -> None:
+    """Raise TypeError or ValueError for a value that JSON does not preserve."""
     kind = type(value)
     if kind in _EXACT:
         return
@@ -81,7 +82,7 @@ def _refuse_inexact(value) -> None:
         for key, item in value.items():
             if type(key) is not str:
                 raise TypeError(f"key {key!r} cannot be hashed: expected str, got {type(key).__name__}")
-            # Most are; this loop is what digesting a plan's keys takes longest over.
+            # Checked here because this loop takes most of the time of digesting a plan's keys.
             if type(item) not in _EXACT:
                 _refuse_inexact(item)
     elif kind in (tuple, list) or (isinstance(value, Sequence) and not isinstance(value, bytes | bytearray)):

@@ -1,9 +1,9 @@
-"""Errors that a user can cause or meet. Each says in one line what, where, got and expected."""
+"""Errors that a user can cause or see. Each states in one line what, where, got and expected."""
 
 import re
 
 LONGEST_GOT = 2000
-"""Characters that are told of what was found: a damaged file may hold a name of millions."""
+"""Characters that are shown of the value found: a damaged file may contain a name of millions."""
 
 _CONTROL = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
 
@@ -11,8 +11,8 @@ _CONTROL = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
 class MosegError(Exception):
     """Base of every error raised on purpose by this project.
 
-    Its text is one line: line breaks become blanks, and other control characters, which a damaged file may hold, are
-    written out as ``\\x1b``. Of what was found so many characters are told as fit on a page.
+    Its text is one line: line breaks become blanks, and other control characters, which a damaged file may contain, are
+    written as ``\\x1b``. Of the value found only the first `LONGEST_GOT` characters are shown.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ class MosegError(Exception):
     where : object, optional
         File, option, sequence or array in which it is wrong.
     got, expected : object, optional
-        What was found and what is accepted instead.
+        The value found, and the accepted ones.
     """
 
     def __init__(self, what: str, *, where: object = None, got: object = None, expected: object = None):
@@ -34,14 +34,14 @@ class MosegError(Exception):
         if expected is not None:
             parts.append(f"expected {expected}")
         self.parts = (what, where, got, expected)
-        super().__init__(_CONTROL.sub(_spell, "; ".join(parts)))
+        super().__init__(_CONTROL.sub(_escape, "; ".join(parts)))
 
     def __reduce__(self):
         what, where, got, expected = self.parts
         return _rebuild, (type(self), what, _text(where), _text(got), _text(expected)), self.__dict__
 
 
-def _spell(control: re.Match[str]) -> str:
+def _escape(control: re.Match[str]) -> str:
     return " " if control[0] == "\n" else control[0].encode("unicode_escape").decode("ascii")
 
 
@@ -54,15 +54,15 @@ def _rebuild(kind, what, where, got, expected):
 
 
 class InputError(MosegError, ValueError):
-    """Bad use or bad input: the command line ends with exit code 2."""
+    """Wrong use or bad input: the command line ends with exit code 2."""
 
 
 class MissingInputError(InputError, FileNotFoundError):
-    """A file, folder or data set that was asked for is not there."""
+    """A requested file, folder or data set does not exist."""
 
 
 class UnnamedParameterError(MosegError, AttributeError):
-    """A task reads a parameter that its recipe does not name: a fault of the program, exit code 1."""
+    """A task reads a parameter outside its recipe: a fault of the program, exit code 1."""
 
 
 class StoreError(MosegError, OSError):
@@ -70,15 +70,15 @@ class StoreError(MosegError, OSError):
 
 
 class ClusterError(MosegError, RuntimeError):
-    """Workers or their scheduler failed, not the work: a fault, exit code 1."""
+    """Workers or their scheduler failed, not the computation: a fault, exit code 1."""
 
 
 class StoreChoiceError(StoreError, InputError):
-    """What was named as a store is none, or cannot be made one: bad input."""
+    """The given place is not a store and cannot become one: bad input."""
 
 
 class MissingStoreError(StoreChoiceError, FileNotFoundError):
-    """There is no store at this place, and none was to be made."""
+    """There is no store at this place, and none is created."""
 
 
 class MissingArtifactError(StoreError, KeyError):
@@ -88,9 +88,9 @@ class MissingArtifactError(StoreError, KeyError):
 
 
 class CorruptArtifactError(StoreError):
-    """An artifact's bytes are not those its manifest names.
+    """An artifact's bytes differ from the digests of its manifest.
 
-    ``ref`` is the artifact's reference, so that a run can quarantine and recompute it.
+    ``ref`` is the artifact's reference, by which a run can quarantine and recompute it.
     """
 
     def __init__(self, what, *, where=None, got=None, expected=None, ref: str | None = None):

@@ -1,9 +1,9 @@
-"""Events of a run: what is written to its log, one JSON object a line.
+"""Events of a run, written to its log as one JSON object per line.
 
 ``{"time":"2026-11-22T00:43:18.123456Z","host":"node7","pid":4312,"event":"computed","ref":"flow/…","seconds":0.31}``
 
-Every line has its kind and its time, by the clock of the process that wrote it. What an artifact's line is about stands
-in ``ref``, whose part before the slash is the stage.
+Every line has its kind and its time, by the clock of the process that wrote it. ``ref`` is the reference of the
+artifact that a line is about; its part before the slash is the stage.
 """
 
 from collections.abc import Iterable
@@ -17,36 +17,36 @@ from moseg.schemas.recipes import Ref, split_ref
 
 
 class EventKind(StrEnum):
-    """What happened."""
+    """Kind of an event."""
 
     OPENED = "opened"
     """The run has something to compute."""
     SUBJECT = "subject"
-    """What the run is about: a command's configuration, and sequences down to their leaves."""
+    """The subject of the run: a command's configuration, and sequences with their leaves."""
     PLANNED = "planned"
     """The artifact is not stored and will be computed."""
     HIT = "hit"
-    """The artifact is stored, and what is computed or asked for reads it."""
+    """The artifact is stored, and it is requested or read by a computed one."""
     STARTED = "started"
-    """The call that computes the artifact began; a call takes its artifacts in the order of their lines."""
+    """The call that computes the artifact began; a call computes its artifacts in the order of their lines."""
     COMPUTED = "computed"
     """The stage's function returned."""
     COMMITTED = "committed"
     """The artifact is stored."""
     LOST_RACE = "lost-race"
-    """Another process had stored the artifact before this one could: its copy stays."""
+    """Another process stored the artifact first: its copy is kept."""
     DEGENERATE = "degenerate"
-    """The artifact holds fits that the data do not determine; it is a result like any other."""
+    """The artifact contains fits that the data do not determine; it is a valid result."""
     FAILED = "failed"
-    """The artifact could not be computed, or, without a ``ref``, the run could not go on."""
+    """The artifact could not be computed or, without a ``ref``, the run could not continue."""
     QUARANTINED = "quarantined"
-    """The stored artifact was found damaged and taken out of service."""
+    """The stored artifact was found damaged and is no longer read."""
     CLOSED = "closed"
-    """The run ended and could say so."""
+    """The run ended and could write this event."""
 
 
 class Outcome(StrEnum):
-    """How a run ended."""
+    """Outcome of a run."""
 
     FINISHED = "finished"
     FAILED = "failed"
@@ -62,17 +62,26 @@ class _ProcessLine(_Line):
     pid: int
 
 
+class _OfArtifact:
+    """Events about one artifact, which have a field `ref`."""
+
+    @property
+    def stage(self) -> str:
+        """Stage of the artifact."""
+        return split_ref(self.ref)[0]
+
+
 class RunOpened(_ProcessLine):
     """First line of a run.
 
     Attributes
     ----------
     space : str
-        Space in which `pid` means something, see `moseg.store.owners`.
+        Space in which `pid` is valid, see `moseg.store.owners`.
     command : tuple of str
-        Words of the command line; `folder` is where it was given.
+        Words of the command line; `folder` is its working directory.
     num_workers : int
-        Calls that run at the same time.
+        Number of calls that run at the same time.
     """
 
     event: Literal[EventKind.OPENED] = EventKind.OPENED
@@ -94,14 +103,14 @@ class RunClosed(_ProcessLine):
 
 
 class SequenceSubject(Frozen):
-    """A sequence or clip: its leaves by the names that the graph gives them, and frames per second where it has any."""
+    """A sequence or clip: its leaves by their names in the graph, and frames per second if it has any."""
 
     leaves: dict[str, JsonValue]
     fps: float | None = None
 
 
 class SubjectEvent(_ProcessLine):
-    """What a run is about, of one wave of sequences: enough to write the graph again without its sources.
+    """The subject of a run for one wave of sequences: sufficient to write the graph again without its sources.
 
     Attributes
     ----------
@@ -110,11 +119,11 @@ class SubjectEvent(_ProcessLine):
         None for a user's own video.
     variants : tuple of str
     config : dict
-        Every parameter, as another version of the schema may know it.
+        Every parameter, possibly of another version of the schema.
     seeds : tuple of int or None
-        Seeds that figures are means over, where several runs on trajectories were asked for.
+        Seeds over which figures are averaged, if several runs on trajectories were requested.
     notes : tuple of str
-        What a reader must know to read the figures rightly.
+        Remarks that a reader needs to interpret the figures.
     sequences : tuple of SequenceSubject
     """
 
@@ -128,33 +137,23 @@ class SubjectEvent(_ProcessLine):
     sequences: tuple[SequenceSubject, ...]
 
 
-class PlanEvent(_Line):
-    """An artifact that the client will have computed, or that it found."""
+class PlanEvent(_OfArtifact, _Line):
+    """An artifact that is planned or was found."""
 
     event: Literal[EventKind.PLANNED, EventKind.HIT]
     ref: Ref
 
-    @property
-    def stage(self) -> str:
-        """Stage of the artifact."""
-        return split_ref(self.ref)[0]
 
-
-class WorkEvent(_ProcessLine):
-    """A step of an artifact's computation, by the process that took it; `seconds` inside the stage's function."""
+class WorkEvent(_OfArtifact, _ProcessLine):
+    """A step of an artifact's computation, by the process that ran it; `seconds` inside the stage's function."""
 
     event: Literal[EventKind.STARTED, EventKind.COMPUTED, EventKind.COMMITTED, EventKind.LOST_RACE]
     ref: Ref
     seconds: float | None = None
 
-    @property
-    def stage(self) -> str:
-        """Stage of the artifact."""
-        return split_ref(self.ref)[0]
 
-
-class DegenerateEvent(_ProcessLine):
-    """Fits of a computed artifact that are not valid: how many, of how many, and for which reasons as far as known."""
+class DegenerateEvent(_OfArtifact, _ProcessLine):
+    """Invalid fits of a computed artifact: their number, the number of all, and the known reasons."""
 
     event: Literal[EventKind.DEGENERATE] = EventKind.DEGENERATE
     ref: Ref
@@ -162,14 +161,9 @@ class DegenerateEvent(_ProcessLine):
     num_fits: int
     reasons: dict[str, int] = {}
 
-    @property
-    def stage(self) -> str:
-        """Stage of the artifact."""
-        return split_ref(self.ref)[0]
-
 
 class TroubleEvent(_ProcessLine):
-    """A failure, or damage that was found."""
+    """A failure, or a damaged artifact."""
 
     event: Literal[EventKind.FAILED, EventKind.QUARANTINED]
     ref: Ref | None = None
@@ -177,7 +171,7 @@ class TroubleEvent(_ProcessLine):
 
     @property
     def stage(self) -> str | None:
-        """Stage of the artifact, where it is about one."""
+        """Return the stage of the artifact, or None without one."""
         return None if self.ref is None else split_ref(self.ref)[0]
 
 
@@ -191,22 +185,22 @@ _EVENT: TypeAdapter[Event] = TypeAdapter(Event)
 
 
 def write_event(event: Event) -> bytes:
-    """The event's line, its end included."""
+    """Return the event's line, including its end."""
     return event.model_dump_json(exclude_none=True).encode("utf-8") + b"\n"
 
 
 def write_plan(event: PlanEvent, refs: Iterable[str]) -> Iterable[bytes]:
-    """Lines that differ from the event's own in nothing but the reference: of a long plan in a moment."""
+    """Return the event's line with each of the references: fast for a long plan."""
     before, _, behind = write_event(event).partition(event.ref.encode("ascii"))
     return (before + ref.encode("ascii") + behind for ref in refs)
 
 
 def line_time(line: bytes) -> bytes:
-    """A line's time as text that sorts as the times do: every line begins with it, in UTC."""
-    # Whole seconds have no fraction, and "18Z" would come behind "18.5Z".
+    """Return a line's time as text that sorts in the order of time: every line begins with it, in UTC."""
+    # Whole seconds have no fraction, and "18Z" would be sorted after "18.5Z".
     return line[len(_BEGIN) : line.find(b'"', len(_BEGIN))].removesuffix(b"Z")
 
 
 def read_event(line: bytes) -> Event:
-    """The event of a line; raises pydantic.ValidationError where it is none."""
+    """Return the event of a line; raise pydantic.ValidationError if it is not one."""
     return _EVENT.validate_json(line)

@@ -1,4 +1,4 @@
-"""A manifest: what an artifact holds, from which recipe, and how it came to be."""
+"""Manifests: the content of an artifact, its recipe, and how it was computed."""
 
 from pydantic import JsonValue
 
@@ -24,7 +24,7 @@ class FileEntry(Frozen):
 
 
 class Manifest(Frozen):
-    """Written last into an artifact's folder: an artifact with a manifest is complete.
+    """The manifest of an artifact, written last into its folder: an artifact with a manifest is complete.
 
     Attributes
     ----------
@@ -33,11 +33,11 @@ class Manifest(Frozen):
     seconds : float
         Time spent inside the task's function.
     nbytes : int
-        Bytes of all files but the manifest.
+        Bytes of all files except the manifest.
     created : str
         UTC time, ISO 8601.
     versions : dict
-        Library name to version, of the process that computed it.
+        Library name to version, of the process that computed the artifact.
     """
 
     format: int = 1
@@ -53,7 +53,7 @@ class Manifest(Frozen):
     versions: dict[str, str]
 
     def array(self, name: str) -> ArrayEntry:
-        """The entry of one array; raises KeyError where there is none of that name."""
+        """Return the entry of one array; raise KeyError if there is none of that name."""
         for entry in self.arrays:
             if entry.name == name:
                 return entry

@@ -1,10 +1,10 @@
-"""Sets of choices under one name: which networks give the cues, and how the geometry is done."""
+"""Named sets of choices: the networks that compute the cues, and the methods of the geometry."""
 
 from collections.abc import Mapping
 from typing import Any
 
 Choices = Mapping[str, Any]
-"""Values of a `PipelineConfig`, stage by stage; what is not named keeps its default."""
+"""Values of a `PipelineConfig` by stage; other parameters keep their defaults."""
 
 GEOMETRIES: Mapping[str, Choices] = {
     "default": {},
@@ -20,7 +20,7 @@ GEOMETRIES: Mapping[str, Choices] = {
         "clustering": {"grouping": "spectral", "fusion": "coregularised", "auto": "eigengap", "static": "group"},
     },
 }
-"""`paper`: Huang, Chen and Zelek, sections 3.3 to 3.5, with the flow model corrected; ``--motions gt`` gives it their
+"""`paper`: Huang, Chen and Zelek, sections 3.3 to 3.5, with the flow model corrected; with ``--motions gt``, also their
 number of motions."""
 
 PRESETS: Mapping[str, Choices] = {
@@ -42,12 +42,12 @@ PRESETS: Mapping[str, Choices] = {
     },
 }
 """`paper`: the models of Huang, Chen and Zelek, sections 3.1 and 3.2; with the geometry of the same name it is their
-method, which must be told the number of motions. `modern`: networks of today under licences that allow any use."""
+method, which needs the number of motions as input. `modern`: current networks under licences that allow any use."""
 
 QUALITIES: Mapping[str, Choices] = {
     "fast": {"max_side": 427, "saliency": {"working_side": 284}},
     "default": {},
     "best": {"flow": {"preset": "fine"}},
 }
-"""What accuracy may cost, on any preset: the size that frames are analysed at, and how finely DIS searches. Other flow
-is the same in `best`."""
+"""Trade-offs of accuracy and time for any preset: the size at which frames are analysed, and the search of DIS. `best`
+does not change other flow."""

@@ -1,4 +1,4 @@
-"""A recipe: the sentence whose digest is an artifact's key."""
+"""Recipes: the descriptions of computations whose digests are the keys of artifacts."""
 
 from collections.abc import Mapping
 from functools import cached_property
@@ -11,7 +11,7 @@ from moseg.schemas.frozen import Frozen
 
 TaskName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]{0,63}$")]
 Ref = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]{0,63}/[0-9a-f]{64}$")]
-"""``<task>/<key>``: where an artifact lies, and what it is."""
+"""``<task>/<key>``: identity and place of an artifact."""
 
 _INPUTS = TypeAdapter(dict[str, Ref | tuple[Ref, ...]])
 
@@ -26,9 +26,9 @@ class Recipe(Frozen):
     version : int
         Version of the task's code.
     params : dict of JSON values
-        Only what the task reads: anything else would split equal work.
+        Only the parameters that the task reads: others would give equal computations different keys.
     inputs : dict of reference or list of references
-        Each input by its role. Order matters inside a list.
+        References by role. The order inside a list matters.
     """
 
     task: TaskName
@@ -37,9 +37,9 @@ class Recipe(Frozen):
     inputs: dict[str, Ref | tuple[Ref, ...]] = {}
 
     def about(self, inputs: Mapping[str, str | tuple[str, ...]]) -> "Recipe":
-        """The same sentence about other inputs; the rest is shared, neither checked nor spelt again.
+        """Return the same recipe with other inputs; the rest is shared, without checks and encoding.
 
-        For the thousands of nodes of a plan that differ in nothing else.
+        For the thousands of nodes of a plan that only differ in their inputs.
         """
         recipe = Recipe.model_construct(
             task=self.task, version=self.version, params=self.params, inputs=_INPUTS.validate_python(inputs)
@@ -49,13 +49,13 @@ class Recipe(Frozen):
 
     @cached_property
     def head(self) -> bytes:
-        """Canonical JSON of task, version and parameters, as the list that the inputs end."""
+        """Canonical JSON list of task, version and parameters, without the closing bracket."""
         return canonical_json([self.task, self.version, self.params])[:-1]
 
     @cached_property
     def key(self) -> str:
         """BLAKE2b-256 of the canonical JSON of task, version, parameters and inputs, hexadecimal."""
-        return digest_bytes("recipe", b"".join([self.head, b",", _spell(self.inputs), b"]"]))
+        return digest_bytes("recipe", b"".join([self.head, b",", _encode_inputs(self.inputs), b"]"]))
 
     @cached_property
     def ref(self) -> str:
@@ -63,15 +63,15 @@ class Recipe(Frozen):
         return f"{self.task}/{self.key}"
 
     def input_refs(self) -> tuple[str, ...]:
-        """Every input reference, flat, in the order of the roles."""
+        """Return all input references in the order of the roles."""
         flat = []
         for value in self.inputs.values():
             flat.extend([value] if isinstance(value, str) else value)
         return tuple(flat)
 
 
-def _spell(inputs: Mapping[str, str | tuple[str, ...]]) -> bytes:
-    """Canonical JSON of inputs, in a third of the time: nothing in a reference needs an escape."""
+def _encode_inputs(inputs: Mapping[str, str | tuple[str, ...]]) -> bytes:
+    """Return the canonical JSON of inputs, in a third of the time: references need no escapes."""
     parts = []
     for role in sorted(inputs):
         value = inputs[role]
@@ -81,11 +81,11 @@ def _spell(inputs: Mapping[str, str | tuple[str, ...]]) -> bytes:
 
 
 def leaf_recipe(task: str, content_digest: str) -> Recipe:
-    """Recipe of data that came from outside: its content's digest is its only parameter."""
+    """Return the recipe of external data: the digest of the content is its only parameter."""
     return Recipe(task=task, version=1, params={"content": content_digest})
 
 
 def split_ref(ref: str) -> tuple[str, str]:
-    """Task name and key of a reference."""
+    """Return the task name and the key of a reference."""
     task, _, key = ref.partition("/")
     return task, key

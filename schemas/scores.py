@@ -7,7 +7,7 @@ from pydantic import ConfigDict, Field
 from moseg.schemas.frozen import Frozen
 
 GroundTruth = Literal["pixels", "points"]
-"""What ground truth says something about: every pixel of a frame, or points in it."""
+"""Elements that ground truth labels: every pixel of a frame, or points in it."""
 
 
 class SequenceScore(Frozen):
@@ -24,7 +24,7 @@ class SequenceScore(Frozen):
     J_objects, boundary_F_objects : float
         The same per ground-truth object under the Hungarian assignment, mean over objects.
 
-    Where ground truth is a label at points, P, R, F and J count points instead of pixels, and boundaries are None.
+    If ground truth labels points, P, R, F and J count points instead of pixels, and boundary scores are None.
     """
 
     P: float
@@ -37,7 +37,7 @@ class SequenceScore(Frozen):
 
 
 class EvaluationRow(Frozen):
-    """One variant: a score per sequence, and their mean."""
+    """Scores of one variant: one per sequence, and their mean."""
 
     variant: str
     sequences: dict[str, SequenceScore]
@@ -52,16 +52,16 @@ class StoreUse(Frozen):
 
 
 class EvaluationReport(Frozen):
-    """What ``--json`` writes, but for what is None.
+    """Content of the file that ``--json`` writes, without values that are None.
 
     Attributes
     ----------
     dataset : str
     over : 'pixels' or 'points'
-        What every score counts: the pixels of annotated masks, or labelled points.
+        Elements that every score counts: pixels of annotated masks, or labelled points.
     rows : tuple of EvaluationRow
     matching : dict of str to 'name', 'order' or 'number', or None
-        How saved masks were matched to the frames, by sequence; None where masks were computed.
+        How saved masks were matched to the frames, by sequence; None if masks were computed.
     store : StoreUse
     seconds : float
     """
@@ -77,6 +77,6 @@ class EvaluationReport(Frozen):
 
 
 def mean_score(scores: list[SequenceScore]) -> SequenceScore:
-    """Mean of each percentage over sequences; None for what one of them lacks."""
+    """Return the mean of each percentage over sequences; None if a sequence does not have it."""
     columns = {name: [getattr(score, name) for score in scores] for name in SequenceScore.model_fields}
     return SequenceScore(**{n: None if None in column else sum(column) / len(column) for n, column in columns.items()})

@@ -10,19 +10,19 @@ from moseg.schemas.scores import StoreUse
 
 
 class TrajectoryScore(Frozen):
-    """One clip.
+    """Scores of one clip.
 
     Attributes
     ----------
     error : float
-        Trajectories in another group than their motion's under the best one-to-one matching of groups and motions,
+        Trajectories outside the group of their motion, under the best one-to-one matching of groups and motions, in
         percent.
     num_motions : int, or float
-        Groups found; the mean where seeds are averaged.
+        Number of groups found; the mean if seeds are averaged.
     num_motions_true : int
-        Labels in the ground truth.
+        Number of labels in the ground truth.
     spread : float or None
-        Sample standard deviation of the error over seeds, where several were asked for; no part of the JSON.
+        Sample standard deviation of the error over seeds, if several were requested; not in the JSON.
     """
 
     error: float
@@ -32,7 +32,7 @@ class TrajectoryScore(Frozen):
 
 
 class TrajectoryMean(Frozen):
-    """Over the clips of one variant: mean and median error, and clips with the right number of motions, percent."""
+    """Mean and median error over the clips of one variant, and clips with the correct number of motions, percent."""
 
     error: float
     median_error: float
@@ -40,21 +40,21 @@ class TrajectoryMean(Frozen):
 
 
 class SeedMean(Frozen):
-    """One seed's figures over all clips."""
+    """Figures of one seed over all clips."""
 
     seed: int
     mean: TrajectoryMean
 
 
 class TrajectoryRow(Frozen):
-    """One variant: a score per clip, and their mean.
+    """Scores of one variant: one per clip, and their mean.
 
     Attributes
     ----------
     sequences, mean : scores
-        Each figure is the mean over seeds where several were asked for.
+        Each figure is the mean over seeds if several were requested.
     seeds : tuple of SeedMean, or None
-        What each seed gave.
+        Figures of each seed.
     spread : float or None
         Sample standard deviation of the mean error over seeds, percent; 0 for a single one.
     """
@@ -67,7 +67,7 @@ class TrajectoryRow(Frozen):
 
 
 class TrajectoryReport(Frozen):
-    """What ``--json`` writes; ``seeds`` and ``spread`` only where seeds were asked for."""
+    """Content of the file that ``--json`` writes; ``seeds`` and ``spread`` only if seeds were requested."""
 
     dataset: str
     rows: tuple[TrajectoryRow, ...]
@@ -76,7 +76,7 @@ class TrajectoryReport(Frozen):
 
 
 def average_clips(scores: Sequence[TrajectoryScore]) -> TrajectoryMean:
-    """Figures over clips."""
+    """Return the figures over clips."""
     errors = [score.error for score in scores]
     num_correct = sum(score.num_motions == score.num_motions_true for score in scores)
     return TrajectoryMean(
@@ -87,7 +87,7 @@ def average_clips(scores: Sequence[TrajectoryScore]) -> TrajectoryMean:
 
 
 def average_seeds(variant: str, by_seed: dict[int, dict[str, TrajectoryScore]]) -> TrajectoryRow:
-    """A variant's row from the scores of the same clips under several seeds."""
+    """Return a variant's row from the scores of the same clips with several seeds."""
     means = {seed: average_clips(list(scores.values())) for seed, scores in by_seed.items()}
     per_clip = {name: [scores[name] for scores in by_seed.values()] for name in next(iter(by_seed.values()))}
     return TrajectoryRow(
@@ -105,7 +105,7 @@ def average_seeds(variant: str, by_seed: dict[int, dict[str, TrajectoryScore]]) 
 
 
 def average_row(variant: str, by_seed: dict[int | None, dict[str, TrajectoryScore]]) -> TrajectoryRow:
-    """Return a variant's row from the scores of the clips by seed; those of a run without seeds are by None."""
+    """Return a variant's row from the scores of the clips by seed; a run without seeds has the key None."""
     if None not in by_seed:
         return average_seeds(variant, by_seed)
     scores = by_seed[None]
@@ -113,6 +113,7 @@ def average_row(variant: str, by_seed: dict[int | None, dict[str, TrajectoryScor
 
 
 def _average_score(scores: Sequence[TrajectoryScore]) -> TrajectoryScore:
+    """Return the mean over seeds of the scores of one clip."""
     errors = [score.error for score in scores]
     return TrajectoryScore(
         error=statistics.fmean(errors),
@@ -123,5 +124,5 @@ def _average_score(scores: Sequence[TrajectoryScore]) -> TrajectoryScore:
 
 
 def _spread(errors: Sequence[float]) -> float:
-    """Sample standard deviation; 0 of a single value."""
+    """Return the sample standard deviation; 0 for a single value."""
     return statistics.stdev(errors) if len(errors) > 1 else 0.0

@@ -4,7 +4,7 @@ from enum import StrEnum
 
 
 class Unit(StrEnum):
-    """What the numbers of a parameter count or measure; stands in the annotation of the parameter's field."""
+    """Unit of a parameter, in the annotation of its field."""
 
     PIXELS = "px"
     SQUARED_PIXELS = "px²"
@@ -19,9 +19,9 @@ class Unit(StrEnum):
     COUNT = "count"
     PROBABILITY = "probability"
     SHARE = "share"
-    """Of what the description names: 1 is all of it."""
+    """Share of the quantity in the description: 1 is all of it."""
     PERCENT = "%"
     NATS = "nats"
     RATIO = "ratio"
-    """A factor, weight, power or anything else without a dimension."""
+    """A factor, weight, power or other number without a dimension."""
     SEED = "seed"

@@ -1,4 +1,4 @@
-"""Weights of networks: the files of an item, where they come from and under which licence."""
+"""Weights of networks: the files of an item, their sources and licence."""
 
 import re
 from collections.abc import Mapping
@@ -36,7 +36,7 @@ DOCUMENTS: Mapping[Architecture, tuple[str, ...]] = {
     "dpt_dinov2": ("config.json",),
     "depth_anything": ("config.json",),
 }
-"""Files that each network is built from beside its tensors."""
+"""Files from which each network is built, in addition to its tensors."""
 PINS = "pins.json"
 RESERVED = (PINS, ".lock")
 RESERVED_SUFFIXES = (".partial", ".refused")
@@ -44,10 +44,10 @@ LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
 
 def is_trusted_url(url: str) -> bool:
-    """Whether what an address answers cannot be changed on its way: ``https``, or this machine.
+    """Return whether downloads from an address are safe from changes in transit: ``https``, or this machine.
 
-    What is no address is not trusted either: one has printable ASCII and no blanks, a host that can have a name, and a
-    number for a port.
+    Invalid addresses are not trusted either: a valid one is printable ASCII without blanks, with a valid host name and
+    port number.
     """
     if not re.fullmatch(r"[!-~]+", url):
         return False
@@ -67,17 +67,17 @@ def _check_url(url: str) -> str:
 
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9._+-]{0,99}$")]
-"""A name that is one folder's or file's, whatever is done with it: no separators, no leading dot."""
+"""Name of a single folder or file: no separators, no leading dot."""
 Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
 
 
 class WeightsFile(Frozen):
-    """One file of an item, under the name that it has on this machine."""
+    """One file of an item, with its name on this machine."""
 
     name: Name
-    url: Annotated[str, AfterValidator(_check_url)] | None = Field(None, description="none: the user puts it there")
+    url: Annotated[str, AfterValidator(_check_url)] | None = Field(None, description="none: the user provides the file")
     size: int | None = Field(None, ge=1, description="bytes")
-    sha256: Sha256 | None = Field(None, description="none: what is there counts, or what the address first gave")
+    sha256: Sha256 | None = Field(None, description="none: the existing file is accepted, or the first download")
 
     @field_validator("name")
     @classmethod
@@ -88,7 +88,7 @@ class WeightsFile(Frozen):
 
     @property
     def is_fixed_by_download(self) -> bool:
-        """Whether the item does not say what the file must be, but where it comes from: its first download counts."""
+        """Return whether the item states the file's address but not its digest: its first download fixes it."""
         return self.url is not None and self.sha256 is None
 
 
@@ -101,10 +101,10 @@ class WeightsItem(Frozen):
     is_non_commercial: bool = False
     files: tuple[WeightsFile, ...]
     config: dict[str, Any] = Field(
-        {}, description="what its files do not say: sizes of an own module, a range of depths"
+        {}, description="values that its files do not contain: sizes of own modules, a range of depths"
     )
     homepage: str = ""
-    approximate_size: int | None = Field(None, ge=0, description="bytes, where the files' exact sizes are not known")
+    approximate_size: int | None = Field(None, ge=0, description="bytes, if the files' exact sizes are not known")
 
     @field_validator("config")
     @classmethod
@@ -130,13 +130,13 @@ class WeightsItem(Frozen):
 
     @property
     def size(self) -> int | None:
-        """Bytes of the files, small ones as far as known; None where those of the tensors are not known at all."""
+        """Return the bytes of the files, small ones as far as known; None if the size of the tensors is unknown."""
         tensors = next(file for file in self.files if file.name.endswith(TENSOR_SUFFIXES))
         return self.approximate_size if tensors.size is None else sum(file.size or 0 for file in self.files)
 
 
 class WeightsList(Frozen):
-    """Items by a user: they add to the catalogue, or take the place of its items of the same name."""
+    """Items of a user: they extend the catalogue, or replace its items of the same name."""
 
     items: tuple[WeightsItem, ...]
 

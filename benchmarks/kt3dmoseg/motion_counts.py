@@ -20,8 +20,8 @@ from moseg.schemas.parameters.affinity import HypothesisAffinityParams
 from moseg.schemas.parameters.clustering import MotionCountParams
 from moseg.tasks.affinity import hypothesis_affinity
 from moseg.tasks.clustering import CountEvidence, MotionTracks, count_motions
+from moseg.tasks.clustering.count_motions import count_by_eigengap
 from moseg.tasks.clustering.fusion import fill_unknown
-from moseg.tasks.clustering.num_motions import count_by_eigengap
 from moseg.tasks.clustering.spectral import embed_views
 from moseg.tasks.clustering.stability import resampled_affinities
 from moseg.tasks.synthetic.rigid_tracks import rigid_tracks

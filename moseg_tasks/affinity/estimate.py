@@ -9,12 +9,12 @@ from moseg.tasks.affinity.residual import residual_affinity
 
 
 def estimate_affinity(residuals: np.ndarray, params: AffinityParams, energy: np.ndarray | None = None) -> np.ndarray:
-    """Affinity of each two objects by the method that the parameters name.
+    """Return the affinity of each two objects by the method that the parameters name.
 
     Parameters
     ----------
     residuals : float64 (M, K, K)
-        [pair, model object, data object], px²; NaN where unknown. Object 0 is the background.
+        [pair, model object, data object], px²; NaN if unknown. Object 0 is the background.
     params : AffinityParams
     energy : float64 (M, K), optional
         Mean squared flow length of each object, px² (``flow_energy``), for residuals of flow models.
@@ -22,12 +22,12 @@ def estimate_affinity(residuals: np.ndarray, params: AffinityParams, energy: np.
     Returns
     -------
     float64 (K, K)
-        Symmetric. NaN where two objects were never seen together: missing is not zero, the clustering decides.
+        Symmetric. NaN, not 0, for two objects never visible together: the clustering fills in such values.
 
     Raises
     ------
     InputError
-        Where the residuals are not (M, K, K) or the energies not (M, K).
+        If the residuals are not (M, K, K) or the energies not (M, K).
     """
     if residuals.ndim != 3 or residuals.shape[1] != residuals.shape[2]:
         raise InputError("wrong shape of residuals", where="affinity", got=residuals.shape, expected="(M, K, K)")

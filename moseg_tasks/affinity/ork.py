@@ -6,25 +6,25 @@ from moseg.schemas.parameters import AffinityParams
 
 
 def ork_affinity(residuals: np.ndarray, params: AffinityParams) -> np.ndarray:
-    """Weighted ORK: objects are alike when the same residuals are among their smallest.
+    """Return the weighted ORK: objects are alike if the same residuals are among their smallest.
 
     In each frame pair residuals are ranked from 0 and scored ``max(t - rank, 0)``; the affinity of two objects is the
-    product of their score vectors. The text admits two readings. ``models``: for each object's data rank the models, so
-    objects are alike when the same models explain them (Chin's kernel). ``objects``: under each object's model rank the
-    objects. Equal residuals share their mean rank, so that the order of the objects says nothing.
+    product of their score vectors. The text has two possible readings. ``models``: rank the models for each object's
+    data, so objects are alike if the same models explain them (Chin's kernel). ``objects``: rank the objects under each
+    object's model. Equal residuals share their mean rank, so that the order of the objects has no effect.
 
     Parameters
     ----------
     residuals : float64 (M, K, K)
-        [pair, model, data]; NaN where the model is invalid or the object absent.
+        [pair, model, data]; NaN if the model is invalid or the object absent.
     params : AffinityParams
         `ork_threshold` (t) and `ork_reading` are read.
 
     Returns
     -------
     float64 (K, K)
-        Mean over the pairs in which both objects take part (the paper sums: the same where no object is ever missing);
-        NaN where there is none. Not normalised: between 0 and about t³ / 3.
+        Mean over the pairs that contain both objects (the sum of the paper is equivalent if no object is ever missing);
+        NaN if there is none. Not normalised: between 0 and about t³ / 3.
 
     References
     ----------
@@ -43,7 +43,7 @@ def ork_affinity(residuals: np.ndarray, params: AffinityParams) -> np.ndarray:
 
 
 def mean_ranks(rows: np.ndarray) -> np.ndarray:
-    """Ranks from 0 of each row's finite values, equal values sharing their mean rank; any value elsewhere."""
+    """Return the ranks from 0 of each row's finite values, with mean ranks for equal ones; any value elsewhere."""
     smaller = (rows[:, None, :] < rows[:, :, None]).sum(axis=2)
     equal = (rows[:, None, :] == rows[:, :, None]).sum(axis=2)
     return smaller + (equal - 1) / 2.0

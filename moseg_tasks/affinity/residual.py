@@ -1,4 +1,4 @@
-"""Affinity from the size of residuals: two objects are alike when one's model predicts the other."""
+"""Affinity from the size of residuals: two objects are alike if the model of one predicts the other."""
 
 import warnings
 
@@ -10,18 +10,18 @@ _TAIL = 2.0  # distance from which the kernel's exponent grows linearly, so that
 
 
 def residual_affinity(residuals: np.ndarray, params: AffinityParams, energy: np.ndarray | None = None) -> np.ndarray:
-    """Affinity ``exp(-d² / 2)`` of a distance d between motions, in units of the tolerated error.
+    """Return the affinity ``exp(-d² / 2)`` of a distance d between motions, in units of the tolerated error.
 
-    Unlike a rank, d has a scale: a motion that owns a single object is like no other. Beyond d = 2 the exponent grows
-    linearly (Huber's function); the square would underflow and leave all distant objects equally distant.
+    Unlike a rank, d has a scale: a motion with a single object has no affinity to others. Beyond d = 2 the exponent
+    grows linearly (Huber's function); the square would underflow and make all distant objects equally distant.
 
     Parameters
     ----------
     residuals : float64 (M, K, K)
-        [pair, model, data], px²; NaN where the model is invalid or the object absent. Object 0 is the background.
+        [pair, model, data], px²; NaN if the model is invalid or the object absent. Object 0 is the background.
     params : AffinityParams
     energy : float64 (M, K), optional
-        Mean squared flow length of each object, px²; None where the residuals are not of flow.
+        Mean squared flow length of each object, px²; None if the residuals are not of flow.
 
     Returns
     -------
@@ -38,15 +38,15 @@ def residual_affinity(residuals: np.ndarray, params: AffinityParams, energy: np.
 
 
 def kernel(distance: np.ndarray) -> np.ndarray:
-    """Affinity 0..1 of distances in units of the tolerated error; NaN stays."""
+    """Return the affinity 0..1 of distances in units of the tolerated error; NaN stays NaN."""
     near = np.minimum(distance, _TAIL)
     return np.exp(-near * (distance - 0.5 * near))
 
 
 def tolerated_error(own: np.ndarray, params: AffinityParams, energy: np.ndarray | None = None) -> np.ndarray:
-    """Mean squared error in the prediction of each object's data that is no sign of another motion, px².
+    """Return the mean squared error in the prediction of each object's data that one motion may have, px².
 
-    `own` (M, K) is what the object's own model leaves of them; `energy` (M, K) is that of ``residual_affinity``.
+    `own` (M, K) are the residuals of the objects' own models; `energy` (M, K) is that of ``residual_affinity``.
     """
     tolerance = params.scale**2 + params.relative**2 * own
     if energy is None:
@@ -55,15 +55,15 @@ def tolerated_error(own: np.ndarray, params: AffinityParams, energy: np.ndarray 
 
 
 def motion_distances(residuals: np.ndarray, params: AffinityParams, energy: np.ndarray | None = None) -> np.ndarray:
-    """Symmetric distance d of each two objects in each frame pair, float64 (M, K, K); NaN where unknown.
+    """Return the symmetric distance d of each two objects in each frame pair, float64 (M, K, K); NaN if unknown.
 
     With r_ij the mean squared error of j's data under i's model and e_j the energy of j's flow,
-    ``d_ij² = (r_ij - r_jj) / (scale² + relative² (r_ii + r_jj) + relative_flow² e_j)``. What j's own model leaves of it
-    is noise, not another motion; what i's model leaves of i's own data says how far that model can be trusted. The
-    share of the flow stands for the models' linearisation: rigid motion bends the flow of near things in proportion.
+    ``d_ij² = (r_ij - r_jj) / (scale² + relative² (r_ii + r_jj) + relative_flow² e_j)``. The residual of j under its own
+    model is noise, not another motion; the residual of i under its own model measures the reliability of that model.
+    The share of the flow accounts for the models' linearisation, whose error grows with the flow of near objects.
 
-    A small object's parameters, fitted to few pixels, predict little outside of it, so the smaller direction counts:
-    the larger object's model on the smaller one. Where one of the two is the background, its model is the better known.
+    The parameters of a small object, fitted to few pixels, are not accurate outside it, so the smaller direction
+    counts: the larger object's model on the smaller object. The background's model is the more accurate one.
     """
     own = np.diagonal(residuals, axis1=1, axis2=2)
     excess = np.maximum(residuals - own[:, None, :], 0.0) if params.excess else residuals
@@ -76,7 +76,7 @@ def motion_distances(residuals: np.ndarray, params: AffinityParams, energy: np.n
 
 
 def _combine(directed: np.ndarray, direction: str) -> np.ndarray:
-    """Both directions as one, float64 (M, K, K); where one is unknown the other stands alone."""
+    """Combine both directions, float64 (M, K, K); if one is unknown, return the other."""
     swapped = directed.transpose(0, 2, 1)
     if direction == "max":
         return np.fmax(directed, swapped)

@@ -1,4 +1,4 @@
-"""How far a motion model supports that an object is part of the static background."""
+"""Support of a motion model for an object being part of the static background."""
 
 import warnings
 
@@ -9,27 +9,27 @@ from moseg.tasks.affinity.residual import kernel, tolerated_error
 
 
 def static_support(residuals: np.ndarray, params: AffinityParams, energy: np.ndarray | None = None) -> np.ndarray:
-    """Affinity ``exp(-d² / 2)`` of each object to the background, which forgives nothing that the background lacks.
+    """Return the affinity ``exp(-d² / 2)`` of each object to the background, also valid for a bad background fit.
 
     With r_0j the mean squared error of object j under the background's model,
     ``d² = (r_0j - r_jj) / (scale² + relative² r_jj + relative_flow² e_j)``. The affinity between two objects also adds
-    what the background's model leaves of the background itself: where that model fits badly, the object is no worse off
-    than the background, and nothing says that it moves. But nothing says that it rests either. Here a badly fitting
-    background leaves d large, so that such a view supports neither.
+    the background's residual under its own model to the denominator: if that model fits badly, there is no evidence
+    that the object moves. But there is no evidence either that it is static. Here a badly fitting background gives a
+    large d, so that such a view does not support static.
 
     Parameters
     ----------
     residuals : float64 (M, K, K)
-        [pair, model, data], px²; NaN where the model is invalid or the object absent. Object 0 is the background.
+        [pair, model, data], px²; NaN if the model is invalid or the object absent. Object 0 is the background.
     params : AffinityParams
         `scale`, `relative`, `relative_flow`, `excess` and `quantile` are read.
     energy : float64 (M, K), optional
-        Mean squared flow length of each object, px²; None where the residuals are not of flow.
+        Mean squared flow length of each object, px²; None if the residuals are not of flow.
 
     Returns
     -------
     float64 (K,)
-        In 0..1; 1 for the background; NaN where an object was never seen together with it: missing is no support.
+        In 0..1; 1 for the background; NaN, which is no support, for an object never visible together with it.
     """
     own = np.diagonal(residuals, axis1=1, axis2=2)
     under_background = residuals[:, 0, :]

@@ -1,17 +1,19 @@
-"""Affine epipolar geometry of a few points: what small and distant things need, and all that they determine."""
+"""Affine epipolar geometry of a few points, the model of small and distant objects."""
 
 import numpy as np
 
+from moseg.tasks.geometry.ransac import draw_samples
+
 MIN_POINTS = 5
-"""Four point pairs meet some affine epipolar geometry exactly."""
+"""An affine epipolar geometry fits four point pairs exactly."""
 _SAMPLE_SIZE = 4
-_NUM_REFITS = 3  # the weights hardly change after the second
+_NUM_REFITS = 3  # the weights change little after the second
 
 
 def affine_epipolar_distances(
     points0: np.ndarray, points1: np.ndarray, *, threshold: float, num_samples: int, rng: np.random.Generator
 ) -> np.ndarray | None:
-    """Distance of each point pair to the affine fundamental matrix that explains most of them, float64 (N,), px.
+    """Return the distance of each point pair to the affine fundamental matrix that explains most of them, px.
 
     The pairs (x0, y0, x1, y1) of one motion under an affine camera lie on a hyperplane; a pair's distance to it is its
     Sampson distance. The plane of the best of `num_samples` minimal samples is refined by reweighted least squares.
@@ -21,7 +23,7 @@ def affine_epipolar_distances(
     points0, points1 : float64 (N, 2)
         xy, px.
     threshold : float
-        Distance that counts as far, px.
+        Scale of the robust loss, px.
     num_samples : int
     rng : numpy.random.Generator
 
@@ -37,14 +39,13 @@ def affine_epipolar_distances(
     joint = np.concatenate([points0, points1], axis=1)
     if len(joint) < MIN_POINTS:
         return None
-    picked = np.argpartition(rng.random((num_samples, len(joint))), _SAMPLE_SIZE - 1, axis=1)[:, :_SAMPLE_SIZE]
-    samples = joint[picked]
+    samples = joint[draw_samples(len(joint), _SAMPLE_SIZE, num_samples, rng)]
     centres = samples.mean(axis=1)
     normals = np.linalg.svd(samples - centres[:, None])[2][:, -1]
     distances = np.abs(normals @ joint.T - np.sum(normals * centres, axis=1)[:, None])
     distance = distances[np.argmin(np.minimum(distances, threshold) ** 2 @ np.ones(len(joint)))]
     for _ in range(_NUM_REFITS):
-        # Of Geman and McClure's loss.
+        # Weight of the Geman-McClure loss.
         weight = (1.0 + (distance / threshold) ** 2) ** -2
         centred = joint - weight @ joint / weight.sum()
         distance = np.abs(centred @ np.linalg.eigh((centred.T * weight) @ centred)[1][:, 0])

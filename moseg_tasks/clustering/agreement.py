@@ -1,4 +1,4 @@
-"""Static by agreement: an object is dropped only where every view says that it is background."""
+"""Static by agreement: an object is static only if every view supports that it is background."""
 
 from collections.abc import Sequence
 
@@ -6,19 +6,19 @@ import numpy as np
 
 
 def agreed_static(supports: Sequence[np.ndarray], threshold: float) -> np.ndarray:
-    """Which objects every view takes for background, bool (K,); the background always.
+    """Return which objects are background in every view, bool (K,); the background always is.
 
-    An average of views would drop what one view is blind to and another cannot tell: trajectories do not see motion
-    along epipolar lines, and flow whose background fits badly sees nothing small. A view that does not know an object,
-    or does not know it well enough, does not agree. What no view knows at all is static, for nothing says that it
-    moves: specks too small for any model.
+    An average of views would drop objects whose motion one view cannot measure: trajectories do not detect motion along
+    epipolar lines, and flow does not detect small motions if the background fits badly. A view in which an object's
+    support is unknown, or too low, does not agree. Objects unknown to all views, too small for any model, are static:
+    there is no evidence that they move.
 
     Parameters
     ----------
     supports : sequence of float64 (K,)
-        Each view's ``static_support``; NaN where unknown.
+        Each view's ``static_support``; NaN if unknown.
     threshold : float
-        Least support that counts as a yes.
+        Smallest support that counts as agreement.
     """
     votes = np.stack(supports)
     agreed = (votes >= threshold).all(axis=0) | np.isnan(votes).all(axis=0)
@@ -27,7 +27,7 @@ def agreed_static(supports: Sequence[np.ndarray], threshold: float) -> np.ndarra
 
 
 def set_apart(views: np.ndarray, is_static: np.ndarray) -> np.ndarray:
-    """Affinities (V, K, K) with all static objects alike and none like any other object."""
+    """Return affinities (V, K, K) that are 1 between static objects and 0 between static and other objects."""
     same = is_static[:, None] == is_static[None, :]
     static = is_static[:, None] & is_static[None, :]
     return np.where(static, 1.0, np.where(same, views, 0.0))

@@ -1,4 +1,4 @@
-"""From the affinities of several views to motion groups."""
+"""Clustering of objects into motion groups, from the affinities of several views."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -8,12 +8,11 @@ import numpy as np
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import ClusteringParams
 from moseg.tasks.clustering.agreement import set_apart
-from moseg.tasks.clustering.count_motions import CountEvidence, MotionCount, count_motions
+from moseg.tasks.clustering.count_motions import CountEvidence, MotionCount, count_by_eigengap, count_motions
 from moseg.tasks.clustering.fusion import fill_unknown, fuse_kernels, unit_diagonal
 from moseg.tasks.clustering.kmeans import cluster_points
 from moseg.tasks.clustering.linkage import link_objects
 from moseg.tasks.clustering.motion_tracks import MotionTracks
-from moseg.tasks.clustering.num_motions import count_by_eigengap
 from moseg.tasks.clustering.spectral import Embedding, embed_views
 from moseg.tasks.clustering.stability import resampled_affinities
 
@@ -28,14 +27,14 @@ class Clustering(NamedTuple):
     embedding : float64 (K, D)
         Spectral coordinates, rows of unit length.
     eigenvalues : float64 (V, K)
-        Of each clustered kernel's normalised affinity, descending; one row where the views were made one kernel.
+        Eigenvalues of each clustered kernel's normalised affinity, descending; one row if the views were fused.
     num_motions : int
-        Groups, the background's included.
+        Number of groups, including the background's.
     objective : float64 (iterations,)
         The co-regularised objective after each round.
     scores : float64 (C,)
-        What the number of motions was chosen by where it was found by comparing 1, 2, ... C groups, the larger the
-        better; else empty.
+        Scores of 1, 2, ... C groups if the number of motions was found by comparing them, the largest is best; else
+        empty.
     """
 
     motion: np.ndarray
@@ -56,27 +55,27 @@ def cluster_motions(
 ) -> Clustering:
     """Group objects by motion.
 
-    Nothing here is random but what is fitted to tracks, where they tell the number of motions. The order of the objects
-    other than the background does not matter: they are handled in an order that follows from their affinities, so that
-    even a nearly diagonal affinity tells nothing by its order. Objects that no affinity tells apart can be swapped.
+    Only fits to tracks, where these determine the number of motions, are random. The result does not depend on the
+    order of the objects other than the background: they are sorted by their affinities, so that even the order of a
+    nearly diagonal affinity has no effect. Objects of equal affinities may be swapped.
 
     Parameters
     ----------
     affinities : sequence of float64 (K, K)
-        One for each view, symmetric and non-negative; object 0 is the background; NaN where unknown (``fill_unknown``
-        says what then holds).
+        One for each view, symmetric and non-negative; object 0 is the background; NaN if unknown (see
+        ``fill_unknown``).
     num_motions : int, optional
-        Motions with the background's, at most K in effect. None finds it, by `params.auto`: ``threshold`` merges groups
-        of the fused kernel while they are alike, and can answer 1; it needs affinities with a scale, that of ORK only
-        tells more from less. ``eigengap`` needs none, but seldom answers 1. The other methods are those of
-        ``count_motions``.
+        Number of motions including the background's, reduced to K if larger. None: it is found by `params.auto`.
+        ``threshold`` merges groups of the fused kernel while they are alike, and can return 1; it needs affinities with
+        a scale, which those of ORK do not have. ``eigengap`` needs no scale, but rarely returns 1. The other methods
+        are those of ``count_motions``.
     params : ClusteringParams
     is_static : bool (K,), optional
-        What is static where it is known beforehand (``agreed_static``), the background with it: it is one group, and
-        the affinities only group the other objects. None leaves that to the clustering: the background's group.
+        Static objects, including the background, if they are known beforehand (``agreed_static``): they are one group,
+        and the affinities only group the other objects. None: the clustering decides, by the background's group.
     tracks : sequence of MotionTracks
-        Each section's, owned by objects. Read, as is `rng`, where the number of motions is found by them:
-        ``description_length``, ``geometric`` and ``stability``.
+        Tracks of each section, owned by objects. They and `rng` are read by the methods ``description_length``,
+        ``geometric`` and ``stability``.
     rng : numpy.random.Generator, optional
 
     Returns
@@ -86,14 +85,14 @@ def cluster_motions(
     Raises
     ------
     InputError
-        Where there is no view, the views disagree in shape, `num_motions` is below 1, it is given together with
-        `is_static`, which may leave fewer or more, or the number is to be found by tracks and there are none.
+        If there is no view, the views disagree in shape, `num_motions` is below 1 or given together with `is_static`,
+        which may result in another number, or the number is found by tracks and there are none.
     """
     _check(affinities, num_motions, is_static)
     views = fill_unknown([unit_diagonal(affinity) for affinity in affinities])
     if is_static is not None:
         views = set_apart(views, is_static)
-    # Of one view nothing is read of how several are fused, nor is it in the recipe.
+    # For one view the parameters of fusion are not read, and the recipe does not contain them.
     is_coregularised = len(views) > 1 and params.fusion == "coregularised"
     kernel = fuse_kernels(views, params.fusion) if len(views) > 1 else views[0]
     order = _content_order(kernel)
@@ -114,6 +113,7 @@ def cluster_motions(
 
 
 def _check(affinities, num_motions, is_static) -> None:
+    """Raise InputError for inconsistent arguments of `cluster_motions`."""
     if len(affinities) == 0:
         raise InputError("no view to cluster", where="cluster_motions", got="0 affinities", expected="one or more")
     shapes = {np.shape(affinity) for affinity in affinities}
@@ -133,15 +133,15 @@ def _check(affinities, num_motions, is_static) -> None:
 
 
 def _content_order(kernel: np.ndarray) -> np.ndarray:
-    """The background, then the other objects by their affinity to it and, where equal, by all their affinities."""
-    # Rounded: the same affinities summed in another order may differ in their last bits.
+    """Order the background first, then the objects by their affinity to it and, if equal, by all affinities."""
+    # Rounded, because the same affinities summed in another order may differ in their last bits.
     profile = np.round(np.column_stack([kernel[:, 0], np.sort(kernel, axis=1)]), 9)
     others = 1 + np.lexsort(profile[1:].T[::-1])
     return np.concatenate([[0], others]).astype(np.int64)
 
 
 class _Objects(NamedTuple):
-    """Objects in the order of their content, and how they are grouped."""
+    """Objects in the order of their affinities, and the parameters of their grouping."""
 
     kernel: np.ndarray
     views: np.ndarray
@@ -149,30 +149,30 @@ class _Objects(NamedTuple):
     params: ClusteringParams
 
     def group(self, count: int) -> tuple[np.ndarray, Embedding]:
-        """Labels of so many groups, and the embedding."""
+        """Return the labels of `count` groups, and the embedding."""
         embedding = _embed(self.views, count, self.params)
         if self.params.grouping == "spectral":
             labels = cluster_points(embedding.coordinates, count)
         else:
             labels = link_objects(self.kernel, num_clusters=count)
         if self.is_static is not None:
-            # Linkage never joins what was set apart; k-means on too few coordinates can.
+            # Linkage never joins static and other objects; k-means on too few coordinates can.
             labels = np.where(self.is_static, labels.max() + 1, labels)
         return labels, embedding
 
     def groupings(self) -> list[np.ndarray]:
-        """Labels of 1, 2, ... groups."""
-        most = min(self.params.count.most_motions, len(self.kernel))
-        return [self.group(count)[0] for count in range(1, most + 1)]
+        """Return the labels of 1, 2, ... groups."""
+        max_motions = min(self.params.count.most_motions, len(self.kernel))
+        return [self.group(count)[0] for count in range(1, max_motions + 1)]
 
-    def seen_as(self, affinity: np.ndarray) -> "_Objects":
-        """The same objects under another affinity."""
+    def with_affinity(self, affinity: np.ndarray) -> "_Objects":
+        """Return the same objects with another affinity."""
         view = affinity[None] if self.is_static is None else set_apart(affinity[None], self.is_static)
         return self._replace(kernel=view[0], views=view)
 
 
 def _count(objects: _Objects, tracks: Sequence[MotionTracks], rng: np.random.Generator | None) -> MotionCount:
-    """Groups to ask for where the number of motions is not given."""
+    """Find the number of groups if the number of motions is not given."""
     params = objects.params
     if params.auto == "threshold":
         return MotionCount(int(link_objects(objects.kernel, threshold=params.threshold).max()) + 1, np.empty(0))
@@ -184,18 +184,19 @@ def _count(objects: _Objects, tracks: Sequence[MotionTracks], rng: np.random.Gen
         if rng is None or len(tracks) == 0:
             raise InputError("no tracks to resample", where="cluster_motions: stability", expected="tracks, rng")
         affinities = resampled_affinities(tracks, len(objects.kernel), params.count, rng)
-        resampled = [objects.seen_as(affinity).groupings() for affinity in affinities]
+        resampled = [objects.with_affinity(affinity).groupings() for affinity in affinities]
     evidence = CountEvidence(objects.groupings(), objects.kernel, eigenvalues, tracks, resampled)
     return count_motions(evidence, params.auto, params.count, rng)
 
 
 def _embed(views: np.ndarray, dimension: int, params: ClusteringParams) -> Embedding:
+    """Return the embedding of one view, or the co-regularised one of several."""
     if len(views) == 1:
         return embed_views(views, dimension)
     return embed_views(views, dimension, params.co_regularisation, params.num_iterations, params.tolerance)
 
 
 def _background_first(labels: np.ndarray) -> np.ndarray:
-    """Labels uint16 renumbered in the order of their first objects; object 0 comes first."""
+    """Renumber labels in the order of their first objects, uint16; that of object 0 is 0."""
     _, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
     return np.argsort(np.argsort(first))[inverse].astype(np.uint16)

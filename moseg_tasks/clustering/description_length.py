@@ -1,4 +1,4 @@
-"""The number of motions that describes the tracks in the fewest words: a likelihood and the price of its parameters."""
+"""The number of motions of minimal description length: a likelihood and a penalty on its parameters."""
 
 import math
 from collections.abc import Sequence
@@ -11,9 +11,9 @@ from moseg.tasks.clustering.motion_tracks import MotionTracks
 
 _FUNDAMENTAL_DOF, _HOMOGRAPHY_DOF, _AFFINE_DOF = 7, 8, 4
 _FIRST_INLIERS, _FIRST_NOISE = 0.7, 0.2
-"""Where the alternation starts: share of inliers, and noise, px."""
+"""Start of the alternation: share of inliers, and noise, px."""
 _NUM_ROUNDS = 15
-"""The description changes by less than a nat after ten."""
+"""After ten, the description length changes by less than a nat."""
 
 
 def description_lengths(
@@ -22,23 +22,23 @@ def description_lengths(
     params: MotionCountParams,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """Description length of the tracks under each labeling int (K,), nats, float64 (len(labelings),).
+    """Return the description length of the tracks under each labeling int (K,), nats, float64 (len(labelings),).
 
-    Every motion has an epipolar geometry of its own in every frame pair, a fundamental matrix or, of fewer parameters,
-    an affine one: whichever describes its observations in fewer nats, or none; in pairs without parallax a homography.
-    An observation is Gaussian noise around it or one of the outliers, which lie anywhere. Noise and share of outliers
-    are those that describe the labeling best and are the same for all its motions. A parameter is worth half the
+    Every motion has its own epipolar geometry in every frame pair, a fundamental matrix or, of fewer parameters, an
+    affine one: the one that describes its observations in fewer nats, or none; in pairs without parallax a homography.
+    An observation is an inlier with Gaussian noise or a uniformly distributed outlier. Noise and share of outliers are
+    those that describe the labeling best and are the same for all its motions. The penalty on a parameter is half the
     logarithm of the number of observations, as in the Bayesian information criterion.
 
-    The price makes what a motion must gain depend on how much there is to gain by chance. A cost with a fixed penalty,
-    right for five hundred tracks, splits a hundred without need and overlooks a mover of twenty.
+    With this penalty, the required gain of a motion depends on the gain that is possible by chance. A cost with a fixed
+    penalty that suits five hundred tracks splits groups of a hundred and merges movers of twenty tracks.
 
     Parameters
     ----------
     labelings : sequence of int (K,)
     tracks : sequence of MotionTracks
     params : MotionCountParams
-        What `COUNT_READS` names for ``description_length``.
+        `COUNT_READS` lists the parameters that are read.
     rng : numpy.random.Generator
 
     References
@@ -52,7 +52,7 @@ def description_lengths(
 
 
 def description_length(distances: MotionDistances, params: MotionCountParams) -> float:
-    """Nats that observations and the parameters of their motions take; 0 without observations."""
+    """Return the nats of the observations and of the parameters of their motions; 0 without observations."""
     num = len(distances.fit)
     if num == 0:
         return 0.0
@@ -65,17 +65,17 @@ def description_length(distances: MotionDistances, params: MotionCountParams) ->
     # A distance is infinite for all observations of a fit or for none.
     unfitted = np.stack([of_fits(np.isinf(row)) > 0 for row in squared])
     squared = np.where(np.isfinite(squared), squared, 0.0)
-    # A homography leaves a point no freedom, an epipolar geometry a line.
+    # A homography maps a point to a point, an epipolar geometry to a line.
     codimension = np.where(distances.is_flat, 2, 1)
     is_flat = of_fits(distances.is_flat) > 0
     dof = np.stack([np.where(is_flat, _HOMOGRAPHY_DOF, _FUNDAMENTAL_DOF), np.full(num_fits, _AFFINE_DOF)])
-    price = params.parameter_price * math.log(num)
+    penalty = params.parameter_price * math.log(num)
     inliers, variance = _FIRST_INLIERS, _FIRST_NOISE**2
     for _ in range(_NUM_ROUNDS):
         log_inlier = math.log(inliers) - (codimension * math.log(2 * math.pi * variance) + squared / variance) / 2
         log_outlier = math.log(1 - inliers) - codimension * math.log(2 * params.outlier_range)
         log_density = np.logaddexp(log_inlier, log_outlier)
-        modelled = price * dof - np.stack([of_fits(row) for row in log_density])
+        modelled = penalty * dof - np.stack([of_fits(row) for row in log_density])
         nats = np.vstack([np.where(unfitted, np.inf, modelled), -of_fits(log_outlier)])
         choice = nats.argmin(axis=0)[distances.fit]
         model = np.minimum(choice, 1)[None]

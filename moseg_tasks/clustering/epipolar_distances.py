@@ -1,4 +1,4 @@
-"""How far tracks are from obeying the two-view geometries of the motions that a labeling puts them in."""
+"""Distances of tracks to the two-view geometries of the motions of a labeling."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -14,22 +14,22 @@ from moseg.tasks.geometry.poselib_fundamental import poselib_fundamental
 from moseg.tasks.geometry.ransac import HOMOGRAPHY, RobustFit, ransac
 from moseg.tasks.geometry.sampson import sampson_squared
 
-_FUNDAMENTAL_POINTS = 8  # seven meet some fundamental matrix exactly
-_HOMOGRAPHY_POINTS = 5  # and four some homography
+_FUNDAMENTAL_POINTS = 8  # a fundamental matrix fits seven exactly
+_HOMOGRAPHY_POINTS = 5  # and a homography four
 
 
 class MotionDistances(NamedTuple):
-    """Distances of the M observations, a track seen in both frames of a pair, to their motion's models.
+    """Distances of the M observations, tracks visible in both frames of a pair, to their motion's models.
 
     Attributes
     ----------
     fit : int (M,)
-        Motion and frame pair of each, numbered from 0.
+        Motion and frame pair of each observation, numbered from 0.
     full : float64 (M,)
-        Sampson distance, px, to the motion's fundamental matrix, or homography where the pair shows no parallax;
-        infinite where too few points determine none.
+        Sampson distance, px, to the motion's fundamental matrix, or to its homography if the pair shows no parallax;
+        infinite for motions of too few points.
     affine : float64 (M,)
-        The same to an affine fundamental matrix; infinite where the pair shows no parallax as well.
+        Sampson distance to an affine fundamental matrix; also infinite if the pair shows no parallax.
     is_flat : bool (M,)
         Whether the pair shows no parallax.
     """
@@ -41,20 +41,22 @@ class MotionDistances(NamedTuple):
 
 
 class _Pair(NamedTuple):
+    """The observations of one frame pair."""
+
     points0: np.ndarray
     points1: np.ndarray
     owner: np.ndarray
     start: int
-    """Of its observations among those of all pairs."""
+    """Number of its first observation among those of all pairs."""
     is_flat: bool
 
 
 class EpipolarDistances:
-    """Fits two-view geometries to the motions of labelings; what labelings share is fitted once.
+    """Two-view geometries fitted to the motions of labelings; groups that labelings share are fitted once.
 
-    Where a homography explains an object that spans the scene, most of the time, the camera rests or only turns. A
-    fundamental matrix then has a direction to spare and explains a mover together with the static scene, so
-    homographies take its place. What does not span the scene may be flat by itself.
+    If a homography explains an object that spans the scene, in most pairs, the camera is still or only rotates. A
+    fundamental matrix is then not determined and can explain a mover together with the static scene, so homographies
+    replace it. An object that does not span the scene may be flat itself.
 
     Parameters
     ----------
@@ -63,20 +65,20 @@ class EpipolarDistances:
     num_owners : int
         K.
     params : MotionCountParams
-        What `COUNT_READS` names for ``geometric`` but its price.
+        `COUNT_READS` lists the parameters that are read.
     rng : numpy.random.Generator
 
     Raises
     ------
     InputError
-        Where the tracks are of wrong shape or owned by none of K.
+        If the tracks have a wrong shape or an owner outside 0 .. K - 1.
     """
 
     def __init__(
         self, tracks: Sequence[MotionTracks], num_owners: int, params: MotionCountParams, rng: np.random.Generator
     ):
         self._params = params
-        # Of all fits: those of a group must not depend on which were made before.
+        # One seed for all fits: the fit of a group must not depend on earlier fits.
         self._seed = int(rng.integers(2**31))
         self._fits: dict[bytes, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
         self._pairs: list[_Pair] = []
@@ -86,7 +88,7 @@ class EpipolarDistances:
             self._pairs += self._pairs_of(section)
 
     def of(self, labels: np.ndarray) -> MotionDistances:
-        """Distances to the motions of a labeling int (K,)."""
+        """Return the distances to the motions of a labeling int (K,)."""
         fit = np.empty(self.num_observations, np.int64)
         full, affine = np.empty((2, self.num_observations))
         for number, label in enumerate(np.unique(labels)):
@@ -102,7 +104,7 @@ class EpipolarDistances:
         return MotionDistances(np.unique(fit * len(sizes) + pair, return_inverse=True)[1], full, affine, is_flat)
 
     def _pairs_of(self, section: MotionTracks) -> list[_Pair]:
-        """The pairs of a section; where most show parallax the others are only slow."""
+        """Return the pairs of a section; if most show parallax, all are treated as such."""
         pairs = []
         for frame0, frame1 in frame_pairs(section.points.shape[1], self._params.gap):
             seen = section.visible[:, frame0] & section.visible[:, frame1]
@@ -116,7 +118,7 @@ class EpipolarDistances:
         return [pair._replace(is_flat=False) for pair in pairs]
 
     def _is_flat(self, points0: np.ndarray, points1: np.ndarray, owner: np.ndarray, number: int) -> bool:
-        """Whether a homography explains the object whose tracks reach farthest, if they reach far enough."""
+        """Return whether a homography explains the object of widest spread, if that is wide enough."""
         objects = [owner == index for index in np.flatnonzero(np.bincount(owner) >= _FUNDAMENTAL_POINTS)]
         if not objects:
             return False
@@ -130,7 +132,7 @@ class EpipolarDistances:
         return homography.inlier_mask.sum() >= self._params.homography_ratio * fundamental.inlier_mask.sum()
 
     def _fit(self, members: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Numbers of the members' observations, and their distances to a fit of each kind."""
+        """Return the numbers of the members' observations, and their distances to a fit of each kind."""
         found: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = [(np.empty(0, np.int64), np.empty(0), np.empty(0))]
         for number, pair in enumerate(self._pairs):
             own = np.flatnonzero(members[pair.owner])
@@ -149,6 +151,7 @@ class EpipolarDistances:
         return where, full, affine
 
     def _fundamental(self, points0: np.ndarray, points1: np.ndarray, number: int) -> RobustFit | None:
+        """Fit a fundamental matrix to the points of pair `number`."""
         return poselib_fundamental(
             points0,
             points1,
@@ -158,6 +161,7 @@ class EpipolarDistances:
         )
 
     def _homography(self, points0: np.ndarray, points1: np.ndarray, number: int) -> RobustFit:
+        """Fit a homography to the points of pair `number`."""
         return ransac(
             HOMOGRAPHY,
             points0,
@@ -169,6 +173,7 @@ class EpipolarDistances:
         )
 
     def _affine(self, points0: np.ndarray, points1: np.ndarray, number: int) -> np.ndarray | None:
+        """Return distances to an affine fundamental matrix fitted to the points of pair `number`."""
         return affine_epipolar_distances(
             points0,
             points1,

@@ -1,4 +1,4 @@
-"""Affinities of several views: what is unknown is filled in, and kernels become one."""
+"""Fusion of the affinities of several views, and completion of their unknown values."""
 
 from collections.abc import Sequence
 
@@ -6,23 +6,23 @@ import numpy as np
 
 
 def unit_diagonal(affinity: np.ndarray) -> np.ndarray:
-    """Cosine-normalised affinity ``a_ij / sqrt(a_ii a_jj)``: ranks, which have no scale, come to 0..1 as well."""
+    """Normalise an affinity to ``a_ij / sqrt(a_ii a_jj)``, so that ranks, which have no scale, are in 0..1 as well."""
     diagonal = np.diag(affinity)
     root = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     return np.where(np.isfinite(affinity), affinity / (root[:, None] * root[None, :]), np.nan)
 
 
 def fill_unknown(affinities: Sequence[np.ndarray]) -> np.ndarray:
-    """Affinities without NaN, float64 (V, K, K).
+    """Return the affinities without NaN, float64 (V, K, K).
 
-    What one view does not know (objects that it never saw together) it takes from the mean of the views that do. What
-    no view knows follows the best chain over other objects: the largest product of known affinities, 0 where no chain
-    exists. An object of which nothing at all is known joins the background: nothing says that it moves.
+    A value unknown in one view (two objects never visible together) is the mean of the views that have it. A value
+    unknown in all views is that of the best chain over other objects: the largest product of known affinities, 0 if
+    there is no chain. An object without any known affinity joins the background: there is no evidence that it moves.
 
     Parameters
     ----------
     affinities : sequence of float64 (K, K)
-        In 0..1; NaN where unknown.
+        In 0..1; NaN if unknown.
     """
     views = np.stack([np.asarray(a, dtype=np.float64) for a in affinities])
     known = np.isfinite(views)
@@ -38,7 +38,7 @@ def fill_unknown(affinities: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def best_chain(affinity: np.ndarray) -> np.ndarray:
-    """Largest product of affinities along any path between two objects, float64 (K, K)."""
+    """Return the largest product of affinities along any path between two objects, float64 (K, K)."""
     chained = affinity.copy()
     for middle in range(len(chained)):
         chained = np.maximum(chained, chained[:, middle, None] * chained[None, middle, :])
@@ -46,9 +46,9 @@ def best_chain(affinity: np.ndarray) -> np.ndarray:
 
 
 def fuse_kernels(views: np.ndarray, fusion: str) -> np.ndarray:
-    """One kernel (K, K) of all views (V, K, K).
+    """Fuse all views (V, K, K) into one kernel (K, K).
 
-    ``product`` is their geometric mean: it averages the exponents, so that a view which clearly sees two motions
-    outweighs one that is blind to their difference, and one scale holds for any number of views. ``sum`` is the mean.
+    ``product`` is their geometric mean: it averages the exponents, so that a view that separates two motions clearly
+    outweighs one that does not, and the scale is the same for any number of views. ``sum`` is the arithmetic mean.
     """
     return views.prod(axis=0) ** (1.0 / len(views)) if fusion == "product" else views.mean(axis=0)

@@ -1,11 +1,11 @@
-"""The number of motions by how well rigid motions explain the tracks, at a fixed price for each."""
+"""The number of motions by the residuals of the tracks under rigid motions, with a fixed penalty per motion."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from moseg.schemas.parameters.clustering import MotionCountParams
-from moseg.tasks.clustering.epipolar_distances import EpipolarDistances
+from moseg.tasks.clustering.epipolar_distances import EpipolarDistances, MotionDistances
 from moseg.tasks.clustering.motion_tracks import MotionTracks
 
 
@@ -15,19 +15,19 @@ def geometric_costs(
     params: MotionCountParams,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """Cost of each labeling int (K,): mean truncated squared distance, and so much for each motion, float64.
+    """Return the cost of each labeling int (K,), float64: mean truncated squared distance and a penalty per motion.
 
     ``mean(min(d, tau)² / tau²) + l k`` with d the Sampson distance of an observation to the fundamental matrix of its
-    motion in its frame pair, to a homography where the pair shows no parallax, or to an affine fundamental matrix where
-    points are too few; where they are too few even for that, an observation costs 1. The cost does not see what it
-    gains by chance: tau has to suit the noise and l the number of tracks.
+    motion in its frame pair, to a homography if the pair shows no parallax, or to an affine fundamental matrix for few
+    points; with too few points for that, the cost of an observation is 1. The cost does not account for gains by
+    chance: tau has to suit the noise and l the number of tracks.
 
     Parameters
     ----------
     labelings : sequence of int (K,)
     tracks : sequence of MotionTracks
     params : MotionCountParams
-        What `COUNT_READS` names for ``geometric``; `truncation` is tau and `motion_price` l.
+        `COUNT_READS` lists the parameters that are read; `truncation` is tau and `motion_price` l.
     rng : numpy.random.Generator
     """
     fits = EpipolarDistances(tracks, len(labelings[0]), params, rng)
@@ -39,8 +39,8 @@ def geometric_costs(
     )
 
 
-def _mean_cost(distances, truncation: float) -> float:
-    """Of an observation, 0..1; 0 where there is none."""
+def _mean_cost(distances: MotionDistances, truncation: float) -> float:
+    """Return the mean cost of an observation, 0..1; 0 if there is none."""
     if len(distances.fit) == 0:
         return 0.0
     distance = np.where(np.isinf(distances.full), distances.affine, distances.full)

@@ -1,21 +1,19 @@
-"""k-means of a few points: the optimum itself where points are few enough to try every partition."""
+"""k-means: the optimum of a few points, found by trying every partition, and Lloyd's algorithm for more."""
 
 from functools import lru_cache
 
 import numpy as np
 
-from moseg.tasks.clustering.random_kmeans import cluster_many_points
-
-MOST_EXACT = 10
+MAX_EXACT = 10
 """Ten points have 115,975 partitions, which take some 20 ms; eleven have six times as many."""
 _NUM_STARTS, _SEED = 30, 0
 
 
 def cluster_points(points: np.ndarray, num_clusters: int) -> np.ndarray:
-    """Return the label of each point in the partition of least inertia.
+    """Return the label of each point in the partition of minimal inertia.
 
-    Of up to ten points it is the optimum, found among all partitions; of more, the best of 30 runs of Lloyd's
-    algorithm from k-means++ starts, which are drawn from a fixed seed.
+    For up to ten points it is the optimum over all partitions; for more, the best of 30 runs of Lloyd's algorithm from
+    k-means++ starts, which are drawn from a fixed seed.
 
     Parameters
     ----------
@@ -26,9 +24,9 @@ def cluster_points(points: np.ndarray, num_clusters: int) -> np.ndarray:
     Returns
     -------
     int64 (N,)
-        Labels from 0 in the order of each cluster's first point, at most k; fewer are in use where points coincide.
+        Labels from 0 in the order of each cluster's first point, at most k; fewer are in use if points coincide.
     """
-    if len(points) <= MOST_EXACT:
+    if len(points) <= MAX_EXACT:
         return _best_partition(points, num_clusters)
     num_distinct = len(np.unique(points, axis=0))
     labels = cluster_many_points(points, min(num_clusters, num_distinct), _NUM_STARTS, _SEED)
@@ -36,22 +34,51 @@ def cluster_points(points: np.ndarray, num_clusters: int) -> np.ndarray:
     return np.argsort(np.argsort(first))[inverse]
 
 
+def cluster_many_points(points: np.ndarray, count: int, num_starts: int, seed: int) -> np.ndarray:
+    """Return the label of each point in the best of several k-means runs, each with its own k-means++ start.
+
+    Parameters
+    ----------
+    points : float64 (N, D)
+    count : int
+        Number of clusters, at most N.
+    num_starts, seed : int
+
+    Returns
+    -------
+    labels : int64 (N,)
+        From 0, each in use; fewer than `count` if points coincide.
+
+    References
+    ----------
+    D. Arthur and S. Vassilvitskii, "k-means++: the advantages of careful seeding", SODA 2007.
+    """
+    # Imported here because it takes half a second with scipy.stats, which every process would need at its start.
+    from sklearn.cluster import KMeans
+
+    if count == 1:
+        return np.zeros(len(points), dtype=np.int64)
+    labels = KMeans(count, n_init=num_starts, random_state=seed).fit(points).labels_
+    return np.unique(labels, return_inverse=True)[1]
+
+
 def _best_partition(points: np.ndarray, num_clusters: int) -> np.ndarray:
+    """Return the labels of the partition of minimal inertia among all."""
     partitions = _partitions(len(points), num_clusters)
     inertia = _subset_inertias(points)[_subsets(len(points), num_clusters)].sum(axis=1)
-    # Rounded, so that of equal partitions the one of fewest clusters is taken, whatever the rounding of their sums.
+    # Rounded, so that among equal partitions the one of fewest clusters is taken, independent of rounding errors.
     return partitions[np.argmin(np.round(inertia, 12))].astype(np.int64)
 
 
 @lru_cache(maxsize=16)
-def _partitions(num_points: int, most_clusters: int) -> np.ndarray:
-    """Every partition into at most so many clusters, int8 (P, N), those of fewer clusters first.
+def _partitions(num_points: int, max_clusters: int) -> np.ndarray:
+    """Return every partition into at most `max_clusters` clusters, int8 (P, N), those of fewer clusters first.
 
-    A row labels clusters in the order of their first points, so that no partition comes twice.
+    A row labels clusters in the order of their first points, so that no partition is repeated.
     """
     rows = np.zeros((1, 1), np.int8)
     for _ in range(num_points - 1):
-        choices = np.minimum(rows.max(axis=1) + 2, most_clusters)
+        choices = np.minimum(rows.max(axis=1) + 2, max_clusters)
         starts = np.repeat(np.cumsum(choices) - choices, choices)
         label = (np.arange(choices.sum()) - starts).astype(np.int8)
         rows = np.column_stack([np.repeat(rows, choices, axis=0), label])
@@ -59,14 +86,14 @@ def _partitions(num_points: int, most_clusters: int) -> np.ndarray:
 
 
 @lru_cache(maxsize=16)
-def _subsets(num_points: int, most_clusters: int) -> np.ndarray:
-    """The clusters of every partition as bit masks of their points, int64 (P, k); 0 where there is none."""
-    partitions, bits = _partitions(num_points, most_clusters), 1 << np.arange(num_points)
-    return np.stack([(partitions == label) @ bits for label in range(most_clusters)], axis=1)
+def _subsets(num_points: int, max_clusters: int) -> np.ndarray:
+    """Return the clusters of every partition as bit masks of their points, int64 (P, k); 0 for empty ones."""
+    partitions, bits = _partitions(num_points, max_clusters), 1 << np.arange(num_points)
+    return np.stack([(partitions == label) @ bits for label in range(max_clusters)], axis=1)
 
 
 def _subset_inertias(points: np.ndarray) -> np.ndarray:
-    """Sum of squared distances to the mean of every subset of points, float64 (2^N,), by bit mask."""
+    """Return the sum of squared distances to the mean of every subset of points, float64 (2^N,), by bit mask."""
     member = (np.arange(1 << len(points))[:, None] >> np.arange(len(points))) & 1
     size = np.maximum(member.sum(axis=1), 1)
     centred = points - points.mean(axis=0)

@@ -2,18 +2,18 @@
 
 import numpy as np
 
-_TIE = 1e-12  # affinities closer than this are equal: only rounding tells them apart
+_TIE = 1e-12  # affinities closer than this are equal up to rounding
 
 
 def link_objects(
     affinity: np.ndarray, *, num_clusters: int | None = None, threshold: float | None = None
 ) -> np.ndarray:
-    """Groups merged in the order of the affinity between them.
+    """Merge groups in the order of the affinity between them.
 
-    Two groups are as alike as their members are in the mean (average linkage). The background's group is represented by
-    object 0 alone: it covers most of the frame, so its model is the best known, while its small static companions
-    predict little of one another and would hold the next one off. Equal affinities merge objects before they join the
-    background.
+    The affinity of two groups is the mean over their members (average linkage). Only object 0 represents the
+    background's group: it covers most of the frame, so its model is the most accurate, while small static objects
+    predict each other badly and would keep others from joining. Of equal affinities, pairs without the background are
+    merged first.
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ def link_objects(
     num_clusters : int, optional
         Merging stops at this many groups.
     threshold : float, optional
-        Merging stops when no two groups are as alike as this; one of the two is given.
+        Merging stops when no two groups have this affinity; one of the two is given.
 
     Returns
     -------

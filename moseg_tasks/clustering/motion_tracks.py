@@ -1,4 +1,4 @@
-"""Point tracks and what the affinity's rows own of them: the data that a number of motions is tested against."""
+"""Point tracks and the affinity rows that own them: the data by which a number of motions is found."""
 
 from typing import NamedTuple
 
@@ -8,15 +8,15 @@ from moseg.schemas.errors import InputError
 
 
 class MotionTracks(NamedTuple):
-    """Tracks of a stretch of frames.
+    """Tracks of consecutive frames.
 
     Attributes
     ----------
     points : float (N, F, 2)
-        xy, px; any value where invisible.
+        xy, px; any value if invisible.
     visible : bool (N, F)
     owner : int (N,)
-        Row of the affinity that each track belongs to: its object, or at trajectory level the track itself.
+        Row of the affinity of each track: its object, or for trajectories the track itself.
     """
 
     points: np.ndarray
@@ -25,13 +25,13 @@ class MotionTracks(NamedTuple):
 
 
 def frame_pairs(num_frames: int, gap: int) -> list[tuple[int, int]]:
-    """Pairs of frames `gap` apart, or as far as a shorter stretch allows."""
+    """Return pairs of frames with distance `gap`, or the largest distance of fewer frames."""
     gap = min(gap, num_frames - 1)
     return [(frame, frame + gap) for frame in range(num_frames - gap)] if gap > 0 else []
 
 
 def check_tracks(tracks: MotionTracks, num_owners: int) -> None:
-    """Raise InputError where the arrays of `tracks` disagree or name an owner outside 0 .. num_owners - 1."""
+    """Raise InputError if the arrays of `tracks` disagree or contain an owner outside 0 .. num_owners - 1."""
     points, visible, owner = tracks
     if np.ndim(points) != 3 or points.shape[2] != 2 or visible.shape != points.shape[:2]:
         raise InputError(

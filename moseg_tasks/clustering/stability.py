@@ -1,4 +1,4 @@
-"""The number of motions by what comes back: clusterings of resampled frame pairs agree on motions that are there."""
+"""The number of motions by cluster stability: the agreement of clusterings of resampled frame pairs."""
 
 import itertools
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from moseg.tasks.clustering.motion_tracks import MotionTracks, check_tracks, fra
 def resampled_affinities(
     tracks: Sequence[MotionTracks], num_owners: int, params: MotionCountParams, rng: np.random.Generator
 ) -> list[np.ndarray]:
-    """Affinities of many hypotheses, each from a random half of the frame pairs, float64 (K, K) without NaN.
+    """Return affinities from many hypotheses, each from a random half of the frame pairs, float64 (K, K) without NaN.
 
     Parameters
     ----------
@@ -34,17 +34,17 @@ def resampled_affinities(
     return resampled
 
 
-def stability_scores(resampled: Sequence[Sequence[np.ndarray]], least_agreement: float) -> np.ndarray:
-    """Score of 1, 2, ... motions; the largest wins: the number on which the resamples agree best.
+def stability_scores(resampled: Sequence[Sequence[np.ndarray]], min_agreement: float) -> np.ndarray:
+    """Return the score of 1, 2, ... motions; the largest wins: the number on which the resamples agree best.
 
-    A single group agrees with itself whatever the data say, so it stands for `least_agreement`: it wins where no other
-    number comes to more. What divides a static scene, such as its depth, comes back too, and passes for motion.
+    A single group always agrees with itself, so its score is `min_agreement`: it wins if no other number exceeds that.
+    Clusters of a static scene, for example by depth, are stable too, and are then counted as motions.
 
     Parameters
     ----------
     resampled : sequence of sequences of int (K,)
         Each resample's clusterings into 1, 2, ... motions.
-    least_agreement : float
+    min_agreement : float
         Mean adjusted Rand index between two resamples, 1 where they are equal and about 0 by chance.
 
     Returns
@@ -56,11 +56,12 @@ def stability_scores(resampled: Sequence[Sequence[np.ndarray]], least_agreement:
     U. von Luxburg, "Clustering stability: an overview", Foundations and Trends in Machine Learning 2, 2010.
     """
     agreements = [_mean_agreement(labelings) for labelings in zip(*resampled, strict=True)]
-    return np.array([least_agreement, *agreements[1:]])
+    return np.array([min_agreement, *agreements[1:]])
 
 
 def _mean_agreement(labelings: Sequence[np.ndarray]) -> float:
-    # Half a second to import: see random_kmeans.
+    """Return the mean adjusted Rand index over pairs of labelings; 1 for a single one."""
+    # Imported here because it takes half a second, see `cluster_many_points`.
     from sklearn.metrics import adjusted_rand_score
 
     pairs = list(itertools.combinations(labelings, 2))
@@ -68,9 +69,10 @@ def _mean_agreement(labelings: Sequence[np.ndarray]) -> float:
 
 
 def _half(section: MotionTracks, num_owners: int, params: MotionCountParams, rng: np.random.Generator) -> np.ndarray:
+    """Return the affinity of a section from a random half of its frame pairs."""
     pairs = np.array(frame_pairs(section.points.shape[1], params.gap)).reshape(-1, 2)
     kept = np.sort(rng.permutation(len(pairs))[: (len(pairs) + 1) // 2])
-    # First frames, then second frames: all pairs are so many frames apart.
+    # First frames, then second frames, so that all pairs have the same gap.
     frames = pairs[kept].T.ravel()
     apart = params.affinity.model_copy(update={"gap": max(len(kept), 1)})
     return hypothesis_affinity(

@@ -11,7 +11,7 @@ import numpy as np
 
 
 def normalise_points(points: np.ndarray, image_shape: tuple[int, int]) -> np.ndarray:
-    """Pixel coordinates to normalised coordinates.
+    """Convert pixel coordinates to normalised coordinates.
 
     Parameters
     ----------
@@ -30,19 +30,19 @@ def normalise_points(points: np.ndarray, image_shape: tuple[int, int]) -> np.nda
 
 
 def pixel_scale(image_shape: tuple[int, int]) -> float:
-    """Pixels per unit of normalised coordinates: half the longer side."""
+    """Return the pixels per unit of normalised coordinates: half the longer side."""
     return max(image_shape) / 2
 
 
 def normalising_transform(image_shape: tuple[int, int]) -> np.ndarray:
-    """The 3 x 3 matrix T with normalised = T pixel, in homogeneous coordinates."""
+    """Return the 3 x 3 matrix T with normalised = T pixel, in homogeneous coordinates."""
     height, width = image_shape
     scale = 1 / pixel_scale(image_shape)
     return np.array([[scale, 0, -(width - 1) / 2 * scale], [0, scale, -(height - 1) / 2 * scale], [0, 0, 1]])
 
 
 def hartley_transform(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Hartley normalisation of each point set: centroid at 0, root mean square radius sqrt(2).
+    """Normalise each point set after Hartley: centroid at 0, root mean square radius sqrt(2).
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def hartley_transform(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     -------
     normalised : float64 (..., N, 2)
     transform : float64 (..., 3, 3)
-        normalised = transform points, homogeneous. Coincident points keep their scale.
+        normalised = transform points, homogeneous. The scale of coincident points is 1.
 
     References
     ----------
@@ -70,5 +70,5 @@ def hartley_transform(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def homogeneous(points: np.ndarray) -> np.ndarray:
-    """Points (..., 2) with a third coordinate 1."""
+    """Append a third coordinate 1 to points (..., 2)."""
     return np.concatenate([points, np.ones((*points.shape[:-1], 1))], axis=-1)

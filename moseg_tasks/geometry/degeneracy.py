@@ -1,4 +1,4 @@
-"""Why a fundamental matrix is not determined by the points it was fitted to."""
+"""Reasons why points do not determine the fundamental matrix fitted to them."""
 
 from enum import IntEnum
 
@@ -10,12 +10,12 @@ from moseg.tasks.geometry.eight_point import SAMPLE_SIZE, epipolar_equations
 
 
 class Degeneracy(IntEnum):
-    """Reason code of a fit, stored as uint8: the first that holds, in this order."""
+    """Reason code of a fit, stored as uint8: the first that applies, in this order."""
 
     NONE = 0
     """The points determine the fundamental matrix."""
     TOO_FEW_POINTS = 1
-    """Fewer points are visible in both frames than asked for."""
+    """Fewer points are visible in both frames than required."""
     NO_MODEL = 2
     """No fundamental matrix was found with as many inliers as the eight-point algorithm needs."""
     COLLINEAR = 3
@@ -23,7 +23,7 @@ class Degeneracy(IntEnum):
     HOMOGRAPHY = 4
     """A homography explains the points: a plane, a rotating or still camera, or a shallow object."""
     ILL_CONDITIONED = 5
-    """The epipolar equations of the inliers leave more than one solution."""
+    """The epipolar equations of the inliers have more than one solution."""
 
 
 def find_degeneracy(
@@ -34,7 +34,7 @@ def find_degeneracy(
     params: FundamentalParams,
     scale: float,
 ) -> Degeneracy:
-    """Whether the inliers of a fundamental matrix determine it.
+    """Return why the inliers of a fundamental matrix do not determine it, or NONE.
 
     Parameters
     ----------
@@ -70,20 +70,20 @@ def find_degeneracy(
 
 
 def point_spread(points: np.ndarray) -> float:
-    """Root mean square distance of points (N, 2) to their centroid, in their unit."""
+    """Return the root mean square distance of points (N, 2) to their centroid, in their unit."""
     return float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=1))))
 
 
 def line_distance(points: np.ndarray) -> float:
-    """Root mean square distance of points (N, 2) to their total-least-squares line, in their unit."""
+    """Return the root mean square distance of points (N, 2) to their total-least-squares line, in their unit."""
     centred = points - points.mean(axis=0)
     return float(np.linalg.svd(centred, compute_uv=False)[-1] / np.sqrt(len(points)))
 
 
 def epipolar_conditioning(points0: np.ndarray, points1: np.ndarray) -> float:
-    """Eighth over first singular value of the Hartley-normalised epipolar equations of N >= 8 points.
+    """Return the eighth over the first singular value of the Hartley-normalised epipolar equations of N >= 8 points.
 
-    0 where they leave more than one fundamental matrix, about 0.1 for points well spread in space.
+    0 if more than one fundamental matrix satisfies them, about 0.1 for points well spread in space.
     """
     A = epipolar_equations(hartley_transform(points0)[0], hartley_transform(points1)[0])
     singular = np.linalg.svd(A, compute_uv=False)

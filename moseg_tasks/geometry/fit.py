@@ -1,4 +1,4 @@
-"""A two-view model for each object's tracked points."""
+"""Fits of a two-view model to each object's tracked points."""
 
 from enum import IntEnum
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from moseg.tasks.geometry.ransac import FUNDAMENTAL, HOMOGRAPHY, RobustFit, rans
 
 
 class ModelKind(IntEnum):
-    """What the 3 x 3 matrix of an object is, stored as uint8."""
+    """Kind of the 3 x 3 matrix of an object, stored as uint8."""
 
     NONE = 0
     FUNDAMENTAL = 1
@@ -27,9 +27,9 @@ class FundamentalFits(NamedTuple):
     Attributes
     ----------
     F : float64 (K, 3, 3)
-        In pixel coordinates, unit Frobenius norm, entry of largest magnitude positive; 0 where not valid.
+        In pixel coordinates, unit Frobenius norm, entry of largest magnitude positive; 0 if not valid.
     valid : bool (K,)
-        Whether the model is to be used.
+        Whether the model is used.
     counts : int32 (K, 3)
         Points visible in both frames, inliers of the fundamental matrix, inliers of the best homography.
     reason : uint8 (K,)
@@ -46,7 +46,7 @@ class FundamentalFits(NamedTuple):
 
 
 class _Candidate(NamedTuple):
-    """What was fitted to one object, in normalised coordinates; a model is None where none was found."""
+    """Models fitted to one object, in normalised coordinates; None for a model that was not found."""
 
     fundamental: np.ndarray | None
     homography: np.ndarray | None
@@ -64,13 +64,13 @@ def fit_fundamentals(
     rng: np.random.Generator,
     image_shape: tuple[int, int],
 ) -> FundamentalFits:
-    """Fit each object's fundamental matrix and say whether its points determine it.
+    """Fit each object's fundamental matrix and test whether its points determine it.
 
-    A degenerate fit is treated as `params.degenerate` says. With "homography" it is kept, but where the camera sees no
-    parallax, a homography replaces it: a still or rotating camera and a plane leave the fundamental matrix arbitrary,
-    and an arbitrary one explains half of what moves. Whether there is parallax is read off the object whose points
-    spread widest, as a rule the background: a shallow object is explained by a homography in every scene, and one
-    extrapolated from there would tear it from a background that has parallax.
+    `params.degenerate` defines the treatment of a degenerate fit. With "homography" the fit is kept, but a homography
+    replaces it if the scene shows no parallax: with a still or rotating camera, or a plane, the fundamental matrix is
+    arbitrary, and an arbitrary one explains many moving points. The object whose points spread widest, usually the
+    background, decides whether there is parallax: a shallow object fits a homography in every scene, and its
+    extrapolated homography would separate it from a background that has parallax.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def fit_fundamentals(
         K.
     params : FundamentalParams
     rng : numpy.random.Generator
-        Each object draws from a child of its own, so its fit does not depend on the other objects' points.
+        Each object draws from its own child generator, so its fit does not depend on the other objects' points.
     image_shape : (int, int)
         Height and width, px.
 
@@ -93,7 +93,7 @@ def fit_fundamentals(
     Raises
     ------
     InputError
-        Where the arrays disagree in length or an object is out of range.
+        If the arrays disagree in length or an object is out of range.
     """
     check_tracks(points0, points1, object, num_objects)
     normalised0 = normalise_points(points0, image_shape)
@@ -121,7 +121,7 @@ def fit_fundamentals(
 
 
 def check_tracks(points0: np.ndarray, points1: np.ndarray, object: np.ndarray, num_objects: int) -> None:
-    """Raise InputError where the tracks of a frame pair are inconsistent."""
+    """Raise InputError if the tracks of a frame pair are inconsistent."""
     shape = (len(object), 2)
     for name, points in (("points0", points0), ("points1", points1)):
         if points.shape != shape:
@@ -133,7 +133,7 @@ def check_tracks(points0: np.ndarray, points1: np.ndarray, object: np.ndarray, n
 def _fit_object(
     points0: np.ndarray, points1: np.ndarray, params: FundamentalParams, rng: np.random.Generator, scale: float
 ) -> _Candidate:
-    """Both models of one object in normalised coordinates; `scale` is px per unit."""
+    """Fit both models of one object in normalised coordinates; `scale` is px per unit."""
     num_points = len(points0)
     if num_points < params.min_points:
         return _Candidate(None, None, Degeneracy.TOO_FEW_POINTS, (num_points, 0, 0), 0.0)
@@ -160,7 +160,7 @@ def _fit_object(
 
 
 def _choose_models(candidates: list[_Candidate], params: FundamentalParams) -> list[ModelKind]:
-    """Which of its two models each object takes."""
+    """Choose one of the two models for each object."""
     has_parallax = True
     if params.degenerate == "homography" and candidates:
         widest = max(candidates, key=lambda candidate: candidate.spread)
@@ -179,6 +179,6 @@ def _choose_models(candidates: list[_Candidate], params: FundamentalParams) -> l
 
 
 def _fix_gauge(matrix: np.ndarray) -> np.ndarray:
-    """The same projective matrix with unit Frobenius norm and a positive entry of largest magnitude."""
+    """Scale a projective matrix to unit Frobenius norm and a positive entry of largest magnitude."""
     largest = matrix.flat[np.argmax(np.abs(matrix))]
     return matrix * (np.sign(largest) / np.linalg.norm(matrix))

@@ -9,7 +9,7 @@ SAMPLE_SIZE = 4
 
 
 def homography_dlt(points0: np.ndarray, points1: np.ndarray) -> np.ndarray:
-    """Homographies from four or more point pairs each.
+    """Return the homographies of four or more point pairs each.
 
     Parameters
     ----------
@@ -19,7 +19,7 @@ def homography_dlt(points0: np.ndarray, points1: np.ndarray) -> np.ndarray:
     Returns
     -------
     H : float64 (..., 3, 3)
-        x1 ~ H x0, unit Frobenius norm. Arbitrary but finite where the points do not determine it.
+        x1 ~ H x0, unit Frobenius norm. Arbitrary but finite if the points do not determine it.
 
     References
     ----------
@@ -33,7 +33,7 @@ def homography_dlt(points0: np.ndarray, points1: np.ndarray) -> np.ndarray:
 
 
 def transfer_equations(points0: np.ndarray, points1: np.ndarray) -> np.ndarray:
-    """Two rows of x1 x (H x0) = 0 a point pair, linear in the nine entries of H (row-major): float64 (..., 2 N, 9)."""
+    """Return two rows of x1 x (H x0) = 0 per point pair, linear in the entries of H: float64 (..., 2 N, 9)."""
     x0 = homogeneous(points0)
     zero = np.zeros_like(x0)
     rows_x = np.concatenate([x0, zero, -points1[..., 0, None] * x0], axis=-1)
@@ -42,10 +42,10 @@ def transfer_equations(points0: np.ndarray, points1: np.ndarray) -> np.ndarray:
 
 
 def homography_sampson_squared(H: np.ndarray, points0: np.ndarray, points1: np.ndarray) -> np.ndarray:
-    """Squared Sampson distance of every point pair to every homography.
+    """Return the squared Sampson distance of every point pair to every homography.
 
-    It measures the same as `sampson_squared` (the least squared move of both points together, to first order), so the
-    two may be compared; the transfer error of a near-isometry is twice as large.
+    It measures the same as `sampson_squared` (the smallest squared displacement of both points together, to first
+    order), so the two are comparable; the transfer error of a near-isometry is twice as large.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def homography_sampson_squared(H: np.ndarray, points0: np.ndarray, points1: np.n
     Returns
     -------
     squared : float64 (..., N)
-        e' (J J')^-1 e with e the two transfer equations and J their derivative by (x0, y0, x1, y1); px^2 where the
+        e' (J J')^-1 e with e the two transfer equations and J their derivative by (x0, y0, x1, y1); px^2 if the
         points are in pixels.
 
     References
@@ -65,7 +65,7 @@ def homography_sampson_squared(H: np.ndarray, points0: np.ndarray, points1: np.n
     transferred = homogeneous(points0) @ np.swapaxes(H, -1, -2)
     weight = transferred[..., 2]
     error = transferred[..., :2] - points1 * weight[..., None]
-    # d error / d x0, entry by entry since sums over two are slow; its derivative by x1 is -weight times the identity.
+    # d error / d x0, entry by entry because sums over two are slow; the derivative by x1 is -weight times the identity.
     (J00, J01), (J10, J11) = (
         [H[..., None, row, column] - points1[:, row] * H[..., None, 2, column] for column in (0, 1)] for row in (0, 1)
     )

@@ -10,7 +10,7 @@ from moseg.tasks.geometry.sampson import sampson_squared
 def poselib_fundamental(
     points0: np.ndarray, points1: np.ndarray, *, threshold: float, num_samples: int, rng: np.random.Generator
 ) -> RobustFit | None:
-    """PoseLib's robust estimate, or None where it finds no model.
+    """Return PoseLib's robust estimate, or None if it finds no model.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def poselib_fundamental(
         "min_iterations": num_samples,
     }
     matrix, info = poselib.estimate_fundamental(points0, points1, options, {"loss_scale": threshold})
-    # Without a model PoseLib hands back uninitialised memory.
+    # Without a model PoseLib returns uninitialised memory.
     if info["num_inliers"] == 0 or not np.isfinite(matrix).all() or not matrix.any():
         return None
     matrix = matrix / np.linalg.norm(matrix)

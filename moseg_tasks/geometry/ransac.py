@@ -10,7 +10,7 @@ from moseg.tasks.geometry.sampson import sampson_squared
 
 
 class ModelFamily(NamedTuple):
-    """What RANSAC needs to know of a two-view model."""
+    """Solver and error metric of a two-view model, for RANSAC."""
 
     sample_size: int
     solve: Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -22,7 +22,7 @@ HOMOGRAPHY = ModelFamily(homography.SAMPLE_SIZE, homography.homography_dlt, homo
 
 
 class RobustFit(NamedTuple):
-    """A model and the points that agree with it."""
+    """A model and its inliers."""
 
     matrix: np.ndarray
     """float64 (3, 3)"""
@@ -40,10 +40,10 @@ def ransac(
     num_refits: int,
     rng: np.random.Generator,
 ) -> RobustFit:
-    """The model of least truncated squared distance over random minimal samples, refitted to its inliers.
+    """Return the model of smallest truncated squared distance over random minimal samples, refitted to its inliers.
 
-    All samples are solved at once; there is no early stop, so the time and the random stream depend on the number of
-    points alone.
+    All samples are solved at once; there is no early stop, so the time and the random stream depend only on the number
+    of points.
 
     Parameters
     ----------
@@ -54,9 +54,9 @@ def ransac(
     threshold : float
         Sampson distance of an inlier, in the unit of the points.
     num_samples : int
-        Minimal samples drawn.
+        Number of minimal samples.
     num_refits : int
-        Least-squares refits to the inliers, as long as they lower the cost.
+        Most least-squares refits to the inliers; they end when the cost no longer falls.
     rng : numpy.random.Generator
 
     Returns
@@ -68,66 +68,27 @@ def ransac(
     P. Torr and A. Zisserman, MLESAC, CVIU 2000 (the truncated cost, MSAC);
     O. Chum, J. Matas and J. Kittler, Locally optimized RANSAC, DAGM 2003.
     """
-    matrix, distance = search_model(
-        lambda index: family.solve(points0[index], points1[index]),
-        lambda models: family.distance_squared(models, points0, points1),
-        (len(points0), family.sample_size),
-        threshold=threshold,
-        num_samples=num_samples,
-        num_refits=num_refits,
-        rng=rng,
-    )
-    return RobustFit(matrix, distance < threshold**2)
-
-
-def search_model(
-    fit: Callable[[np.ndarray], np.ndarray],
-    distance_squared: Callable[[np.ndarray], np.ndarray],
-    sizes: tuple[int, int],
-    *,
-    threshold: float,
-    num_samples: int,
-    num_refits: int,
-    rng: np.random.Generator,
-) -> tuple[np.ndarray, np.ndarray]:
-    """The search of `ransac` for models of any kind.
-
-    Parameters
-    ----------
-    fit : function of an index
-        Models of samples, intp (num_samples, sample_size), or the one of the points in a mask, bool (N,).
-    distance_squared : function of models (H, ...)
-        Of every point to each of them, float64 (H, N).
-    sizes : (int, int)
-        N and the size of a sample.
-
-    Returns
-    -------
-    model : of `fit`
-    distance : float64 (N,)
-        Squared distances to it.
-    """
-    num_points, sample_size = sizes
-    models = fit(draw_samples(num_points, sample_size, num_samples, rng))
     limit = threshold**2
-    distances = distance_squared(models)
+    samples = draw_samples(len(points0), family.sample_size, num_samples, rng)
+    models = family.solve(points0[samples], points1[samples])
+    distances = family.distance_squared(models, points0, points1)
     costs = np.minimum(distances, limit).sum(axis=-1)
     best = int(np.argmin(costs))
     model, distance, cost = models[best], distances[best], costs[best]
     for _ in range(num_refits):
         inlier_mask = distance < limit
-        if inlier_mask.sum() < sample_size:
+        if inlier_mask.sum() < family.sample_size:
             break
-        refit = fit(inlier_mask)
-        refit_distance = distance_squared(refit[None])[0]
+        refit = family.solve(points0[inlier_mask], points1[inlier_mask])
+        refit_distance = family.distance_squared(refit[None], points0, points1)[0]
         refit_cost = np.minimum(refit_distance, limit).sum()
         if refit_cost >= cost:
             break
         model, distance, cost = refit, refit_distance, refit_cost
-    return model, distance
+    return RobustFit(model, distance < limit)
 
 
 def draw_samples(num_points: int, sample_size: int, num_samples: int, rng: np.random.Generator) -> np.ndarray:
-    """Indices of random samples without repetition inside a sample: intp (num_samples, sample_size)."""
+    """Draw the indices of random samples, without repetition inside a sample: intp (num_samples, sample_size)."""
     keys = rng.random((num_samples, num_points))
     return np.argpartition(keys, sample_size - 1, axis=1)[:, :sample_size]

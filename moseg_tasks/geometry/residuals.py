@@ -1,4 +1,4 @@
-"""How well each object's two-view model explains every object's tracked points."""
+"""Residuals of every object's tracked points under each object's two-view model."""
 
 import numpy as np
 
@@ -14,10 +14,10 @@ _STATISTICS = {"median": np.median, "mean": np.mean}
 def fundamental_residuals(
     fits: FundamentalFits, points0: np.ndarray, points1: np.ndarray, object: np.ndarray, params: FundamentalParams
 ) -> np.ndarray:
-    """Squared Sampson distance of each object's points to each object's model.
+    """Return the squared Sampson distance of each object's points to each object's model.
 
-    The paper takes the mean over the points. The median is the default, for one mistracked point or a few pixels of
-    background inside a mask otherwise decide.
+    The paper takes the mean over the points. The median is the default because a mean depends on single mistracked
+    points and on a few pixels of background inside a mask.
 
     Parameters
     ----------
@@ -33,12 +33,12 @@ def fundamental_residuals(
     Returns
     -------
     residual : float64 (K, K)
-        [model, data], px^2. NaN where the model is not valid or the data object has fewer than `min_points` points.
+        [model, data], px^2. NaN if the model is not valid or the data object has fewer than `min_points` points.
 
     Raises
     ------
     InputError
-        Where the arrays disagree in length or an object is out of range.
+        If the arrays disagree in length or an object is out of range.
     """
     num_objects = len(fits.F)
     check_tracks(points0, points1, object, num_objects)

@@ -4,9 +4,8 @@ from moseg.tasks.metrics.assign_objects import assign_objects
 from moseg.tasks.metrics.boundary_similarity import BOUNDARY_TOLERANCE, boundary_map, boundary_similarity
 from moseg.tasks.metrics.clustering_error import clustering_error
 from moseg.tasks.metrics.foreground_scores import ForegroundScores, score_foreground
-from moseg.tasks.metrics.overlaps import Overlaps, add_overlaps, count_overlaps
+from moseg.tasks.metrics.overlaps import Overlaps, add_overlaps, count_overlaps, region_similarity
 from moseg.tasks.metrics.point_scores import PointPairs, count_point_overlaps, sample_points, score_points
-from moseg.tasks.metrics.region_similarity import region_similarity
 from moseg.tasks.metrics.score_sequence import FramePairs, score_sequence
 
 __all__ = [

@@ -1,29 +1,29 @@
-"""Which predicted object stands for which ground-truth object."""
+"""Assignment of predicted objects to ground-truth objects."""
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from moseg.tasks.metrics.overlaps import Overlaps
 
-# Below any difference of two sums of F-measures that counts, above their rounding error.
+# Below any significant difference of two sums of F-measures, above their rounding error.
 _TIE_WEIGHT = 1e-9
 
 
 def assign_objects(overlaps: Overlaps) -> dict[int, int]:
-    """Assign predicted to true objects one to one so that the sum of the pairs' F-measures is greatest.
+    """Assign predicted to true objects one to one so that the sum of the pairs' F-measures is maximal.
 
-    The F-measure of a pair is that of their (frame, y, x) masks, ``2 |c and g| / (|c| + |g|)``. Among assignments of
-    equal sum the one that shares most pixels is taken, so that scores don't depend on how objects are numbered.
+    The F-measure of a pair is that of their (frame, y, x) masks, ``2 |c and g| / (|c| + |g|)``. Of assignments of
+    equal sum the one with most shared pixels is taken, so that scores do not depend on the numbers of objects.
 
     Parameters
     ----------
     overlaps : Overlaps
-        Of the whole sequence, void pixels left out.
+        Overlaps of the whole sequence, without void pixels.
 
     Returns
     -------
     dict of int to int
-        True label to predicted label; objects without a partner, or whose partner shares no pixel, are left out.
+        True label to predicted label; without objects that have no partner, or a partner that shares no pixel.
 
     References
     ----------

@@ -10,11 +10,11 @@ BOUNDARY_TOLERANCE = 0.008
 
 
 def boundary_similarity(predicted: np.ndarray, truth: np.ndarray, tolerance: float = BOUNDARY_TOLERANCE) -> float:
-    """F-measure of the boundary pixels of two masks that lie near the other's boundary.
+    """Return the F-measure of the boundary pixels of two masks that lie near the other's boundary.
 
     Precision is the share of the predicted boundary within ``ceil(tolerance * diagonal)`` px of the true one, recall
-    the share of the true boundary within that distance of the predicted one. Where no mask has a boundary the result
-    is 1, where one has none it is 0.
+    the share of the true boundary within that distance of the predicted one. If no mask has a boundary the result is
+    1, if only one has none it is 0.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def boundary_similarity(predicted: np.ndarray, truth: np.ndarray, tolerance: flo
 
 
 def boundary_map(mask: np.ndarray) -> np.ndarray:
-    """Pixels that differ from their right, lower or lower right neighbour.
+    """Return the pixels that differ from their right, lower or lower right neighbour.
 
     The boundary is one pixel wide and lies half a pixel towards the origin. The frame's border is no boundary.
 
@@ -62,13 +62,13 @@ def boundary_map(mask: np.ndarray) -> np.ndarray:
 
 
 def _surroundings(mask: np.ndarray) -> tuple[slice, slice]:
-    """The mask's bounding box and one pixel around it: every boundary pixel lies inside."""
+    """Return the mask's bounding box and one pixel around it, which contain every boundary pixel."""
     x, y, width, height = cv2.boundingRect(mask.view(np.uint8))
     return slice(max(y - 1, 0), y + height + 1), slice(max(x - 1, 0), x + width + 1)
 
 
 def _dilate(mask: np.ndarray, radius: int) -> np.ndarray:
-    """Pixels at most `radius` px from the mask."""
+    """Return the pixels at most `radius` px from the mask."""
     offset = np.arange(-radius, radius + 1)
     disk = (offset[:, None] ** 2 + offset**2 <= radius**2).astype(np.uint8)
     return cv2.dilate(mask.view(np.uint8), disk).view(bool)

@@ -1,4 +1,4 @@
-"""How many items a clustering puts in a wrong group."""
+"""The share of items that a clustering assigns to a wrong group."""
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -7,17 +7,17 @@ from moseg.schemas.errors import InputError
 
 
 def clustering_error(predicted: np.ndarray, truth: np.ndarray) -> float:
-    """Share of items outside the group of their label, under the best one-to-one matching of groups and labels.
+    """Return the share of items outside the group of their label, under the best one-to-one matching of both.
 
-    What groups and labels are called does not matter. Where there are more groups than labels, or fewer, all that
-    belongs to one without a partner is wrong.
+    The values of groups and labels do not matter. With more groups than labels, or fewer, all items of those without a
+    partner are wrong.
 
     Parameters
     ----------
     predicted : integer (N,)
         Group of each item.
     truth : integer (N,)
-        Its label.
+        Label of each item.
 
     Returns
     -------
@@ -27,7 +27,7 @@ def clustering_error(predicted: np.ndarray, truth: np.ndarray) -> float:
     Raises
     ------
     InputError
-        Where there is no item or the two disagree in length.
+        If there is no item or the two disagree in length.
 
     References
     ----------

@@ -14,17 +14,17 @@ class ForegroundScores(NamedTuple):
 
 
 def score_foreground(overlaps: Overlaps, assigned: dict[int, int]) -> ForegroundScores:
-    """Precision, recall and F-measure of assigned objects against all foreground.
+    """Return precision, recall and F-measure of assigned objects against all foreground.
 
-    Precision is what the assigned pairs share over all predicted foreground, so a predicted object without a partner
-    is a false positive; recall is the same over all true foreground. As in the authors' evaluation a share of an
-    empty foreground is 0. Where both are empty nothing was to be found and nothing was: all three are 1. (The
-    authors' data have no such sequence; their code would say 0.)
+    Precision is the number of shared pixels of the assigned pairs over all predicted foreground, so a predicted object
+    without a partner is a false positive; recall is the same number over all true foreground. As in the authors'
+    evaluation a share of an empty foreground is 0. If both are empty the prediction is correct: all three are 1. (The
+    authors' data have no such sequence; their code would return 0.)
 
     Parameters
     ----------
     overlaps : Overlaps
-        Of the whole sequence, void pixels left out.
+        Overlaps of the whole sequence, without void pixels.
     assigned : dict of int to int
         True label to predicted label.
 

@@ -1,4 +1,4 @@
-"""The scores of a sequence where ground truth is a label at points rather than at every pixel."""
+"""Scores of a sequence whose ground truth is a label at points, not at every pixel."""
 
 from collections.abc import Collection, Iterable
 
@@ -8,8 +8,7 @@ from moseg.schemas.errors import InputError
 from moseg.schemas.scores import SequenceScore
 from moseg.tasks.metrics.assign_objects import assign_objects
 from moseg.tasks.metrics.foreground_scores import score_foreground
-from moseg.tasks.metrics.overlaps import Overlaps, add_overlaps, count_overlaps
-from moseg.tasks.metrics.region_similarity import region_similarity
+from moseg.tasks.metrics.overlaps import Overlaps, add_overlaps, count_overlaps, region_similarity
 from moseg.tasks.tracks.labels_at import labels_at
 
 PointPairs = Iterable[tuple[np.ndarray, np.ndarray]]
@@ -19,12 +18,12 @@ PointPairs = Iterable[tuple[np.ndarray, np.ndarray]]
 def sample_points(
     labels: np.ndarray, points: np.ndarray, visible: np.ndarray, truth: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The predicted and the true labels of the points seen in one frame.
+    """Return the predicted and the true labels of the points visible in one frame.
 
     Parameters
     ----------
     labels : uint16 (y, x)
-        Predicted, at the size of the frames in which the points were labelled.
+        Predicted labels, at the size of the frames in which the points were labelled.
     points : float64 (N, 2)
         xy, px, pixel centres at integers; those visible lie inside the frame.
     visible : bool (N,)
@@ -33,31 +32,31 @@ def sample_points(
     Returns
     -------
     predicted, truth : uint16 (num_visible,)
-        Predicted is the label of the pixel in which a point lies.
+        The predicted label is that of the pixel that contains the point.
     """
     return labels_at(labels, points[visible]).astype(np.uint16), truth[visible]
 
 
 def count_point_overlaps(predicted: np.ndarray, truth: np.ndarray) -> Overlaps:
-    """Number of one frame's points that each true and each predicted label share; uint16 (N,) both."""
+    """Count the points of one frame that each true and each predicted label share; uint16 (N,) both."""
     return count_overlaps(predicted[None], truth[None])
 
 
 def score_points(frames: PointPairs) -> SequenceScore:
-    """Score predicted masks against labelled points over the frames in which there are any.
+    """Score predicted masks against labelled points over the frames that have any.
 
-    The definitions are those of `score_sequence` with "pixel" replaced by "labelled point in a frame where it is
-    visible". Pu, Ru and Fu come from the assignment of predicted objects to true labels that maximises the sum of the
-    pairs' F-measures over all frames' points: precision is over the points on predicted objects, recall over the points
-    of moving labels. J is the intersection over union of the points that move, mean over frames, and its ``_objects``
-    form compares each true label with the object assigned to it. What is predicted where there is no point counts for
-    neither side, so boundaries are not measured and the boundary scores are None.
+    The definitions are those of `score_sequence` with "pixel" replaced by "visible labelled point in a frame". Pu, Ru
+    and Fu come from the assignment of predicted objects to true labels that maximises the sum of the pairs' F-measures
+    over all frames' points: precision is over the points on predicted objects, recall over the points of moving labels.
+    J is the intersection over union of the points that move, mean over frames, and its ``_objects`` form compares each
+    true label with the object assigned to it. Predictions at places without a point are ignored, so boundaries are not
+    measured and the boundary scores are None.
 
     Parameters
     ----------
     frames : iterable of (predicted, truth)
-        Labels uint16 (N,) of each frame's visible points, 0 = not moving. Frames without points are no evidence and
-        are left out.
+        Labels uint16 (N,) of each frame's visible points, 0 = not moving. Frames without points are
+        ignored.
 
     Returns
     -------
@@ -67,7 +66,7 @@ def score_points(frames: PointPairs) -> SequenceScore:
     Raises
     ------
     InputError
-        Where no frame has a point.
+        If no frame has a point.
 
     References
     ----------
@@ -96,5 +95,5 @@ def score_points(frames: PointPairs) -> SequenceScore:
 
 
 def _mean_similarity(per_frame: list[Overlaps], true_labels: Collection[int], predicted_labels: Collection) -> float:
-    """J of the points of some labels, mean over frames."""
+    """Return J of the points of some labels, mean over frames."""
     return float(np.mean([region_similarity(frame, true_labels, predicted_labels) for frame in per_frame]))

@@ -1,4 +1,4 @@
-"""Every score of one sequence, one frame in memory at a time."""
+"""All scores of one sequence, with one frame in memory at a time."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
@@ -9,11 +9,10 @@ from moseg.schemas.scores import SequenceScore
 from moseg.tasks.metrics.assign_objects import assign_objects
 from moseg.tasks.metrics.boundary_similarity import boundary_similarity
 from moseg.tasks.metrics.foreground_scores import score_foreground
-from moseg.tasks.metrics.overlaps import Overlaps, add_overlaps, count_overlaps
-from moseg.tasks.metrics.region_similarity import region_similarity
+from moseg.tasks.metrics.overlaps import Overlaps, add_overlaps, count_overlaps, region_similarity
 
 FramePairs = Callable[[], Iterable[tuple[np.ndarray, np.ndarray]]]
-"""Starts a new pass over the (predicted, truth) label images of the annotated frames."""
+"""Function that starts a new pass over the (predicted, truth) label images of the annotated frames."""
 
 
 def score_sequence(frames: FramePairs, void: int | None = None) -> SequenceScore:
@@ -21,20 +20,19 @@ def score_sequence(frames: FramePairs, void: int | None = None) -> SequenceScore
 
     Pu, Ru and Fu come from (frame, y, x) masks under the assignment of `assign_objects`. J and boundary F compare the
     unions of all objects; their ``_objects`` forms compare each true object with the predicted object assigned to it,
-    or with an empty mask where there is none. Each is the mean over all annotated frames, the first and the last
-    included, and then over objects. In a frame where both masks are empty they are 1.
+    or with an empty mask if there is none. Each is the mean over all annotated frames, including first and last, and
+    then over objects. In a frame in which both masks are empty they are 1.
 
-    A sequence without true objects scores 100 throughout where nothing is predicted; where something is, it scores 0
-    but for the frames that J and boundary F find empty. A sequence with true objects and an empty prediction has
-    P = R = F = 0.
+    A sequence without true objects scores 100 everywhere if nothing is predicted; else it scores 0, except in frames in
+    which J and boundary F compare empty masks. A sequence with true objects and an empty prediction has P = R = F = 0.
 
     Parameters
     ----------
     frames : callable returning an iterable of (predicted, truth)
-        Label images, uint8 or uint16 (y, x), 0 = not moving, of each annotated frame. It is called a second time where
-        there are several objects: the boundary of an object can be scored only once its partner is known.
+        Label images, uint8 or uint16 (y, x), 0 = not moving, of each annotated frame. It is called a second time for
+        several objects: the boundary of an object can only be scored after its partner is known.
     void : int, optional
-        True label of pixels that count for neither side. Predicted labels are never void.
+        True label of pixels that are ignored. Predicted labels are never void.
 
     Returns
     -------
@@ -44,7 +42,7 @@ def score_sequence(frames: FramePairs, void: int | None = None) -> SequenceScore
     Raises
     ------
     InputError
-        Where there is no annotated frame or a pair is not two label images of one size.
+        If there is no annotated frame or a pair is not two label images of one size.
     """
     per_frame: list[Overlaps] = []
     boundary: list[float] = []
@@ -79,7 +77,7 @@ def score_sequence(frames: FramePairs, void: int | None = None) -> SequenceScore
 
 
 def _object_regions(per_frame: list[Overlaps], partners: Mapping[int, int | None]) -> Iterator[float]:
-    """J of each object in each frame."""
+    """Yield J of each object in each frame."""
     for overlaps in per_frame:
         for label, partner in partners.items():
             yield region_similarity(overlaps, {label}, {partner})
@@ -88,7 +86,7 @@ def _object_regions(per_frame: list[Overlaps], partners: Mapping[int, int | None
 def _object_boundaries(
     frames: Iterable[tuple[np.ndarray, np.ndarray]], partners: Mapping[int, int | None], void: int | None
 ) -> Iterator[float]:
-    """Boundary F of each object in each frame."""
+    """Yield boundary F of each object in each frame."""
     for predicted, truth in frames:
         for label, partner in partners.items():
             in_prediction = predicted == partner if partner is not None else np.zeros(predicted.shape, dtype=bool)
@@ -96,9 +94,10 @@ def _object_boundaries(
 
 
 def _outside(truth: np.ndarray, void: int | None, mask: np.ndarray) -> np.ndarray:
-    """The mask without void pixels."""
+    """Return the mask without void pixels."""
     return mask if void is None else mask & (truth != void)
 
 
 def _percent(fractions: Iterable[float]) -> float:
+    """Return the mean in percent."""
     return 100 * float(np.mean(list(fractions)))

@@ -3,7 +3,7 @@
 from moseg.tasks.motion_models.fit import fit_from_moments, flow_energy, residuals_from_moments
 from moseg.tasks.motion_models.flow_model import FlowModel
 from moseg.tasks.motion_models.moments import Moments, flow_moments, unpack_moments
-from moseg.tasks.motion_models.registry import FLOW_MODELS, flow_model
+from moseg.tasks.motion_models.registry import FLOW_MODELS
 
 __all__ = [
     "FLOW_MODELS",
@@ -11,7 +11,6 @@ __all__ = [
     "Moments",
     "fit_from_moments",
     "flow_energy",
-    "flow_model",
     "flow_moments",
     "residuals_from_moments",
     "unpack_moments",

@@ -1,4 +1,4 @@
-"""A first look at an object: local coordinates fitted to it, and sums over a coarse grid of its pixels."""
+"""Local coordinates fitted to an object, and sums over a coarse grid of its pixels, for a first fit."""
 
 import math
 
@@ -7,11 +7,11 @@ import numpy as np
 from moseg.tasks.motion_models.monomials import Frame, evaluate_monomials, image_coordinates
 from moseg.tasks.motion_models.pixel_sums import Pixels
 
-_GRID_PIXELS = 512  # several dozen for each parameter; more cost time and gain nothing, the full sums correct the fit
+_GRID_PIXELS = 512  # several dozen for each parameter; more gain nothing, because the full sums correct the fit
 
 
 def sum_coarsely(pixels: Pixels) -> tuple[Frame, np.ndarray, np.ndarray]:
-    """Local coordinates and, over a grid of about 512 pixels, sums of monomials: (9, 9), and with the flow (9, 2).
+    """Return local coordinates and, over a grid of about 512 pixels, sums of monomials: (9, 9), with the flow (9, 2).
 
     Without depth the inverse depth is 1.
     """
@@ -33,7 +33,7 @@ def sum_coarsely(pixels: Pixels) -> tuple[Frame, np.ndarray, np.ndarray]:
 
 
 def _with_depth_plane(local: Frame, xi, eta, rho) -> tuple[Frame, np.ndarray]:
-    """The frame with a plane fitted to the inverse depth at some points, and zeta at these points."""
+    """Return the frame with a plane fitted to the inverse depth at some points, and zeta at these points."""
     axes = np.stack([np.ones_like(xi), xi, eta], axis=1)
     plane = np.linalg.lstsq(axes, rho)[0]
     left = rho - axes @ plane

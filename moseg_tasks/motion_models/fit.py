@@ -1,4 +1,4 @@
-"""Least-squares fits of a flow model and the errors of every object under every fit, from moments alone."""
+"""Least-squares fits of a flow model and the errors of every object under every fit, from moments only."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from moseg.tasks.motion_models.moments import unpack_moments
 
 
 def fit_from_moments(moments: np.ndarray, model: FlowModel, params: FlowModelParams) -> tuple[np.ndarray, np.ndarray]:
-    """Least-squares parameters of each object, the shortest where several do.
+    """Return the least-squares parameters of each object; of several solutions the one of smallest norm.
 
     Parameters
     ----------
@@ -20,9 +20,9 @@ def fit_from_moments(moments: np.ndarray, model: FlowModel, params: FlowModelPar
     Returns
     -------
     theta : float64 (K, P)
-        Zero where invalid.
+        Zero if invalid.
     valid : bool (K,)
-        False where the object has fewer than ``params.min_pixels`` pixels.
+        False if the object has fewer than ``params.min_pixels`` pixels.
     """
     factor, target, _, count = unpack_moments(moments)
     valid = count >= max(params.min_pixels, model.num_parameters)
@@ -31,7 +31,7 @@ def fit_from_moments(moments: np.ndarray, model: FlowModel, params: FlowModelPar
 
 
 def residuals_from_moments(moments: np.ndarray, theta: np.ndarray, valid: np.ndarray) -> np.ndarray:
-    """Mean squared error of each object's flow under each object's parameters.
+    """Return the mean squared error of each object's flow under each object's parameters.
 
     Parameters
     ----------
@@ -42,8 +42,8 @@ def residuals_from_moments(moments: np.ndarray, theta: np.ndarray, valid: np.nda
     Returns
     -------
     float64 (K, K)
-        Row: whose parameters; column: whose pixels; px² (squared length of the flow difference, mean over pixels). NaN
-        where the model is invalid or the object has too few pixels to be valid itself.
+        Row: object of the parameters; column: object of the pixels; px² (squared length of the flow difference, mean
+        over pixels). NaN if the model is invalid or the object has too few pixels to be valid itself.
     """
     factor, target, rest, count = unpack_moments(moments)
     difference = np.einsum("jqp,ip->ijq", factor, theta) - target
@@ -53,6 +53,6 @@ def residuals_from_moments(moments: np.ndarray, theta: np.ndarray, valid: np.nda
 
 
 def flow_energy(moments: np.ndarray) -> np.ndarray:
-    """Mean squared flow length of each object, float64 (K,), px²; NaN where it has no pixels."""
+    """Return the mean squared flow length of each object, float64 (K,), px²; NaN if it has no pixels."""
     _, target, rest, count = unpack_moments(moments)
     return np.where(count > 0, ((target**2).sum(axis=1) + rest**2) / np.maximum(count, 1), np.nan)

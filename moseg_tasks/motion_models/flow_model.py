@@ -1,4 +1,4 @@
-"""What a flow model is: flow components linear in its parameters over nine monomials."""
+"""Flow models: flow components that are linear in the parameters and in nine monomials."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -21,7 +21,7 @@ class FlowModel(NamedTuple):
         ``u = m @ u_terms @ theta`` and ``v = m @ v_terms @ theta``.
     uses_depth : bool
     has_free_shift : bool
-        Whether adding a constant to the inverse depth leaves the set of expressible flows as it is.
+        Whether adding a constant to the inverse depth leaves the set of expressible flows unchanged.
     """
 
     name: str
@@ -33,17 +33,17 @@ class FlowModel(NamedTuple):
 
     @property
     def num_parameters(self) -> int:
-        """P."""
+        """Number of parameters, P."""
         return len(self.parameters)
 
     def design(self, x: np.ndarray, y: np.ndarray, rho: np.ndarray) -> np.ndarray:
-        """Design rows of N points, float64 (N, 2, P): flow (u, v) is ``design @ theta``, px."""
+        """Return the design rows of N points, float64 (N, 2, P): flow (u, v) is ``design @ theta``, px."""
         monomials = evaluate_monomials(x, y, rho)
         return np.stack([monomials @ self.u_terms, monomials @ self.v_terms], axis=1)
 
 
 def terms_matrix(parameters: Sequence[str], terms: Mapping[str, tuple[float, str]]) -> np.ndarray:
-    """Float64 (9, P) of one flow component, given (sign, monomial) of each parameter that appears in it."""
+    """Return the terms float64 (9, P) of one flow component from (sign, monomial) of each of its parameters."""
     matrix = np.zeros((len(MONOMIALS), len(parameters)))
     for parameter, (sign, monomial) in terms.items():
         matrix[MONOMIALS.index(monomial), parameters.index(parameter)] = sign

@@ -1,13 +1,13 @@
-"""Moments of each object's flow under a model: all that fits and residuals need of the pixels.
+"""Moments of each object's flow under a model: the statistics of the pixels that fits and residuals need.
 
 The moments are kept as a triangular factor, not as the normal equations: with ``[A b] = Q [[R, t], [0, s]]`` the
-squared error of any parameters is ``|R theta - t|² + s²``, a sum of squares that nothing cancels in. ``b'b - 2
-theta'A'b + theta'A'A theta`` would lose residuals below 1e-8 of the flow.
+squared error of any parameters is ``|R theta - t|² + s²``, a sum of squares without cancellation. ``b'b - 2 theta'A'b
++ theta'A'A theta`` would lose residuals below 1e-8 of the flow.
 
 Three steps keep the factor as accurate as a QR decomposition of all rows, at the cost of the normal equations: the sums
-run over coordinates local to the object, where the monomials are well conditioned; they are taken over what a first fit
-to a coarse grid of pixels leaves, so that the residual is summed itself; and the model's columns, which may be nearly
-dependent in image coordinates, are reduced by Householder QR afterwards.
+run over coordinates local to the object, where the monomials are well conditioned; they are sums of the residual of a
+first fit to a coarse grid of pixels; and the model's columns, which may be nearly dependent in image coordinates, are
+reduced by Householder QR afterwards.
 """
 
 import math
@@ -34,7 +34,7 @@ class Moments(NamedTuple):
     target : float64 (K, P)
         t, px.
     rest : float64 (K,)
-        s: root of a squared error that no parameters change, px.
+        s: root of the squared error that no parameters can reduce, px.
     count : int64 (K,)
         Pixels; 0 where the object is absent.
     """
@@ -53,14 +53,14 @@ def flow_moments(
     model: FlowModel,
     params: FlowModelParams,
 ) -> np.ndarray:
-    """Moments of every object in one frame pair.
+    """Return the moments of every object in one frame pair.
 
     Parameters
     ----------
     flow : float32 (H, W, 2)
-        px/frame; pixels that are not finite are left out.
+        px/frame; pixels that are not finite are ignored.
     inverse_depth : float32 (H, W), optional
-        Relative; any positive scale, for ``oc_depth`` also any shift. None is a constant.
+        Relative, of any positive scale, for ``oc_depth`` also of any shift. None: constant.
     masks : uint16 (H, W)
         Object of each pixel, 0 = background.
     num_objects : int
@@ -72,12 +72,12 @@ def flow_moments(
     -------
     float64 (K, (P + 1)² + 1)
         Per object the upper triangular ``[[R, t], [0, s]]`` row by row, then the number of pixels. Parameters refer to
-        inverse depth in units of its deviation over the frame, from its mean where the model has a free shift.
+        inverse depth in units of its deviation over the frame, from its mean if the model has a free shift.
 
     Raises
     ------
     InputError
-        Where shapes disagree or the masks hold an object beyond K.
+        If shapes disagree or the masks contain an object beyond K.
     """
     masks, flow, rho = _checked(flow, inverse_depth if model.uses_depth else None, masks, num_objects, params)
     gauge = depth_gauge(rho, model)
@@ -106,7 +106,7 @@ def flow_moments(
 
 
 def unpack_moments(moments: np.ndarray) -> Moments:
-    """Triangular factors, targets, fixed errors and pixel counts of packed moments, float64 (K, (P + 1)² + 1)."""
+    """Unpack factors, targets, fixed errors and pixel counts from moments float64 (K, (P + 1)² + 1)."""
     side = math.isqrt(moments.shape[1] - 1)
     augmented = moments[:, :-1].reshape(-1, side, side)
     count = np.rint(moments[:, -1]).astype(np.int64)
@@ -121,7 +121,7 @@ def _pack(factor, target, rest, count) -> np.ndarray:
 
 
 def _checked(flow, inverse_depth, masks, num_objects, params):
-    """Masks with objects 1 .. K (0: not used), flow and inverse depth without non-finite values."""
+    """Return checked masks with objects 1 .. K (0: not used), and flow and inverse depth without non-finite values."""
     shape = masks.shape
     if flow.shape != (*shape, 2) or (inverse_depth is not None and inverse_depth.shape != shape):
         got = f"flow {flow.shape}, inverse depth {None if inverse_depth is None else inverse_depth.shape}"
@@ -144,7 +144,7 @@ def _checked(flow, inverse_depth, masks, num_objects, params):
 
 
 def depth_gauge(rho, model) -> tuple[float, float]:
-    """Shift and scale that bring the frame's inverse depth to unit size; no shift where the model would change."""
+    """Return shift and scale that bring the frame's inverse depth to unit size; no shift if it changes the model."""
     if rho is None:
         return 0.0, 1.0
     sample = rho[::4, ::4].astype(np.float64)
@@ -154,7 +154,7 @@ def depth_gauge(rho, model) -> tuple[float, float]:
 
 
 def _crop(mask, flow, rho) -> Pixels | None:
-    """The bounding box of one object's pixels; None where it has none."""
+    """Return the bounding box of one object's pixels; None if it has none."""
     x, y, width, height = cv2.boundingRect(mask.view(np.uint8))
     if width == 0:
         return None

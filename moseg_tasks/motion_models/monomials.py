@@ -1,4 +1,4 @@
-"""The nine functions of (x, y, rho) that every flow model is linear in, and their change under recentring.
+"""The nine functions of (x, y, rho) in which every flow model is linear, and their change under recentring.
 
 Basis, in order: 1, x, y, x², xy, y², rho, x rho, y rho. Image coordinates are taken relative to the image centre and
 divided by half the longer side; rho is inverse depth.
@@ -16,7 +16,7 @@ EXPONENTS = np.array([[m.count("x"), m.count("y"), m.count("r")] for m in MONOMI
 class Frame(NamedTuple):
     """Local coordinates x = x0 + scale xi, y = y0 + scale eta, rho = rho0 + rho_x xi + rho_y eta + rho_scale zeta.
 
-    zeta is what a plane leaves of the inverse depth: for a flat object rho alone would repeat 1, x and y.
+    zeta is the residual of a plane fitted to the inverse depth: for a flat object rho is a combination of 1, x and y.
     """
 
     x0: float
@@ -29,18 +29,18 @@ class Frame(NamedTuple):
 
 
 def image_coordinates(height: int, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """x float64 (width,) and y float64 (height,) of pixel centres: from the image centre, in half longer sides."""
+    """Return x (width,) and y (height,) of pixel centres, float64: from the image centre, in half longer sides."""
     half = max(height, width) / 2.0
     return (np.arange(width) - (width - 1) / 2.0) / half, (np.arange(height) - (height - 1) / 2.0) / half
 
 
 def evaluate_monomials(x: np.ndarray, y: np.ndarray, rho: np.ndarray) -> np.ndarray:
-    """The nine monomials at N points, float64 (N, 9)."""
+    """Return the nine monomials at N points, float64 (N, 9)."""
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y, rho, x * rho, y * rho], axis=-1)
 
 
 def recentring(frame: Frame) -> np.ndarray:
-    """Matrix S, float64 (9, 9), with monomials(x, y, rho) = monomials(xi, eta, zeta) @ S."""
+    """Return the matrix S, float64 (9, 9), with monomials(x, y, rho) = monomials(xi, eta, zeta) @ S."""
     x0, y0, h, r0, rx, ry, s = frame
     matrix = np.zeros((9, 9))
     one, x, y, xx, xy, yy, r, xr, yr = range(9)

@@ -3,7 +3,7 @@
 u = a + b x + c y + d x² + e xy + f y²
 v = g + h x + i y + j x² + k xy + l y²
 
-It holds the motion of a plane exactly and of a shallow object nearly.
+It represents the motion of a plane exactly and that of a shallow object approximately.
 
 References
 ----------

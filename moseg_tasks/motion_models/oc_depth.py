@@ -4,8 +4,8 @@ u = a + b rho + c x rho - d y + e x² + f xy + k x
 v = g + h rho + c y rho + d x + e xy + f y² + k y
 
 Longuet-Higgins and Prazdny with x, y in any unit: b, h, c are the translation; d, e, f the rotation; a, g its constant
-part. k is shared by a change of focal length and by the unknown shift of the inverse depth (c x (rho + shift)), so the
-model stays exact under both. Signs differ from the paper's print, see ``oc_depth_paper``.
+part. k contains a change of focal length and the unknown shift of the inverse depth (c x (rho + shift)), so the model
+is exact under both. Signs differ from the printed paper, see ``oc_depth_paper``.
 
 References
 ----------

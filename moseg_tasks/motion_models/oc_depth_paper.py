@@ -1,11 +1,10 @@
-"""The flow and depth model with the signs as the paper prints them: eight parameters, for comparison.
+"""The flow and depth model with the signs printed in the paper: eight parameters, for comparison.
 
 u = a + b rho - c x rho - d y + e x² - f xy
 v = g + h rho - c y rho - d x + e xy + f y²
 
-Rotation about the optical axis turns x and y against each other and about the x axis moves both alike, so d should
-change sign between u and v and f should not: this form leaves a part of both unexplained. ``benchmarks/rigid_flow.py``
-measures how much.
+Rotation about the optical axis contributes -d y to u and d x to v, and rotation about the x axis contributes f xy and
+f y² with the same sign: this form cannot represent a part of either. ``benchmarks/rigid_flow.py`` measures how much.
 """
 
 from moseg.tasks.motion_models.flow_model import FlowModel, terms_matrix

@@ -11,7 +11,7 @@ import numpy as np
 
 from moseg.tasks.motion_models.monomials import EXPONENTS, Frame, image_coordinates
 
-_BLOCK = 16384  # pixels handled at once: their planes stay in the processor's second-level cache
+_BLOCK = 16384  # pixels processed at once: their planes fit the processor's second-level cache
 _PAIR = EXPONENTS[:, None, :] + EXPONENTS[None, :, :]
 _COLUMN = np.array([0, 1, 0, 2, 1, 0])  # powers of xi and eta of the six monomials without depth
 _ROW = np.array([0, 0, 1, 0, 1, 2])
@@ -24,9 +24,9 @@ class PixelSums(NamedTuple):
     ----------
     gram : float64 (9, 9)
     cross : float64 (9, 2)
-        Monomials against what the prior coefficients leave of u and v.
+        Products of the monomials with the residual of u and v under the prior coefficients.
     energy : float
-        Sum of squares of what they leave, px².
+        Sum of squares of that residual, px².
     count : int
         Pixels.
     """
@@ -47,14 +47,14 @@ class Pixels(NamedTuple):
     image_shape: tuple[int, int]
 
     def local_axes(self, frame: Frame) -> tuple[np.ndarray, np.ndarray]:
-        """Local xi (w,) and eta (h,) of the box's columns and rows."""
+        """Return local xi (w,) and eta (h,) of the box's columns and rows."""
         x, y = image_coordinates(*self.image_shape)
         (row, column), (h, w) = self.corner, self.mask.shape
         return (x[column : column + w] - frame.x0) / frame.scale, (y[row : row + h] - frame.y0) / frame.scale
 
 
 def sum_pixels(pixels: Pixels, frame: Frame, prior: np.ndarray) -> PixelSums:
-    """Sums over the object's pixels of local monomials and of the flow less its prior.
+    """Sum local monomials, and the flow minus its prior, over the object's pixels.
 
     Parameters
     ----------
@@ -62,8 +62,8 @@ def sum_pixels(pixels: Pixels, frame: Frame, prior: np.ndarray) -> PixelSums:
     frame : Frame
         The object's local coordinates.
     prior : float64 (9, 2)
-        Coefficients of u and v on the local monomials, subtracted from the flow: near a solution the sums then hold
-        the residual itself instead of a small difference of large numbers.
+        Coefficients of u and v on the local monomials, subtracted from the flow: near a solution the sums are then of
+        the residual itself, not a small difference of large numbers.
     """
     xi, eta = pixels.local_axes(frame)
     powers_x, powers_y = np.vander(xi, 5, increasing=True), np.vander(eta, 5, increasing=True)
@@ -79,7 +79,7 @@ def sum_pixels(pixels: Pixels, frame: Frame, prior: np.ndarray) -> PixelSums:
 
 
 def _planes(pixels, frame, prior, rows, powers_x, powers_y) -> np.ndarray:
-    """Masked planes 1, e_u, e_v, e² and, with depth, zeta, zeta², zeta e_u, zeta e_v: float64 (4 or 8, rows, w)."""
+    """Return masked planes 1, e_u, e_v, e² and, with depth, zeta, zeta², zeta e_u, zeta e_v: (4 or 8, rows, w)."""
     mask = pixels.mask[rows]
     planes = np.empty((4 if pixels.rho is None else 8, *mask.shape))
     planes[0] = mask

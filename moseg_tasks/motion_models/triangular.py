@@ -1,4 +1,4 @@
-"""From sums over monomials to the triangular factor of a model's least-squares problem."""
+"""Reduction of sums over monomials to the triangular factor of a model's least-squares problem."""
 
 import numpy as np
 
@@ -9,9 +9,9 @@ _GRAM_RANK = 1e-14  # eigenvalue of a Gram matrix of unit columns below which it
 
 
 def local_columns(frame: Frame, depth_gauge: tuple[float, float], model: FlowModel) -> np.ndarray:
-    """The model's terms on an object's local monomials, u and v: float64 (2, 9, P).
+    """Return the model's terms on an object's local monomials, u and v: float64 (2, 9, P).
 
-    `depth_gauge` is the (shift, scale) that the model's inverse depth is taken off and divided by.
+    `depth_gauge` is the (shift, scale) that is subtracted from the model's inverse depth and divides it.
     """
     shift, scale = depth_gauge
     plane = {name: getattr(frame, name) / scale for name in ("rho_x", "rho_y", "rho_scale")}
@@ -22,16 +22,16 @@ def local_columns(frame: Frame, depth_gauge: tuple[float, float], model: FlowMod
 def reduce_to_model(
     gram: np.ndarray, cross: np.ndarray, columns: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Triangular factors R (K, P, P), targets t (K, P) and the energy that the targets explain (K,).
+    """Return triangular factors R (K, P, P), targets t (K, P) and the energy that the targets explain (K,).
 
-    The Gram matrix of the well-conditioned local monomials is split by its eigenvectors, unknown directions left out;
-    the model's columns, which may be nearly dependent, then go through Householder QR.
+    The Gram matrix of the well-conditioned local monomials is factored by its eigenvectors, without undetermined
+    directions; the model's columns, which may be nearly dependent, are then reduced by Householder QR.
 
     Parameters
     ----------
     gram : float64 (K, 9, 9)
     cross : float64 (K, 9, 2)
-        Monomials against u and v.
+        Products of the monomials with u and v.
     columns : float64 (K, 2, 9, P)
     """
     sizes = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))

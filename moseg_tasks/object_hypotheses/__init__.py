@@ -1,9 +1,13 @@
-"""Objects compared by the motion hypotheses that explain them: many hypotheses of the whole frame, one ranking each."""
+"""Comparison of objects by their ranks of many motion hypotheses of the whole frame."""
 
-from moseg.tasks.object_hypotheses.background_cells import background_cells, split_background
-from moseg.tasks.object_hypotheses.background_scale import geometric_mean, scale_by_background
+from moseg.tasks.affinity import preference_kernel
+from moseg.tasks.object_hypotheses.background_cells import (
+    background_cells,
+    geometric_mean,
+    scale_by_background,
+    split_background,
+)
 from moseg.tasks.object_hypotheses.flow_patches import flow_patch_residuals
-from moseg.tasks.object_hypotheses.preferences import preference_kernel
 from moseg.tasks.object_hypotheses.track_samples import track_sample_residuals
 
 __all__ = [

@@ -1,8 +1,8 @@
-"""Flow models of random patches of a frame, and how well they explain every object.
+"""Flow models of random patches of a frame, and the residuals of every object under them.
 
 A patch is a rectangle of blocks. The normal equations of each block are summed once; those of any rectangle then follow
-from four entries of their summed-area table, so that a hypothesis costs a small linear system whatever the size of its
-patch, and all its pixels count.
+from four entries of their summed-area table, so that a hypothesis costs a small linear system for any size of its
+patch, and all its pixels are used.
 """
 
 import numpy as np
@@ -25,12 +25,12 @@ def flow_patch_residuals(
     params: ObjectHypothesisParams,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """Mean squared error of every node's flow under the models of random patches of the frame.
+    """Return the mean squared error of every node's flow under the models of random patches of the frame.
 
     Parameters
     ----------
     flow : float32 (H, W, 2)
-        px/frame; pixels that are not finite are left out.
+        px/frame; pixels that are not finite are ignored.
     inverse_depth : float32 (H, W), optional
         As in ``flow_moments``.
     nodes : uint16 (H, W)
@@ -50,12 +50,12 @@ def flow_patch_residuals(
     Raises
     ------
     InputError
-        Where shapes disagree or a pixel is of a node beyond N.
+        If shapes disagree or a pixel is of a node beyond N.
     """
     inverse_depth = inverse_depth if model.uses_depth else None
     moments = flow_moments(flow, inverse_depth, nodes, num_nodes, model, flow_params)
     patches = draw_patches(block_sums(flow, inverse_depth, model, params.block), params, rng)
-    # The first monomial is 1: its sum over itself is the number of pixels.
+    # The first monomial is 1: the sum of its square is the number of pixels.
     too_few = patches[:, 0, 0] < max(flow_params.min_pixels, model.num_parameters)
     theta = solve_patches(np.where(too_few[:, None, None], 0.0, patches), model, flow_params.rank_tolerance)
     factor, target, rest, count = unpack_moments(moments)
@@ -67,8 +67,10 @@ def flow_patch_residuals(
 
 
 def block_sums(flow: np.ndarray, inverse_depth: np.ndarray | None, model: FlowModel, block: int) -> np.ndarray:
-    """Sums over each block's known pixels of the nine monomials times themselves, u and v: float64 (rows, columns, 9,
-    11); inverse depth in the unit of the model's moments."""
+    """Sum the products of the nine monomials with themselves, u and v over each block's known pixels.
+
+    The result is float64 (rows, columns, 9, 11), with inverse depth in the unit of the model's moments.
+    """
     height, width = flow.shape[:2]
     x, y = image_coordinates(height, width)
     known = np.isfinite(flow).all(axis=2)
@@ -90,9 +92,10 @@ def block_sums(flow: np.ndarray, inverse_depth: np.ndarray | None, model: FlowMo
 
 
 def draw_patches(sums: np.ndarray, params: ObjectHypothesisParams, rng: np.random.Generator) -> np.ndarray:
-    """Sums over random rectangles of blocks, float64 (num_hypotheses, 9, 11).
+    """Return the sums over random rectangles of blocks, float64 (num_hypotheses, 9, 11).
 
-    All scales are as likely, from `min_patch` blocks to the shorter side of the frame, all places and elongations too.
+    All scales from `min_patch` blocks to the shorter side of the frame, all places and all elongations are equally
+    likely.
     """
     rows, columns = sums.shape[:2]
     num = params.num_hypotheses
@@ -110,15 +113,15 @@ def draw_patches(sums: np.ndarray, params: ObjectHypothesisParams, rng: np.rando
 
 
 def solve_patches(patches: np.ndarray, model: FlowModel, rank_tolerance: float) -> np.ndarray:
-    """Least-squares parameters of each patch, float64 (H, P); of several the shortest, in columns of unit size."""
+    """Return least-squares parameters of each patch, float64 (H, P), of minimal norm for columns of unit size."""
     terms = (model.u_terms, model.v_terms)
     gram = sum(t.T @ patches[..., :_NUM] @ t for t in terms)
     cross = sum(patches[..., _NUM + index] @ t for index, t in enumerate(terms))
     size = np.sqrt(np.maximum(np.diagonal(gram, axis1=1, axis2=2), 0.0))
-    # Differences of the table leave rounding where a column is zero.
+    # For a zero column, differences of the table are rounding.
     size = np.where(size > 1e-6 * size.max(axis=1, keepdims=True), size, 1.0)
     values, vectors = np.linalg.eigh(gram / (size[:, :, None] * size[:, None, :]))
-    # Of the design's singular values these are the squares; below 1e-12 they are rounding.
+    # These are the squares of the design's singular values; below 1e-12 they are rounding.
     known = values > max(rank_tolerance**2, 1e-12) * values[:, -1:]
     along = (vectors.swapaxes(1, 2) @ (cross / size)[..., None])[..., 0]
     along = np.where(known, along, 0.0) / np.where(known, values, 1.0)

@@ -1,13 +1,13 @@
-"""Two-view models of minimal samples of a frame's tracks, and how well they explain every object."""
+"""Two-view models of minimal samples of a frame's tracks, and the residuals of every object under them."""
 
 import numpy as np
 
 from moseg.schemas.parameters import ObjectHypothesisParams
 from moseg.tasks.geometry.ransac import draw_samples
-from moseg.tasks.point_models import POINT_MODELS, Correspondences
+from moseg.tasks.point_models import POINT_MODELS, Correspondences, sample_residuals
 
 TRACK_MODELS = ("fundamental", "homography")
-"""The first is blind to motion along epipolar lines, the second to none, but takes parallax for motion."""
+"""The first does not detect motion along epipolar lines; the second detects all motion, but also parallax."""
 
 
 def track_sample_residuals(
@@ -19,10 +19,10 @@ def track_sample_residuals(
     params: ObjectHypothesisParams,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """Median squared distance of every node's tracks to models of samples from the whole frame.
+    """Return the median squared distance of every node's tracks to models of samples from the whole frame.
 
-    A sample that mixes motions explains none; drawn inside objects, samples would be of one motion, but say little of
-    what lies beyond.
+    A sample of mixed motions explains none of them. Samples drawn inside objects would have one motion, but their
+    models would not be determined outside the objects.
 
     Parameters
     ----------
@@ -33,28 +33,22 @@ def track_sample_residuals(
     num_nodes : int
         N.
     min_points : int
-        A node with fewer tracks takes no part.
+        Nodes with fewer tracks are ignored.
     params : ObjectHypothesisParams
     rng : numpy.random.Generator
 
     Returns
     -------
     float64 (2, num_hypotheses, N)
-        px², one model of `TRACK_MODELS` after the other; NaN where a node takes no part, everywhere where the frame has
-        too few tracks for a sample.
+        px², in the order of `TRACK_MODELS`; NaN for ignored nodes, and for all nodes if the frame has too few tracks
+        for a sample.
     """
     residual = np.full((len(TRACK_MODELS), params.num_hypotheses, num_nodes), np.nan)
     tracks = Correspondences(np.stack([points0, points1], axis=1).astype(np.float64))
-    members = [np.flatnonzero(nodes == node) for node in range(num_nodes)]
-    for found, name in zip(residual, TRACK_MODELS, strict=True):
+    min_tracks = np.full(num_nodes, min_points)
+    for index, name in enumerate(TRACK_MODELS):
         model = POINT_MODELS[name]
-        if tracks.num_points < model.sample_size:
-            continue
-        samples = draw_samples(tracks.num_points, model.sample_size, params.num_hypotheses, rng)
-        # In single precision: only the order of distances is used, and what overflows is as far as can be.
-        with np.errstate(over="ignore"):
-            squared = model.residual(model.fit(tracks.take(samples)), tracks, np.float32)
-        for node, own in enumerate(members):
-            if len(own) >= min_points:
-                found[:, node] = np.median(squared[:, own], axis=1)
+        if tracks.num_points >= model.sample_size:
+            samples = draw_samples(tracks.num_points, model.sample_size, params.num_hypotheses, rng)
+            residual[index] = sample_residuals(tracks, nodes, min_tracks, model, samples)
     return residual

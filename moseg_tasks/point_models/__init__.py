@@ -3,16 +3,14 @@
 from moseg.tasks.point_models.correspondences import Correspondences
 from moseg.tasks.point_models.point_model import PointModel
 from moseg.tasks.point_models.registry import POINT_MODELS, point_model
-from moseg.tasks.point_models.robust import NoFit, RobustModelFit, robust_fit
+from moseg.tasks.point_models.sample_residuals import sample_residuals
 from moseg.tasks.point_models.trifocal_degeneracy import TrifocalDegeneracy
 
 __all__ = [
     "POINT_MODELS",
     "Correspondences",
-    "NoFit",
     "PointModel",
-    "RobustModelFit",
     "TrifocalDegeneracy",
     "point_model",
-    "robust_fit",
+    "sample_residuals",
 ]

@@ -1,4 +1,4 @@
-"""Residuals of many models in blocks that stay in the processor's cache."""
+"""Residuals of many models in blocks that fit in the processor's cache."""
 
 import math
 from collections.abc import Callable
@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import DTypeLike
 
-_WORK_BYTES = 2**20  # of all work arrays together: they stay in a core's second-level cache
+_WORK_BYTES = 2**20  # of all work arrays together: they fit in a core's second-level cache
 
 
 def combine_products(
@@ -15,19 +15,19 @@ def combine_products(
     num_spare: int,
     dtype: DTypeLike,
 ) -> np.ndarray:
-    """Fold matrix products over models and points into one number each.
+    """Combine matrix products over models and points into one number each.
 
-    Fresh memory costs more than the arithmetic here, so the products of a block of models overwrite those of the last.
+    Allocation costs more than the arithmetic here, so the products of a block of models overwrite those of the last.
 
     Parameters
     ----------
     factors : list of (float64 (..., H, K), float64 (..., K, N))
         Coefficients of H models and monomials of N points; K differs between factors.
     combine : callable
-        Given the products of a block, (J + num_spare, ..., h, N) with J = len(factors), of which it may use all as work
-        space, and the block of the result (..., h, N), which it must fill.
+        Its arguments are the products of a block, (J + num_spare, ..., h, N) with J = len(factors), which it may
+        overwrite, and the block of the result (..., h, N), which it must fill.
     num_spare : int
-        Work arrays beside the products.
+        Work arrays in addition to the products.
     dtype : float64 or float32
 
     Returns
@@ -50,3 +50,9 @@ def combine_products(
             np.matmul(coefficients[..., block, :], monomials, out=product)
         combine(products, result[..., block, :])
     return result
+
+
+def sum_of_squares(products: np.ndarray, squared: np.ndarray) -> None:
+    """Fill `squared` with the sum of the squares of two products, for `combine_products`."""
+    products *= products
+    np.add(products[0], products[1], out=squared)

@@ -1,4 +1,4 @@
-"""Matched points of two or three frames: what point models are fitted to and judged by."""
+"""Matched points of two or three frames, the data of point models."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from moseg.schemas.errors import InputError
 
 
 class Correspondences(NamedTuple):
-    """N points followed over F frames, or a stack of such sets.
+    """N points tracked over F frames, or a stack of such sets.
 
     Attributes
     ----------
@@ -17,7 +17,7 @@ class Correspondences(NamedTuple):
     inverse_depth : float64 (..., N), optional
         Relative inverse depth of each point in the first frame.
     principal_point : (float, float), optional
-        xy of the optical axis, px, as a rule the image's centre. Only models with depth ask for it.
+        xy of the optical axis, px, usually the image's centre. Only models with depth read it.
     """
 
     points: np.ndarray
@@ -26,11 +26,11 @@ class Correspondences(NamedTuple):
 
     @property
     def num_points(self) -> int:
-        """N."""
+        """Number of points, N."""
         return self.points.shape[-3]
 
     def take(self, index: np.ndarray) -> "Correspondences":
-        """The points of an index or mask into N, of data without leading dimensions.
+        """Return the points of an index or mask into N, of data without leading dimensions.
 
         An index of shape (H, S) gives H samples of S points: points (H, S, F, 2).
         """
@@ -39,7 +39,7 @@ class Correspondences(NamedTuple):
 
 
 def checked(data: Correspondences, num_frames: int, needs_depth: bool) -> Correspondences:
-    """The same data in float64; raises InputError where a model of so many frames cannot use it."""
+    """Return the data in float64; raise InputError if a model of `num_frames` frames cannot use it."""
     points = np.asarray(data.points, dtype=np.float64)
     if points.ndim < 3 or points.shape[-2:] != (num_frames, 2):
         raise InputError(
@@ -57,7 +57,7 @@ def checked(data: Correspondences, num_frames: int, needs_depth: bool) -> Corres
 
 
 def checked_for_fit(data: Correspondences, num_frames: int, needs_depth: bool, sample_size: int) -> Correspondences:
-    """As `checked`, and InputError where there are fewer than `sample_size` points."""
+    """Return the data as `checked` does; also raise InputError for fewer than `sample_size` points."""
     data = checked(data, num_frames, needs_depth)
     if data.num_points < sample_size:
         raise InputError("too few points", where="points", got=data.num_points, expected=f"{sample_size} or more")

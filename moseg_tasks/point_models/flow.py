@@ -1,4 +1,4 @@
-"""Parametric flow models on the displacements of points, with and without depth."""
+"""Parametric flow models of the displacements of points, with and without depth."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from numpy.typing import DTypeLike
 
 from moseg.tasks.motion_models import FlowModel
 from moseg.tasks.motion_models.monomials import evaluate_monomials
-from moseg.tasks.point_models.blocks import combine_products
+from moseg.tasks.point_models.blocks import combine_products, sum_of_squares
 from moseg.tasks.point_models.correspondences import Correspondences, checked, checked_for_fit
 
 _TINY = np.finfo(np.float64).tiny
@@ -17,15 +17,15 @@ _TINY = np.finfo(np.float64).tiny
 class FlowPointModel:
     """x1 - x0 = design(x0, inverse depth) theta, linear in the P parameters of a flow model.
 
-    The parameters refer to px from the principal point (without depth and principal point: from pixel (0, 0), which the
-    quadratic model does not care about) and to the inverse depth as given.
+    The parameters refer to px from the principal point (without depth and principal point: from pixel (0, 0), which has
+    no effect on the quadratic model) and to the inverse depth as given.
 
     Attributes
     ----------
     flow_model : FlowModel
     min_conditioning : float
-        Least ratio of the last to the first singular value of the design, its columns scaled to unit length, of points
-        that determine the model.
+        Smallest ratio of the last to the first singular value of the design, its columns scaled to unit length, for
+        points that determine the model.
     """
 
     flow_model: FlowModel
@@ -38,7 +38,7 @@ class FlowPointModel:
 
     @property
     def sample_size(self) -> int:
-        """Points whose two equations each are at least as many as the parameters."""
+        """Fewest points whose equations, two each, are at least as many as the parameters."""
         return -(-self.flow_model.num_parameters // 2)
 
     @property
@@ -46,12 +46,12 @@ class FlowPointModel:
         return self.flow_model.uses_depth
 
     def fit(self, data: Correspondences) -> np.ndarray:
-        """Float64 (..., P), of least squared displacement error."""
+        """Return float64 (..., P) of smallest squared displacement error."""
         data = checked_for_fit(data, self.num_frames, self.needs_depth, self.sample_size)
         design, column_scale = self._scaled_design(data)
         displacement = (data.points[..., 1, :] - data.points[..., 0, :]).reshape(*data.points.shape[:-3], -1)
         q, r = np.linalg.qr(design)
-        # A column that depends on those before it takes no part, so that undetermined models stay finite.
+        # Columns that depend on earlier ones are ignored, so that undetermined models stay finite.
         diagonal = np.abs(np.diagonal(r, axis1=-2, axis2=-1))
         dependent = diagonal <= np.finfo(np.float64).eps * design.shape[-2]
         r = np.where(dependent[..., None], np.eye(r.shape[-1]), r)
@@ -59,9 +59,10 @@ class FlowPointModel:
         return np.linalg.solve(r, target[..., None])[..., 0] / column_scale
 
     def residual(self, parameters: np.ndarray, data: Correspondences, dtype: DTypeLike = np.float64) -> np.ndarray:
-        """Squared length of the displacement error, px^2 (..., H, N).
+        """Return the squared length of the displacement error, px^2 (..., H, N).
 
-        All of it is put on the second frame, as flow has it: twice the Sampson distance for a small motion.
+        As in optical flow, all of the error is in the second frame: twice the squared Sampson distance for a small
+        motion.
         """
         data = checked(data, self.num_frames, self.needs_depth)
         monomials = self._monomials(data)
@@ -71,12 +72,12 @@ class FlowPointModel:
             minus_one = np.full((*parameters.shape[:-1], 1), -1.0)
             rows = np.concatenate([monomials, displacement[..., component : component + 1, :]], axis=-2)
             factors.append((np.concatenate([parameters @ terms.T, minus_one], axis=-1), rows))
-        return combine_products(factors, _sum_of_squares, 0, dtype)
+        return combine_products(factors, sum_of_squares, 0, dtype)
 
     def degenerate(self, data: Correspondences) -> np.ndarray:
-        """Whether the points are too few or leave more than one solution: bool (...).
+        """Return whether the points are too few or have more than one solution: bool (...).
 
-        Without depth: all on one conic, so also on a line. With depth also where it adds nothing to the points.
+        Without depth these are points on one conic, and so on a line; with depth, also points of dependent depth.
         """
         data = checked(data, self.num_frames, self.needs_depth)
         if data.num_points < self.sample_size:
@@ -85,7 +86,7 @@ class FlowPointModel:
         return singular[..., -1] < self.min_conditioning * singular[..., 0]
 
     def _scaled_design(self, data: Correspondences) -> tuple[np.ndarray, np.ndarray]:
-        """Design (..., 2 N, P) with columns of unit length, and what the parameters in pixels are divided by."""
+        """Return the design (..., 2 N, P) with columns of unit length, and their lengths in pixels (..., P)."""
         monomials = np.swapaxes(self._monomials(data), -1, -2)
         design = np.stack([monomials @ self.flow_model.u_terms, monomials @ self.flow_model.v_terms], axis=-2)
         design = design.reshape(*data.points.shape[:-3], -1, self.flow_model.num_parameters)
@@ -94,13 +95,8 @@ class FlowPointModel:
         return design / lengths[..., None, :], lengths
 
     def _monomials(self, data: Correspondences) -> np.ndarray:
-        """The monomials of every point in the first frame, (..., 9, N)."""
+        """Return the monomials of every point in the first frame, (..., 9, N)."""
         centre = (0.0, 0.0) if data.principal_point is None else data.principal_point
         x, y = np.moveaxis(data.points[..., 0, :] - np.asarray(centre, dtype=np.float64), -1, 0)
         depth = data.inverse_depth if self.needs_depth else np.zeros_like(x)
         return np.swapaxes(evaluate_monomials(x, y, depth), -1, -2)
-
-
-def _sum_of_squares(products: np.ndarray, squared: np.ndarray) -> None:
-    products *= products
-    np.add(products[0], products[1], out=squared)

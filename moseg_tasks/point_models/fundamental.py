@@ -1,4 +1,4 @@
-"""The fundamental matrix: eight points, a rigid scene seen by a camera that moves."""
+"""The fundamental matrix: eight points, a rigid scene and a moving camera."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,12 @@ from numpy.typing import DTypeLike
 
 from moseg.tasks.geometry.coordinates import hartley_transform
 from moseg.tasks.geometry.eight_point import SAMPLE_SIZE, eight_point, epipolar_equations
-from moseg.tasks.geometry.null_vector import null_vector
+from moseg.tasks.geometry.sampson import (
+    gradient_coefficients,
+    gradient_monomials,
+    quadratic_coefficients,
+    quadratic_monomials,
+)
 from moseg.tasks.point_models.blocks import combine_products
 from moseg.tasks.point_models.correspondences import Correspondences, checked, checked_for_fit
 from moseg.tasks.point_models.local_coordinates import local_coordinates
@@ -20,12 +25,12 @@ class FundamentalModel:
     Attributes
     ----------
     rank_two : bool
-        Whether F is brought to rank 2, as that of two cameras is. Then a minimal model no longer meets its own sample:
-        of near frames with noisy points, the smallest change to rank 2 moves it further than the noise. Without, x1'
-        F x0 = 0 is a general bilinear relation, exact on eight points: the better hypothesis, not the better estimate.
+        Whether F is brought to rank 2, the rank for two cameras. A minimal model then no longer fits its own sample:
+        between near frames with noisy points, the smallest change to rank 2 exceeds the noise. Without it, x1' F x0 = 0
+        is a general bilinear relation, exact on eight points: a better hypothesis, but not a better estimate.
     min_conditioning : float
-        Least ratio of the eighth to the first singular value of the Hartley-normalised epipolar equations of points
-        that determine it: below are planes, cameras without a translation, points on a line or twice the same.
+        Smallest ratio of the eighth to the first singular value of the Hartley-normalised epipolar equations for
+        points that determine it. Planes, cameras without a translation, collinear and repeated points are below it.
     """
 
     rank_two: bool = True
@@ -36,25 +41,36 @@ class FundamentalModel:
     needs_depth: bool = False
 
     def fit(self, data: Correspondences) -> np.ndarray:
-        """Float64 (..., 3, 3) by the eight-point algorithm, with or without its last step."""
+        """Return float64 (..., 3, 3) by the eight-point algorithm, with or without its last step."""
         data = checked_for_fit(data, self.num_frames, self.needs_depth, self.sample_size)
         points0, points1 = data.points[..., 0, :], data.points[..., 1, :]
-        return eight_point(points0, points1) if self.rank_two else _bilinear(points0, points1)
+        return eight_point(points0, points1, self.rank_two)
 
     def residual(self, parameters: np.ndarray, data: Correspondences, dtype: DTypeLike = np.float64) -> np.ndarray:
-        """Squared Sampson distance, px^2 (..., H, N): two matrix products, of the error and of its gradient's square.
+        """Return the squared Sampson distance, px^2 (..., H, N), by products for the error and its squared gradient.
 
         With x0 = m - u/2 and x1 = m + u/2, x1' F x0 = m'Sm - u'Su/4 + u'Km for the symmetric and the skew part S, K of
-        F. Between near frames S and u are small, so the sum keeps small errors in single precision.
+        F. Between near frames S and u are small, so the sum is accurate for small errors in single precision.
 
         References
         ----------
         R. Hartley and A. Zisserman, Multiple View Geometry, 2nd edition, eq. 11.9.
         """
-        return fundamental_distances(parameters, checked(data, self.num_frames, self.needs_depth).points, dtype)
+        local = local_coordinates(checked(data, self.num_frames, self.needs_depth).points)
+        to_pixels = local.to_pixels()
+        F = np.swapaxes(to_pixels, -1, -2) @ parameters @ to_pixels
+        F = F / np.linalg.norm(F, axis=(-2, -1), keepdims=True)
+        points0, points1 = local.points[..., 0, :], local.points[..., 1, :]
+        factors = [
+            (_error_coefficients(F), _error_monomials(points0, points1)),
+            (gradient_coefficients(F), gradient_monomials(points0, points1)),
+        ]
+        squared = combine_products(factors, _squared_over_gradient, 0, dtype)
+        squared *= local.squared_scale().astype(dtype)
+        return squared
 
     def degenerate(self, data: Correspondences) -> np.ndarray:
-        """Whether the points leave more than one fundamental matrix: bool (...)."""
+        """Return whether more than one fundamental matrix fits the points: bool (...)."""
         data = checked(data, self.num_frames, self.needs_depth)
         if data.num_points < self.sample_size:
             return np.ones(data.points.shape[:-3], dtype=bool)
@@ -63,70 +79,29 @@ class FundamentalModel:
         return singular[..., 7] < self.min_conditioning * singular[..., 0]
 
 
-def _bilinear(points0: np.ndarray, points1: np.ndarray) -> np.ndarray:
-    """Matrices (..., 3, 3) of least algebraic error, of any rank."""
-    normalised0, T0 = hartley_transform(points0)
-    normalised1, T1 = hartley_transform(points1)
-    F = null_vector(epipolar_equations(normalised0, normalised1)).reshape(*points0.shape[:-2], 3, 3)
-    F = np.swapaxes(T1, -1, -2) @ F @ T0
-    return F / np.linalg.norm(F, axis=(-2, -1), keepdims=True)
-
-
-def fundamental_distances(F: np.ndarray, points: np.ndarray, dtype: DTypeLike) -> np.ndarray:
-    """Squared Sampson distances (..., H, N) of points (..., N, 2, 2) to matrices (..., H, 3, 3), their unit squared."""
-    local = local_coordinates(points)
-    to_pixels = local.to_pixels()
-    F = np.swapaxes(to_pixels, -1, -2) @ F @ to_pixels
-    F = F / np.linalg.norm(F, axis=(-2, -1), keepdims=True)
-    points0, points1 = local.points[..., 0, :], local.points[..., 1, :]
-
-    rows, columns = F[..., :2, :], F[..., :2]
-    gradient0 = _quadratic_coefficients(np.swapaxes(rows, -1, -2) @ rows)
-    gradient1 = _quadratic_coefficients(columns @ np.swapaxes(columns, -1, -2))
-    monomials = np.concatenate([_quadratic_monomials(points0), _quadratic_monomials(points1)], axis=-2)
-    factors = [
-        (_error_coefficients(F), _error_monomials(points0, points1)),
-        (np.concatenate([gradient0, gradient1], axis=-1), monomials),
-    ]
-    squared = combine_products(factors, _squared_over_gradient, 0, dtype)
-    squared *= local.squared_scale().astype(dtype)
-    return squared
-
-
 def _squared_over_gradient(products: np.ndarray, squared: np.ndarray) -> None:
     error, gradient = products
-    # At an epipole both vanish, numerator first, and what is left of the gradient is the rounding of the sum.
+    # At an epipole both vanish, the numerator faster; the gradient is then rounding of the sum.
     np.maximum(gradient, np.finfo(squared.dtype).eps, out=gradient)
     error *= error
     np.divide(error, gradient, out=squared)
 
 
 def _error_coefficients(F: np.ndarray) -> np.ndarray:
-    """Coefficients (..., 9) of x1' F x0 on `_error_monomials`: the entries of S, then of K."""
+    """Return x1' F x0 as coefficients (..., 9) of `_error_monomials`: the entries of S, then of K."""
     S, K = (F + np.swapaxes(F, -1, -2)) / 2, (F - np.swapaxes(F, -1, -2)) / 2
-    return np.concatenate([_quadratic_coefficients(S), K[..., [0, 0, 1], [1, 2, 2]]], axis=-1)
+    return np.concatenate([quadratic_coefficients(S), K[..., [0, 0, 1], [1, 2, 2]]], axis=-1)
 
 
 def _error_monomials(points0: np.ndarray, points1: np.ndarray) -> np.ndarray:
-    """Monomials (..., 9, N) of mm' - uu'/4, then of u x m."""
+    """Return the monomials (..., 9, N) of mm' - uu'/4, then of u x m."""
     middle, u = (points0 + points1) / 2, points1 - points0
     half = u / 2
     monomials = np.empty((*u.shape[:-2], 9, u.shape[-2]))
-    monomials[..., :6, :] = _quadratic_monomials(middle)
+    monomials[..., :6, :] = quadratic_monomials(middle)
     monomials[..., 0, :] -= half[..., 0] ** 2
     monomials[..., 1, :] -= half[..., 0] * half[..., 1]
     monomials[..., 3, :] -= half[..., 1] ** 2
     monomials[..., 6, :] = u[..., 0] * middle[..., 1] - u[..., 1] * middle[..., 0]
     monomials[..., 7:, :] = np.swapaxes(u, -1, -2)
     return monomials
-
-
-def _quadratic_coefficients(Q: np.ndarray) -> np.ndarray:
-    """Coefficients (..., 6) of x'Qx, Q symmetric, on `_quadratic_monomials`."""
-    return Q[..., [0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2]] * [1, 2, 2, 1, 2, 1]
-
-
-def _quadratic_monomials(points: np.ndarray) -> np.ndarray:
-    """xx, xy, x, yy, y and 1 of points (..., N, 2): (..., 6, N)."""
-    x, y = points[..., 0], points[..., 1]
-    return np.stack([x * x, x * y, x, y * y, y, np.ones_like(x)], axis=-2)

@@ -1,4 +1,4 @@
-"""The homography: four points, the view of a plane or of a camera that only rotates."""
+"""The homography: four points, a plane or a camera that only rotates."""
 
 from dataclasses import dataclass
 
@@ -19,8 +19,8 @@ class HomographyModel:
     Attributes
     ----------
     min_conditioning : float
-        Least ratio of the eighth to the first singular value of the Hartley-normalised transfer equations, and of the
-        third to the first of the homography itself, of points that determine it.
+        Smallest ratio of the eighth to the first singular value of the Hartley-normalised transfer equations, and of
+        the third to the first of the homography itself, for points that determine it.
     """
 
     min_conditioning: float = 1e-3
@@ -30,7 +30,7 @@ class HomographyModel:
     needs_depth: bool = False
 
     def fit(self, data: Correspondences) -> np.ndarray:
-        """Float64 (..., 3, 3): through four points in closed form, through more by the direct linear transform."""
+        """Return float64 (..., 3, 3): of four points in closed form, of more by the direct linear transform."""
         data = checked_for_fit(data, self.num_frames, self.needs_depth, self.sample_size)
         points0, points1 = data.points[..., 0, :], data.points[..., 1, :]
         if data.num_points == self.sample_size:
@@ -38,7 +38,7 @@ class HomographyModel:
         return homography_dlt(points0, points1)
 
     def residual(self, parameters: np.ndarray, data: Correspondences, dtype: DTypeLike = np.float64) -> np.ndarray:
-        """Squared Sampson distance, px^2 (..., H, N).
+        """Return the squared Sampson distance, px^2 (..., H, N).
 
         e' (JJ')^-1 e with e the two transfer equations. Both components of e and the three entries of JJ' are
         polynomials in (x0, y0, x1, y1), linear in products of entries of H: five matrix products.
@@ -56,7 +56,7 @@ class HomographyModel:
         return squared
 
     def degenerate(self, data: Correspondences) -> np.ndarray:
-        """Whether three of four points are collinear in either frame, or more points nearly so: bool (...)."""
+        """Return whether three of four points, or nearly all of more, are collinear in a frame: bool (...)."""
         data = checked(data, self.num_frames, self.needs_depth)
         if data.num_points < self.sample_size:
             return np.ones(data.points.shape[:-3], dtype=bool)
@@ -69,10 +69,10 @@ class HomographyModel:
 
 
 def _through_four_points(points0: np.ndarray, points1: np.ndarray) -> np.ndarray:
-    """Homographies (..., 3, 3) of four points (..., 4, 2) each.
+    """Return the homographies (..., 3, 3) of four points (..., 4, 2) each.
 
-    With m a matrix of three homogeneous points and l = adj(m) p4, the basis m diag(l) takes the unit points to all
-    four: H = m1 diag(l1) (m0 diag(l0))^-1, here without a division that fails.
+    With m a matrix of three homogeneous points and l = adj(m) p4, the basis m diag(l) maps the unit points to all
+    four: H = m1 diag(l1) (m0 diag(l0))^-1, here without a division by zero.
     """
     normalised0, T0 = hartley_transform(points0)
     normalised1, T1 = hartley_transform(points1)
@@ -80,7 +80,7 @@ def _through_four_points(points0: np.ndarray, points1: np.ndarray) -> np.ndarray
     m1, _, l1 = _projective_basis(normalised1)
     others = l0[..., [1, 2, 0]] * l0[..., [2, 0, 1]]
     H = (m1 * (l1 * others)[..., None, :]) @ adjugate0
-    # Coincident points leave nothing: the identity then, between the normalised frames.
+    # For coincident points H is zero; the identity between the normalised frames replaces it.
     norm = np.linalg.norm(H, axis=(-2, -1), keepdims=True)
     H = np.where(norm > np.finfo(np.float64).tiny, H, np.eye(3))
     H = np.linalg.inv(T1) @ H @ T0
@@ -88,7 +88,7 @@ def _through_four_points(points0: np.ndarray, points1: np.ndarray) -> np.ndarray
 
 
 def _projective_basis(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The first three of four points as columns m (..., 3, 3), adj(m), and adj(m) p4 (..., 3)."""
+    """Return the first three of four points as columns m (..., 3, 3), adj(m), and adj(m) p4 (..., 3)."""
     m = np.ones((*points.shape[:-2], 3, 3))
     m[..., :2, :] = np.swapaxes(points[..., :3, :], -1, -2)
     x, y = m[..., 0, :], m[..., 1, :]
@@ -106,7 +106,7 @@ def _projective_basis(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nd
 
 
 def _sampson(products: np.ndarray, squared: np.ndarray) -> None:
-    """e' (JJ')^-1 e of a block of errors e_x, e_y and entries a, b, c of JJ', where b^2 <= a c."""
+    """Fill in e' (JJ')^-1 e of a block of errors e_x, e_y and entries a, b, c of JJ', where b^2 <= a c."""
     error_x, error_y, a, b, c, spare = products
     np.multiply(a, c, out=squared)
     np.multiply(b, b, out=spare)
@@ -126,7 +126,7 @@ def _sampson(products: np.ndarray, squared: np.ndarray) -> None:
 
 
 def _products(H: np.ndarray, points: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Factors (..., H, K) and (..., K, N) of the errors e_x, e_y and of the entries a, b, c of JJ'."""
+    """Return factors (..., H, K) and (..., K, N) of the errors e_x, e_y and of the entries a, b, c of JJ'."""
     x, y = points[..., 0, 0], points[..., 0, 1]
     x1, y1 = points[..., 1, 0], points[..., 1, 1]
     one = np.ones_like(x)
@@ -138,7 +138,7 @@ def _products(H: np.ndarray, points: np.ndarray) -> list[tuple[np.ndarray, np.nd
         return np.stack(columns, axis=-1)
 
     h, k, w = H[..., 0, :], H[..., 1, :], H[..., 2, :]
-    # e = (h x0 - x w x0) - (x1 - x) w x0: written with the displacement it keeps small errors in single precision.
+    # e = (h x0 - x w x0) - (x1 - x) w x0: with the displacement, small errors are accurate in single precision.
     ux, uy = x1 - x, y1 - y
     scale_x, scale_y = h[..., 0] - w[..., 2], k[..., 1] - w[..., 2]
     error_x = over_models(h[..., 2], scale_x, h[..., 1], -w[..., 0], -w[..., 1], -w[..., 0], -w[..., 1], -w[..., 2])

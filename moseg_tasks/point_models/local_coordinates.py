@@ -1,7 +1,7 @@
 """Coordinates of about unit size for a whole point set, the same in all its frames.
 
-Residuals are computed here: one scale for all frames keeps distances comparable between them, and one origin keeps
-displacements small beside positions, so that products of single precision lose little.
+Residuals are computed in them: one scale for all frames keeps distances comparable between frames, and one origin keeps
+displacements small relative to positions, so that products in single precision are accurate.
 """
 
 from typing import NamedTuple
@@ -18,7 +18,7 @@ class LocalCoordinates(NamedTuple):
     centre : float64 (..., 2)
         Mean over points and frames, px.
     scale : float64 (...)
-        Root mean square of the coordinates about it, px; 1 where all points coincide.
+        Root mean square of the coordinates about it, px; 1 if all points coincide.
     """
 
     points: np.ndarray
@@ -26,20 +26,20 @@ class LocalCoordinates(NamedTuple):
     scale: np.ndarray
 
     def to_pixels(self) -> np.ndarray:
-        """Matrix M, float64 (..., 1, 3, 3), with pixel = M local in homogeneous coordinates."""
+        """Return the matrix M, float64 (..., 1, 3, 3), with pixel = M local in homogeneous coordinates."""
         return _affine_matrices(self.scale, self.centre)
 
     def from_pixels(self) -> np.ndarray:
-        """The inverse of `to_pixels`."""
+        """Return the inverse of `to_pixels`."""
         return _affine_matrices(1 / self.scale, -self.centre / self.scale[..., None])
 
     def squared_scale(self) -> np.ndarray:
-        """Factor from squared local distances to px^2, float64 (..., 1, 1)."""
+        """Return the factor from squared local distances to px^2, float64 (..., 1, 1)."""
         return self.scale[..., None, None] ** 2
 
 
 def local_coordinates(points: np.ndarray) -> LocalCoordinates:
-    """Local coordinates of each point set of float64 (..., N, F, 2), px."""
+    """Return local coordinates of each point set of float64 (..., N, F, 2), px."""
     if points.shape[-3] == 0:
         return LocalCoordinates(points, np.zeros((*points.shape[:-3], 2)), np.ones(points.shape[:-3]))
     centre = points.mean(axis=(-3, -2))
@@ -50,7 +50,7 @@ def local_coordinates(points: np.ndarray) -> LocalCoordinates:
 
 
 def _affine_matrices(scale: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """Matrices (..., 1, 3, 3) of x -> scale x + offset; the added dimension broadcasts over models."""
+    """Return the matrices (..., 1, 3, 3) of x -> scale x + offset; the added dimension broadcasts over models."""
     matrices = np.zeros((*scale.shape, 1, 3, 3))
     matrices[..., 0, 0, 0] = matrices[..., 0, 1, 1] = scale
     matrices[..., 0, :2, 2] = offset

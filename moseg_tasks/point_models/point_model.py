@@ -1,4 +1,4 @@
-"""What a motion model of point correspondences offers: a fit, residuals, and whether a sample determines it."""
+"""The interface of motion models of point correspondences: fit, residuals and degeneracy."""
 
 from typing import Protocol, runtime_checkable
 
@@ -10,19 +10,19 @@ from moseg.tasks.point_models.correspondences import Correspondences
 
 @runtime_checkable
 class PointModel(Protocol):
-    """A motion model of points followed over two or three frames.
+    """A motion model of points tracked over two or three frames.
 
-    All methods raise InputError where the data has another shape than the model asks for.
+    All methods raise InputError if the data has another shape than the model requires.
 
     Attributes
     ----------
     name : str
     num_frames : int
-        Frames that the model spans.
+        Frames of a correspondence.
     sample_size : int
-        Points of a minimal sample, the fewest that `fit` takes.
+        Points of a minimal sample, the fewest that `fit` accepts.
     needs_depth : bool
-        Whether `inverse_depth` and `principal_point` are asked for.
+        Whether `inverse_depth` and `principal_point` are required.
     """
 
     @property
@@ -38,17 +38,17 @@ class PointModel(Protocol):
     def needs_depth(self) -> bool: ...
 
     def fit(self, data: Correspondences) -> np.ndarray:
-        """The model of each point set: exact for a minimal sample, by least squares for more points.
+        """Fit the model to each point set: exactly to a minimal sample, by least squares to more points.
 
         Returns
         -------
         parameters : float64 (..., *P)
-            In pixel coordinates. Arbitrary but finite where the points do not determine the model.
+            In pixel coordinates. Arbitrary but finite if the points do not determine the model.
         """
         ...
 
     def residual(self, parameters: np.ndarray, data: Correspondences, dtype: DTypeLike = np.float64) -> np.ndarray:
-        """Squared distance of every point set of `data` to every model, by matrix products.
+        """Return the squared distance of every point set of `data` to every model, by matrix products.
 
         Parameters
         ----------
@@ -56,8 +56,8 @@ class PointModel(Protocol):
         data : Correspondences
             points (..., N, F, 2), px.
         dtype : float64 or float32
-            Precision of the work and of the result; float32 takes about two thirds of the time. All but one in ten
-            thousand distances above 0.05 px are within 0.1 %; the others are of nearly degenerate models.
+            Precision of the computation and of the result; float32 takes about two thirds of the time. All but one in
+            ten thousand distances above 0.05 px are within 0.1 %; the others are of nearly degenerate models.
 
         Returns
         -------
@@ -67,5 +67,5 @@ class PointModel(Protocol):
         ...
 
     def degenerate(self, data: Correspondences) -> np.ndarray:
-        """Whether each point set leaves the model undetermined: bool (...); True where it has too few points."""
+        """Return whether each point set leaves the model undetermined: bool (...); True for too few points."""
         ...

@@ -24,7 +24,7 @@ POINT_MODELS: dict[str, PointModel] = {
 
 
 def point_model(name: str) -> PointModel:
-    """The point model of this name; raises InputError where there is none."""
+    """Return the point model of this name; raise InputError if there is none."""
     if name not in POINT_MODELS:
         raise InputError("unknown point model", got=name, expected=", ".join(POINT_MODELS))
     return POINT_MODELS[name]

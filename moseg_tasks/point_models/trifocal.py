@@ -1,4 +1,4 @@
-"""The trifocal tensor: seven points, a rigid scene in three frames of a camera that moves."""
+"""The trifocal tensor: seven points, a rigid scene in three frames of a moving camera."""
 
 from dataclasses import dataclass
 
@@ -21,16 +21,16 @@ class TrifocalModel:
     Attributes
     ----------
     min_conditioning : float
-        Least ratio of the 26th to the first singular value of the Hartley-normalised trilinear equations of points
-        that determine the tensor: below are planes, a first camera without a translation to one of the others, points
-        on a line or twice the same.
+        Smallest ratio of the 26th to the first singular value of the Hartley-normalised trilinear equations for points
+        that determine the tensor. Planes, a first camera without a translation to one of the others, collinear and
+        repeated points are below it.
     min_centre_angle : float
-        Least sine of the angle between the images of the two other camera centres in the middle frame, as homogeneous
-        vectors in Hartley-normalised coordinates; below, the three centres are collinear.
+        Sine of the angle between the images of the two other camera centres in the middle frame, as homogeneous
+        vectors in Hartley-normalised coordinates, below which the three centres are collinear.
     accept_collinear_centres : bool
-        Whether a sample whose camera centres are collinear counts as good. The tensor is determined then, and so are
-        the residuals here, which use all trilinearities; what fails is the transfer by intersecting epipolar lines.
-        A camera that drives straight ahead is always near it.
+        Whether a sample with collinear camera centres is accepted. It determines the tensor and the residuals here,
+        which use all trilinearities; only the transfer by intersecting epipolar lines fails. A camera that drives
+        straight ahead is always close to this case.
     """
 
     min_conditioning: float = 1e-5
@@ -42,20 +42,20 @@ class TrifocalModel:
     needs_depth: bool = False
 
     def fit(self, data: Correspondences) -> np.ndarray:
-        """Float64 (..., 3, 3, 3), a tensor of three cameras."""
+        """Return float64 (..., 3, 3, 3), a tensor of three cameras."""
         data = checked_for_fit(data, self.num_frames, self.needs_depth, self.sample_size)
         return trifocal_tensor(data.points)
 
     def residual(self, parameters: np.ndarray, data: Correspondences, dtype: DTypeLike = np.float64) -> np.ndarray:
-        """Squared Sampson distance of (x0, x1, x2) to the triples that obey the tensor, px^2 (..., H, N).
+        """Return the squared Sampson distance of (x0, x1, x2) to the triples that obey the tensor, px^2 (..., H, N).
 
         The triples are a variety of dimension three in six coordinates, so of the four trilinearities of axis-parallel
         lines three are independent to first order. With M = sum_i x0^i T[i] and E the 2 x 2 errors, dE_ab/dx1_a = p_b
-        and dE_ab/dx2_b = q_a: the combination E_ab q'_a p'_b, q' and p' orthogonal to q and p, depends on neither x1
-        nor x2 and, on the variety, not on x0 either. The other three have e' (D + GG')^-1 e with a diagonal D and G
-        their derivative by x0, which the Woodbury identity turns into 2 x 2 systems.
+        and dE_ab/dx2_b = q_a: the combination E_ab q'_a p'_b, q' and p' orthogonal to q and p, does not depend on x1 or
+        x2 nor, on the variety, on x0. The distance of the other three is e' (D + GG')^-1 e with a diagonal D and their
+        derivative G by x0, which the Woodbury identity reduces to 2 x 2 systems.
 
-        The errors cancel too far for single precision: all work is double, and the result of `dtype`.
+        The errors cancel too far for single precision: the computation is in double, the result of `dtype`.
 
         References
         ----------
@@ -69,19 +69,19 @@ class TrifocalModel:
         return squared.astype(dtype, copy=False)
 
     def degeneracy(self, data: Correspondences) -> np.ndarray:
-        """`TrifocalDegeneracy` of each point set: uint8 (...)."""
+        """Return the `TrifocalDegeneracy` of each point set: uint8 (...)."""
         data = checked(data, self.num_frames, self.needs_depth)
         return find_degeneracies(data.points, self.min_conditioning, self.min_centre_angle)
 
     def degenerate(self, data: Correspondences) -> np.ndarray:
-        """Whether `degeneracy` finds any, collinear centres as `accept_collinear_centres` says: bool (...)."""
+        """Return whether `degeneracy` finds any, except accepted collinear centres: bool (...)."""
         reason = self.degeneracy(data)
         accepted = (reason == TrifocalDegeneracy.COLLINEAR_CENTRES) & self.accept_collinear_centres
         return (reason != TrifocalDegeneracy.NONE) & ~accepted
 
 
 def _products(T: np.ndarray, points: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Factors of p_0, p_1, q_0, q_1, then for each (a, b) of dE_ab/dx0, dE_ab/dy0 and E_ab itself."""
+    """Return the factors of p_0, p_1, q_0, q_1, then for each (a, b) of dE_ab/dx0, dE_ab/dy0 and E_ab."""
     ones = np.ones(points.shape[:-2])
     x0 = np.stack([points[..., 0, 0], points[..., 0, 1], ones], axis=-2)
     x1, x2 = points[..., 1, :], points[..., 2, :]
@@ -104,12 +104,12 @@ def _products(T: np.ndarray, points: np.ndarray) -> list[tuple[np.ndarray, np.nd
 
 
 def _sampson(products: np.ndarray, squared: np.ndarray) -> None:
-    """e' (D + GG')^-1 e of a block of products, see `TrifocalModel.residual`."""
+    """Fill in e' (D + GG')^-1 e of a block of products, see `TrifocalModel.residual`."""
     p, q = products[0:2], products[2:4]
     by_frame = products[4:16].reshape(2, 2, 3, *products.shape[1:])
     pp, qq = p[0] ** 2 + p[1] ** 2, q[0] ** 2 + q[1] ** 2
     p, q = p / np.sqrt(np.maximum(pp, _TINY)), q / np.sqrt(np.maximum(qq, _TINY))
-    # Columns along and across p, then rows along and across q; the entry across both is left out.
+    # Columns along and across p, then rows along and across q, without the entry across both.
     along, across = by_frame[:, 0] * p[0] + by_frame[:, 1] * p[1], by_frame[:, 1] * p[0] - by_frame[:, 0] * p[1]
     both = along[0] * q[0] + along[1] * q[1]
     only_p = along[1] * q[0] - along[0] * q[1]

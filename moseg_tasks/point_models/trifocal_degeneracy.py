@@ -1,4 +1,4 @@
-"""Why points in three frames do not determine a trifocal tensor, or determine one of collinear cameras."""
+"""Reasons why points in three frames do not determine a trifocal tensor, or only one of collinear cameras."""
 
 from enum import IntEnum
 
@@ -9,14 +9,14 @@ from moseg.tasks.point_models.trifocal_tensor import SAMPLE_SIZE, epipoles, trif
 
 
 class TrifocalDegeneracy(IntEnum):
-    """Reason code of a point set: the first that holds, in this order."""
+    """Reason code of a point set: the first that applies, in this order."""
 
     NONE = 0
-    """The points determine the tensor, and no line holds the three camera centres."""
+    """The points determine the tensor, and the three camera centres are not collinear."""
     TOO_FEW_POINTS = 1
     """Fewer than seven points."""
     ILL_CONDITIONED = 2
-    """The trilinear equations leave more than one solution: a plane, a camera that only rotates from the first frame to
+    """The trilinear equations have more than one solution: a plane, a camera that only rotates from the first frame to
     another, collinear or coincident points."""
     COLLINEAR_CENTRES = 3
     """The three camera centres lie on a line, or the last two coincide: the tensor is determined, but epipolar lines
@@ -24,7 +24,7 @@ class TrifocalDegeneracy(IntEnum):
 
 
 def find_degeneracies(points: np.ndarray, min_conditioning: float, min_centre_angle: float) -> np.ndarray:
-    """`TrifocalDegeneracy` of each point set of float64 (..., N, 3, 2): uint8 (...)."""
+    """Return the `TrifocalDegeneracy` of each point set of float64 (..., N, 3, 2): uint8 (...)."""
     lead = points.shape[:-3]
     if points.shape[-3] < SAMPLE_SIZE:
         return np.full(lead, TrifocalDegeneracy.TOO_FEW_POINTS, dtype=np.uint8)
@@ -37,7 +37,7 @@ def find_degeneracies(points: np.ndarray, min_conditioning: float, min_centre_an
 
 
 def centre_angle(T: np.ndarray) -> np.ndarray:
-    """Sine of the angle between the images of the first and the third camera centre in the second frame.
+    """Return the sine of the angle between the images of the first and the third camera centre in the second frame.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def centre_angle(T: np.ndarray) -> np.ndarray:
     Returns
     -------
     sine : float64 (...)
-        0 where the three centres are collinear, and small where the last two are near beside the first.
+        0 if the three centres are collinear, and small if the last two are close to each other.
 
     References
     ----------

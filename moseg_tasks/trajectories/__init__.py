@@ -2,8 +2,8 @@
 
 from moseg.tasks.trajectories.candidates import View
 from moseg.tasks.trajectories.cluster import TrajectoryClustering, cluster_trajectories
-from moseg.tasks.trajectories.hypotheses import Hypotheses, draw_hypotheses, hypothesis_residuals
 from moseg.tasks.trajectories.kernel import trajectory_kernel
+from moseg.tasks.trajectories.trajectory_hypotheses import Hypotheses, draw_hypotheses, hypothesis_residuals
 
 __all__ = [
     "Hypotheses",

@@ -1,4 +1,4 @@
-"""From what several models say of trajectories to motion groups."""
+"""Clustering of trajectories into motion groups, from the kernels of several models."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
@@ -7,15 +7,14 @@ import numpy as np
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import TrajectoryClusteringParams
-from moseg.tasks.clustering.count_motions import CountEvidence, count_motions
+from moseg.tasks.clustering.count_motions import CountEvidence, count_by_eigengap, count_motions
+from moseg.tasks.clustering.kmeans import cluster_many_points
 from moseg.tasks.clustering.motion_tracks import MotionTracks
-from moseg.tasks.clustering.num_motions import count_by_eigengap
-from moseg.tasks.clustering.random_kmeans import cluster_many_points
 from moseg.tasks.clustering.spectral import embed_views
-from moseg.tasks.trajectories.apart import separate_objects
 from moseg.tasks.trajectories.candidates import Candidates, View, in_order
 from moseg.tasks.trajectories.energy import Energy, Grouping
 from moseg.tasks.trajectories.merging import merge_by_energy
+from moseg.tasks.trajectories.separation import separate_objects
 
 
 class TrajectoryClustering(NamedTuple):
@@ -26,15 +25,15 @@ class TrajectoryClustering(NamedTuple):
     motion : uint16 (N,)
         Group of each trajectory, in the order of their first trajectories.
     embedding : float64 (N, D)
-        Spectral coordinates, rows of unit length; of zero length where nothing is known.
+        Spectral coordinates, rows of unit length, or of zero length for trajectories without affinities.
     eigenvalues : float64 (V, E)
-        The leading ones of each clustered kernel's normalised affinity, descending.
+        Leading eigenvalues of each clustered kernel's normalised affinity, descending.
     objective : float64 (iterations,)
-        Of co-regularisation after each round; of a single kernel the sum of its leading eigenvalues.
+        Objective of co-regularisation after each round; for a single kernel the sum of its leading eigenvalues.
     costs, cuts : float64 (K,)
-        Geometric cost and normalised cut of the best grouping into 1 .. K motions (`Grouping`), NaN without one.
+        Geometric cost and normalised cut of the best grouping into 1 .. K motions (`Grouping`), NaN if there is none.
     num_motions : int
-        Groups.
+        Number of groups.
     """
 
     motion: np.ndarray
@@ -57,10 +56,10 @@ def cluster_trajectories(
     """Group trajectories by motion.
 
     ``energy`` makes groupings from every draw of hypotheses, by spectral clustering and by merging of pieces
-    (`Candidates`, `merge_by_energy`), and takes the one of least `Energy`. Where the number of motions is not given, it
-    is that of which the `Candidates` have the least mean energy over the draws.
+    (`Candidates`, `merge_by_energy`), and takes the one of minimal `Energy`. If the number of motions is not given, it
+    is the number whose `Candidates` have the smallest mean energy over the draws.
     ``sum``, ``product`` and ``coregularised`` are spectral clustering of the views' mean kernel, of their geometric
-    mean and of all views, as published. How else the number may be found is `params.auto`.
+    mean and of all views, as published. `params.auto` names the other ways to find the number.
 
     Parameters
     ----------
@@ -70,16 +69,16 @@ def cluster_trajectories(
         px.
     visible : bool (N, frame)
     num_motions : int, optional
-        At most N in effect. None finds it, at most `params.most_motions`; parts of a group that lie apart are then
-        motions of their own where `params.separate` says so.
+        Reduced to N if larger. None: it is found, at most `params.most_motions`; with `params.separate`, unconnected
+        parts of a group then become separate motions.
     params : TrajectoryClusteringParams
     rng : numpy.random.Generator
-        Starts k-means.
+        Draws the starts of k-means.
 
     Raises
     ------
     InputError
-        Where there is no view, or `num_motions` is below 1.
+        If there is no view, or `num_motions` is below 1.
 
     References
     ----------
@@ -93,7 +92,7 @@ def cluster_trajectories(
     by_view = [np.mean([views[index].kernel for views in draws], axis=0) for index in range(len(draws[0]))]
     mean = np.mean(by_view, axis=0)
     views = _clustered_kernels(by_view, params.method)
-    most = min(params.most_motions if num_motions is None else num_motions, len(points))
+    max_motions = min(params.most_motions if num_motions is None else num_motions, len(points))
     weights = params.energy if num_motions is None else params.energy.model_copy(update={"motion_weight": 0.0})
     energy = Energy(points, visible, mean, weights)
     seed = int(rng.integers(2**31))
@@ -106,24 +105,24 @@ def cluster_trajectories(
     def cluster(count: int) -> np.ndarray:
         return cluster_many_points(embed(count).coordinates, count, params.num_starts, seed)
 
-    counts = [most] if num_motions is not None else range(1, most + 1)
+    counts = [max_motions] if num_motions is not None else range(1, max_motions + 1)
     candidates = []
     if params.method == "energy":
-        candidates = [Candidates(drawn, most, params, seed) for drawn in draws]
+        candidates = [Candidates(drawn, max_motions, params, seed) for drawn in draws]
         groupings = {count: [each.of(count) for each in candidates] for count in counts}
-        # Fits to a hundred groups at once cost little more than to one.
+        # Fitting a hundred groups at once costs little more than fitting one.
         energy.prepare([labels for by_draw in groupings.values() for drawn in by_draw for labels in drawn])
     else:
-        # Of the published methods there is but one grouping.
+        # The published methods give one grouping.
         groupings = {count: [[in_order(cluster(count))]] for count in counts}
-    found = {count: [energy.least(drawn) for drawn in by_draw] for count, by_draw in groupings.items()}
-    chosen = most
+    found = {count: [energy.minimum(drawn) for drawn in by_draw] for count, by_draw in groupings.items()}
+    chosen = max_motions
     if num_motions is None:
         tracks = MotionTracks(points, visible, np.arange(len(points)))
         chosen = _count(found, mean, lambda: embed(1).eigenvalues, tracks, params, rng)
-    # Built to have little energy, these would speak for more motions than there are.
+    # Added after the count: they are built to have low energy, which would favour too many motions.
     merged = [merge_by_energy(each.pieces, energy, params.pieces.num_tried).get(chosen) for each in candidates]
-    found[chosen] += [energy.least([in_order(labels)]) for labels in merged if labels is not None]
+    found[chosen] += [energy.minimum([in_order(labels)]) for labels in merged if labels is not None]
     best = {count: min(groupings, key=lambda grouping: grouping.energy) for count, groupings in found.items()}
     motion, embedding = best[chosen].labels, embed(chosen)
     if num_motions is None and params.separate:
@@ -133,14 +132,14 @@ def cluster_trajectories(
         embedding=embedding.coordinates,
         eigenvalues=embedding.eigenvalues,
         objective=embedding.objective,
-        costs=np.array([best[count].cost if count in best else np.nan for count in range(1, most + 1)]),
-        cuts=np.array([best[count].cut if count in best else np.nan for count in range(1, most + 1)]),
+        costs=np.array([best[count].cost if count in best else np.nan for count in range(1, max_motions + 1)]),
+        cuts=np.array([best[count].cut if count in best else np.nan for count in range(1, max_motions + 1)]),
         num_motions=int(motion.max()) + 1,
     )
 
 
 def _clustered_kernels(by_view: Sequence[np.ndarray], method: str) -> np.ndarray:
-    """The kernels of which eigenvectors are taken, float64 (V, N, N)."""
+    """Return the kernels whose eigenvectors are clustered, float64 (V, N, N)."""
     views = np.stack(by_view).astype(np.float64)
     if method == "coregularised":
         return views
@@ -157,9 +156,9 @@ def _count(
     params: TrajectoryClusteringParams,
     rng: np.random.Generator,
 ) -> int:
-    """The number of motions, of the groupings of each draw into 1, 2, ... motions."""
+    """Return the number of motions from the groupings of each draw into 1, 2, ... motions."""
     if params.auto == "energy":
-        # More motions have more ways to fit by chance: the mean tells what the draws agree on, the least is luck.
+        # More motions fit better by chance: the mean over the draws is robust to that, the minimum is not.
         return min(found, key=lambda count: np.mean([grouping.energy for grouping in found[count]]))
     if params.auto == "eigengap":
         return count_by_eigengap(spectrum(), len(found))

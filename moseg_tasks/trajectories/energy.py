@@ -1,4 +1,4 @@
-"""The energy of a grouping: how badly rigid motions explain its groups, and how much affinity it cuts."""
+"""The energy of a grouping: residuals of its groups under rigid motions, and the affinity that it cuts."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from moseg.tasks.trajectories.epipolar_cost import EpipolarCost
 
 
 class Grouping(NamedTuple):
-    """A labeling int (N,) and what it costs."""
+    """A labeling int (N,), its costs and its energy."""
 
     labels: np.ndarray
     cost: float
@@ -18,16 +18,16 @@ class Grouping(NamedTuple):
     cut: float
     """Normalised cut, 0 .. number of groups."""
     energy: float
-    """Cost and cut together, and what each motion costs."""
+    """Weighted sum of cost, cut and number of motions."""
 
 
 class Energy:
     """``cost + cut_weight * cut + motion_weight * K`` of groupings of the same trajectories into K motions.
 
-    Neither of the first two terms does alone. A fundamental matrix explains two movers that go the same way, or a mover
-    along the camera's path together with the background, nearly as well as one: by cost alone the background is rather
-    split. A cut alone splits the background where few hypotheses reach from one side of the image to the other. The
-    third makes one motion of what is explained by two hardly better.
+    Neither of the first two terms is sufficient. One fundamental matrix explains two movers of the same direction, or a
+    mover along the camera's path and the background, nearly as well as a single one: the cost alone would rather split
+    the background. The cut alone splits the background where few hypotheses span the image. The third term merges
+    motions if two explain the data only slightly better than one.
 
     Parameters
     ----------
@@ -43,20 +43,20 @@ class Energy:
         self._cost = EpipolarCost(points, visible, params)
         self._kernel = kernel
         self._params = params
-        # What one motion explains well needs no second, however large a share of the little that is left that takes.
+        # Bounded below: if one motion explains the data well, a relative gain by a second one is not significant.
         self._unit = max(float(self._cost.of_labelings([np.zeros(len(points), int)])[0]), params.least_unit)
 
     def prepare(self, labelings: Sequence[np.ndarray]) -> None:
-        """Fit all groups of labelings that will be asked for."""
+        """Fit all groups of labelings whose cost is needed later."""
         self._cost.of_labelings(labelings)
 
-    def least(self, labelings: Sequence[np.ndarray]) -> Grouping:
-        """The labeling of least energy, the first of equals."""
+    def minimum(self, labelings: Sequence[np.ndarray]) -> Grouping:
+        """Return the labeling of minimal energy, the first of equals."""
         costs = self._cost.of_labelings(labelings) / self._unit
         return min(map(self._grouping, labelings, costs), key=lambda grouping: grouping.energy)
 
     def cut(self, labels: np.ndarray) -> float:
-        """Normalised cut of a labeling."""
+        """Return the normalised cut of a labeling."""
         return normalised_cut(self._kernel, labels)
 
     def _grouping(self, labels: np.ndarray, cost: float) -> Grouping:
@@ -66,7 +66,7 @@ class Energy:
 
 
 def normalised_cut(kernel: np.ndarray, labels: np.ndarray) -> float:
-    """Share of each group's affinity that leads out of it, summed over groups.
+    """Return the share of each group's affinity to other groups, summed over groups.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def normalised_cut(kernel: np.ndarray, labels: np.ndarray) -> float:
     Returns
     -------
     float
-        0 .. number of groups; a group without any affinity counts as cut off.
+        0 .. number of groups; a group without any affinity counts 1.
 
     References
     ----------

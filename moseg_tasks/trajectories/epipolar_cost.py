@@ -1,4 +1,4 @@
-"""How badly one fundamental matrix for each group explains trajectories: the geometric cost of a grouping."""
+"""The geometric cost of a grouping of trajectories: residuals under one fundamental matrix per group."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -7,15 +7,16 @@ import numpy as np
 
 from moseg.schemas.parameters import EnergyParams
 from moseg.tasks.geometry.eight_point import SAMPLE_SIZE, epipolar_equations, nearest_rank_two
+from moseg.tasks.geometry.sampson import gradient_coefficients, gradient_monomials
 
 _LAST_ROUNDS = 2
 """Rounds with the final threshold."""
-_LEAST_GRADIENT = 1e-20
+_MIN_GRADIENT = 1e-20
 """Squared gradient of the error, in coordinates of unit size, below which a point lies on the epipole."""
 
 
 class _Pair(NamedTuple):
-    """What every fit to two frames reads, of the trajectories that both show."""
+    """Data of the fits to two frames, of the trajectories visible in both."""
 
     seen: np.ndarray
     """int (n,)"""
@@ -30,7 +31,7 @@ class _Pair(NamedTuple):
 
 
 class _Fits(NamedTuple):
-    """The groups fitted to one pair: which they are, and their members float64 (k, n) among what it shows."""
+    """The groups fitted to one pair: their indices, and their members float64 (k, n) among its trajectories."""
 
     pair: _Pair
     groups: np.ndarray
@@ -38,15 +39,15 @@ class _Fits(NamedTuple):
 
 
 class EpipolarCost:
-    """The cost of groups of trajectories, each under a fundamental matrix of its own in each pair of frames.
+    """The cost of groups of trajectories, with one fundamental matrix per group and pair of frames.
 
     The cost of a group is the sum over its observations of ``min(d² / tau², 1)``, d the Sampson distance. The tolerance
-    grows with the displacement, ``tau² = threshold² + (relative |u|)²``: what passes by fast and near is tracked less
-    well, and bends and turns more than a rigid body. All groups
-    are fitted together by iteratively reweighted least squares: a fit only needs the weighted sum of the equations'
-    outer products, so that a hundred groups cost little more than one. It starts from all points of the group, and the
-    distance that counts as far halves from round to round down to tau: outliers lose their say bit by bit. Where they
-    abound PoseLib finds better matrices, at some hundred times the cost.
+    grows with the displacement, ``tau² = threshold² + (relative |u|)²``: points that pass by fast and near are tracked
+    less accurately and deviate more from a rigid motion. All groups are fitted together by iteratively reweighted least
+    squares: a fit only needs the weighted sum of the equations' outer products, so that a hundred groups cost little
+    more than one. It starts from all points of the group, and the scale of the loss is halved in each round down to
+    tau, so that outliers are gradually down-weighted. With many outliers PoseLib finds better matrices, at about a
+    hundred times the cost.
 
     Parameters
     ----------
@@ -71,8 +72,10 @@ class EpipolarCost:
         self._known: dict[bytes, float] = {}
 
     def of_labelings(self, labelings: Sequence[np.ndarray]) -> np.ndarray:
-        """Mean cost of an observation under each labeling int (N,), float64 (len(labelings),) in 0..1; 0 where no two
-        frames show eight trajectories."""
+        """Return the mean cost of an observation under each labeling int (N,): float64 (len(labelings),) in 0..1.
+
+        It is 0 if no two frames share eight trajectories.
+        """
         groups = [[labels == label for label in np.unique(labels)] for labels in labelings]
         new = {
             group.tobytes(): group for labeling in groups for group in labeling if group.tobytes() not in self._known
@@ -83,23 +86,23 @@ class EpipolarCost:
         return np.array(totals) / max(self._num_observations, 1)
 
     def _of_groups(self, groups: np.ndarray) -> np.ndarray:
-        """Cost of each group, float64 (K,), of groups bool (K, N)."""
+        """Return the cost float64 (K,) of groups bool (K, N)."""
         costs = np.zeros(len(groups))
         fits: list[_Fits] = []
         for pair in self._pairs:
             members = groups[:, pair.seen].astype(np.float64)
-            # Up to seven points meet some fundamental matrix exactly.
+            # A fundamental matrix fits up to seven points exactly.
             fitted = np.flatnonzero(members.sum(axis=1) >= SAMPLE_SIZE)
             fits.append(_Fits(pair, fitted, members[fitted]))
         if not fits:
             return costs
-        for fit, least in zip(fits, _fit_all(fits, self._params.num_fits), strict=True):
-            costs[fit.groups] += least
+        for fit, min_costs in zip(fits, _fit_all(fits, self._params.num_fits), strict=True):
+            costs[fit.groups] += min_costs
         return costs
 
 
 def _prepare(points: np.ndarray, visible: np.ndarray, frame0: int, frame1: int, params: EnergyParams) -> _Pair | None:
-    """What the fits to a pair read, in coordinates of about unit size; None where it shows too few trajectories."""
+    """Return the data of the fits to a pair, in coordinates of about unit size; None for too few trajectories."""
     seen = np.flatnonzero(visible[:, frame0] & visible[:, frame1])
     if len(seen) < SAMPLE_SIZE:
         return None
@@ -111,35 +114,35 @@ def _prepare(points: np.ndarray, visible: np.ndarray, frame0: int, frame1: int, 
     thresholds = np.sqrt((params.threshold / scale) ** 2 + params.relative**2 * displacement)
     equations = epipolar_equations(points0, points1)
     products = (equations[:, :, None] * equations[:, None, :]).reshape(len(seen), 81)
-    quadratics = np.concatenate([_quadratic_monomials(points0), _quadratic_monomials(points1)])
-    return _Pair(seen, equations, products, quadratics, thresholds)
+    return _Pair(seen, equations, products, gradient_monomials(points0, points1), thresholds)
 
 
 def _fit_all(fits: list[_Fits], num_iterations: int) -> list[np.ndarray]:
-    """Least cost of each group over the iterations, for each pair."""
+    """Return the smallest cost of each group over the iterations, for each pair."""
     weights = [fit.members for fit in fits]
-    least = [np.full(len(fit.groups), np.inf) for fit in fits]
+    min_costs = [np.full(len(fit.groups), np.inf) for fit in fits]
     bounds = np.cumsum([0, *(len(fit.groups) for fit in fits)])
     for left in reversed(range(num_iterations)):
         sums = [weight @ fit.pair.products for fit, weight in zip(fits, weights, strict=True)]
         matrices = _solve(np.concatenate(sums).reshape(-1, 9, 9))
-        coefficients = _gradient_coefficients(matrices)
+        coefficients = gradient_coefficients(matrices)
         far = 4.0 ** max(left - _LAST_ROUNDS, 0)
         for index, fit in enumerate(fits):
             own, pair = slice(bounds[index], bounds[index + 1]), fit.pair
             error = matrices[own].reshape(-1, 9) @ pair.equations.T
-            gradient = np.maximum(coefficients[own] @ pair.quadratics, _LEAST_GRADIENT) * pair.thresholds**2
+            gradient = np.maximum(coefficients[own] @ pair.quadratics, _MIN_GRADIENT) * pair.thresholds**2
             squared = error**2 / gradient
-            least[index] = np.minimum(least[index], (np.minimum(squared, 1.0) * fit.members).sum(axis=1))
-            # Of Geman and McClure's loss, on the first-order geometric error.
+            costs = (np.minimum(squared, 1.0) * fit.members).sum(axis=1)
+            min_costs[index] = np.minimum(min_costs[index], costs)
+            # Weight of the Geman-McClure loss on the first-order geometric error.
             weights[index] = fit.members / (gradient * (1.0 + squared / far) ** 2)
-    return least
+    return min_costs
 
 
 def _solve(normal: np.ndarray) -> np.ndarray:
-    """Fundamental matrices (K, 3, 3) of unit norm from sums (K, 9, 9) of the equations' outer products.
+    """Solve sums (K, 9, 9) of the equations' outer products for fundamental matrices (K, 3, 3) of unit norm.
 
-    The points' centroids and extents stand in the same sums, so that each group has its own Hartley normalisation.
+    The same sums contain the points' centroids and extents, so that each group has its own Hartley normalisation.
     """
     transform0, transform1 = _hartley_of(normal, [6, 7]), _hartley_of(normal, [2, 5])
     change = (transform1[:, :, None, :, None] * transform0[:, None, :, None, :]).reshape(-1, 9, 9)
@@ -150,8 +153,10 @@ def _solve(normal: np.ndarray) -> np.ndarray:
 
 
 def _hartley_of(normal: np.ndarray, xy: list[int]) -> np.ndarray:
-    """Transforms (K, 3, 3) to centroid 0 and root mean square radius sqrt(2); x and y stand in the equations at `xy`
-    next to a 1 at 8."""
+    """Return the transforms (K, 3, 3) to centroid 0 and root mean square radius sqrt(2).
+
+    x and y are the equations' terms `xy`, 1 is term 8.
+    """
     total = np.maximum(normal[:, 8, 8], np.finfo(np.float64).tiny)
     centroid = normal[:, 8, xy] / total[:, None]
     spread = normal[:, xy, xy].sum(axis=1) / total - (centroid**2).sum(axis=1)
@@ -161,16 +166,3 @@ def _hartley_of(normal: np.ndarray, xy: list[int]) -> np.ndarray:
     transform[:, :2, 2] = -scale[:, None] * centroid
     transform[:, 2, 2] = 1
     return transform
-
-
-def _gradient_coefficients(F: np.ndarray) -> np.ndarray:
-    """Coefficients (K, 12) of the squared gradient of x1' F x0 on the quadratic monomials of x0, then of x1."""
-    rows, columns = F[:, :2, :], F[:, :, :2]
-    forms = (np.swapaxes(rows, 1, 2) @ rows, columns @ np.swapaxes(columns, 1, 2))
-    return np.concatenate([form[:, [0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2]] * [1, 2, 2, 1, 2, 1] for form in forms], 1)
-
-
-def _quadratic_monomials(points: np.ndarray) -> np.ndarray:
-    """xx, xy, x, yy, y and 1 of points (n, 2): (6, n)."""
-    x, y = points.T
-    return np.stack([x * x, x * y, x, y * y, y, np.ones_like(x)])

@@ -1,4 +1,4 @@
-"""The ordered residual kernel between trajectories, and which of its entries are kept."""
+"""The ordered residual kernel between trajectories, and its sparsification."""
 
 import numpy as np
 
@@ -6,20 +6,20 @@ from moseg.schemas.parameters import KernelParams
 
 
 def trajectory_kernel(residuals: np.ndarray, params: KernelParams) -> np.ndarray:
-    """Share of preferred hypotheses that two trajectories have in common, over the sets of frames that show both.
+    """Return the share of preferred hypotheses that two trajectories have in common, over the sets that show both.
 
-    A trajectory prefers the hypotheses of a set nearest to it, a share `params.window` of all.
+    In each set of frames a trajectory prefers the hypotheses nearest to it, a share `params.window` of all.
 
     Parameters
     ----------
     residuals : floating (S, H, N)
-        px; NaN where a trajectory is not seen.
+        px; NaN if a trajectory is not visible.
     params : KernelParams
 
     Returns
     -------
     kernel : float32 (N, N)
-        0..1, symmetric; 0 between trajectories that no set shows together, and where `sparsify` keeps nothing.
+        0..1, symmetric; 0 between trajectories never visible together, and for entries that `sparsify` removes.
 
     References
     ----------
@@ -29,7 +29,7 @@ def trajectory_kernel(residuals: np.ndarray, params: KernelParams) -> np.ndarray
     count = min(max(1, round(params.window * num_hypotheses)), num_hypotheses)
     is_seen = ~np.isnan(residuals[:, 0])
     together = is_seen.T.astype(np.float32) @ is_seen.astype(np.float32)
-    # All sets side by side: one product is faster than to add up one of each set.
+    # All sets side by side: one product is faster than a sum of one product per set.
     preferred = np.zeros((num_tracks, num_sets * num_hypotheses), np.float32)
     for index, (distances, seen) in enumerate(zip(residuals, map(np.flatnonzero, is_seen), strict=True)):
         nearest = _nearest(distances[:, seen].T.astype(np.float32), count)
@@ -39,17 +39,17 @@ def trajectory_kernel(residuals: np.ndarray, params: KernelParams) -> np.ndarray
 
 
 def sparsify(kernel: np.ndarray, power: float) -> np.ndarray:
-    """The entries of a kernel that say more than their row says on average, in the row or in the column.
+    """Keep the entries of a kernel whose information is above the average of their row or column.
 
-    The gaps of a row's powers to the largest are taken for probabilities: an entry is kept whose information
-    ``-log p`` is above the row's entropy. Entries kept one way only count half.
+    The differences of a row's powers from the largest are normalised to probabilities: an entry is kept if its
+    information ``-log p`` exceeds the row's entropy. Entries kept only by the row or only by the column are halved.
 
     Parameters
     ----------
     kernel : float32 (N, N)
         Non-negative.
     power : float
-        0 keeps everything.
+        0 keeps all entries.
 
     References
     ----------
@@ -68,5 +68,5 @@ def sparsify(kernel: np.ndarray, power: float) -> np.ndarray:
 
 
 def _nearest(distances: np.ndarray, count: int) -> np.ndarray:
-    """Indices (N, count) of the nearest hypotheses of each trajectory, from distances (N, H)."""
+    """Return indices (N, count) of the nearest hypotheses of each trajectory, from distances (N, H)."""
     return np.argpartition(distances, min(count, distances.shape[1] - 1), axis=1)[:, :count]

@@ -1,4 +1,4 @@
-"""Merging pieces of trajectories step by step so that the energy stays least."""
+"""Greedy merging of pieces of trajectories by energy."""
 
 from itertools import combinations
 
@@ -8,11 +8,11 @@ from moseg.tasks.trajectories.energy import Energy
 
 
 def merge_by_energy(pieces: np.ndarray, energy: Energy, num_tried: int) -> dict[int, np.ndarray]:
-    """Groupings of the pieces into every number of groups down to one.
+    """Group the pieces into every number of groups down to one.
 
-    Each step merges the two groups whose union has the least energy, of the `num_tried` pairs whose union has the least
-    normalised cut: fits are only made for groups that something holds together. What is merged by affinity alone
-    depends on the hypotheses that happened to be drawn; this leads to nearly the same groupings from any draw.
+    Each step merges the two groups whose union has the smallest energy, among the `num_tried` pairs whose union has the
+    smallest normalised cut: only groups with some affinity are fitted. A merge by affinity alone depends on the drawn
+    hypotheses; merging by energy gives nearly the same groupings for any draw.
 
     Parameters
     ----------
@@ -35,10 +35,10 @@ def merge_by_energy(pieces: np.ndarray, energy: Energy, num_tried: int) -> dict[
         unions = [_merge(labels, *pair) for pair in combinations(range(count), 2)]
         cuts = np.array([energy.cut(union) for union in unions])
         nearest = np.argsort(cuts, kind="stable")[:num_tried]
-        labels = energy.least([unions[index] for index in nearest]).labels
+        labels = energy.minimum([unions[index] for index in nearest]).labels
 
 
 def _merge(labels: np.ndarray, first: int, second: int) -> np.ndarray:
-    """Labels without a gap after the second group has joined the first, which comes before it."""
+    """Merge the second group into the first, whose label is smaller, and renumber the labels without a gap."""
     merged = np.where(labels == second, first, labels)
     return merged - (merged > second)

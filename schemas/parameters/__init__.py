@@ -1,4 +1,4 @@
-"""Parameters of every stage, one file a stage."""
+"""Parameters of all stages, one file per stage."""
 
 from moseg.schemas.parameters.accumulation import AccumulationParams
 from moseg.schemas.parameters.affinity import AffinityParams, HypothesisAffinityParams

@@ -10,7 +10,7 @@ from moseg.schemas.units import Unit
 
 
 class AffinityParams(Frozen):
-    """How pairwise residuals become affinities."""
+    """Conversion of pairwise residuals into affinities."""
 
     method: Annotated[str, ChoiceOf("affinity.method")] = Field(
         "residual",
@@ -18,7 +18,7 @@ class AffinityParams(Frozen):
         " and many hypotheses together (combined)",
     )
     ork_threshold: Annotated[int, Unit.COUNT] = Field(
-        2, ge=1, description="t of the weighted ORK: how many smallest residuals score"
+        2, ge=1, description="t of the weighted ORK: number of smallest residuals that score"
     )
     ork_reading: Literal["models", "objects"] = Field(
         "models", description="rank the models for each object's data, or the objects under each model"
@@ -33,13 +33,13 @@ class AffinityParams(Frozen):
         0.05, ge=0, description="share of the object's flow length added to the scale, in squares; flow models only"
     )
     excess: bool = Field(
-        True, description="take what an object's own model leaves off its residuals under other models"
+        True, description="subtract an object's residual under its own model from those under other models"
     )
     direction: Literal["background", "min", "mean", "max"] = Field(
         "background",
         description=(
             "which of the two residuals of a pair of objects counts: the smaller, their mean, the larger, or "
-            "(background) that under the background's model where one of the two is the background, else the smaller"
+            "(background) that under the background's model if one of the two is the background, else the smaller"
         ),
     )
     quantile: Annotated[float, Unit.SHARE] = Field(
@@ -48,20 +48,22 @@ class AffinityParams(Frozen):
 
 
 class HypothesisAffinityParams(Frozen):
-    """How many hypotheses of motion, drawn from the tracks of a few objects each, become an affinity of objects."""
+    """Affinity of objects from many motion hypotheses, each drawn from the tracks of a few objects."""
 
     models: tuple[str, ...] = Field(
-        ("homography", "fundamental"), min_length=1, description="point models of two frames that hypotheses are of"
+        ("homography", "fundamental"),
+        min_length=1,
+        description="point models of two frames, the models of the hypotheses",
     )
     gap: Annotated[int, Unit.FRAMES] = Field(3, ge=1, description="frames between the two frames of a pair")
     num_hypotheses: Annotated[int, Unit.COUNT] = Field(
         300, ge=1, description="minimal samples of each model in each frame pair"
     )
     num_objects: Annotated[int, Unit.COUNT] = Field(
-        3, ge=1, description="random objects whose tracks a sample is drawn from"
+        3, ge=1, description="random objects from whose tracks a sample is drawn"
     )
     min_tracks: Annotated[int, Unit.COUNT] = Field(
-        4, ge=1, description="tracks seen in a pair below which an object takes no part, unless it has no more"
+        4, ge=1, description="visible tracks below which an object is ignored in a pair, unless it has no more"
     )
     window: Annotated[float, Unit.SHARE] = Field(
         0.075, gt=0, le=1, description="share of a pair's hypotheses that an object prefers"
@@ -69,8 +71,8 @@ class HypothesisAffinityParams(Frozen):
     fade: Annotated[float, Unit.RATIO] = Field(
         10.0,
         ge=0,
-        description="residual at which a preference counts half, in units of what good hypotheses leave of a typical"
-        " object; 0: ranks alone count",
+        description="residual at which a preference counts half, in units of a typical object's residual under good"
+        " hypotheses; 0: only ranks count",
     )
     fusion: Literal["product", "sum"] = Field(
         "product", description="geometric or arithmetic mean of the models' cosines between preferences"

@@ -1,4 +1,4 @@
-"""Parameters of the colours of what moves and of the background."""
+"""Parameters of the colours of moving objects and of the background."""
 
 from typing import Annotated
 
@@ -13,26 +13,28 @@ class AppearanceParams(Frozen):
 
     levels: Annotated[int, Unit.BINS] = Field(32, ge=2, le=40, description="bins of each of L, a and b")
     chroma_range: Annotated[float, Unit.GREY_LEVELS] = Field(
-        96.0, gt=0, description="range of a and of b, around grey; what is beyond is in the last bin"
+        96.0, gt=0, description="range of a and of b, around grey; values beyond are in the last bin"
     )
     moving_sharpness: Annotated[float, Unit.RATIO] = Field(
-        5.0, gt=0, description="power of the probability to move in a pixel's weight"
+        5.0, gt=0, description="power of the probability of moving in a pixel's weight"
     )
     static_sharpness: Annotated[float, Unit.RATIO] = Field(
-        3.0, gt=0, description="the same for the probability to be static"
+        3.0, gt=0, description="the same for the probability of being static"
     )
     unreliable_static: Annotated[float, Unit.RATIO] = Field(
         0.3, ge=0, le=1, description="static weight of a pixel whose flow is never consistent"
     )
     misfit_weight: Annotated[float, Unit.RATIO] = Field(
-        1.0, ge=0, description="what the misfit to the own motion takes from the logit to move"
+        1.0, ge=0, description="weight of the own-motion residual that is subtracted from the logit of moving"
     )
     smoothing: Annotated[float, Unit.BINS] = Field(
         1.0, ge=0, description="sigma of the Gaussian over the histograms, bins"
     )
-    floor: Annotated[float, Unit.SHARE] = Field(1e-6, gt=0, description="share of a bin that is empty on one side")
+    floor: Annotated[float, Unit.SHARE] = Field(
+        1e-6, gt=0, description="share assigned to a bin that is empty in one histogram"
+    )
     doubt: Annotated[float, Unit.PIXELS] = Field(
-        20.0, ge=0, description="weight of what moves, px, at which its colours count half"
+        20.0, ge=0, description="summed weight of moving pixels, px, at which their colours count half"
     )
     clip: Annotated[float, Unit.NATS] = Field(4.0, gt=0, description="largest log ratio")
     memory: Annotated[float, Unit.RATIO] = Field(

@@ -9,9 +9,9 @@ from moseg.schemas.parameters.affinity import HypothesisAffinityParams
 from moseg.schemas.units import Unit
 
 TRACK_METHODS = ("description_length", "geometric")
-"""Ways to find the number of motions that compare how well each explains the tracks."""
+"""Methods for the number of motions that compare the residuals of the tracks."""
 READ_TRACKS = (*TRACK_METHODS, "stability")
-"""Ways that read tracks; the others only read affinities."""
+"""Methods that read tracks; the others only read affinities."""
 
 _FITS = frozenset(
     {"most_motions", "gap", "num_samples", "num_refits", "threshold", "truncation", "homography_ratio", "least_span"}
@@ -22,11 +22,11 @@ COUNT_READS = {
     "confidences": frozenset({"most_motions", "least_silhouette"}),
     "stability": frozenset({"most_motions", "gap", "affinity", "num_resamples", "least_agreement"}),
 }
-"""Parameters of `MotionCountParams` that each way to find the number of motions reads; the other ways read none."""
+"""Parameters of `MotionCountParams` that each method for the number of motions reads; other methods read none."""
 
 
 class MotionCountParams(Frozen):
-    """How clusterings into 1, 2, ... motions are compared where the number is not given."""
+    """Comparison of clusterings into 1, 2, ... motions if the number is not given."""
 
     most_motions: Annotated[int, Unit.COUNT] = Field(
         6, ge=1, le=19, description="largest number of motions that is tried"
@@ -42,34 +42,36 @@ class MotionCountParams(Frozen):
     homography_ratio: Annotated[float, Unit.SHARE] = Field(
         0.95,
         ge=0,
-        description="a pair shows no parallax where a homography explains its widest object: where it has this share of"
-        " the fundamental matrix's inliers",
+        description="a pair shows no parallax if the homography of its widest object has this share of the fundamental"
+        " matrix's inliers",
     )
     least_span: Annotated[float, Unit.RATIO] = Field(
         0.5,
         ge=0,
-        description="spread of the widest object, in that of all tracks, below which parallax is taken for granted",
+        description="spread of the widest object, as a ratio to that of all tracks, below which parallax is assumed",
     )
     truncation: Annotated[float, Unit.PIXELS] = Field(
-        0.5, gt=0, description="distance from which an observation counts as far (affine fits) or costs 1, px"
+        0.5,
+        gt=0,
+        description="scale of the loss of affine fits, and distance at which the cost of an observation is 1, px",
     )
     motion_price: Annotated[float, Unit.SHARE] = Field(
-        0.02, ge=0, description="cost of a motion, in shares of observations (geometric)"
+        0.02, ge=0, description="penalty on a motion, in shares of observations (geometric)"
     )
     outlier_range: Annotated[float, Unit.PIXELS] = Field(
-        5.0, gt=0, description="range over which the distances of outliers are spread, px (description_length)"
+        5.0, gt=0, description="range of the uniformly distributed distances of outliers, px (description_length)"
     )
     least_noise: Annotated[float, Unit.PIXELS] = Field(
-        0.03, gt=0, description="noise of tracks below which none is believed, px"
+        0.03, gt=0, description="lower bound of the estimated noise of tracks, px"
     )
     parameter_price: Annotated[float, Unit.RATIO] = Field(
         0.5,
         ge=0,
-        description="nats of a parameter in logarithms of the number of observations; 0.5 is the Bayesian information"
-        " criterion (description_length)",
+        description="penalty on a parameter in nats, in logarithms of the number of observations; 0.5 is the Bayesian"
+        " information criterion (description_length)",
     )
     least_silhouette: Annotated[float, Unit.RATIO] = Field(
-        0.5, ge=-1, le=1, description="best silhouette below which there is one motion only (confidences)"
+        0.5, ge=-1, le=1, description="best silhouette below which there is only one motion (confidences)"
     )
     affinity: HypothesisAffinityParams = HypothesisAffinityParams()
     num_resamples: Annotated[int, Unit.COUNT] = Field(
@@ -81,10 +83,10 @@ class MotionCountParams(Frozen):
 
 
 class ClusteringParams(Frozen):
-    """How affinities of several views become motion groups."""
+    """Clustering of objects into motion groups, by the affinities of several views."""
 
     motions: Annotated[Literal["gt", "auto"] | Annotated[int, Field(ge=1)], Unit.COUNT] = Field(
-        "auto", description="number of motions with the background: gt, auto or N"
+        "auto", description="number of motions including the background: gt, auto or N"
     )
     fusion: Literal["product", "sum", "coregularised"] = Field(
         "product",
@@ -95,27 +97,29 @@ class ClusteringParams(Frozen):
     )
     auto: Literal["threshold", "description_length", "geometric", "confidences", "stability", "eigengap"] = Field(
         "threshold",
-        description="how the number of motions is found where it is not given: groups merge while they are alike"
-        " (threshold); what describes the tracks in the fewest nats (description_length), or explains them at a fixed"
-        " price for each motion (geometric); the clearest clusters (confidences); clusters that come back in other"
-        " pairs of frames (stability); the largest gap of the spectrum (eigengap)",
+        description="method for the number of motions if it is not given: merging groups by affinity (threshold);"
+        " minimal description length of the tracks (description_length); minimal cost of the tracks with a fixed"
+        " penalty per motion (geometric); indices of cluster validity (confidences); agreement of clusters from"
+        " different pairs of frames (stability); the largest gap of the spectrum (eigengap)",
     )
     count: MotionCountParams = MotionCountParams()
     threshold: Annotated[float, Unit.RATIO] = Field(
         0.5,
         gt=0,
         lt=1,
-        description="least affinity at which two groups are one motion (threshold), and least support for static in"
-        " every view at which an object is dropped (agreement)",
+        description="minimal affinity of two groups of one motion (threshold), and minimal support in every view for"
+        " a static object (agreement)",
     )
     static: Literal["auto", "agreement", "group"] = Field(
         "auto",
-        description="what is static where the number of motions is found: objects of which every view says so, or that"
-        " none knows (agreement), the background's group (group), or (auto) the first for proposals cut out because"
-        " they move (saliency) and the second for all others",
+        description="static objects if the number of motions is found: those static in every view, or unknown to all"
+        " (agreement), the background's group (group), or (auto) the first for proposals by motion saliency and the"
+        " second for all others",
     )
     co_regularisation: Annotated[float, Unit.RATIO] = Field(0.1, ge=0, description="lambda of Kumar et al. 2011")
-    num_iterations: Annotated[int, Unit.COUNT] = Field(20, ge=1, description="most alternating updates of all views")
+    num_iterations: Annotated[int, Unit.COUNT] = Field(
+        20, ge=1, description="maximal number of alternating updates of all views"
+    )
     tolerance: Annotated[float, Unit.RATIO] = Field(
         1e-9, ge=0, description="relative growth of the objective at which the updates stop"
     )

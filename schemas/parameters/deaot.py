@@ -9,7 +9,7 @@ from moseg.schemas.units import Unit
 
 
 class DeaotParams(Frozen):
-    """How large frames are shown to DeAOT, and what it remembers of them.
+    """Input size and memory of DeAOT.
 
     References
     ----------
@@ -24,11 +24,11 @@ class DeaotParams(Frozen):
         "1.3 x 800, which leaves 854x480 as it is. Time and memory grow by its fourth power",
     )
     memory_every: Annotated[int, Unit.FRAMES] = Field(
-        5, ge=1, description="frames from one that is remembered for good to the next"
+        5, ge=1, description="frames between those kept in the long-term memory"
     )
     memory_frames: Annotated[int, Unit.FRAMES] = Field(
         8,
         ge=1,
-        description="frames remembered for good: the first and the newest of the others. The authors keep all; time "
+        description="frames of the long-term memory: the first and the newest others. The authors keep all; time "
         "and memory grow with it (23 MB a frame for each ten objects at 854x480, in float32)",
     )

@@ -9,7 +9,7 @@ from moseg.schemas.frozen import Frozen
 
 
 class DepthParams(Frozen):
-    """Where the relative inverse depth of each frame comes from."""
+    """Source of the relative inverse depth of each frame."""
 
     method: Annotated[str, ChoiceOf("depth.method")] = Field(
         "none", description="none, a network, exact maps of the data set, or a folder"

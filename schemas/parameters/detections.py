@@ -6,26 +6,24 @@ from pydantic import Field, field_validator
 
 from moseg.schemas.choices import ChoiceOf
 from moseg.schemas.frozen import Frozen
+from moseg.schemas.parameters.comma_separated import split_commas
 
 
 class DetectionParams(Frozen):
-    """Which networks name, find, outline and track the objects of a section (proposals: detections)."""
+    """Networks that tag, detect, segment and track the objects of a section (proposals: detections)."""
 
     tagger: Annotated[str, ChoiceOf("detections.tagger")] = Field(
-        "ram", description="names what is in a section's first frame"
+        "ram", description="network that tags a section's first frame"
     )
-    tags: tuple[str, ...] | None = Field(None, description="names of objects to look for; with them nothing is tagged")
+    tags: tuple[str, ...] | None = Field(None, description="names of objects to detect, instead of tagging")
     masks: Annotated[str, ChoiceOf("detections.masks")] = Field(
-        "sam-hq", description="outlines what the detector's boxes hold"
+        "sam-hq", description="network that segments the detector's boxes"
     )
     tracker: Annotated[str, ChoiceOf("detections.tracker")] = Field(
-        "deaot", description="carries the masks through the section"
+        "deaot", description="network that tracks the masks through the section"
     )
 
-    @field_validator("tags", mode="before")
-    @classmethod
-    def _split_names(cls, value: object) -> object:
-        return tuple(name.strip() for name in value.split(",")) if isinstance(value, str) else value
+    _split_tags = field_validator("tags", mode="before")(split_commas)
 
     @field_validator("tags")
     @classmethod

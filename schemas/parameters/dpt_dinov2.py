@@ -9,7 +9,7 @@ from moseg.schemas.units import Unit
 
 
 class DptDinov2Params(Frozen):
-    """How large frames are shown to the network, and how its metric depth is inverted."""
+    """Input size of the network, and the inversion of its metric depth."""
 
     weights: str = Field("dpt-dinov2-large-nyu", description="weights item; `moseg backends` lists them")
     max_side: Annotated[int, Unit.PIXELS] = Field(
@@ -18,6 +18,5 @@ class DptDinov2Params(Frozen):
     nearest: Annotated[float, Unit.METRES] = Field(
         0.1,
         gt=0,
-        description="depth under this counts as this much, m; the networks' own least is 1 mm, the inverse of which "
-        "would outweigh all others in a fit",
+        description="lower bound of depth, m; that of the networks is 1 mm, the inverse of which would dominate a fit",
     )

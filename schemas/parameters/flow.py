@@ -9,11 +9,11 @@ from moseg.schemas.frozen import Frozen
 
 
 class FlowParams(Frozen):
-    """Where the flow of each frame pair comes from."""
+    """Source of the flow of each frame pair."""
 
     method: Annotated[str, ChoiceOf("flow.method")] = Field(
         "dis", description="backend: dis (OpenCV DIS), raft, exact maps of the data set, or a folder"
     )
     preset: Literal["ultrafast", "fast", "medium", "fine"] = Field(
-        "medium", description="DIS preset; fine is medium searched at full size (dis only)"
+        "medium", description="DIS preset; fine is medium at full resolution (dis only)"
     )

@@ -11,13 +11,13 @@ from moseg.schemas.units import Unit
 class FlowModelParams(Frozen):
     """Least-squares fit of a flow model to each object's pixels."""
 
-    # DIS solves for flow on half the resolution at best (unless its preset is fine) and interpolates: the pixels
-    # between tell nothing new.
+    # DIS computes flow at half the resolution at most (unless its preset is fine) and interpolates: the pixels
+    # between carry no information.
     step: Annotated[int, Unit.PIXELS] = Field(
-        2, ge=1, description="every so many rows and columns of the flow are read"
+        2, ge=1, description="spacing of the rows and columns of the flow that are read"
     )
     erosion: Annotated[int, Unit.PIXELS] = Field(
-        0, ge=0, description="pixels next to another object are left out up to this distance, in pixels that are read"
+        0, ge=0, description="distance to another object below which pixels are ignored, in pixels that are read"
     )
     min_pixels: Annotated[int, Unit.COUNT] = Field(
         16, ge=1, description="an object with fewer pixels that are read has no model and no residual in that pair"

@@ -19,27 +19,29 @@ class FundamentalParams(Frozen):
     threshold: Annotated[float, Unit.PIXELS] = Field(1.0, gt=0, description="Sampson distance of an inlier, px")
     num_samples: Annotated[int, Unit.COUNT] = Field(100, ge=1, description="minimal samples drawn for each fit")
     num_refits: Annotated[int, Unit.COUNT] = Field(
-        5, ge=0, description="most local refits to the inliers (eight_point_ransac and homographies)"
+        5, ge=0, description="maximal number of local refits to the inliers (eight_point_ransac and homographies)"
     )
     min_points: Annotated[int, Unit.COUNT] = Field(
-        8, ge=8, description="points visible in both frames below which an object takes no part"
+        8, ge=8, description="points visible in both frames below which an object is ignored"
     )
     statistic: Literal["median", "mean"] = Field(
-        "median", description="what an object's points are reduced to: median, or mean (the paper)"
+        "median", description="statistic over an object's points: median, or mean (the paper)"
     )
     degenerate: Literal["discard", "keep", "homography"] = Field(
         "homography",
         description=(
-            "a degenerate fit is marked invalid (discard, the paper), used all the same (keep), or used except where "
-            "the widest object shows no parallax, where homographies take its place (homography)"
+            "a degenerate fit is invalid (discard, the paper), used (keep), or used unless the widest object shows no "
+            "parallax, in which case homographies replace degenerate fits (homography)"
         ),
     )
     homography_ratio: Annotated[float, Unit.SHARE] = Field(
-        0.95, gt=0, description="a homography explains the points when it has this share of the fundamental's inliers"
+        0.95,
+        gt=0,
+        description="a homography explains the points if it has this share of the fundamental matrix's inliers",
     )
     collinear_width: Annotated[float, Unit.PIXELS] = Field(
         1.0, ge=0, description="root mean square distance to their best line below which points are collinear, px"
     )
     min_conditioning: Annotated[float, Unit.RATIO] = Field(
-        1e-4, ge=0, description="least ratio of the eighth to the first singular value of the epipolar equations"
+        1e-4, ge=0, description="minimal ratio of the eighth to the first singular value of the epipolar equations"
     )

@@ -8,7 +8,7 @@ from moseg.schemas.frozen import Frozen
 from moseg.schemas.units import Unit
 
 Separator = Literal["comma", "stop"]
-"""What stands between two names in a text: after a full stop, words of one name do not see those of the next."""
+"""Separator of names in a prompt: words of names separated by a full stop do not attend to each other."""
 
 
 class GroundingDinoParams(Frozen):
@@ -29,18 +29,18 @@ class GroundingDinoParams(Frozen):
         0.2, ge=0, le=1, description="probability above which a word is part of a box's name; it takes no box away"
     )
     tags_per_prompt: Annotated[int, Unit.COUNT] = Field(
-        100, ge=1, description="names looked for at once, at most; fewer where 256 tokens do not hold them"
+        100, ge=1, description="maximal number of names in one prompt; fewer if they exceed 256 tokens"
     )
     separator: Separator = Field(
         "comma",
-        description="between the names of a text: comma, as where the authors look for tags, or stop, as where they "
-        "look for objects that a user names",
+        description="separator of the names in a prompt: comma, as the authors use for tags, or stop, as they use for "
+        "names given by a user",
     )
     nms_iou: Annotated[float, Unit.SHARE] = Field(
         0.5, ge=0, le=1, description="overlap (IoU) with a better box above which a box is dropped"
     )
     nms_per_tag: bool = Field(False, description="only boxes of one name compete; else those of all names")
-    max_boxes: Annotated[int, Unit.COUNT] = Field(100, ge=1, description="boxes kept at most, best score first")
+    max_boxes: Annotated[int, Unit.COUNT] = Field(100, ge=1, description="maximal number of boxes, best scores first")
     input_scale: Annotated[float, Unit.SHARE] = Field(
         1.0,
         ge=0.3,

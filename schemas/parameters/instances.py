@@ -1,4 +1,4 @@
-"""Parameters of the objects of a frame and of how they take over those already tracked."""
+"""Parameters of the objects of a frame and of their association with tracked objects."""
 
 from typing import Annotated
 
@@ -9,7 +9,7 @@ from moseg.schemas.units import Unit
 
 
 class InstanceParams(Frozen):
-    """Which of the masks found in a frame become objects."""
+    """Selection of objects among the masks of a frame."""
 
     nms_iou: Annotated[float, Unit.SHARE] = Field(
         0.7, ge=0, le=1, description="overlap (IoU) with a better mask above which a mask is dropped"
@@ -21,13 +21,13 @@ class InstanceParams(Frozen):
         description="share of a mask inside a better one above which it is dropped, as a part; 1: never",
     )
     min_area: Annotated[float, Unit.SHARE] = Field(
-        0.0005, ge=0, le=1, description="least area of an object, share of the frame"
+        0.0005, ge=0, le=1, description="minimal area of an object, share of the frame"
     )
     max_area: Annotated[float, Unit.SHARE] = Field(
         0.8, gt=0, le=1, description="masks larger than this are background, share of the frame; 1: none"
     )
     max_objects: Annotated[int, Unit.COUNT] = Field(
-        20, ge=1, le=65535, description="objects kept at most, best score first"
+        20, ge=1, le=65535, description="maximal number of objects, best scores first"
     )
 
     @model_validator(mode="after")
@@ -38,13 +38,14 @@ class InstanceParams(Frozen):
 
 
 class SeedParams(Frozen):
-    """How the objects found in a section's first frame and those tracked into it become the section's seeds."""
+    """Combination of the objects found in a section's first frame and those tracked into it, to the section's seeds."""
 
     min_iou: Annotated[float, Unit.SHARE] = Field(
-        0.5, gt=0, le=1, description="least overlap (IoU) of a found mask with the tracked object it is"
+        0.5, gt=0, le=1, description="minimal overlap (IoU) of a found mask with its tracked object"
     )
     refresh: bool = Field(
-        True, description="a tracked object that is found again goes on with the found mask; else with the tracked one"
+        True,
+        description="a tracked object that is found again continues with the found mask; else with the tracked one",
     )
     min_area: Annotated[float, Unit.SHARE] = Field(
         0.0001, ge=0, le=1, description="a tracked mask below this is lost, share of the frame"
@@ -53,8 +54,11 @@ class SeedParams(Frozen):
         0.8, gt=0, le=1, description="a tracked mask above this has leaked, share of the frame; 1: none has"
     )
     newcomer_share: Annotated[float, Unit.SHARE] = Field(
-        0.8, gt=0, le=1, description="share of a found object that must be free of tracked ones to make it a newcomer"
+        0.8, gt=0, le=1, description="share of a found object outside all tracked ones from which it is a new object"
     )
     max_objects: Annotated[int, Unit.COUNT] = Field(
-        40, ge=1, le=65535, description="objects of a section at most; newcomers beyond are left out, worst score first"
+        40,
+        ge=1,
+        le=65535,
+        description="maximal number of objects of a section; new objects beyond are dropped, worst scores first",
     )

@@ -12,5 +12,5 @@ class LinkingParams(Frozen):
     """Identities of objects across sections that share frames."""
 
     min_iou: Annotated[float, Unit.SHARE] = Field(
-        0.3, gt=0, le=1, description="least overlap (IoU over the shared frames) of one object in two"
+        0.3, gt=0, le=1, description="minimal overlap (IoU over the shared frames) of one object in two sections"
     )

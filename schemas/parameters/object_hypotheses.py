@@ -1,4 +1,4 @@
-"""Parameters of the affinity between objects from many hypotheses of motion, and of how these are drawn."""
+"""Parameters of the affinity between objects from many motion hypotheses, and of their drawing."""
 
 from typing import Annotated
 
@@ -9,26 +9,24 @@ from moseg.schemas.units import Unit
 
 
 class ObjectHypothesisParams(Frozen):
-    """Motion hypotheses of the whole frame, the objects' residuals under them, and the preferences that these show."""
+    """Motion hypotheses of the whole frame, the objects' residuals under them, and the resulting preferences."""
 
     num_hypotheses: Annotated[int, Unit.COUNT] = Field(
-        200, ge=10, description="drawn in each frame pair: flow models of patches; of tracks as many of each model"
+        200,
+        ge=10,
+        description="hypotheses of each frame pair: of flow models from patches, or of each point model from tracks",
     )
     block: Annotated[int, Unit.PIXELS] = Field(
-        8, ge=2, description="side of the squares that patches of flow are made of, in pixels that are read"
+        8, ge=2, description="side of the square blocks of patches of flow, in pixels that are read"
     )
     min_patch: Annotated[int, Unit.COUNT] = Field(
         2, ge=1, description="shorter side of the smallest patches, in blocks"
     )
     elongation: Annotated[float, Unit.RATIO] = Field(
-        2.7, ge=1, description="greatest ratio of the sides of a patch before it is cut off"
+        2.7, ge=1, description="maximal ratio of the sides of a patch before it is clipped"
     )
-    background_rows: Annotated[int, Unit.COUNT] = Field(
-        3, ge=1, description="rows of cells that the background is cut into"
-    )
-    background_columns: Annotated[int, Unit.COUNT] = Field(
-        4, ge=2, description="columns of cells that the background is cut into"
-    )
+    background_rows: Annotated[int, Unit.COUNT] = Field(3, ge=1, description="rows of cells of the background")
+    background_columns: Annotated[int, Unit.COUNT] = Field(4, ge=2, description="columns of cells of the background")
     window: Annotated[float, Unit.SHARE] = Field(
         0.2, gt=0, le=1, description="share of a pair's hypotheses that an object prefers"
     )
@@ -39,5 +37,5 @@ class ObjectHypothesisParams(Frozen):
         0.5,
         ge=0,
         le=1,
-        description="quantile over the background's cells of how alike each is to another: counts as the same motion",
+        description="quantile over the background's cells of the affinity to the most similar cell: its unit",
     )

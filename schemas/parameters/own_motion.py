@@ -1,4 +1,4 @@
-"""Parameters of the motion of what moves."""
+"""Parameters of the motion of salient pixels."""
 
 from typing import Annotated
 
@@ -9,14 +9,12 @@ from moseg.schemas.units import Unit
 
 
 class OwnMotionParams(Frozen):
-    """The affine motion of what is salient, and how badly each pixel follows it."""
+    """The affine motion of salient pixels, and the residual of each pixel to it."""
 
     sharpness: Annotated[float, Unit.RATIO] = Field(
-        5.0, gt=0, description="power of the probability to be foreground in a pixel's weight"
+        5.0, gt=0, description="power of the foreground probability in a pixel's weight"
     )
-    step: Annotated[int, Unit.PIXELS] = Field(
-        4, ge=1, description="spacing of the grid that the motion is fitted on, px"
-    )
+    step: Annotated[int, Unit.PIXELS] = Field(4, ge=1, description="spacing of the grid for the fit of the motion, px")
     iterations: Annotated[int, Unit.COUNT] = Field(
         8, ge=1, description="rounds of iteratively reweighted least squares"
     )
@@ -27,20 +25,18 @@ class OwnMotionParams(Frozen):
         0.15, gt=0, description="smallest scale of the residuals in the fit, px/frame"
     )
     salient_share: Annotated[float, Unit.SHARE] = Field(
-        0.01, ge=0, lt=1, description="weights under this share of the greatest one are left out of the fit"
+        0.01, ge=0, lt=1, description="share of the largest weight below which weights are ignored in the fit"
     )
     slope_prior: Annotated[float, Unit.SQUARED_PIXELS] = Field(
-        50.0, gt=0, description="weighted squared extent, px², at which a slope is believed half"
+        50.0, gt=0, description="weighted squared extent, px², at which a slope is halved by its prior"
     )
     spread_step: Annotated[int, Unit.PIXELS] = Field(
-        3, ge=1, description="spacing of the pixels that the spread is taken from, px"
+        3, ge=1, description="spacing of the pixels from which the spread is computed, px"
     )
     least_weight: Annotated[float, Unit.RATIO] = Field(
-        10.0, gt=0, description="summed weight on the grid below which there is no motion to fit"
+        10.0, gt=0, description="summed weight on the grid below which no motion is fitted"
     )
     spread: Annotated[float, Unit.SHARE] = Field(
-        0.75, gt=0, le=1, description="share of what is salient whose residual counts as its own"
+        0.75, gt=0, le=1, description="quantile of the residuals of salient pixels that is the spread"
     )
-    spread_floor: Annotated[float, Unit.PIXELS_PER_FRAME] = Field(
-        0.1, gt=0, description="least residual that counts as its own, px/frame"
-    )
+    spread_floor: Annotated[float, Unit.PIXELS_PER_FRAME] = Field(0.1, gt=0, description="minimal spread, px/frame")

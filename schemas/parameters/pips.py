@@ -9,7 +9,7 @@ from moseg.schemas.units import Unit
 
 
 class PipsParams(Frozen):
-    """How the PIPs network is run; what is sampled where is in `TrackParams`."""
+    """Inference of the PIPs network; `TrackParams` are the parameters of the sampling."""
 
     weights: str = Field("pips", description="weights item; `moseg backends` lists them")
     max_side: Annotated[int, Unit.PIXELS] = Field(
@@ -20,8 +20,8 @@ class PipsParams(Frozen):
     )
     iterations: Annotated[int, Unit.COUNT] = Field(6, ge=1, description="steps of refinement of a window")
     min_visibility: Annotated[float, Unit.PROBABILITY] = Field(
-        0.5, ge=0, le=1, description="a track ends where its point is less likely seen than this (our choice)"
+        0.5, ge=0, le=1, description="visibility below which a track ends (our choice)"
     )
     points_per_pass: Annotated[int, Unit.COUNT] = Field(
-        256, ge=1, description="points followed at once: memory grows with it, about 0.5 MB a point"
+        256, ge=1, description="points tracked at once: memory grows with it, about 0.5 MB a point"
     )

@@ -9,7 +9,7 @@ from moseg.schemas.units import Unit
 
 
 class RaftParams(Frozen):
-    """Weights of RAFT and the effort that it spends on a frame pair.
+    """Weights of RAFT and its computation per frame pair.
 
     References
     ----------
@@ -21,14 +21,14 @@ class RaftParams(Frozen):
         20,
         ge=1,
         le=100,
-        description="steps of the flow; the authors take 20 for any video, 24 on KITTI and 32 on Sintel",
+        description="iterations; the authors take 20 for any video, 24 on KITTI and 32 on Sintel",
     )
     max_side: Annotated[int, Unit.PIXELS] = Field(
         1024,
         ge=128,
-        description="longest side at which flow is sought, px; larger frames are reduced, their flow enlarged again. "
-        "Held correlations take memory by its fourth power: 0.45 GB a pair at 1024x576, 5.6 GB at 1920x1080",
+        description="longest side for the network, px; larger frames are reduced, their flow is enlarged again. "
+        "The memory of stored correlations grows by its fourth power: 0.45 GB a pair at 1024x576, 5.6 GB at 1920x1080",
     )
     correlation: Literal["volume", "on_demand"] = Field(
-        "volume", description="hold all correlations, or compute them anew at each step: slower, in little memory"
+        "volume", description="store all correlations, or compute them at each step: slower, with little memory"
     )

@@ -5,11 +5,12 @@ from typing import Annotated
 from pydantic import Field, field_validator
 
 from moseg.schemas.frozen import Frozen
+from moseg.schemas.parameters.comma_separated import split_commas
 from moseg.schemas.units import Unit
 
 
 class RamParams(Frozen):
-    """Which of a frame's tags are looked for.
+    """Selection of a frame's tags for detection.
 
     All tags are used unless some are excluded, as in the paper. The tagger also names scenes, colours and actions
     ("sky", "blue", "walk"), and no list of those of its 4,585 tags that name things comes with it.
@@ -21,10 +22,9 @@ class RamParams(Frozen):
     threshold_scale: Annotated[float, Unit.RATIO] = Field(
         1.0, ge=0, description="factor of the published thresholds of the tags' probabilities; lower finds more tags"
     )
-    max_tags: Annotated[int, Unit.COUNT] = Field(100, ge=1, description="tags kept of a frame, the most probable ones")
-    excluded_tags: tuple[str, ...] = Field((), description="tags left out, in the spelling of the tagger's list")
+    max_tags: Annotated[int, Unit.COUNT] = Field(
+        100, ge=1, description="maximal number of tags of a frame, the most probable ones"
+    )
+    excluded_tags: tuple[str, ...] = Field((), description="ignored tags, in the spelling of the tagger's list")
 
-    @field_validator("excluded_tags", mode="before")
-    @classmethod
-    def _split_names(cls, value: object) -> object:
-        return tuple(name.strip() for name in value.split(",")) if isinstance(value, str) else value
+    _split_excluded_tags = field_validator("excluded_tags", mode="before")(split_commas)

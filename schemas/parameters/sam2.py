@@ -9,14 +9,14 @@ from moseg.schemas.units import Unit
 
 
 class Sam2Params(Frozen):
-    """Which SAM 2.1, and what bounds its memory."""
+    """Model size of SAM 2.1, and bounds on its memory."""
 
     weights: str = Field("sam2.1-hiera-large", description="weights item; `moseg backends` lists them")
     boxes_per_pass: Annotated[int, Unit.COUNT] = Field(
         8, ge=1, description="boxes whose masks are decoded together: a bound on memory"
     )
     objects_per_pass: Annotated[int, Unit.COUNT] = Field(
-        8, ge=1, description="objects whose masks are put to memory together: a bound on memory"
+        8, ge=1, description="objects whose masks are encoded together: a bound on memory"
     )
     memory_reach: Annotated[int, Unit.FRAMES] = Field(
         15,

@@ -1,4 +1,4 @@
-"""Parameters of motion segmentation from labelled trajectories alone: hypotheses, kernels and their clustering."""
+"""Parameters of motion segmentation from trajectories only: hypotheses, kernels and their clustering."""
 
 from typing import Annotated, Literal
 
@@ -6,38 +6,36 @@ from pydantic import Field, PositiveInt, field_validator
 
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.parameters.clustering import MotionCountParams
+from moseg.schemas.parameters.comma_separated import are_different_counts, split_commas
 from moseg.schemas.units import Unit
 
 
 class HypothesisParams(Frozen):
-    """How hypotheses of a point model are drawn from the trajectories of a clip."""
+    """Drawing of hypotheses of a point model from the trajectories of a clip."""
 
-    seed: Annotated[int, Unit.SEED] = Field(0, ge=0, description="chooses the random draws; nothing else depends on it")
+    seed: Annotated[int, Unit.SEED] = Field(0, ge=0, description="seed of the random draws; nothing else depends on it")
     num_hypotheses: Annotated[int, Unit.COUNT] = Field(
         200, ge=1, description="minimal samples of a draw in each pair (or triple) of frames"
     )
     num_draws: Annotated[int, Unit.COUNT] = Field(
-        2, ge=1, description="independent draws, each with kernels of its own: groupings of all of them compete"
+        2, ge=1, description="independent draws, each with its own kernels; the groupings of all draws are compared"
     )
     gaps: Annotated[tuple[PositiveInt, ...], Unit.FRAMES] = Field(
-        (1,), description="frames between neighbouring frames of a pair or triple, each used"
+        (1,), description="frames between neighbouring frames of a pair or triple; all gaps are used"
     )
 
-    @field_validator("gaps", mode="before")
-    @classmethod
-    def _split_gaps(cls, value: object) -> object:
-        return tuple(gap.strip() for gap in value.split(",")) if isinstance(value, str) else value
+    _split_gaps = field_validator("gaps", mode="before")(split_commas)
 
     @field_validator("gaps")
     @classmethod
     def _check_gaps(cls, value: tuple[int, ...]) -> tuple[int, ...]:
-        if not value or min(value) < 1 or len(set(value)) < len(value):
+        if not are_different_counts(value):
             raise ValueError("different numbers of frames from 1 on, separated by commas")
         return value
 
 
 class KernelParams(Frozen):
-    """How residuals become an affinity between trajectories: the ordered residual kernel, sparsified."""
+    """Affinity between trajectories from residuals: the ordered residual kernel, sparsified."""
 
     window: Annotated[float, Unit.SHARE] = Field(
         0.1, gt=0, le=1, description="share of a pair's hypotheses that a trajectory prefers"
@@ -45,15 +43,15 @@ class KernelParams(Frozen):
     sparsity: Annotated[float, Unit.RATIO] = Field(
         10.0,
         ge=0,
-        description="power of the affinities before a row's neighbours are chosen by their information; 0 keeps all",
+        description="power of the affinities before a row's neighbours are selected by information; 0 keeps all",
     )
 
 
 class PieceParams(Frozen):
-    """How trajectories are cut into more pieces than there are motions, and what makes two pieces alike."""
+    """Over-segmentation of trajectories into pieces, and the affinity of pieces."""
 
     counts: Annotated[tuple[PositiveInt, ...], Unit.COUNT] = Field(
-        (6, 8, 10), description="numbers of pieces, each tried"
+        (6, 8, 10), description="numbers of pieces; all are tried"
     )
     window: Annotated[float, Unit.SHARE] = Field(
         0.05, gt=0, le=1, description="share of a pair's hypotheses that a piece prefers"
@@ -62,35 +60,32 @@ class PieceParams(Frozen):
         3.0, gt=0, description="power of the cosine between two pieces' preferences"
     )
     num_tracks: Annotated[int, Unit.COUNT] = Field(
-        12, ge=1, description="most trajectories of a piece whose median residual stands for it"
+        12, ge=1, description="maximal number of trajectories of a piece for its median residual"
     )
     num_tried: Annotated[int, Unit.COUNT] = Field(
-        6, ge=1, description="pairs of groups that are tried at each step of merging by energy"
+        6, ge=1, description="pairs of groups tried at each step of merging by energy"
     )
     min_tracks: Annotated[int, Unit.COUNT] = Field(
-        3, ge=1, description="trajectories of a piece seen in a pair below which it takes no part"
+        3, ge=1, description="visible trajectories of a piece below which it is ignored in a pair"
     )
 
-    @field_validator("counts", mode="before")
-    @classmethod
-    def _split_counts(cls, value: object) -> object:
-        return tuple(count.strip() for count in value.split(",")) if isinstance(value, str) else value
+    _split_counts = field_validator("counts", mode="before")(split_commas)
 
     @field_validator("counts")
     @classmethod
     def _check_counts(cls, value: tuple[int, ...]) -> tuple[int, ...]:
-        if not value or min(value) < 1 or len(set(value)) < len(value):
+        if not are_different_counts(value):
             raise ValueError("different numbers of pieces from 1 on, separated by commas")
         return tuple(sorted(value))
 
 
 class EnergyParams(Frozen):
-    """What groupings of trajectories compete by: a fundamental matrix a group and pair of frames, and the cut."""
+    """Energy of groupings: the cost of one fundamental matrix per group and pair of frames, and the cut."""
 
     gap: Annotated[int, Unit.FRAMES] = Field(3, ge=1, description="frames between the two frames of a pair")
-    step: Annotated[int, Unit.COUNT] = Field(2, ge=1, description="every so many pairs are looked at")
+    step: Annotated[int, Unit.COUNT] = Field(2, ge=1, description="spacing of the pairs that are read")
     threshold: Annotated[float, Unit.PIXELS] = Field(
-        0.5, gt=0, description="tau: Sampson distance from which an observation costs 1, px"
+        0.5, gt=0, description="tau: Sampson distance at which the cost of an observation reaches 1, px"
     )
     relative: Annotated[float, Unit.SHARE] = Field(
         0.01, ge=0, description="share of a trajectory's displacement that is added to tau, in squares"
@@ -99,54 +94,56 @@ class EnergyParams(Frozen):
         6, ge=1, description="rounds of reweighted least squares for each fundamental matrix"
     )
     least_unit: Annotated[float, Unit.RATIO] = Field(
-        0.15, gt=0, le=1, description="costs are divided by that of a single motion, or by this where it is less"
+        0.15, gt=0, le=1, description="lower bound of the cost of a single motion, by which costs are divided"
     )
     cut_weight: Annotated[float, Unit.RATIO] = Field(
-        0.85, ge=0, description="weight of the normalised cut beside the cost so divided"
+        0.85, ge=0, description="weight of the normalised cut relative to the divided cost"
     )
     motion_weight: Annotated[float, Unit.RATIO] = Field(
-        0.01, ge=0, description="energy of each motion, where their number is found"
+        0.01, ge=0, description="penalty on each motion if their number is found"
     )
 
 
 class SeparationParams(Frozen):
-    """Which parts of a group lie apart in the image."""
+    """Connected parts of a group in the image."""
 
     num_neighbours: Annotated[int, Unit.COUNT] = Field(
-        6, ge=1, description="nearest trajectories that a trajectory touches"
+        6, ge=1, description="number of nearest trajectories to which a trajectory is connected"
     )
     min_tracks: Annotated[int, Unit.COUNT] = Field(
-        8, ge=1, description="trajectories below which a part is no motion of its own"
+        8, ge=1, description="trajectories below which a part is not a separate motion"
     )
 
 
 class TrajectoryClusteringParams(Frozen):
-    """How the kernels of one or several models become motions; their number is ``clustering.motions``."""
+    """Clustering of trajectories by the kernels of one or several models; ``clustering.motions`` is the number."""
 
     method: Literal["energy", "sum", "product", "coregularised"] = Field(
         "energy",
-        description="the grouping of least energy among many (energy), or spectral clustering of the views' mean kernel"
-        " (sum), of their geometric mean (product) or of co-regularised views (coregularised), as published; a single"
-        " view is always clustered so",
+        description="the grouping of minimal energy among many (energy), or spectral clustering, as published, of the"
+        " views' mean kernel (sum), of their geometric mean (product) or of co-regularised views (coregularised); a"
+        " single view is always clustered spectrally",
     )
     auto: Literal["energy", "description_length", "geometric", "confidences", "stability", "eigengap"] = Field(
         "energy",
-        description="how the number of motions is found where it is not given: least energy, the methods of"
+        description="method for the number of motions if it is not given: minimal energy, the methods of"
         " clustering.auto on the best groupings, or the largest gap of the mean kernel's spectrum",
     )
     count: MotionCountParams = MotionCountParams()
     co_regularisation: Annotated[float, Unit.RATIO] = Field(0.01, ge=0, description="lambda of Kumar et al. 2011")
-    num_iterations: Annotated[int, Unit.COUNT] = Field(10, ge=1, description="most alternating updates of all views")
+    num_iterations: Annotated[int, Unit.COUNT] = Field(
+        10, ge=1, description="maximal number of alternating updates of all views"
+    )
     tolerance: Annotated[float, Unit.RATIO] = Field(
         1e-6, ge=0, description="relative growth of the objective at which the updates stop"
     )
     most_motions: Annotated[int, Unit.COUNT] = Field(
         6, ge=1, le=19, description="largest number of motions that auto may find"
     )
-    num_starts: Annotated[int, Unit.COUNT] = Field(3, ge=1, description="k-means runs, of which the tightest counts")
-    separate: bool = Field(
-        True, description="objects that do not touch are motions of their own, where the number is found"
+    num_starts: Annotated[int, Unit.COUNT] = Field(
+        3, ge=1, description="k-means runs, of which the one of smallest inertia is used"
     )
+    separate: bool = Field(True, description="unconnected objects are separate motions if the number is found")
     pieces: PieceParams = PieceParams()
     energy: EnergyParams = EnergyParams()
     separation: SeparationParams = SeparationParams()

@@ -57,7 +57,7 @@ def test_order_of_keys_does_not_matter(value):
 
 
 @pytest.mark.parametrize(("left", "right"), [(1, 1.0), (1, True), (0, False), (0.0, -0.0), ("1", 1), (None, "null")])
-def test_values_that_compare_alike_have_different_digests(left, right):
+def test_values_that_compare_equal_have_different_digests(left, right):
     assert digest_json("golden", [left]) != digest_json("golden", [right])
 
 

@@ -11,6 +11,6 @@ def test_control_characters_of_a_file_are_written_out():
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
 
 
-def test_a_name_of_millions_of_characters_is_not_told_in_full():
+def test_a_name_of_millions_of_characters_is_truncated():
     line = str(InputError("no such name", got="n" * 10**6, expected="a name"))
     assert line.endswith("nnn…; expected a name") and len(line) < 3000

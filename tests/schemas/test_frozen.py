@@ -6,7 +6,7 @@ from moseg.schemas.errors import UnnamedParameterError
 from moseg.schemas.parameters import ClusteringParams
 
 
-def test_what_the_recipe_names_is_read_and_nothing_else():
+def test_only_the_parameters_of_the_recipe_are_read():
     params = ClusteringParams.of_recipe({"grouping": "spectral", "count": {"gap": 2}})
     assert (params.grouping, params.count.gap) == ("spectral", 2)
     with pytest.raises(UnnamedParameterError, match="ClusteringParams; got threshold"):

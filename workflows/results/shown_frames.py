@@ -9,6 +9,7 @@ from moseg.store import ArtifactStore
 from moseg.tasks.metrics import sample_points
 from moseg.workflows.exports.draw_errors import PointLabels
 from moseg.workflows.graph import SequenceLeaves
+from moseg.workflows.sources.labelled_points import LabelledPoints
 from moseg.workflows.sources.resize import resize_labels
 
 
@@ -32,34 +33,22 @@ def annotated_frames(store: ArtifactStore, annotation: str) -> list[int]:
     return store.attributes(annotation)["indices"]
 
 
-class LabelledPoints(NamedTuple):
-    """The labelled points of all frames of a sequence, as they are stored.
+class SizedPoints(NamedTuple):
+    """Labelled points, and height and width of the frames in which they were labelled, px."""
 
-    Attributes
-    ----------
-    points : float64 (N, frame, xy)
-        px of a frame of `size`.
-    visible : bool (N, frame)
-    labels : uint16 (N,)
-        0 = static.
-    size : (int, int)
-        Height and width of the frames in which the points were labelled, px.
-    """
-
-    points: np.ndarray
-    visible: np.ndarray
-    labels: np.ndarray
+    labelled: LabelledPoints
     size: tuple[int, int]
 
 
-def read_labelled_points(store: ArtifactStore, labelled_points: str) -> LabelledPoints:
-    """Read all labelled points of a sequence, once for all frames: an array is read whole."""
+def read_labelled_points(store: ArtifactStore, labelled_points: str) -> SizedPoints:
+    """Return all labelled points of a sequence: an array is read whole, so once for all frames."""
     arrays = (store.read(labelled_points, name) for name in ("points", "visible", "labels"))
-    return LabelledPoints(*arrays, tuple(store.attributes(labelled_points)["size"]))
+    return SizedPoints(LabelledPoints(*arrays), tuple(store.attributes(labelled_points)["size"]))
 
 
-def label_points(labelled: LabelledPoints, frame: int, labels: np.ndarray) -> PointLabels:
+def label_points(sized: SizedPoints, frame: int, labels: np.ndarray) -> PointLabels:
     """Return the points visible in a frame, with their predicted and true labels."""
+    labelled, size = sized
     points, visible = labelled.points[:, frame], labelled.visible[:, frame]
-    found = sample_points(resize_labels(labels, labelled.size), points, visible, labelled.labels)
-    return PointLabels(points[visible], *found, labelled.size)
+    found = sample_points(resize_labels(labels, size), points, visible, labelled.labels)
+    return PointLabels(points[visible], *found, size)

@@ -35,7 +35,7 @@ def test_only_the_order_of_residuals_counts(reading):
 
 
 @pytest.mark.parametrize("reading", ["models", "objects"])
-def test_order_of_the_objects_says_nothing_even_among_equal_residuals(reading):
+def test_the_order_of_objects_has_no_effect_even_among_equal_residuals(reading):
     rng = np.random.default_rng(1)
     residuals = rng.integers(0, 3, (5, 6, 6)).astype(float)
     order = rng.permutation(6)

@@ -65,7 +65,7 @@ def test_an_invalid_model_leaves_the_other_direction():
         assert residual_affinity(residuals, params)[0, 1] == pytest.approx(np.exp(-0.5))
 
 
-def test_objects_that_never_meet_are_unknown_not_different():
+def test_objects_never_visible_together_are_unknown_not_different():
     residuals = np.zeros((2, 3, 3))
     residuals[0, 1, :] = residuals[0, :, 1] = np.nan
     residuals[1, 2, :] = residuals[1, :, 2] = np.nan

@@ -21,7 +21,7 @@ def test_support_falls_to_exp_half_at_the_scale():
     assert static_support(one_object(0.25), PLAIN) == pytest.approx([1.0, np.exp(-0.5)])
 
 
-def test_a_background_that_misses_itself_supports_nothing_though_nothing_moves_beside_it():
+def test_a_background_with_large_residuals_supports_no_static_object():
     # The object is left 2 px, the background 1.9 px by the same model: no outlier, and no sign of rest.
     residuals = one_object(2.0**2, own=0.1, background=1.9**2)
     assert residual_affinity(residuals, DEFAULT)[0, 1] > 0.5
@@ -48,7 +48,7 @@ def test_error_in_proportion_to_the_flow_is_tolerated():
     assert fast > 0.8 > 0.2 > slow
 
 
-def test_an_object_that_was_never_seen_beside_the_background_has_no_support():
+def test_an_object_never_visible_with_the_background_has_no_support():
     residuals = np.concatenate([one_object(0.0)] * 3)
     residuals[:, 0, 1] = np.nan
     assert static_support(residuals, DEFAULT) == pytest.approx([1.0, np.nan], nan_ok=True)

@@ -19,14 +19,14 @@ EVERY = [
 ]
 
 
-def test_an_object_is_static_where_every_view_says_so():
+def test_an_object_is_static_if_every_view_agrees():
     blind, sees = np.array([1.0, 0.9, 0.9, 0.9]), np.array([1.0, 0.8, 0.1, np.nan])
     assert agreed_static([blind, sees], 0.5).tolist() == [True, True, False, False]
     assert agreed_static([sees, blind], 0.5).tolist() == [True, True, False, False]
     assert agreed_static([blind], 0.5).all()
 
 
-def test_the_background_is_static_whatever_is_known_of_it():
+def test_the_background_is_always_static():
     assert agreed_static([np.array([np.nan, 0.1])], 0.5).tolist() == [True, False]
 
 
@@ -36,7 +36,7 @@ def test_a_speck_that_no_view_could_measure_is_static_and_one_that_a_view_sees_m
     assert agreed_static([unknown], 0.5).all()
 
 
-def test_the_threshold_is_the_least_support_of_a_yes():
+def test_the_threshold_is_the_minimal_support_of_agreement():
     support = np.array([1.0, 0.5, 0.49])
     assert agreed_static([support], 0.5).tolist() == [True, True, False]
 
@@ -49,7 +49,7 @@ def test_the_threshold_is_the_least_support_of_a_yes():
     num_views=st.integers(1, 2),
     share_known=st.sampled_from([0.3, 1.0]),
 )
-def test_what_agreement_says_stands_whatever_the_affinities_are(seed, params, size, num_views, share_known):
+def test_agreement_overrides_the_affinities(seed, params, size, num_views, share_known):
     rng = np.random.default_rng(seed)
     views = []
     for _ in range(num_views):
@@ -81,7 +81,7 @@ def test_moving_objects_are_grouped_by_their_affinities_though_all_are_like_the_
     assert not cluster_motions([np.ones((6, 6))], None, params).motion.any()
 
 
-def test_an_object_of_unknown_affinities_moves_unless_it_is_called_static():
+def test_an_object_of_unknown_affinities_moves_unless_it_is_given_as_static():
     unknown = np.full((2, 2), np.nan)
     assert cluster_motions([unknown], None, EVERY[0], np.array([True, False])).motion.tolist() == [0, 1]
     assert cluster_motions([unknown], None, EVERY[0]).motion.tolist() == [0, 0]

@@ -66,7 +66,7 @@ def test_the_background_alone_is_static(params):
 
 
 @pytest.mark.parametrize("grouping", ["linkage", "spectral"])
-def test_whether_a_lone_object_moves(grouping):
+def test_a_single_object_moves_or_not(grouping):
     params = ClusteringParams(grouping=grouping)
     for affinity, moves in ((0.9, 0), (0.1, 1)):
         matrix = np.array([[1.0, affinity], [affinity, 1.0]])
@@ -77,7 +77,7 @@ def test_whether_a_lone_object_moves(grouping):
 
 
 @pytest.mark.parametrize("params", EVERY)
-def test_nothing_moves_where_all_are_alike(params):
+def test_nothing_moves_if_all_are_alike(params):
     affinity, _ = blocks((6,))
     assert cluster_motions([affinity], None, params).num_motions == 1
     assert not cluster_motions([affinity], 1, params).motion.any()
@@ -118,7 +118,7 @@ def test_ranks_succeed_where_every_motion_has_several_objects(reading):
     size=st.integers(2, 8),
     contrast=st.sampled_from([0.0, 1e-3, 1.0]),
 )
-def test_order_of_the_objects_says_nothing(seed, params, num_motions, size, contrast):
+def test_the_order_of_objects_has_no_effect(seed, params, num_motions, size, contrast):
     # The smaller the contrast, the nearer to the identity, whose eigenvectors are the order of the objects.
     rng = np.random.default_rng(seed)
     views = []
@@ -134,13 +134,13 @@ def test_order_of_the_objects_says_nothing(seed, params, num_motions, size, cont
 
 
 @pytest.mark.parametrize("num_motions", [2, 3, 4])
-def test_objects_that_nothing_tells_apart_all_move(num_motions):
+def test_objects_of_equal_affinities_all_move(num_motions):
     motion = cluster_motions([np.eye(5)], num_motions, DEFAULT).motion
     assert motion[0] == 0 and (motion[1:] > 0).all()
     assert motion.max() == num_motions - 1
 
 
-def test_what_one_view_does_not_know_the_other_decides():
+def test_values_unknown_to_one_view_are_those_of_the_other():
     known, groups = blocks((3, 2))
     blind = np.full_like(known, np.nan)
     blind[:3, :3] = known[:3, :3]
@@ -157,7 +157,7 @@ def test_objects_that_never_met_are_compared_through_others():
     assert cluster_motions([affinity], 2, PAPER).motion.tolist() == [0, 0, 0, 0, 0, 1]
 
 
-def test_an_object_of_which_nothing_is_known_is_static():
+def test_an_object_without_known_affinities_is_static():
     affinity, _ = blocks((2, 1))
     unknown = np.full((4, 4), np.nan)
     unknown[:3, :3] = affinity

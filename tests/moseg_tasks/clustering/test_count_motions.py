@@ -51,7 +51,7 @@ def count(tracks, motion, method, params=PARAMS) -> int:
 @pytest.mark.parametrize("method", TRACK_METHODS)
 @pytest.mark.parametrize("num_objects", SCENES)
 @pytest.mark.parametrize("seed", range(3))
-def test_tracks_tell_how_many_motions_there_are(method, num_objects, seed):
+def test_the_number_of_motions_is_found_from_tracks(method, num_objects, seed):
     assert count(*scene(num_objects, seed=seed), method) == len(num_objects)
 
 
@@ -61,7 +61,7 @@ def test_nothing_moves_in_a_static_scene_however_noisy(noise):
         assert count(*scene([6], noise, seed), "description_length") == 1
 
 
-def test_a_fixed_price_takes_noise_for_motion_that_the_description_length_does_not():
+def test_a_fixed_penalty_counts_noise_as_motion_and_the_description_length_does_not():
     params = MotionCountParams(motion_price=0.005)
     noisy = [scene([6], 0.5, seed) for seed in range(4)]
     assert max(count(*static, "geometric", params) for static in noisy) > 1
@@ -177,7 +177,7 @@ def test_objects_are_grouped_into_motions_that_come_back():
     assert result.motion.tolist() == motion.tolist()
 
 
-def test_what_is_known_to_stand_still_is_no_motion_of_its_own():
+def test_known_static_objects_are_one_motion():
     tracks, motion = scene([5, 1, 1])
     place = np.argsort(np.argsort(motion, kind="stable"))
     motion, tracks = np.sort(motion), tracks._replace(owner=place[tracks.owner])
@@ -186,7 +186,7 @@ def test_what_is_known_to_stand_still_is_no_motion_of_its_own():
     assert result.motion.tolist() == motion.tolist()
 
 
-def test_without_tracks_they_cannot_tell():
+def test_without_tracks_they_raise_an_error():
     motion = np.repeat([0, 1], 3)
     case = CountEvidence(labelings(motion), affinity_of(motion), np.ones((1, 6)))
     for method in (*TRACK_METHODS, "stability", "guess"):

@@ -82,7 +82,7 @@ def test_frame_pairs_of_a_stretch_shorter_than_the_gap():
     assert frame_pairs(1, 3) == frame_pairs(0, 3) == []
 
 
-def test_the_description_length_of_nothing_is_nothing():
+def test_the_description_length_of_no_tracks_is_zero():
     empty = MotionDistances(np.empty(0, int), np.empty(0), np.empty(0), np.empty(0, bool))
     assert description_length(empty, PARAMS) == 0.0
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from moseg.tasks.clustering.kmeans import MOST_EXACT, cluster_points
+from moseg.tasks.clustering.kmeans import MAX_EXACT, cluster_points
 
 
 def inertia(points, labels) -> float:
@@ -35,14 +35,14 @@ def test_no_labeling_of_few_points_is_tighter(points, num_clusters):
     assert set(labels.tolist()) == set(range(labels.max() + 1)) and labels.max() < num_clusters
 
 
-@pytest.mark.parametrize("num_points", [MOST_EXACT, MOST_EXACT + 1, 40])
-def test_groups_that_lie_apart_are_found(num_points):
+@pytest.mark.parametrize("num_points", [MAX_EXACT, MAX_EXACT + 1, 40])
+def test_separate_groups_are_found(num_points):
     truth = np.arange(num_points) % 4
     points = np.array([[0, 0], [0, 9], [9, 0], [9, 9.5]])[truth] + np.random.default_rng(1).random((num_points, 2))
     np.testing.assert_array_equal(cluster_points(points, 4), truth)
 
 
-@pytest.mark.parametrize("num_points", [4, MOST_EXACT, MOST_EXACT + 3])
+@pytest.mark.parametrize("num_points", [4, MAX_EXACT, MAX_EXACT + 3])
 def test_points_that_coincide_share_a_label(num_points):
     assert set(cluster_points(np.ones((num_points, 2)), 3).tolist()) == {0}
     two = np.repeat([[0.0, 1.0], [1.0, 0.0]], [num_points - 2, 2], axis=0)

@@ -63,7 +63,7 @@ def test_equal_generators_give_equal_bytes(scene, fit, estimator):
     assert all(a.tobytes() == b.tobytes() for a, b in zip(first, second, strict=True))
 
 
-def test_an_object_is_fitted_alike_whatever_the_others_do(scene, fit):
+def test_the_fit_of_an_object_does_not_depend_on_the_others(scene, fit):
     points0, points1, object = scene
     mover = object == 1
     alone = fit(points0[mover], points1[mover], object[mover])
@@ -77,7 +77,7 @@ def test_inputs_are_left_as_they_were(scene, fit):
         np.testing.assert_array_equal(array, copy)
 
 
-def test_the_median_withstands_a_mistracked_point(scene, fit):
+def test_the_median_is_robust_to_a_mistracked_point(scene, fit):
     points0, points1, object = scene
     fits = fit(*scene)
     points1 = points1.copy()
@@ -104,7 +104,7 @@ class TestWithoutParallax:
         points0, points1 = (np.concatenate([part[side] for part in parts]) for side in (0, 1))
         return points0, points1, np.repeat(np.arange(3), [80, 30, 30]).astype(np.uint16)
 
-    def test_homographies_tell_the_mover_from_the_rest(self, turning, fit):
+    def test_homographies_separate_the_mover(self, turning, fit):
         fits = fit(*turning, num_objects=3)
         residual = fundamental_residuals(fits, *turning, FundamentalParams())
         assert fits.kind[0] == fits.kind[2] == ModelKind.HOMOGRAPHY

@@ -39,7 +39,7 @@ def test_refits_lower_the_cost(polluted):
     assert cost(5) < cost(0)
 
 
-def test_the_seed_alone_decides(polluted):
+def test_only_the_seed_changes_the_result(polluted):
     points0, points1, _ = polluted
     # Without refits, for these lead from different samples to one and the same set of inliers.
     settings = SETTINGS | {"num_refits": 0}

@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from moseg.tasks.geometry.coordinates import homogeneous
 from moseg.tasks.geometry.homography import homography_sampson_squared
-from moseg.tasks.geometry.sampson import sampson_squared
+from moseg.tasks.geometry.sampson import gradient_coefficients, gradient_monomials, sampson_squared
 
 SIDEWAYS = np.array([[0.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 """A camera that translates along x: epipolar lines are the rows."""
@@ -42,7 +43,7 @@ def test_a_point_on_its_epipole_has_no_residual():
     assert sampson_squared(F, np.zeros((1, 2)), np.zeros((1, 2))) == pytest.approx(0)
 
 
-def test_it_agrees_with_the_least_move_that_obeys_the_geometry(see, scatter):
+def test_it_agrees_with_the_smallest_displacement_that_obeys_the_geometry(see, scatter):
     views = see(scatter(3))
     points1 = views.points1 + np.array([0.3, -0.4])
     F = views.F / np.linalg.norm(views.F)
@@ -66,3 +67,11 @@ def test_a_homography_is_stricter_than_any_epipolar_geometry_that_contains_it():
     epipole = rng.normal(size=3)
     F = np.cross(np.eye(3), epipole) @ H
     assert (homography_sampson_squared(H, points0, points1) >= sampson_squared(F, points0, points1) - 1e-9).all()
+
+
+def test_the_gradient_is_a_product_of_coefficients_and_monomials():
+    rng = np.random.default_rng(0)
+    F, points0, points1 = rng.normal(size=(4, 3, 3)), rng.normal(size=(20, 2)), rng.normal(size=(20, 2))
+    gradient = gradient_coefficients(F) @ gradient_monomials(points0, points1)
+    error = np.einsum("ni,hij,nj->hn", homogeneous(points1), F, homogeneous(points0))
+    np.testing.assert_allclose(error**2 / gradient, sampson_squared(F, points0, points1), rtol=1e-9)

@@ -72,7 +72,7 @@ def test_masks_at_the_frame_border_equal_the_naive_one():
     assert boundary_similarity(predicted, truth) == pytest.approx(naive_similarity(predicted, truth, 2))
 
 
-def test_a_shift_within_the_tolerance_costs_nothing():
+def test_a_shift_within_the_tolerance_has_no_effect():
     assert boundary_similarity(disc((50, 50), 15), disc((50, 52), 15)) == 1
     assert boundary_similarity(disc((50, 50), 15), disc((50, 53), 15)) < 1
 

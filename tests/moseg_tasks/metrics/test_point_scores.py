@@ -72,13 +72,13 @@ def test_a_perfect_prediction_under_other_names_is_perfect():
     assert measures(over_points((truth + 1) * (truth > 0), truth)) == [100] * 5
 
 
-def test_nothing_predicted_finds_nothing():
+def test_an_empty_prediction_scores_zero():
     truth = np.tile([0, 2, 2, 3], (4, 1))
     assert measures(over_points(np.zeros((4, 4)), truth)) == [0] * 5
 
 
 @pytest.mark.parametrize(("predicted", "expected"), [(0, [100] * 5), (1, [0] * 5)])
-def test_where_nothing_moves_nothing_is_to_be_predicted(predicted, expected):
+def test_without_moving_objects_only_an_empty_prediction_is_correct(predicted, expected):
     assert measures(over_points(np.full((3, 4), predicted), np.zeros((3, 4)))) == expected
 
 

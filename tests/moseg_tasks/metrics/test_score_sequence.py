@@ -164,7 +164,7 @@ def test_an_empty_prediction_scores_0_but_for_frames_without_the_object():
     assert result.J_objects == result.boundary_F_objects == 25
 
 
-def test_label_255_is_an_object_where_nothing_is_void():
+def test_label_255_is_an_object_without_a_void_label():
     truth = two_objects() // 2 * 255
     result = score(truth, truth, void=None)
     assert result.P == result.R == 100

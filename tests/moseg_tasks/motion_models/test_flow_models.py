@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 
-from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import FlowModelParams
 from moseg.tasks.motion_models import (
     FLOW_MODELS,
     fit_from_moments,
     flow_energy,
-    flow_model,
     flow_moments,
     residuals_from_moments,
 )
@@ -28,12 +26,7 @@ def unexplained(flow, inverse_depth, name) -> float:
 
 @pytest.mark.parametrize(("name", "size"), [("oc_depth", 9), ("oc_depth_paper", 8), ("oc", 12)])
 def test_number_of_parameters(name, size):
-    assert flow_model(name).num_parameters == size
-
-
-def test_unknown_model_is_an_input_error():
-    with pytest.raises(InputError, match="unknown flow model; got affine; expected oc_depth"):
-        flow_model("affine")
+    assert FLOW_MODELS[name].num_parameters == size
 
 
 def test_oc_depth_holds_rigid_motion_exactly(rigid_flow, inverse_depth):

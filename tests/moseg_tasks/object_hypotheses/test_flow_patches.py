@@ -61,7 +61,7 @@ def test_residuals_are_mean_squares_over_the_pixels_of_a_node(flow, owner):
     np.testing.assert_allclose(residuals(noisy, None, owner, "oc"), expected, rtol=1e-6)
 
 
-def test_pixels_without_flow_or_depth_count_for_nothing(flow, inverse_depth, owner):
+def test_pixels_without_flow_or_depth_are_ignored(flow, inverse_depth, owner):
     holes, deep_holes = flow.copy(), inverse_depth.copy()
     holes[10:30, 10:40] = np.nan
     deep_holes[60:70, :] = np.nan
@@ -85,7 +85,7 @@ def test_a_patch_without_pixels_explains_nothing_and_a_node_without_pixels_is_ab
     assert np.isnan(found[:, 2]).all()
 
 
-def test_scale_and_shift_of_inverse_depth_are_not_seen(flow, inverse_depth, owner):
+def test_scale_and_shift_of_inverse_depth_have_no_effect(flow, inverse_depth, owner):
     np.testing.assert_allclose(
         residuals(flow, 3 * inverse_depth + 1, owner), residuals(flow, inverse_depth, owner), rtol=1e-3, atol=1e-6
     )

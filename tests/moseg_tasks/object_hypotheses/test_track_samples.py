@@ -58,7 +58,7 @@ def test_nodes_of_few_tracks_are_absent(tracks):
     assert np.isnan(found[..., 1:]).all()
 
 
-def test_too_few_tracks_for_a_sample_leave_nothing_known(tracks):
+def test_with_too_few_tracks_for_a_sample_nothing_is_known(tracks):
     points0, points1, nodes = (part[:6] for part in tracks)
     found = residuals((points0, points1, nodes), min_points=2)
     assert np.isnan(found[FUNDAMENTAL]).all()
@@ -72,7 +72,7 @@ def test_a_seed_fixes_the_draw(tracks):
     assert not np.array_equal(residuals(tracks), residuals(tracks, seed=1))
 
 
-def test_degenerate_samples_explain_nothing_but_take_nobody_out():
+def test_degenerate_samples_explain_nothing_but_exclude_no_object():
     """All tracks but a few lie in two places: most samples determine no model."""
     rng = np.random.default_rng(2)
     points0 = rng.uniform(0, 640, (40, 2))

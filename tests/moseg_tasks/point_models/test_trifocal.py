@@ -82,7 +82,7 @@ def test_a_projective_change_of_coordinates_changes_the_tensor_with_it(obey, see
     assert MODEL.residual(T[None], moved).max() < 1e-9
 
 
-def test_two_motions_on_one_epipolar_plane_are_told_apart(follow, scatter):
+def test_two_motions_on_one_epipolar_plane_are_separated(follow, scatter):
     # A point that moves along its epipolar line obeys the fundamental matrix of the first two frames, not the tensor.
     points = follow(scatter(60))
     T, F = MODEL.fit(Correspondences(points)), point_model("fundamental").fit(Correspondences(points[:, :2]))

@@ -47,7 +47,7 @@ def _cluster(clip, count, params=PARAMS, models=MODELS):
 
 
 @pytest.mark.parametrize("sizes", [(80, 30), (80, 30, 25), (80, 25, 25, 25)])
-def test_rigid_motions_are_told_apart(sizes, rigid_clip):
+def test_rigid_motions_are_separated(sizes, rigid_clip):
     clip = rigid_clip(sizes)
     found = _cluster(clip, len(sizes))
     assert clustering_error(found.motion, clip.labels) <= 2
@@ -55,7 +55,7 @@ def test_rigid_motions_are_told_apart(sizes, rigid_clip):
 
 
 @pytest.mark.parametrize("method", ["sum", "product", "coregularised"])
-def test_published_methods_tell_them_apart_as_well(method, rigid_clip):
+def test_published_methods_separate_them_as_well(method, rigid_clip):
     clip = rigid_clip((80, 30, 25))
     found = _cluster(clip, 3, PARAMS.model_copy(update={"method": method}))
     assert clustering_error(found.motion, clip.labels) <= 5
@@ -87,7 +87,7 @@ def test_no_more_motions_are_found_than_asked_for(rigid_clip):
         assert _cluster(clip, count, models=("affine",)).num_motions <= min(count, 40)
 
 
-def test_what_each_number_of_motions_costs_is_told(rigid_clip):
+def test_costs_of_each_number_of_motions_are_returned(rigid_clip):
     clip = rigid_clip((80, 30, 25))
     found = _cluster(clip, None)
     assert len(found.costs) == PARAMS.most_motions and found.cuts[0] == pytest.approx(0, abs=1e-6)
@@ -128,6 +128,6 @@ def test_stability_needs_two_draws(rigid_clip):
 
 
 @pytest.mark.parametrize("auto", ["confidences", "stability"])
-def test_other_ways_to_count_tell_two_clear_motions(rigid_clip, auto):
+def test_other_methods_find_two_clear_motions(rigid_clip, auto):
     clip = rigid_clip((80, 50))
     assert _cluster(clip, None, PARAMS.model_copy(update={"auto": auto})).num_motions == 2

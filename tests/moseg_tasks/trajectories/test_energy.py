@@ -31,13 +31,13 @@ def test_the_cut_decides_between_groupings_of_equal_cost(rigid_clip):
     near = np.abs(clip.points[:, 0, None, 0] - clip.points[None, :, 0, 0]) < 150
     energy = Energy(clip.points, clip.visible, near.astype(np.float32), EnergyParams(step=1))
     by_side, by_chance = clip.points[:, 0, 0] > np.median(clip.points[:, 0, 0]), np.arange(40) % 2
-    least = energy.least([by_chance, by_side.astype(int)])
-    assert np.array_equal(least.labels, by_side) and least.cost < 1e-9
+    best = energy.minimum([by_chance, by_side.astype(int)])
+    assert np.array_equal(best.labels, by_side) and best.cost < 1e-9
 
 
-def test_the_cost_decides_where_cuts_say_nothing(rigid_clip):
+def test_the_cost_decides_between_groupings_of_equal_cut(rigid_clip):
     clip = rigid_clip((60, 40))
     everything = np.ones((100, 100), np.float32)
     energy = Energy(clip.points, clip.visible, everything, EnergyParams(step=1))
     wrong = np.roll(clip.labels, 20)
-    assert np.array_equal(energy.least([wrong, clip.labels]).labels, clip.labels)
+    assert np.array_equal(energy.minimum([wrong, clip.labels]).labels, clip.labels)

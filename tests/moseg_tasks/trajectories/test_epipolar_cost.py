@@ -20,7 +20,7 @@ def _cost(clip, labelings, params=PARAMS):
     return EpipolarCost(clip.points, clip.visible, params).of_labelings(labelings)
 
 
-def test_rigid_groups_without_noise_cost_nothing(rigid_clip):
+def test_the_cost_of_rigid_groups_without_noise_is_zero(rigid_clip):
     exact = rigid_clip((60, 40), noise=0)
     assert _cost(exact, [TRUE])[0] < 1e-9
 
@@ -47,7 +47,7 @@ def test_the_unit_of_length_is_the_thresholds(clip):
     np.testing.assert_allclose(scaled, _cost(clip, [TRUE, ONE]), rtol=1e-6)
 
 
-def test_seven_points_meet_some_matrix_and_cost_nothing(clip):
+def test_the_cost_of_seven_points_is_zero(clip):
     labels = np.zeros(len(TRUE), int)
     labels[::15] = 1  # seven trajectories of both motions
     few = np.count_nonzero(labels)
@@ -70,6 +70,6 @@ def test_a_clip_shorter_than_the_gap_is_judged_by_its_ends(clip):
     assert 0 < costs[0] < costs[1]
 
 
-def test_points_that_all_coincide_cost_nothing():
+def test_the_cost_of_coincident_points_is_zero():
     points, visible = np.full((20, 5, 2), 100.0), np.ones((20, 5), bool)
     assert EpipolarCost(points, visible, PARAMS).of_labelings([np.zeros(20, int)]).tolist() == [0.0]

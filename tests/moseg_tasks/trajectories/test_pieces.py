@@ -20,7 +20,7 @@ def _residual(seed=0):
     return residual.astype(np.float16)
 
 
-def test_pieces_near_to_the_same_hypotheses_are_alike():
+def test_pieces_near_the_same_hypotheses_are_alike():
     affinity = piece_affinity(_residual(), PIECES, PARAMS)
     assert affinity[0, 1] > 0.9 and affinity[0, 2] < 0.01
     np.testing.assert_allclose(affinity, affinity.T)
@@ -53,7 +53,7 @@ def test_names_of_pieces_do_not_matter():
 
 
 @pytest.mark.parametrize(("count", "groups"), [(1, [0, 0, 0]), (2, [0, 0, 1]), (3, [0, 1, 2])])
-def test_the_pieces_most_alike_are_merged_first(count, groups):
+def test_the_most_similar_pieces_are_merged_first(count, groups):
     affinity = np.array([[1, 0.8, 0.1], [0.8, 1, 0.2], [0.1, 0.2, 1]])
     merged = link_pieces(affinity)[count - 1]
     assert (merged[:, None] == merged).tolist() == (np.array(groups)[:, None] == groups).tolist()

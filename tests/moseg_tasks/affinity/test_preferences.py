@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from moseg.schemas.errors import InputError
-from moseg.tasks.object_hypotheses import preference_kernel
+from moseg.tasks.affinity import preference_kernel
 
 
 def test_shared_preferences_by_hand():
@@ -31,7 +31,7 @@ def test_only_the_order_of_each_nodes_residuals_counts(seed, power, factor):
 
 
 @given(seed=st.integers(0, 99))
-def test_orders_of_hypotheses_and_nodes_say_nothing_even_among_equal_residuals(seed):
+def test_orders_of_hypotheses_and_objects_have_no_effect_even_among_equal_residuals(seed):
     rng = np.random.default_rng(seed)
     residuals = rng.integers(0, 4, (3, 20, 5)).astype(float)
     hypotheses, nodes = rng.permutation(20), rng.permutation(5)

@@ -61,7 +61,7 @@ def test_every_gap_has_its_pairs():
     assert found.frames.tolist() == [[0, 1], [1, 2], [2, 3], [3, 4], [0, 3], [1, 4]]
 
 
-def test_the_generator_alone_decides_what_is_drawn():
+def test_only_the_generator_changes_the_samples():
     assert np.array_equal(_residuals("affine", seed=1)[1], _residuals("affine", seed=1)[1], equal_nan=True)
     assert not np.array_equal(_residuals("affine", seed=1)[1], _residuals("affine", seed=2)[1], equal_nan=True)
 

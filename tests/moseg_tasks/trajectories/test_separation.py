@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from moseg.schemas.parameters import SeparationParams
-from moseg.tasks.trajectories.apart import separate_objects
+from moseg.tasks.trajectories.separation import separate_objects
 
 PARAMS = SeparationParams(num_neighbours=4, min_tracks=8)
 

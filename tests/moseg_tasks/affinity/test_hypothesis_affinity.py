@@ -8,13 +8,9 @@ from scipy.spatial.distance import squareform
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import AffinityParams, FundamentalParams
 from moseg.schemas.parameters.affinity import HypothesisAffinityParams
-from moseg.tasks.affinity import (
-    draw_object_samples,
-    fused_preferences,
-    hypothesis_affinity,
-    ork_affinity,
-    preferred_in_common,
-)
+from moseg.tasks.affinity import hypothesis_affinity, ork_affinity
+from moseg.tasks.affinity.hypothesis_affinity import draw_object_samples, fused_preferences
+from moseg.tasks.affinity.preferences import fading_preference_kernel
 from moseg.tasks.clustering.fusion import unit_diagonal
 from moseg.tasks.geometry import fit_fundamentals, fundamental_residuals
 from moseg.tasks.metrics.clustering_error import clustering_error
@@ -43,7 +39,7 @@ def objects_wrong(affinity, motion) -> float:
     return clustering_error(cut_tree(tree, n_clusters=motion.max() + 1)[:, 0], motion)
 
 
-def test_movers_of_one_object_each_are_told_apart(scenes):
+def test_movers_of_one_object_each_are_separated(scenes):
     assert [objects_wrong(affinity_of(scene), scene.motion) for scene in scenes] == [0.0] * len(scenes)
 
 
@@ -65,7 +61,7 @@ def test_the_papers_ork_needs_two_objects_of_each_motion(scenes, reading):
     assert np.count_nonzero(wrong) == len(scenes)
 
 
-def test_order_of_the_objects_says_nothing(scenes):
+def test_the_order_of_objects_has_no_effect(scenes):
     """Movers first, last or anywhere: an affinity near the identity would give away where they stand."""
     scene = scenes[0]
     for order in (np.argsort(scene.motion), np.argsort(-scene.motion)):
@@ -81,14 +77,14 @@ def test_permuted_objects_have_permuted_affinities():
     np.testing.assert_allclose(found, fused_preferences(residuals, PARAMS)[np.ix_(order, order)], atol=1e-12)
 
 
-def test_objects_that_prefer_nothing_in_common_are_all_equally_unlike():
+def test_objects_without_common_preferences_have_equal_affinities():
     residuals = np.ones((1, 3, 100, 5))
     for index in range(5):
         residuals[:, :, 20 * index : 20 * index + 20, index] = 0.1
     assert np.array_equal(fused_preferences(residuals, PARAMS), np.eye(5))
 
 
-def test_hypotheses_that_fit_all_alike_tell_nothing_apart():
+def test_hypotheses_that_fit_all_objects_equally_separate_none():
     np.testing.assert_allclose(fused_preferences(np.ones((2, 3, 100, 5)), PARAMS), np.ones((5, 5)))
 
 
@@ -103,12 +99,12 @@ def test_missing_pairs_take_no_part():
     residuals = np.random.default_rng(1).random((6, 100, 4))
     gone = residuals.copy()
     gone[2:, :, 3] = np.nan
-    found = preferred_in_common(gone, window=0.1, fade=0.0)
-    np.testing.assert_allclose(found[3], preferred_in_common(residuals[:2], window=0.1, fade=0.0)[3])
-    np.testing.assert_allclose(found[:3, :3], preferred_in_common(residuals, window=0.1, fade=0.0)[:3, :3])
+    found = fading_preference_kernel(gone, window=0.1, fade=0.0)
+    np.testing.assert_allclose(found[3], fading_preference_kernel(residuals[:2], window=0.1, fade=0.0)[3])
+    np.testing.assert_allclose(found[:3, :3], fading_preference_kernel(residuals, window=0.1, fade=0.0)[:3, :3])
 
 
-def test_objects_that_never_meet_are_unknown_not_unlike(scenes):
+def test_objects_never_visible_together_have_unknown_affinity(scenes):
     scene = scenes[2]
     visible = scene.visible.copy()
     visible[scene.owner == 0, 4:] = visible[scene.owner == 1, :4] = False
@@ -118,7 +114,7 @@ def test_objects_that_never_meet_are_unknown_not_unlike(scenes):
     assert np.isfinite(affinity[1, 2:]).all()
 
 
-def test_what_one_model_does_not_know_the_other_says():
+def test_values_unknown_to_one_model_are_those_of_the_other():
     residuals = np.random.default_rng(2).random((2, 3, 100, 4))
     residuals[0, :, :, 1] = np.nan
     found = fused_preferences(residuals, PARAMS)
@@ -152,7 +148,7 @@ def test_a_preference_fades_with_what_it_leaves_beyond_the_typical(excess, expec
     residuals = np.full((1, 100, 3), 1e4)
     residuals[:, :3] = 0.04
     residuals[:, :3, 2] += excess * 0.04
-    kernel = preferred_in_common(residuals, window=0.01, fade=10.0)
+    kernel = fading_preference_kernel(residuals, window=0.01, fade=10.0)
     assert kernel[0, 1] == pytest.approx(1.0)
     assert kernel[0, 2] == pytest.approx(expected)
 
@@ -199,7 +195,7 @@ def test_a_sample_that_few_objects_cannot_fill_takes_tracks_of_others():
     assert all(len(set(sample)) == 8 for sample in samples.tolist())
 
 
-def test_tracks_too_few_for_any_sample_leave_all_unknown():
+def test_with_too_few_tracks_for_a_sample_all_are_unknown():
     points, visible = np.random.default_rng(0).random((3, 6, 2)), np.ones((3, 6), bool)
     affinity = hypothesis_affinity(points, visible, np.array([0, 0, 1]), 2, PARAMS, np.random.default_rng(0))
     assert np.isnan(affinity).all()
@@ -210,7 +206,7 @@ def test_a_clip_shorter_than_the_gap_pairs_its_ends(scenes):
     assert not np.isnan(affinity_of(short)).any()
 
 
-def test_a_single_frame_leaves_all_unknown(scenes):
+def test_with_a_single_frame_all_are_unknown(scenes):
     frame = scenes[0]._replace(points=scenes[0].points[:, :1], visible=scenes[0].visible[:, :1])
     assert np.isnan(affinity_of(frame)).all()
 

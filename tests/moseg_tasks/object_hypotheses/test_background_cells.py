@@ -5,7 +5,7 @@ import pytest
 
 from moseg.schemas.parameters import ObjectHypothesisParams
 from moseg.tasks.object_hypotheses import background_cells, scale_by_background, split_background
-from moseg.tasks.object_hypotheses.background_scale import geometric_mean
+from moseg.tasks.object_hypotheses.background_cells import geometric_mean
 
 PARAMS = ObjectHypothesisParams()
 NAN = np.nan
@@ -32,13 +32,13 @@ def test_affinities_are_in_units_of_the_cells_by_hand():
 
 
 @pytest.mark.parametrize("factor", [0.1, 0.5, 1.0])
-def test_a_factor_on_everything_but_the_diagonal_is_not_seen(factor):
+def test_a_factor_off_the_diagonal_has_no_effect(factor):
     full = kernel([[1, 0.1], [0.1, 1]], CELLS, [[0.1, 0.0], [0.2, 0.04], [0.3, 0.02]])
     fainter = np.where(np.eye(len(full), dtype=bool), full, factor * full)
     np.testing.assert_allclose(scale_by_background(fainter, 3, PARAMS), scale_by_background(full, 3, PARAMS))
 
 
-def test_cells_that_are_never_seen_do_not_count():
+def test_cells_never_visible_are_ignored():
     cells, between = np.full((4, 4), NAN), np.full((4, 1), NAN)
     cells[:3, :3], between[:3] = CELLS, [[0.1], [0.2], [0.0]]
     found = scale_by_background(kernel([[1]], cells, between), 2, PARAMS)
@@ -46,7 +46,7 @@ def test_cells_that_are_never_seen_do_not_count():
 
 
 @pytest.mark.parametrize("cells", [[[1, NAN], [NAN, NAN]], [[1, 0], [0, 1]], [[1, NAN], [NAN, 1]]])
-def test_without_two_cells_that_are_alike_nothing_is_known_between_objects(cells):
+def test_without_two_similar_cells_all_affinities_are_unknown(cells):
     found = scale_by_background(kernel([[1]], cells, [[0.2], [0.3]]), 2, PARAMS)
     np.testing.assert_array_equal(found, [[1, NAN], [NAN, 1]])
 
@@ -63,7 +63,7 @@ def test_an_object_that_is_never_seen_is_unknown():
     np.testing.assert_allclose(found[np.ix_([0, 2], [0, 2])], 1)
 
 
-def test_where_one_affinity_is_unknown_the_other_stands_alone():
+def test_if_one_affinity_is_unknown_the_other_is_used():
     found = geometric_mean(np.array([0.25, NAN, 0.5, NAN]), np.array([1.0, 0.3, NAN, NAN]))
     np.testing.assert_allclose(found, [0.5, 0.3, 0.5, NAN])
 

@@ -1,4 +1,4 @@
-"""Hypotheses of a point model: minimal samples of the trajectories that a pair of frames shows, and their residuals."""
+"""Hypotheses of a point model from minimal samples of trajectories, and the residuals of all trajectories."""
 
 from typing import NamedTuple
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import HypothesisParams
+from moseg.tasks.geometry.ransac import draw_samples
 from moseg.tasks.point_models import Correspondences, PointModel
 
 _LARGEST = float(np.finfo(np.float16).max)
@@ -32,7 +33,7 @@ def draw_hypotheses(
     """Fit a model to minimal samples of the trajectories seen in all frames of each set.
 
     A set is `model.num_frames` frames at equal distance, one for each first frame and each of `params.gaps`; sets that
-    show fewer trajectories than a sample takes are left out.
+    share fewer trajectories than a sample are ignored.
 
     Parameters
     ----------
@@ -41,13 +42,13 @@ def draw_hypotheses(
     visible : bool (track, frame)
     model : PointModel
     params : HypothesisParams
-        `num_hypotheses`, `num_draws` and `gaps` are read; the models of a draw stand together.
+        `num_hypotheses`, `num_draws` and `gaps` are read; the models of a draw are consecutive.
     rng : numpy.random.Generator
 
     Raises
     ------
     InputError
-        Where no set of frames is left.
+        If no set of frames shares enough trajectories.
     """
     parameters, frames = [], []
     for chosen in _frame_sets(points.shape[1], model.num_frames, params.gaps):
@@ -71,19 +72,19 @@ def draw_hypotheses(
 def hypothesis_residuals(
     hypotheses: Hypotheses, points: np.ndarray, visible: np.ndarray, model: PointModel
 ) -> np.ndarray:
-    """Distance of every trajectory to every hypothesis.
+    """Return the distance of every trajectory to every hypothesis.
 
     Returns
     -------
     residual : float16 (S, H, track)
-        px; NaN for trajectories not seen in all frames of a set. Only their order is used, which eleven bits tell
-        where distances differ by a thousandth.
+        px; NaN for trajectories not visible in all frames of a set. Only their order is used, for which eleven bits
+        are enough: they resolve relative differences of a thousandth.
     """
     num_sets, num_hypotheses = hypotheses.parameters.shape[:2]
     residual = np.full((num_sets, num_hypotheses, len(points)), np.nan, np.float16)
     for found, parameters, frames in zip(residual, hypotheses.parameters, hypotheses.frames, strict=True):
         seen = np.flatnonzero(visible[:, frames].all(axis=1))
-        # What overflows single precision is as far as can be.
+        # Distances that overflow single precision count as the largest.
         with np.errstate(over="ignore"):
             squared = model.residual(parameters, Correspondences(points[seen][:, frames]), np.float32)
         found[:, seen] = np.minimum(np.sqrt(squared), _LARGEST)
@@ -91,16 +92,17 @@ def hypothesis_residuals(
 
 
 def _frame_sets(num_frames: int, size: int, gaps: tuple[int, ...]) -> list[list[int]]:
+    """Return all sets of `size` frames at equal distance."""
     return [
         list(range(first, first + size * gap, gap)) for gap in gaps for first in range(num_frames - (size - 1) * gap)
     ]
 
 
 def _minimal_samples(num_points: int, size: int, num_samples: int, rng: np.random.Generator) -> np.ndarray:
-    """Indices (num_samples, size), different within a sample."""
+    """Draw indices (num_samples, size), different within a sample."""
     if num_points < 2 * size**2:
-        return np.argpartition(rng.random((num_samples, num_points)), size - 1, axis=1)[:, :size]
-    # Repetitions are rare among so many: drawing those samples again is faster than permutations.
+        return draw_samples(num_points, size, num_samples, rng)
+    # Repetitions are rare among many points: drawing those samples again is faster than permutations.
     samples = rng.integers(num_points, size=(num_samples, size))
     while (repeated := (np.diff(np.sort(samples, axis=1), axis=1) == 0).any(axis=1)).any():
         samples[repeated] = rng.integers(num_points, size=(np.count_nonzero(repeated), size))

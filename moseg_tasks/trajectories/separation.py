@@ -1,4 +1,4 @@
-"""Objects that do not touch are motions of their own."""
+"""Separation of motion groups into objects that do not touch."""
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -12,11 +12,11 @@ from moseg.schemas.parameters import SeparationParams
 def separate_objects(
     points: np.ndarray, visible: np.ndarray, labels: np.ndarray, params: SeparationParams
 ) -> np.ndarray:
-    """Split each group but the background's into the parts that lie apart in the image.
+    """Split each group except the background into parts that are not connected in the image.
 
-    Two cars on parallel lanes obey one fundamental matrix, and nothing in their geometry says that they are two. What
-    moves on its own is one body: parts of a group with other trajectories or empty image between them are two. The
-    background is what spans the image: the group of the largest convex hull. It is left whole.
+    Two cars on parallel lanes obey one fundamental matrix: their geometry does not show that they are two. A moving
+    object is one connected body, so parts of a group with other trajectories or empty image between them are two
+    objects. The group with the largest convex hull is the background and is not split.
 
     Parameters
     ----------
@@ -26,8 +26,8 @@ def separate_objects(
     labels : int (N,)
         0 .. K - 1.
     params : SeparationParams
-        Trajectories touch that are among each other's `num_neighbours` nearest, in either direction, by their mean
-        distance in the frames that show both. Parts of fewer than `min_tracks` stay with the largest part.
+        Two trajectories touch if one is among the `num_neighbours` nearest of the other, by their mean distance in the
+        frames that show both. Parts of fewer than `min_tracks` stay with the largest part.
 
     Returns
     -------
@@ -53,7 +53,7 @@ def separate_objects(
 
 
 def _nearest(points: np.ndarray, visible: np.ndarray, count: int) -> csr_array:
-    """Whether j is among the nearest trajectories of i: sparse bool (N, N)."""
+    """Return whether j is among the nearest trajectories of i: sparse (N, N)."""
     num = len(points)
     total, together = np.zeros((num, num), np.float32), np.zeros((num, num), np.float32)
     for frame in range(points.shape[1]):
@@ -72,7 +72,7 @@ def _nearest(points: np.ndarray, visible: np.ndarray, count: int) -> csr_array:
 
 
 def _hull_area(points: np.ndarray, visible: np.ndarray) -> float:
-    """Area of the convex hull of all that a group shows, px²; 0 of points on a line."""
+    """Return the area of the convex hull of the visible points, px²; 0 for points on a line."""
     try:
         return float(ConvexHull(points[visible]).volume)
     except (QhullError, ValueError):
