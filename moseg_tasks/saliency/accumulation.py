@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from moseg.schemas.parameters import AccumulationParams
-from moseg.tasks.half_floats import narrow, widen
+from moseg.tasks.half_floats import to_float16, to_float32
 from moseg.tasks.saliency.grid import pixel_grid
 
 
@@ -41,9 +41,9 @@ def accumulate(
     memory = carried
     for seen, flow, weight in zip(maps, flows, weights, strict=True):
         if memory is not None:
-            warped = _warp(widen(memory), flow)
+            warped = _warp(to_float32(memory), flow)
             seen = seen + weight * (warped - seen)
-        memory = narrow(seen)
+        memory = to_float16(seen)
         accumulated.append(memory)
     return np.stack(accumulated)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import SaliencyParams
-from moseg.tasks.half_floats import narrow
+from moseg.tasks.half_floats import to_float16
 from moseg.tasks.saliency.camera import fit_camera_motion
 from moseg.tasks.saliency.choice import LAYERS, BackgroundChoice
 from moseg.tasks.saliency.grid import reduce_flow, reduce_frame, vector_length, working_shape
@@ -81,7 +81,7 @@ def estimate_saliency(
             continue
         observed = reduce_flow(flow, shape)
         background = _explain(observed, params, choice)
-        flows[direction], residual_flows[direction] = narrow(observed), narrow(observed - background.flow)
+        flows[direction], residual_flows[direction] = to_float16(observed), to_float16(observed - background.flow)
         backgrounds.append(background)
         errors.append(colour_error(reduced, reduce_frame(other, shape), background.flow))
     if not backgrounds:
@@ -91,7 +91,7 @@ def estimate_saliency(
     ungated = soft_map(residual, speed, params, choice.model == "rigid")
     error = blur_error(np.minimum.reduce(errors), params.gate_blur)
     saliency, strict = (
-        narrow(ungated * photometric_gate(error, scale)) for scale in (params.gate_error, params.strict_gate_error)
+        to_float16(ungated * photometric_gate(error, scale)) for scale in (params.gate_error, params.strict_gate_error)
     )
     return FrameSaliency(saliency, strict, flows, residual_flows)
 

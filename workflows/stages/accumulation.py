@@ -6,7 +6,7 @@ A pass goes on where it left the section before, so that no frame is computed tw
 import numpy as np
 
 from moseg.schemas.parameters import AccumulationParams
-from moseg.tasks.half_floats import narrow, widen
+from moseg.tasks.half_floats import to_float16, to_float32
 from moseg.tasks.saliency import accumulate, flow_consistency, memory_weight
 from moseg.workflows.stages.inputs import Inputs
 from moseg.workflows.stages.task import Output, Task
@@ -18,13 +18,13 @@ PASSES = ("past", "future")
 def mean_of_passes(inputs: Inputs, role: str, name: str) -> np.ndarray:
     """Mean float32 of an array over both passes."""
     past, future = (inputs[f"{role}_{each}"].array(name) for each in PASSES)
-    return np.stack([(widen(before) + widen(after)) / 2 for before, after in zip(past, future, strict=True)])
+    return np.stack([(to_float32(before) + to_float32(after)) / 2 for before, after in zip(past, future, strict=True)])
 
 
 def _run_consistency(params, inputs, rng):
-    flows = [widen(frame.array("flows")) for frame in inputs.all("saliency")]
+    flows = [to_float32(frame.array("flows")) for frame in inputs.all("saliency")]
     consistency = flow_consistency(flows, AccumulationParams.of_recipe(params["accumulation"]))
-    return Output({"consistency": narrow(consistency[params["first"] : params["last"]])})
+    return Output({"consistency": to_float16(consistency[params["first"] : params["last"]])})
 
 
 def _run_saliency(params, inputs, rng):
@@ -35,10 +35,10 @@ def _run_saliency(params, inputs, rng):
 
     def see(frame, agreement):
         seen = (frame.array("strict_saliency"), frame.array("saliency"), agreement[direction])
-        return widen(np.dstack(seen))
+        return to_float32(np.dstack(seen))
 
     def weigh(agreement):
-        weight = memory_weight(widen(agreement), direction, accumulation_params)
+        weight = memory_weight(to_float32(agreement), direction, accumulation_params)
         return np.dstack([weight, weight, np.full_like(weight, accumulation_params.memory)])
 
     # A frame at a time: all of a section's at once would be the run's peak of memory.
@@ -55,7 +55,7 @@ def _run_misfit(params, inputs, rng):
     direction, order = _direction(params["from"])
     frames, misfits = inputs.all("saliency")[order], inputs["own_motion"].array("misfit")[order]
     accumulated = accumulate(
-        (widen(misfit) for misfit in misfits),
+        (to_float32(misfit) for misfit in misfits),
         _flows(frames, direction),
         [params["memory"]] * len(frames),
         _carried(inputs, "misfit", params["from"]),
@@ -69,7 +69,7 @@ def _direction(origin):
 
 
 def _flows(frames, direction):
-    return (widen(frame.array("flows")[direction]) for frame in frames)
+    return (to_float32(frame.array("flows")[direction]) for frame in frames)
 
 
 def _carried(inputs, name, origin):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from moseg.schemas.parameters import ComponentParams, IdentityParams
-from moseg.tasks.half_floats import widen
+from moseg.tasks.half_floats import to_float32
 from moseg.tasks.proposals import keep_best, label_components, rejoin_components, split_touching
 from moseg.tasks.saliency import reduce_frame
 from moseg.workflows.stages.task import Output, Task
@@ -26,7 +26,7 @@ def _run(params, inputs, rng):
     if labels.any():
         cues = inputs.all("saliency")
         flows, residual_flows = (
-            np.stack([widen(frame.array(name)) for frame in cues]) for name in ("flows", "residual_flows")
+            np.stack([to_float32(frame.array(name)) for frame in cues]) for name in ("flows", "residual_flows")
         )
         labels = split_touching(labels, residual_flows, identity)
         images = [

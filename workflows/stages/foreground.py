@@ -4,7 +4,7 @@ import numpy as np
 
 from moseg.schemas.parameters import AppearanceParams, ForegroundParams
 from moseg.tasks.appearance import ColourCount, colour_ratio, pool_sections
-from moseg.tasks.half_floats import narrow
+from moseg.tasks.half_floats import to_float16
 from moseg.tasks.saliency import foreground_probability
 from moseg.workflows.stages.accumulation import mean_of_passes
 from moseg.workflows.stages.task import Output, Task
@@ -34,7 +34,7 @@ def _run(params, inputs, rng):
     for t, (bins, maps, misfit) in enumerate(zip(sections[own].array("bins"), accumulated, misfits, strict=True)):
         ratio, usual = _blend(look, centres, own, params["start"] + t)
         moves = foreground_probability(maps[..., 1], maps[..., 2], misfit, ratio[bins], usual, foreground)
-        probabilities.append(narrow(moves))
+        probabilities.append(to_float16(moves))
     return Output({"foreground": np.stack(probabilities)})
 
 
