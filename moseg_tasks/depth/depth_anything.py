@@ -7,7 +7,7 @@ from torch.nn import functional
 from transformers import DepthAnythingForDepthEstimation
 
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams
-from moseg.tasks.depth.pixels import PATCH
+from moseg.tasks.networks.depth import PATCH
 from moseg.tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
 
 

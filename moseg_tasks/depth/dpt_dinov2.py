@@ -5,8 +5,8 @@ import torch
 from torch.nn import functional
 
 from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
-from moseg.tasks.depth.pixels import PATCH, resize_maps, see_frames
-from moseg.tasks.networks.depth import DptDinov2
+from moseg.tasks.networks.depth import PATCH, DptDinov2
+from moseg.tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
 
 
 def predict_dpt_dinov2(network: DptDinov2, images: np.ndarray, params: DptDinov2Params) -> torch.Tensor:
@@ -36,3 +36,24 @@ def _border(side: int) -> tuple[int, int]:
     """Pixels before and behind a side that centre it in the next multiple of a patch."""
     missing = -side % PATCH
     return missing // 2, missing - missing // 2
+
+
+def see_frames(images: np.ndarray, size: tuple[int, int], device: torch.device) -> torch.Tensor:
+    """Frames as float32 (B, 3, *size) on the device, with ImageNet's mean and deviation.
+
+    Resized on the CPU, smoothed first where they shrink and rounded to grey levels, so that every device sees the
+    same.
+    """
+    # Copied, as torch warns of arrays that are read-only.
+    pixels = torch.from_numpy(np.array(images)).permute(0, 3, 1, 2)
+    if pixels.shape[2:] != size:
+        pixels = functional.interpolate(pixels, size=size, mode="bilinear", antialias=True)
+    mean, std = (torch.tensor(values).view(3, 1, 1) for values in (IMAGENET_MEAN, IMAGENET_STD))
+    return ((pixels.float() / 255 - mean) / std).to(device)
+
+
+def resize_maps(maps: torch.Tensor, size: tuple[int, int]) -> torch.Tensor:
+    """Maps (B, y, x) at another size, bilinear: no value leaves the range of its neighbours."""
+    if maps.shape[1:] == size:
+        return maps
+    return functional.interpolate(maps[:, None], size=size, mode="bilinear")[:, 0]

@@ -9,8 +9,7 @@ from transformers import PreTrainedConfig, PreTrainedModel
 from transformers.utils import logging
 
 from moseg.schemas.errors import InputError
-from moseg.tasks.networks.checkpoint import Checkpoint
-from moseg.tasks.networks.strict import SHOWN
+from moseg.tasks.networks.checkpoint import SHOWN, Checkpoint
 
 CONFIG = "config.json"
 

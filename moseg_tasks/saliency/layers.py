@@ -8,7 +8,6 @@ import numpy as np
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.background import AffineMotion, affine_flow, fit_background
 from moseg.tasks.saliency.grid import vector_length
-from moseg.tasks.saliency.typical import typical_residual
 
 
 class Background(NamedTuple):
@@ -63,3 +62,16 @@ def _border_share(support: np.ndarray) -> float:
     border = np.concatenate([labels[0], labels[-1], labels[1:-1, 0], labels[1:-1, -1]])
     covered = np.bincount(border, minlength=count)
     return float(covered[1:].max(initial=0)) / border.size
+
+
+def typical_residual(residual: np.ndarray, border_band: float) -> float:
+    """Median of a residual float32 (y, x), over the whole frame or over the band along its border, if that is less.
+
+    An object that fills more than half of the frame would make its own residual the usual one.
+    """
+    # Neighbours are alike: every other row and column tells as much.
+    some = residual[::2, ::2]
+    width = max(1, round(border_band * some.shape[0]))
+    in_band = np.ones(some.shape, bool)
+    in_band[width:-width, width:-width] = False
+    return min(float(np.median(some)), float(np.median(some[in_band])))

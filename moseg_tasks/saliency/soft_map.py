@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from moseg.schemas.parameters import SaliencyParams
-from moseg.tasks.saliency.typical import typical_residual
+from moseg.tasks.saliency.layers import typical_residual
 
 
 def soft_map(residual: np.ndarray, background_speed: np.ndarray, params: SaliencyParams, is_rigid: bool) -> np.ndarray:

@@ -4,10 +4,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from moseg.tasks.synthetic.camera import Camera, camera_at
 from moseg.tasks.synthetic.paths import Pose, Vector, compose, inverse, pose_of
-from moseg.tasks.synthetic.scene import Part, Scene
+from moseg.tasks.synthetic.scene import CameraPath, Part, Scene
 from moseg.tasks.synthetic.shapes import NEAREST_DEPTH, Billboard, Rays
+
+
+class Camera(NamedTuple):
+    """Pose (camera to world), focal length and principal point, px."""
+
+    pose: Pose
+    focal: float
+    center: tuple[float, float]
+
+
+def camera_at(path: CameraPath, t: float, height: int, width: int) -> Camera:
+    """The camera at time ``t``, frames, for frames of the given size, px."""
+    focal = path.focal * width * (1.0 + path.zoom * t)
+    return Camera(pose_of(path.position.at(t), path.angles.at(t)), focal, ((width - 1) / 2.0, (height - 1) / 2.0))
 
 
 class View(NamedTuple):

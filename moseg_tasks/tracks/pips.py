@@ -1,7 +1,7 @@
 """Object-specific point tracks through one section of a video, by PIPs."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 import torch
@@ -13,7 +13,6 @@ from moseg.tasks.networks.pips import Pips, Resolution
 from moseg.tasks.tracks.assemble import Tracks, assemble_tracks
 from moseg.tasks.tracks.front import NO_TRACKS, Front, check_front
 from moseg.tasks.tracks.lucas_kanade import inside_border
-from moseg.tasks.tracks.windows import overlapping_windows
 
 
 class _EncodedFrame(NamedTuple):
@@ -136,3 +135,33 @@ def _as_tensor(points: np.ndarray, model: Pips) -> torch.Tensor:
 
 def _device(model: Pips) -> torch.device:
     return next(model.parameters()).device
+
+
+Item = TypeVar("Item")
+
+
+def overlapping_windows(items: Iterable[Item], length: int, advance: int) -> Iterator[tuple[int, list[Item]]]:
+    """Windows of `length` items that begin at 0, `advance`, 2 `advance`, …, each with the index of its first.
+
+    Items are taken one by one and kept only as long as a window needs them. Every item that a window may begin with
+    begins one: the last windows are shorter, as far as the items reach.
+
+    Parameters
+    ----------
+    items : iterable
+    length : int
+    advance : int
+        At most `length`.
+    """
+    first = 0
+    window: list[Item] = []
+    for item in items:
+        window.append(item)
+        if len(window) == length:
+            yield first, window
+            window = window[advance:]
+            first += advance
+    while window:
+        yield first, window
+        window = window[advance:]
+        first += advance

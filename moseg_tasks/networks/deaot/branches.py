@@ -6,10 +6,9 @@ from typing import NamedTuple
 import torch
 from torch import nn
 
+from moseg.tasks.networks.deaot.attention import Window
 from moseg.tasks.networks.deaot.config import DeaotConfig
-from moseg.tasks.networks.deaot.memory import LayerMemory
-from moseg.tasks.networks.deaot.propagation import GatedPropagationModule, Projected
-from moseg.tasks.networks.deaot.window import Window
+from moseg.tasks.networks.deaot.propagation import GatedPropagationModule, LayerMemory, Projected
 
 
 class Grid(NamedTuple):

@@ -4,16 +4,17 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import torch
+from pydantic import ValidationError
 from torch import nn
 
-from moseg.tasks.networks.deaot.attention import at_least_float32
+from moseg.schemas.errors import InputError
+from moseg.tasks.networks.checkpoint import Checkpoint, load_strictly
+from moseg.tasks.networks.deaot.attention import at_least_float32, neighbourhood
 from moseg.tasks.networks.deaot.branches import DualBranchPropagation, Grid
 from moseg.tasks.networks.deaot.config import DeaotConfig
 from moseg.tasks.networks.deaot.decoder import FpnDecoder
 from moseg.tasks.networks.deaot.encoder import EXPANSION, Pyramid, ResNetEncoder
-from moseg.tasks.networks.deaot.memory import LayerMemory
-from moseg.tasks.networks.deaot.propagation import Projected
-from moseg.tasks.networks.deaot.window import neighbourhood
+from moseg.tasks.networks.deaot.propagation import LayerMemory, Projected
 
 STRIDE = 16
 """Side of a cell, px; a frame's sides are 1 modulo this, so that corner cells lie on corner pixels."""
@@ -81,3 +82,30 @@ class Deaot(nn.Module):
     def remember(self, frames: Sequence[Projected], masks: torch.Tensor) -> list[LayerMemory]:
         """Memory of a propagated frame, once its masks are decided."""
         return self.LSTT.remember(frames, self.assign(masks))
+
+
+def build_deaot(checkpoint: Checkpoint) -> Deaot:
+    """DeAOT with the checkpoint's tensors: the published R50-DeAOTL, or of the sizes in `checkpoint.config`.
+
+    Parameters
+    ----------
+    checkpoint : Checkpoint
+        `config` holds fields of `DeaotConfig` that differ from the published ones.
+
+    Returns
+    -------
+    Deaot
+        On the CPU, float32, in evaluation mode, without gradients.
+
+    Raises
+    ------
+    InputError
+        The config has a field or value that DeAOT cannot have, or a tensor is missing, left over or of another shape.
+    """
+    try:
+        config = DeaotConfig.model_validate(dict(checkpoint.config))
+    except ValidationError as error:
+        problem = error.errors()[0]
+        where = f"config of weights {checkpoint.name}"
+        raise InputError(problem["msg"], where=where, got=f"{problem['loc']}={problem['input']}") from error
+    return load_strictly(Deaot(config), checkpoint.tensors, checkpoint.name)

@@ -6,6 +6,8 @@ import torch
 from torch.nn import functional
 from transformers import PreTrainedModel
 
+PATCH = 14
+"""Side of a patch of every DINOv2, px."""
 OFFSET = 0.1
 """Cells by which the grid is stretched: with it DINOv2's authors kept the rounding of a scale from losing a cell."""
 

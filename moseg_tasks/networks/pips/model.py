@@ -6,6 +6,7 @@ from typing import NamedTuple
 import torch
 from torch import nn
 
+from moseg.tasks.networks.checkpoint import Checkpoint, load_strictly
 from moseg.tasks.networks.pips.config import PipsConfig
 from moseg.tasks.networks.pips.correlation import correlate, feature_pyramid, sample_appearances
 from moseg.tasks.networks.pips.encoder import Encoder
@@ -106,3 +107,27 @@ class Pips(nn.Module):
     def dtype(self) -> torch.dtype:
         """Type of the network's parameters, and so of its maps and points, autocast or not."""
         return self.vis_predictor[0].weight.dtype
+
+
+def build_pips(checkpoint: Checkpoint) -> Pips:
+    """The network of a checkpoint, ready to be run.
+
+    Parameters
+    ----------
+    checkpoint : Checkpoint
+        Tensors of the published ``model-000200000.pth``, or of a network of the sizes in `config` (`PipsConfig`).
+
+    Returns
+    -------
+    Pips
+        float32, on the CPU, in evaluation mode and without gradients.
+
+    Raises
+    ------
+    InputError
+        A tensor is missing, left over or of another shape.
+    """
+    # Without memory of its own until the tensors are there: initial values would only be overwritten.
+    with torch.device("meta"):
+        network = Pips(PipsConfig(**checkpoint.config))
+    return load_strictly(network.to_empty(device="cpu"), checkpoint.tensors, checkpoint.name)

@@ -2,17 +2,39 @@
 
 import math
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 import torch
 from pydantic import ValidationError
 
 from moseg.schemas.errors import InputError
-from moseg.tasks.networks.checkpoint import Checkpoint
+from moseg.tasks.networks.checkpoint import Checkpoint, load_strictly
 from moseg.tasks.networks.ram.config import RamConfig
 from moseg.tasks.networks.ram.model import Ram, RamPlus
-from moseg.tasks.networks.ram.tagger import Tagger
-from moseg.tasks.networks.strict import load_strictly
+
+
+class Tagger(NamedTuple):
+    """A network that scores tags, their names, and the score from which each one counts.
+
+    Attributes
+    ----------
+    network : Ram
+        RAM or RAM++.
+    names : tuple of str
+        In the order of the network's logits.
+    thresholds : float64 (num_tags,)
+        Least probability of each tag.
+    """
+
+    network: Ram
+    names: tuple[str, ...]
+    thresholds: np.ndarray
+
+    def to(self, device: torch.device | str) -> "Tagger":
+        """The same tagger, its network moved to the device."""
+        return self._replace(network=self.network.to(device))
+
 
 TRAINING_ONLY = ("tag_encoder.", "text_decoder.", "logit_scale")
 """Beginnings of the names of what tagging does not use: the captioner, and the temperature of a training loss."""

@@ -7,7 +7,7 @@ import torch
 from torch.nn import functional
 from transformers import Sam2VideoInferenceSession, Sam2VideoModel
 
-from moseg.tasks.networks.sam2.side import network_side
+from moseg.tasks.networks.sam2.build import network_side
 
 # Of an output of the network: what only the frame itself needs, and what the next few frames need.
 _OF_ITS_FRAME = ("pred_masks", "high_res_masks")

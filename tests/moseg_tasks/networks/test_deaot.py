@@ -3,7 +3,7 @@ import pytest
 import torch
 
 from moseg.tasks.networks.deaot import Deaot, DeaotConfig, LayerMemory, extend_memory
-from moseg.tasks.networks.deaot.window import neighbourhood
+from moseg.tasks.networks.deaot.attention import neighbourhood
 
 CONFIG = DeaotConfig(
     stem_width=8, stage_widths=(4, 8, 16), stage_depths=(2, 1, 1), d_model=32, num_layers=2, max_objects=3

@@ -4,7 +4,7 @@ import torch
 
 from moseg.tasks.networks.ram import Ram, RamConfig, RamPlus
 from moseg.tasks.networks.swin import SwinConfig
-from moseg.tasks.networks.swin.windows import cut_windows, join_windows, relative_positions, shifted_sight
+from moseg.tasks.networks.swin.block import cut_windows, join_windows, relative_positions, shifted_sight
 
 CONFIG = RamConfig(
     image=SwinConfig(image_size=48, embed_dim=8, depths=(2, 2), num_heads=(2, 4), window_size=3, mlp_ratio=2),

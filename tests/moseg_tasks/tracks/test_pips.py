@@ -10,8 +10,7 @@ from moseg.schemas.parameters.pips import PipsParams
 from moseg.tasks.networks.checkpoint import Checkpoint, unwrap_state
 from moseg.tasks.networks.pips import Pips, PipsConfig, build_pips
 from moseg.tasks.networks.pips.model import Trajectories
-from moseg.tasks.tracks.pips import track_points_pips
-from moseg.tasks.tracks.windows import overlapping_windows
+from moseg.tasks.tracks.pips import overlapping_windows, track_points_pips
 from moseg.workflows.weights.tiny.pips import CONFIG, make_pips
 
 PARAMS = TrackParams(points_per_object=20, background_points=40)
