@@ -6,7 +6,7 @@ from torch.nn import functional
 
 from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
 from moseg.tasks.networks.depth import PATCH, DptDinov2
-from moseg.tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
+from moseg.tasks.networks.frame_tensor import normalise
 
 
 def predict_dpt_dinov2(network: DptDinov2, images: np.ndarray, params: DptDinov2Params) -> torch.Tensor:
@@ -48,8 +48,7 @@ def see_frames(images: np.ndarray, size: tuple[int, int], device: torch.device) 
     pixels = torch.from_numpy(np.array(images)).permute(0, 3, 1, 2)
     if pixels.shape[2:] != size:
         pixels = functional.interpolate(pixels, size=size, mode="bilinear", antialias=True)
-    mean, std = (torch.tensor(values).view(3, 1, 1) for values in (IMAGENET_MEAN, IMAGENET_STD))
-    return ((pixels.float() / 255 - mean) / std).to(device)
+    return normalise(pixels.float() / 255).to(device)
 
 
 def resize_maps(maps: torch.Tensor, size: tuple[int, int]) -> torch.Tensor:

@@ -7,8 +7,9 @@ import numpy as np
 import torch
 
 from moseg.schemas.parameters.grounding_dino import GroundingDinoParams
+from moseg.tasks.check_frame import check_frame
 from moseg.tasks.detections.suppression import suppress_boxes
-from moseg.tasks.networks.frame_tensor import check_frame, frame_tensor
+from moseg.tasks.networks.frame_tensor import frame_tensor
 from moseg.tasks.networks.grounding_dino import GroundingDino, Prompt, compose_prompts
 
 _LEAST_SIDE = 1.0

@@ -5,6 +5,7 @@ import numpy as np
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import FlowParams
+from moseg.tasks.check_frame import check_frame
 
 _PRESETS = {
     "ultrafast": cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST,
@@ -42,11 +43,8 @@ def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) ->
     ----------
     Kroeger, Timofte, Dai, Van Gool, "Fast Optical Flow using Dense Inverse Search", ECCV 2016.
     """
-    for name, image in (("image0", image0), ("image1", image1)):
-        if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or image.size == 0:
-            raise InputError(
-                "not an RGB frame", where=name, got=f"{image.dtype} {image.shape}", expected="uint8 (y, x, 3)"
-            )
+    check_frame(image0, "image0")
+    check_frame(image1, "image1")
     if image0.shape != image1.shape:
         raise InputError("frames of a pair differ in size", got=image1.shape[:2], expected=image0.shape[:2])
     height, width = image0.shape[:2]

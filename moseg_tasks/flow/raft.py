@@ -48,7 +48,7 @@ def estimate_raft_flow(model: Raft, images0: np.ndarray, images1: np.ndarray, pa
     weights = next(model.parameters())
     with torch.inference_mode():
         batches = [_to_network(images, reduced).to(weights.device, weights.dtype) for images in (images0, images1)]
-        left, right, above, below = padding = _padding(reduced, model.smallest_side)
+        left, right, above, below = padding = _padding(reduced, model.min_side)
         batches = [F.pad(batch, padding, mode="replicate") for batch in batches]
         flow = model(*batches, params.iterations, on_demand=params.correlation == "on_demand")
         flow = flow[..., above : flow.shape[2] - below, left : flow.shape[3] - right].float()
@@ -75,9 +75,9 @@ def _to_network(images: np.ndarray, size: tuple[int, int]) -> Tensor:
     return torch.from_numpy(values).permute(0, 3, 1, 2) / 255 * 2 - 1
 
 
-def _padding(size: tuple[int, int], smallest_side: int) -> tuple[int, int, int, int]:
+def _padding(size: tuple[int, int], min_side: int) -> tuple[int, int, int, int]:
     """Pixels to add (left, right, above, below), as evenly as the published evaluation on Sintel does."""
-    height, width = (max(-(-side // STRIDE) * STRIDE, smallest_side) - side for side in size)
+    height, width = (max(-(-side // STRIDE) * STRIDE, min_side) - side for side in size)
     return width // 2, width - width // 2, height // 2, height - height // 2
 
 

@@ -6,8 +6,9 @@ from torch.nn import functional
 from transformers import Sam2Model
 
 from moseg.schemas.parameters.sam2 import Sam2Params
+from moseg.tasks.check_frame import check_frame
 from moseg.tasks.instances.boxes import as_boxes
-from moseg.tasks.networks.frame_tensor import Resizing, check_frame, frame_tensor
+from moseg.tasks.networks.frame_tensor import Resizing, frame_tensor
 from moseg.tasks.networks.sam2 import network_side
 
 

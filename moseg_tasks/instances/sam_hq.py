@@ -5,8 +5,9 @@ import torch
 from torch.nn import functional
 
 from moseg.schemas.parameters.sam_hq import SamHqParams
+from moseg.tasks.check_frame import check_frame
 from moseg.tasks.instances.boxes import as_boxes
-from moseg.tasks.networks.frame_tensor import check_frame, frame_tensor
+from moseg.tasks.networks.frame_tensor import frame_tensor
 from moseg.tasks.networks.sam_hq import decode_boxes, encode_image
 
 

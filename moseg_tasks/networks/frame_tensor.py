@@ -7,7 +7,7 @@ import torch
 from PIL import Image
 from torch.nn import functional
 
-from moseg.schemas.errors import InputError
+from moseg.tasks.check_frame import check_frame
 
 IMAGENET_MEAN = (0.485, 0.456, 0.406)
 IMAGENET_STD = (0.229, 0.224, 0.225)
@@ -60,11 +60,10 @@ def frame_tensor(
     pixels = torch.from_numpy(np.array(image)).permute(2, 0, 1)[None].float() / 255
     if pixels.shape[2:] != size:
         pixels = functional.interpolate(pixels, size=size, mode="bilinear", antialias=True)
+    return normalise(pixels).to(device)
+
+
+def normalise(pixels: torch.Tensor) -> torch.Tensor:
+    """Normalise RGB (B, 3, y, x) in 0..1 by ImageNet's mean and standard deviation."""
     mean, std = (torch.tensor(values).view(1, 3, 1, 1) for values in (IMAGENET_MEAN, IMAGENET_STD))
-    return ((pixels - mean) / std).to(device)
-
-
-def check_frame(image: np.ndarray) -> None:
-    """Raise InputError where this is not an RGB frame: uint8 (y, x, 3)."""
-    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or image.size == 0:
-        raise InputError("not an RGB frame", got=f"{image.dtype} {image.shape}", expected="uint8 (y, x, 3)")
+    return (pixels - mean) / std

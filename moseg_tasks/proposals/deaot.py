@@ -10,6 +10,7 @@ from torch.nn import functional as F
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.deaot import DeaotParams
+from moseg.tasks.check_frame import check_frame
 from moseg.tasks.networks.deaot import STRIDE, Deaot, extend_memory
 from moseg.tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
 
@@ -78,7 +79,7 @@ def propagate_masks(
     shown = network_size(seeds.shape, params.max_side)
     grid, weight = model.grid(shown), next(model.parameters())
     for index, frame in enumerate(frames):
-        _check_frame(frame, seeds.shape, index)
+        check_frame(frame, f"frame {index}", seeds.shape)
         if num_objects == 0:
             yield Propagated(np.zeros_like(seeds), None)
             continue
@@ -108,12 +109,6 @@ def network_size(size: tuple[int, int], max_side: int) -> tuple[int, int]:
     scale = min(1.0, max_side / max(size))
     height, width = (max(round((int(scale * side) - 1) / STRIDE), 1) * STRIDE + 1 for side in size)
     return height, width
-
-
-def _check_frame(frame: np.ndarray, size: tuple[int, int], index: int) -> None:
-    if frame.dtype != np.uint8 or frame.shape != (*size, 3):
-        got, expected = f"{frame.dtype} {frame.shape}", f"uint8 {(*size, 3)}, RGB of the seeds' size"
-        raise InputError("not an RGB frame of the section", where=f"frame {index}", got=got, expected=expected)
 
 
 def _normalised(frame: np.ndarray, shown: tuple[int, int]) -> np.ndarray:

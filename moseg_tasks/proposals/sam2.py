@@ -9,6 +9,7 @@ from transformers import Sam2VideoInferenceSession, Sam2VideoModel
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.sam2 import Sam2Params
+from moseg.tasks.check_frame import check_frame
 from moseg.tasks.networks.frame_tensor import Resizing, frame_tensor
 from moseg.tasks.networks.sam2 import forget_past, network_side, start_sessions
 
@@ -49,9 +50,7 @@ def track_masks_sam2(
     sessions = start_sessions(model, seeds, params.objects_per_pass)
     masks = []
     for index, frame in enumerate(frames):
-        if frame.dtype != np.uint8 or frame.shape != (*seeds.shape, 3):
-            got, expected = f"{frame.dtype} {frame.shape}", f"uint8 {(*seeds.shape, 3)}, the size of the seeds"
-            raise InputError("not an RGB frame", where=f"frame {index}", got=got, expected=expected)
+        check_frame(frame, f"frame {index}", seeds.shape)
         labels = _advance(model, sessions, frame, index, params) if sessions else np.zeros_like(seeds)
         masks.append(labels if index else seeds)
     if not masks:

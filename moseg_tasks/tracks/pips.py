@@ -6,9 +6,9 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 import torch
 
-from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import TrackParams
 from moseg.schemas.parameters.pips import PipsParams
+from moseg.tasks.check_frame import check_frame
 from moseg.tasks.networks.pips import Pips, Resolution
 from moseg.tasks.tracks.assemble import Tracks, assemble_tracks
 from moseg.tasks.tracks.front import NO_TRACKS, Front, check_front
@@ -99,13 +99,9 @@ def _encode_frames(model: Pips, frames: Iterable[np.ndarray], params: PipsParams
     """Each frame with its feature pyramid, one by one."""
     size = None
     for index, frame in enumerate(frames):
-        if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3 or frame.size == 0:
-            got = f"{frame.dtype} {frame.shape}"
-            raise InputError("not an RGB frame", where=f"frame {index}", got=got, expected="uint8 (y, x, 3)")
-        size = size or frame.shape[:2]
-        if frame.shape[:2] != size:
-            raise InputError("frames differ in size", where=f"frame {index}", got=frame.shape[:2], expected=size)
-        resolution = Resolution.capped(size, params.max_side, model.config.least_side)
+        check_frame(frame, f"frame {index}", size)
+        size = frame.shape[:2]
+        resolution = Resolution.capped(size, params.max_side, model.config.min_side)
         image = torch.tensor(resolution.resize(frame), device=_device(model))
         yield _EncodedFrame(frame, resolution, model.encode(image[None]))
 

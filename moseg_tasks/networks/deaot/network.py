@@ -4,10 +4,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import torch
-from pydantic import ValidationError
 from torch import nn
 
-from moseg.schemas.errors import InputError
 from moseg.tasks.networks.checkpoint import Checkpoint, load_strictly
 from moseg.tasks.networks.deaot.attention import at_least_float32, neighbourhood
 from moseg.tasks.networks.deaot.branches import DualBranchPropagation, Grid
@@ -102,10 +100,4 @@ def build_deaot(checkpoint: Checkpoint) -> Deaot:
     InputError
         The config has a field or value that DeAOT cannot have, or a tensor is missing, left over or of another shape.
     """
-    try:
-        config = DeaotConfig.model_validate(dict(checkpoint.config))
-    except ValidationError as error:
-        problem = error.errors()[0]
-        where = f"config of weights {checkpoint.name}"
-        raise InputError(problem["msg"], where=where, got=f"{problem['loc']}={problem['input']}") from error
-    return load_strictly(Deaot(config), checkpoint.tensors, checkpoint.name)
+    return load_strictly(Deaot(checkpoint.sizes(DeaotConfig())), checkpoint.tensors, checkpoint.name)

@@ -91,10 +91,8 @@ def _read_sides(checkpoint: Checkpoint) -> list[int]:
 def _build_tokenizer(checkpoint: Checkpoint, most: int) -> BertTokenizer:
     """The uncased tokenizer of a vocabulary with one token a line, numbered from 0."""
     where = f"{VOCABULARY} of weights {checkpoint.name}"
-    if VOCABULARY not in checkpoint.documents:
-        raise InputError(f"no {VOCABULARY}", where=f"weights {checkpoint.name}", got=sorted(checkpoint.documents))
     # Not `splitlines`, which would cut at the line separators that are tokens themselves.
-    tokens = checkpoint.documents[VOCABULARY].removesuffix("\n").split("\n")
+    tokens = checkpoint.document(VOCABULARY).removesuffix("\n").split("\n")
     vocabulary = {token: number for number, token in enumerate(tokens)}
     found = {token: vocabulary.get(token) for token in SPECIAL_TOKENS}
     if found != SPECIAL_TOKENS:

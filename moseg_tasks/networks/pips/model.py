@@ -54,7 +54,7 @@ class Pips(nn.Module):
         Parameters
         ----------
         images : torch.Tensor (B, y, x, 3)
-            RGB in [0, 255]; sides of at least `config.least_side`.
+            RGB in [0, 255]; sides of at least `config.min_side`.
 
         Returns
         -------
@@ -125,9 +125,9 @@ def build_pips(checkpoint: Checkpoint) -> Pips:
     Raises
     ------
     InputError
-        A tensor is missing, left over or of another shape.
+        `config` has other fields than `PipsConfig`, or a tensor is missing, left over or of another shape.
     """
     # Without memory of its own until the tensors are there: initial values would only be overwritten.
     with torch.device("meta"):
-        network = Pips(PipsConfig(**checkpoint.config))
+        network = Pips(checkpoint.sizes(PipsConfig()))
     return load_strictly(network.to_empty(device="cpu"), checkpoint.tensors, checkpoint.name)

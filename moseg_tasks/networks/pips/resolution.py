@@ -21,10 +21,10 @@ class Resolution(NamedTuple):
     network: tuple[int, int]
 
     @classmethod
-    def capped(cls, frame: tuple[int, int], max_side: int, least_side: int) -> "Resolution":
-        """The resolution whose longer side is at most about `max_side`; no side is below `least_side`."""
+    def capped(cls, frame: tuple[int, int], max_side: int, min_side: int) -> "Resolution":
+        """The resolution whose longer side is at most about `max_side`; no side is below `min_side`."""
         scale = min(1.0, max_side / max(frame))
-        height, width = (max(least_side, MULTIPLE * round(side * scale / MULTIPLE)) for side in frame)
+        height, width = (max(min_side, MULTIPLE * round(side * scale / MULTIPLE)) for side in frame)
         return cls(frame, (height, width))
 
     def resize(self, image: np.ndarray) -> np.ndarray:

@@ -1,10 +1,8 @@
 """RAFT as a module: its attributes are named as in torchvision's state dicts."""
 
 import torch
-from pydantic import ValidationError
 from torch import Tensor, nn
 
-from moseg.schemas.errors import InputError
 from moseg.tasks.networks.checkpoint import Checkpoint, load_strictly
 from moseg.tasks.networks.raft.config import LARGE, SMALL, RaftConfig
 from moseg.tasks.networks.raft.correlation import CorrelationPyramid
@@ -37,7 +35,7 @@ class Raft(nn.Module):
         )
 
     @property
-    def smallest_side(self) -> int:
+    def min_side(self) -> int:
         """Pixels that leave the coarsest level of the correlation pyramid two cells; 128 for the published sizes.
 
         With a single cell the published code divides by zero. So no published network has seen smaller images.
@@ -50,7 +48,7 @@ class Raft(nn.Module):
         Parameters
         ----------
         images0, images1 : Tensor (B, 3, y, x)
-            RGB in [-1, 1]; both sides multiples of 8 and not below `smallest_side`.
+            RGB in [-1, 1]; both sides multiples of 8 and not below `min_side`.
         iterations : int
             Steps of the flow.
         on_demand : bool
@@ -104,8 +102,4 @@ def build_raft(checkpoint: Checkpoint) -> Raft:
     """
     tensors = to_own_names(checkpoint.tensors, checkpoint.name)
     published = LARGE if any(key.startswith("mask_predictor.") for key in tensors) else SMALL
-    try:
-        config = RaftConfig.model_validate(published.model_dump() | dict(checkpoint.config))
-    except ValidationError as error:
-        raise InputError("no sizes of RAFT", where=f"config of weights {checkpoint.name}", got=error) from error
-    return load_strictly(Raft(config).float(), tensors, checkpoint.name)
+    return load_strictly(Raft(checkpoint.sizes(published)).float(), tensors, checkpoint.name)

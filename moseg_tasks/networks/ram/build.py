@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
-from pydantic import ValidationError
 
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks.checkpoint import Checkpoint, load_strictly
@@ -66,15 +65,13 @@ def build_ram(checkpoint: Checkpoint) -> Tagger:
     InputError
         Tensors do not fit the network, or the documents do not fit its number of tags.
     """
-    config = _read_config(checkpoint)
-    return _assemble(checkpoint, Ram(config), select_tensors(checkpoint.tensors))
+    return _assemble(checkpoint, Ram(checkpoint.sizes(RamConfig())), select_tensors(checkpoint.tensors))
 
 
 def build_ram_plus(checkpoint: Checkpoint) -> Tagger:
     """RAM++ in evaluation mode, with its tags; parameters, result and errors are those of `build_ram`."""
-    config = _read_config(checkpoint)
     tensors = {"reweight_scale": torch.tensor(REWEIGHT_SCALE)} | select_tensors(checkpoint.tensors)
-    return _assemble(checkpoint, RamPlus(config), tensors)
+    return _assemble(checkpoint, RamPlus(checkpoint.sizes(RamConfig())), tensors)
 
 
 def select_tensors(tensors: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
@@ -88,15 +85,6 @@ def select_tensors(tensors: Mapping[str, torch.Tensor]) -> dict[str, torch.Tenso
         for name, tensor in renamed.items()
         if not name.startswith(TRAINING_ONLY) and not name.endswith(DERIVED)
     }
-
-
-def _read_config(checkpoint: Checkpoint) -> RamConfig:
-    try:
-        return RamConfig.model_validate(dict(checkpoint.config))
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = f"config of weights {checkpoint.name}"
-        raise InputError("sizes of no network", where=where, got=f"{first['loc']}: {first['msg']}") from error
 
 
 def _assemble(checkpoint: Checkpoint, network: Ram, tensors: Mapping[str, torch.Tensor]) -> Tagger:
@@ -121,9 +109,7 @@ def _read_thresholds(checkpoint: Checkpoint, num_tags: int) -> np.ndarray:
 
 
 def _read_lines(checkpoint: Checkpoint, document: str, count: int) -> tuple[str, ...]:
-    if document not in checkpoint.documents:
-        raise InputError("no such file", where=f"weights {checkpoint.name}", got=None, expected=document)
-    lines = tuple(line.strip() for line in checkpoint.documents[document].splitlines())
+    lines = tuple(line.strip() for line in checkpoint.document(document).splitlines())
     if len(lines) != count:
         where = f"{document} of weights {checkpoint.name}"
         raise InputError("wrong number of lines", where=where, got=len(lines), expected=f"{count}, one a tag")

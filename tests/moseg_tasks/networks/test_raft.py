@@ -122,4 +122,4 @@ def test_convex_weights_are_read_by_neighbour_then_row_then_column():
 @pytest.mark.parametrize(("config", "side"), [(LARGE, 128), (SMALL, 128), (RaftConfig(correlation_levels=2), 32)])
 def test_the_smallest_side_leaves_the_coarsest_level_two_cells(config, side):
     with torch.device("meta"):
-        assert Raft(config).smallest_side == side
+        assert Raft(config).min_side == side

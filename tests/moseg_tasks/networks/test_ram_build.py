@@ -127,5 +127,5 @@ def test_a_missing_list_is_named(document):
 
 @pytest.mark.parametrize("change", [{"width": 7}, {"height": 3}, {"image": {"image_size": 15}}])
 def test_sizes_of_no_network_are_refused(change):
-    with pytest.raises(InputError, match="sizes of no network in config of weights tiny"):
+    with pytest.raises(InputError, match="invalid sizes in config of weights tiny"):
         assemble(build_ram, ram_tensors(), sizes=SIZES | change)

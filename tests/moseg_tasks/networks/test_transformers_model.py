@@ -12,15 +12,10 @@ QKV = "vision_encoder.layers.0.attn.qkv.weight"
 SHARED = "prompt_encoder.shared_embedding.positional_embedding"
 
 
-def build(checkpoint, **changes):
-    tensors = dict(checkpoint.tensors)
-    for name, value in changes.pop("tensors", {}).items():
-        tensors.pop(name, None)
-        if value is not None:
-            tensors[name] = value
-    documents = {**checkpoint.documents, **changes.pop("documents", {})}
-    changed = checkpoint._replace(tensors=tensors, documents=documents)
-    return build_transformers(SamHQModel, SamHQConfig, changed, **changes)
+def build(checkpoint, tensors=None, documents=None):
+    changed = {name: value for name, value in {**checkpoint.tensors, **(tensors or {})}.items() if value is not None}
+    changed = checkpoint._replace(tensors=changed, documents={**checkpoint.documents, **(documents or {})})
+    return build_transformers(SamHQModel, SamHQConfig, changed)
 
 
 def test_every_tensor_is_the_checkpoints(sam_hq_checkpoint):
@@ -60,12 +55,6 @@ def test_nothing_random_is_drawn(sam_hq_checkpoint):
 def test_what_does_not_fit_is_named(sam_hq_checkpoint, tensors, message):
     with pytest.raises(InputError, match=message):
         build(sam_hq_checkpoint, tensors=tensors)
-
-
-def test_tensors_of_parts_that_the_model_lacks_can_be_ignored(sam_hq_checkpoint):
-    build(sam_hq_checkpoint, tensors={"memory.weight": torch.zeros(2)}, ignored_prefixes=["memory."])
-    with pytest.raises(InputError, match=r"not the network's.*other\.weight"):
-        build(sam_hq_checkpoint, tensors={"other.weight": torch.zeros(2)}, ignored_prefixes=["memory."])
 
 
 @pytest.mark.parametrize(

@@ -246,7 +246,7 @@ def test_wrong_frames_and_masks_are_refused(drift):
         track(Guide(), drift(2), background(3))
     with pytest.raises(InputError, match=r"mask of frame 0; got \(60, 90\); expected \(120, 180\)"):
         track(Guide(), drift(2), np.zeros((2, 60, 90), np.uint16))
-    with pytest.raises(InputError, match=r"differ in size in frame 1; got \(60, 180\); expected \(120, 180\)"):
+    with pytest.raises(InputError, match=r"frame 1; got uint8 \(60, 180, 3\); expected uint8 \(120, 180, 3\)"):
         track(Guide(), [drift(1)[0], drift(1)[0][:60]], background(1))
     with pytest.raises(InputError, match=r"not an RGB frame in frame 0; got float64 \(120, 180\)"):
         track(Guide(), [np.zeros(SIZE)], background(1))
