@@ -12,7 +12,7 @@ from moseg.tasks.detections.suppression import suppress_boxes
 from moseg.tasks.networks.frame_tensor import frame_tensor
 from moseg.tasks.networks.grounding_dino import GroundingDino, Prompt, compose_prompts
 
-_LEAST_SIDE = 1.0
+_MIN_SIDE = 1.0
 # Marks between names become blanks.
 _NO_MARKS = str.maketrans(",.", "  ")
 
@@ -79,7 +79,7 @@ def detect_objects(
     boxes = np.concatenate([part.boxes for part in found]) * [width, height, width, height]
     scores = np.concatenate([part.scores for part in found])
     names = np.array([name for part in found for name in part.tags], dtype=np.str_)
-    is_visible = (boxes[:, 2:] - boxes[:, :2] >= _LEAST_SIDE).all(axis=1)
+    is_visible = (boxes[:, 2:] - boxes[:, :2] >= _MIN_SIDE).all(axis=1)
     boxes, scores, names = boxes[is_visible], scores[is_visible], names[is_visible]
     groups = np.unique(names, return_inverse=True)[1] if params.nms_per_tag else None
     kept = suppress_boxes(boxes, scores, params.nms_iou, groups)[: params.max_boxes]

@@ -14,7 +14,7 @@ _PRESETS = {
     "fine": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
 }
 # An 8 px patch on the presets' finest level, a quarter of full size. Below it OpenCV raises, returns NaN or crashes.
-_SMALLEST_SIDE = 32
+_MIN_SIDE = 32
 
 
 def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> np.ndarray:
@@ -60,5 +60,5 @@ def _searchable_gray(image: np.ndarray) -> np.ndarray:
     """Grey levels, extended below and to the right to the smallest side that DIS can search."""
     height, width = image.shape[:2]
     gray = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
-    below, right = max(_SMALLEST_SIDE - height, 0), max(_SMALLEST_SIDE - width, 0)
+    below, right = max(_MIN_SIDE - height, 0), max(_MIN_SIDE - width, 0)
     return cv2.copyMakeBorder(gray, 0, below, 0, right, cv2.BORDER_REPLICATE) if below or right else gray

@@ -43,9 +43,9 @@ def paint_instances(masks: np.ndarray, scores: np.ndarray, min_area: float = 0.0
     """
     if np.shape(scores) != masks.shape[:1]:
         raise InputError("not one score for each mask", got=np.shape(scores), expected=masks.shape[:1])
-    most = np.iinfo(np.uint16).max
-    if len(masks) > most:
-        raise InputError("more masks than labels", got=len(masks), expected=f"at most {most}")
+    max_label = np.iinfo(np.uint16).max
+    if len(masks) > max_label:
+        raise InputError("more masks than labels", got=len(masks), expected=f"at most {max_label}")
     ranked = np.argsort(-np.asarray(scores), kind="stable")
     areas = np.count_nonzero(masks, axis=(1, 2))[ranked]
     labels = np.zeros(masks.shape[1:], np.uint16)

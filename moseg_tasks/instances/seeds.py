@@ -3,11 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.instances import SeedParams
-from moseg.tasks.proposals.linking import count_overlaps
+from moseg.tasks.proposals.linking import count_overlaps, match_objects
 
 
 class Seeds(NamedTuple):
@@ -82,7 +81,8 @@ def merge_seeds(
     _check(tracked, tracked_identities, num_identities, found, found_scores)
     num_tracked = len(tracked_identities)
     tracked = _plausible(tracked, num_tracked, params)
-    matched = _match(count_overlaps(tracked[None], found[None], num_tracked, len(found_scores)), params.min_iou)
+    overlaps = count_overlaps(tracked[None], found[None], num_tracked, len(found_scores))
+    matched = dict(match_objects(overlaps, params.min_iou))
 
     # Labels below are tracked ones, then one more for each newcomer.
     labels = tracked.copy()
@@ -91,10 +91,10 @@ def merge_seeds(
         for label, match in matched.items():
             labels[(found == match) & (labels == 0)] = label
     newcomers = _newcomers(labels, found, found_scores, set(matched.values()), params)
-    most = np.iinfo(np.uint16).max
-    if num_identities + len(newcomers) > most:
+    max_identity = np.iinfo(np.uint16).max
+    if num_identities + len(newcomers) > max_identity:
         raise InputError(
-            "more objects than identities", got=num_identities + len(newcomers), expected=f"at most {most}"
+            "more objects than identities", got=num_identities + len(newcomers), expected=f"at most {max_identity}"
         )
     for label, newcomer in enumerate(newcomers, start=num_tracked + 1):
         labels[(found == newcomer) & (labels == 0)] = label
@@ -108,15 +108,6 @@ def _plausible(tracked: np.ndarray, num_tracked: int, params: SeedParams) -> np.
     share = np.bincount(tracked.ravel(), minlength=num_tracked + 1) / tracked.size
     kept = (share >= params.min_area) & (share <= params.max_area)
     return np.where(kept[tracked], tracked, 0).astype(np.uint16)
-
-
-def _match(overlaps: np.ndarray, min_iou: float) -> dict[int, int]:
-    """Found label of each tracked one that has a match."""
-    shared = overlaps[1:, 1:].astype(np.float64)
-    union = overlaps[1:].sum(axis=1)[:, None] + overlaps[:, 1:].sum(axis=0)[None, :] - shared
-    iou = shared / np.maximum(union, 1)
-    iou[iou < min_iou] = 0
-    return {int(i) + 1: int(j) + 1 for i, j in zip(*linear_sum_assignment(-iou), strict=True) if iou[i, j] > 0}
 
 
 def _newcomers(labels: np.ndarray, found: np.ndarray, scores, matched: set[int], params: SeedParams) -> list[int]:

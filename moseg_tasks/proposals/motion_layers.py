@@ -6,10 +6,11 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from moseg.schemas.parameters.identity import IdentityParams
+from moseg.tasks.saliency.grid import vector_length
 
 CAP = 4.0
 """Deviation, in units of noise, from which on all say the same: not of this motion."""
-_FEWEST = 6  # samples that an affine motion is fitted to
+_MIN_SAMPLES = 6  # samples that an affine motion is fitted to
 
 
 class VelocitySamples(NamedTuple):
@@ -56,9 +57,9 @@ def sample_velocity(mask: np.ndarray, residual_flows: np.ndarray, step: int, par
     elif not forward.any():
         forward = -backward
     velocity = (forward - backward) / 2
-    speed = float(np.median(_length(velocity))) if len(velocity) else 0.0
+    speed = float(np.median(vector_length(velocity))) if len(velocity) else 0.0
     noise = params.split_noise + params.split_noise_motion * speed
-    weight = 1 / (1 + (_length(forward + backward) / (2 * noise)) ** 2)
+    weight = 1 / (1 + (vector_length(forward + backward) / (2 * noise)) ** 2)
     position = np.column_stack([x, y]) * float(step)
     centre = position.mean(axis=0) if len(x) else np.zeros(2)
     design = np.column_stack([np.ones(len(x)), position - centre])
@@ -75,7 +76,7 @@ def fit_motion(samples: VelocitySamples, among: np.ndarray, params: IdentityPara
     local = design - origin * [0, 1, 1]
     motion = np.vstack([np.median(velocity, axis=0), np.zeros((2, 2))])
     for _ in range(params.split_iterations):
-        robust = weight / (1 + (_length(local @ motion - velocity) / samples.noise) ** 2)
+        robust = weight / (1 + (vector_length(local @ motion - velocity) / samples.noise) ** 2)
         weighted = local * robust[:, None]
         normal = weighted.T @ local + np.diag([1e-9, *[robust.sum() * params.split_stiffness**2 + 1e-9] * 2])
         motion = np.linalg.solve(normal, weighted.T @ velocity)
@@ -83,9 +84,9 @@ def fit_motion(samples: VelocitySamples, among: np.ndarray, params: IdentityPara
     return motion
 
 
-def deviation(samples: VelocitySamples, motion: np.ndarray) -> np.ndarray:
+def residuals(samples: VelocitySamples, motion: np.ndarray) -> np.ndarray:
     """How far each sample is from an affine motion, float64 (N,) px/frame."""
-    return _length(samples.design @ motion - samples.velocity)
+    return vector_length(samples.design @ motion - samples.velocity)
 
 
 class TwoMotions(NamedTuple):
@@ -117,17 +118,17 @@ def carry_motions(
     stay = np.where(stayed, -samples.noise, samples.noise)
     starts = (stayed, _is_second(samples, before.first, before.second, stay))
     ends = [_alternate(samples, before.first, before.second, start, stay, params) for start in starts]
-    return min(ends, key=lambda motions: misfit(samples, own_deviation(samples, motions)))
+    return min(ends, key=lambda motions: mean_residual(samples, own_residuals(samples, motions)))
 
 
-def misfit(samples: VelocitySamples, apart: np.ndarray) -> float:
+def mean_residual(samples: VelocitySamples, residuals: np.ndarray) -> float:
     """Mean squared deviation in units of noise, no sample counting for more than `CAP` of them."""
-    return float(samples.weight @ np.minimum(apart / samples.noise, CAP) ** 2 / samples.weight.sum())
+    return float(samples.weight @ np.minimum(residuals / samples.noise, CAP) ** 2 / samples.weight.sum())
 
 
-def own_deviation(samples: VelocitySamples, motions: TwoMotions) -> np.ndarray:
+def own_residuals(samples: VelocitySamples, motions: TwoMotions) -> np.ndarray:
     """How far each sample is from the motion that it follows, float64 (N,) px/frame."""
-    return np.where(motions.is_second, deviation(samples, motions.second), deviation(samples, motions.first))
+    return np.where(motions.is_second, residuals(samples, motions.second), residuals(samples, motions.first))
 
 
 def _alternate(
@@ -142,7 +143,7 @@ def _alternate(
     motions = [first, second]
     for _ in range(params.split_iterations):
         for index, among in enumerate((~is_second, is_second)):
-            if among.sum() >= _FEWEST:
+            if among.sum() >= _MIN_SAMPLES:
                 motions[index] = fit_motion(samples, among, params)
         before, is_second = is_second, _is_second(samples, *motions, stay)
         if (before == is_second).all():
@@ -151,7 +152,7 @@ def _alternate(
 
 
 def _is_second(samples: VelocitySamples, first: np.ndarray, second: np.ndarray, stay: np.ndarray) -> np.ndarray:
-    return deviation(samples, second) + stay < deviation(samples, first)
+    return residuals(samples, second) + stay < residuals(samples, first)
 
 
 def _cut(samples: VelocitySamples) -> np.ndarray:
@@ -164,7 +165,3 @@ def _cut(samples: VelocitySamples) -> np.ndarray:
     below = np.cumsum(weight[order])
     gained = np.cumsum((weight * along)[order]) ** 2 / np.maximum(below * (1 - below), 1e-9)
     return along > along[order[int(np.argmax(gained[:-1]))]]
-
-
-def _length(vectors: np.ndarray) -> np.ndarray:
-    return np.sqrt(vectors[:, 0] ** 2 + vectors[:, 1] ** 2)

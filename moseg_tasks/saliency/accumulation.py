@@ -2,12 +2,11 @@
 
 from collections.abc import Iterable
 
-import cv2
 import numpy as np
 
 from moseg.schemas.parameters import AccumulationParams
 from moseg.tasks.half_floats import to_float16, to_float32
-from moseg.tasks.saliency.grid import pixel_grid
+from moseg.tasks.saliency.grid import warp
 
 
 def accumulate(
@@ -41,7 +40,7 @@ def accumulate(
     memory = carried
     for seen, flow, weight in zip(maps, flows, weights, strict=True):
         if memory is not None:
-            warped = _warp(to_float32(memory), flow)
+            warped = warp(to_float32(memory), flow)
             seen = seen + weight * (warped - seen)
         memory = to_float16(seen)
         accumulated.append(memory)
@@ -57,10 +56,3 @@ def memory_weight(consistency: np.ndarray, direction: int, params: AccumulationP
     reliability = params.reliability_floor + (1 - params.reliability_floor) * consistency.max(axis=0)
     kept = params.memory * np.maximum(consistency[direction], np.float32(params.consistency_floor))
     return 1 - (1 - kept) * reliability
-
-
-def _warp(image: np.ndarray, flow: np.ndarray) -> np.ndarray:
-    """`image` read where `flow` leads from each pixel."""
-    position = pixel_grid(flow.shape[:2]) + flow
-    warped = cv2.remap(image, position, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return warped.reshape(image.shape)

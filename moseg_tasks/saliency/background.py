@@ -65,6 +65,11 @@ def affine_flow(motion: AffineMotion, shape: tuple[int, int]) -> np.ndarray:
     return cv2.transform(pixel_grid(shape), matrix.astype(np.float32))
 
 
+def tukey_weight(residual: np.ndarray, cutoff: float) -> np.ndarray:
+    """Return Tukey's biweight of residuals: 1 at 0, 0 from `cutoff` on."""
+    return np.clip(1 - (residual / cutoff) ** 2, 0, None) ** 2
+
+
 def sample_flow(
     flow: np.ndarray, step: int, among: np.ndarray | None = None, thinning: SaliencyParams | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -118,7 +123,7 @@ def _tukey_affine(
             break
         scale = max(params.affine_scale_floor, MAD_TO_SIGMA * float(np.median(residual[inliers])))
         cutoff = params.tukey_constant * scale
-        weight = np.clip(1 - (residual / cutoff) ** 2, 0, None) ** 2
+        weight = tukey_weight(residual, cutoff)
         weighted = design * weight[:, None]
         # The pseudo-inverse leaves flat what the points do not span: frames of a single pixel, row or column.
         theta = np.linalg.pinv(weighted.T @ design, rcond=1e-10, hermitian=True) @ (weighted.T @ vectors)

@@ -130,11 +130,11 @@ def _choose_focal(flows: Sequence[np.ndarray], params: SaliencyParams) -> float:
     for flow in flows:
         for index, focal in enumerate(params.focals):
             motion = fit_camera_motion(flow, focal, params)
-            misfit = 1.0
+            residual = 1.0
             if motion is not None:
                 across = split_flow(flow, motion, params.gric_step).across
-                misfit = float(np.mean(np.minimum((across / params.focal_residual) ** 2, 1)))
-            cost[index] += misfit / len(flows)
+                residual = float(np.mean(np.minimum((across / params.focal_residual) ** 2, 1)))
+            cost[index] += residual / len(flows)
     good = np.flatnonzero(cost <= cost.min() + params.focal_slack)
     return params.focals[good[np.argmin(np.abs(np.log(np.array(params.focals)[good])))]]
 

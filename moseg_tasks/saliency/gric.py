@@ -32,5 +32,5 @@ def gric(residual: np.ndarray, noise: float, dimension: int, num_parameters: int
     """
     datum = 4
     count = residual.size
-    misfit = np.minimum((residual.astype(np.float64) / noise) ** 2, 2 * (datum - dimension)).sum()
-    return float(misfit + dimension * count * math.log(datum) + num_parameters * math.log(datum * count)) / count
+    residual_sum = np.minimum((residual.astype(np.float64) / noise) ** 2, 2 * (datum - dimension)).sum()
+    return float(residual_sum + dimension * count * math.log(datum) + num_parameters * math.log(datum * count)) / count

@@ -41,8 +41,20 @@ def pixel_grid(shape: tuple[int, int]) -> np.ndarray:
     return grid
 
 
-def vector_length(vectors: np.ndarray) -> np.ndarray:
-    """Length float32 (y, x) of vectors float32 (y, x, 2)."""
-    # Not cv2.magnitude: its last bit depends on where in memory the arrays lie.
+def warp(image: np.ndarray, flow: np.ndarray) -> np.ndarray:
+    """Sample `image` float32 (y, x) or (y, x, channel) where `flow` leads from each pixel, bilinear."""
+    position = pixel_grid(flow.shape[:2]) + flow
+    warped = cv2.remap(image, position, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return warped.reshape(image.shape)
+
+
+def squared_length(vectors: np.ndarray) -> np.ndarray:
+    """Return the squared length (...) of vectors (..., 2)."""
     squared = vectors * vectors
-    return np.sqrt(squared[..., 0] + squared[..., 1])
+    return squared[..., 0] + squared[..., 1]
+
+
+def vector_length(vectors: np.ndarray) -> np.ndarray:
+    """Return the length (...) of vectors (..., 2)."""
+    # Not cv2.magnitude: its last bit depends on where in memory the arrays lie.
+    return np.sqrt(squared_length(vectors))

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.saliency.background import tukey_weight
 
 _MINIMAL_SAMPLE = 3
 
@@ -65,7 +66,7 @@ def fit_ground(inverse_depth: np.ndarray, reach: np.ndarray, params: SaliencyPar
     cutoff = 2 * params.ground_tolerance
     for _ in range(params.ground_iterations):
         error = (design @ plane - values) * weights
-        weight = np.clip(1 - (error / cutoff) ** 2, 0, None) ** 2 * weights**2
+        weight = tukey_weight(error, cutoff) * weights**2
         weighted = design * weight[:, None]
         plane = np.linalg.pinv(weighted.T @ design, rcond=1e-12, hermitian=True) @ (weighted.T @ values)
     error = np.abs(design @ plane - values) * weights

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from moseg.schemas.parameters import OwnMotionParams
-from moseg.tasks.saliency.background import MAD_TO_SIGMA, AffineMotion, affine_flow
+from moseg.tasks.saliency.background import MAD_TO_SIGMA, AffineMotion, affine_flow, tukey_weight
 from moseg.tasks.saliency.grid import vector_length
 
 _RIDGE = 1e-6  # keeps the fit solvable where Tukey's weights are all 0
@@ -65,7 +65,7 @@ def _fit_own_motion(flow: np.ndarray, weight: np.ndarray, params: OwnMotionParam
         error = vectors - design @ theta
         left = np.hypot(error[:, 0], error[:, 1])
         scale = max(params.scale_floor, MAD_TO_SIGMA * _weighted_quantile(left, given, 0.5))
-        weighted = design * (given * np.clip(1 - (left / (params.tukey_constant * scale)) ** 2, 0, None) ** 2)[:, None]
+        weighted = design * (given * tukey_weight(left, params.tukey_constant * scale))[:, None]
         theta = np.linalg.solve(weighted.T @ design + prior, weighted.T @ vectors)
     return AffineMotion(theta, centre, scale)
 

@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from moseg.tasks.saliency.grid import pixel_grid
+from moseg.tasks.saliency.grid import warp
 
 
 def colour_error(frame: np.ndarray, other: np.ndarray, flow: np.ndarray) -> np.ndarray:
@@ -21,9 +21,7 @@ def colour_error(frame: np.ndarray, other: np.ndarray, flow: np.ndarray) -> np.n
     error : float32 (y, x)
         Grey levels.
     """
-    position = pixel_grid(frame.shape[:2]) + flow
-    moved = cv2.remap(other, position, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    difference = cv2.subtract(moved, frame)
+    difference = cv2.subtract(warp(other, flow), frame)
     squared = cv2.multiply(difference, difference)
     return np.sqrt(cv2.transform(squared, np.full((1, frame.shape[2]), 1 / frame.shape[2], np.float32)))
 

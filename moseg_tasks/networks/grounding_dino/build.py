@@ -88,7 +88,7 @@ def _read_sides(checkpoint: Checkpoint) -> list[int]:
     return sides
 
 
-def _build_tokenizer(checkpoint: Checkpoint, most: int) -> BertTokenizer:
+def _build_tokenizer(checkpoint: Checkpoint, max_tokens: int) -> BertTokenizer:
     """The uncased tokenizer of a vocabulary with one token a line, numbered from 0."""
     where = f"{VOCABULARY} of weights {checkpoint.name}"
     # Not `splitlines`, which would cut at the line separators that are tokens themselves.
@@ -97,6 +97,7 @@ def _build_tokenizer(checkpoint: Checkpoint, most: int) -> BertTokenizer:
     found = {token: vocabulary.get(token) for token in SPECIAL_TOKENS}
     if found != SPECIAL_TOKENS:
         raise InputError("not BERT's vocabulary", where=where, got=found, expected=SPECIAL_TOKENS)
-    if len(tokens) > most:
-        raise InputError("more tokens than the network knows", where=where, got=len(tokens), expected=f"at most {most}")
+    if len(tokens) > max_tokens:
+        expected = f"at most {max_tokens}"
+        raise InputError("more tokens than the network has", where=where, got=len(tokens), expected=expected)
     return BertTokenizer(vocab=vocabulary)

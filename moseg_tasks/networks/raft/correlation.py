@@ -4,7 +4,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-_LARGEST_BLOCK = 2**24
+_MAX_BLOCK = 2**24
 """Correlations that are held at once on demand: 64 MB in float32."""
 
 
@@ -61,7 +61,7 @@ class CorrelationPyramid:
         pooled = self._pooled[level]
         if self._volumes is not None:
             return _read_windows(self._volumes[level], pooled.shape[2:], centres, self.radius)
-        rows = max(_LARGEST_BLOCK // (len(pooled) * pooled[0, 0].numel()), 1)
+        rows = max(_MAX_BLOCK // (len(pooled) * pooled[0, 0].numel()), 1)
         blocks = zip(self._queries.split(rows, dim=1), centres.split(rows, dim=1), strict=True)
         return torch.cat(
             [_read_windows(self._correlate(own, pooled), pooled.shape[2:], at, self.radius) for own, at in blocks],

@@ -50,7 +50,7 @@ def test_flow_is_the_official_modules(size):
 
 @pytest.mark.parametrize("size", SIZES)
 def test_correlations_on_demand_give_the_flow_of_those_held(size, monkeypatch):
-    monkeypatch.setattr("moseg.tasks.networks.raft.correlation._LARGEST_BLOCK", 5000)
+    monkeypatch.setattr("moseg.tasks.networks.raft.correlation._MAX_BLOCK", 5000)
     network, images = random_raft(size), random_images()
     held, on_demand = (network(*images, 3, is_on_demand) for is_on_demand in (False, True))
     assert held.abs().max() > 0.1
@@ -120,6 +120,6 @@ def test_convex_weights_are_read_by_neighbour_then_row_then_column():
 
 
 @pytest.mark.parametrize(("config", "side"), [(LARGE, 128), (SMALL, 128), (RaftConfig(correlation_levels=2), 32)])
-def test_the_smallest_side_leaves_the_coarsest_level_two_cells(config, side):
+def test_the_minimal_side_leaves_the_coarsest_level_two_cells(config, side):
     with torch.device("meta"):
         assert Raft(config).min_side == side
