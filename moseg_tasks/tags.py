@@ -28,7 +28,7 @@ class Tags(NamedTuple):
 
 
 def recognise_tags(tagger: Tagger, image: np.ndarray, params: RamParams) -> Tags:
-    """Tags whose probability exceeds their own threshold.
+    """Return the tags whose probability exceeds their own threshold.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ _GREY = 128  # a and b of a colour without chroma, as OpenCV keeps them in a byt
 
 
 def colour_bins(image: np.ndarray, params: AppearanceParams) -> np.ndarray:
-    """Bin of each pixel's colour: `levels` each of L, a and b, which are uniform in what the eye tells apart.
+    """Return the bin of each pixel's colour: `levels` each of L, a and b, which are perceptually uniform.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def count_colours(
     params: AppearanceParams,
     foreground: ForegroundParams,
 ) -> ColourCount:
-    """Colours of one frame, each pixel weighted by how surely it moves or is static.
+    """Count the colours of one frame, each pixel weighted by its probability to move or to be static.
 
     Colours are only learnt from what moves as one and consistently: otherwise moving water would teach its colour.
 

@@ -10,7 +10,7 @@ from moseg.tasks.appearance.histograms import ColourCount
 
 
 def pool_sections(counts: Sequence[ColourCount], centres: Sequence[float], at: float, memory: float) -> ColourCount:
-    """Counts of several sections, each weighted by `memory` to the power of the frames between its centre and `at`.
+    """Add the counts of sections, each weighted by `memory` to the power of the frames between its centre and `at`.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def pool_sections(counts: Sequence[ColourCount], centres: Sequence[float], at: f
 
 
 def colour_ratio(count: ColourCount, params: AppearanceParams) -> np.ndarray:
-    """log(share of a colour in what moves / its share in the background), float32 (bin,), at most `clip` either way.
+    """Return log(share of a colour in what moves / its share in the background), float32 (bin,), limited to +-`clip`.
 
     The fewer pixels surely move, the less their colours say; 0 throughout where none does, or all do.
     """

@@ -14,7 +14,7 @@ from moseg.tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
 def predict_depth_anything(
     model: DepthAnythingForDepthEstimation, images: np.ndarray, params: DepthAnythingParams
 ) -> torch.Tensor:
-    """Inverse depth float32 (B, y, x), up to scale and shift, of uint8 (B, y, x, 3) frames.
+    """Predict inverse depth float32 (B, y, x), up to scale and shift, of uint8 (B, y, x, 3) frames.
 
     The frame is resized to `short_side`, whether it shrinks or grows, by OpenCV's bicubic interpolation, which does not
     smooth, as the network's authors do; its processor in transformers smooths, and fits frames smaller than 518 px by
@@ -31,7 +31,7 @@ def predict_depth_anything(
 
 
 def network_size(size: tuple[int, int], params: DepthAnythingParams) -> tuple[int, int]:
-    """Height and width at which the network sees frames of a size: multiples of a patch, nearly of their aspect."""
+    """Return height and width of the network's input: multiples of a patch, nearly of the frame's aspect."""
     scale = min(params.short_side / min(size), params.max_side / max(size))
     height, width = (max(round(scale * side / PATCH), 1) * PATCH for side in size)
     return height, width

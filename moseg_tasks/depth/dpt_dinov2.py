@@ -10,7 +10,7 @@ from moseg.tasks.networks.frame_tensor import normalise
 
 
 def predict_dpt_dinov2(network: DptDinov2, images: np.ndarray, params: DptDinov2Params) -> torch.Tensor:
-    """Inverse depth float32 (B, y, x), 1/m, of uint8 (B, y, x, 3) frames.
+    """Predict inverse depth float32 (B, y, x), 1/m, of uint8 (B, y, x, 3) frames.
 
     The frames keep their size (up to `max_side`) and get a border of zeros to multiples of a patch, as in the official
     preprocessing. Depths are cut off at those that the network was trained for, as there. The official post-processing
@@ -33,13 +33,13 @@ def predict_dpt_dinov2(network: DptDinov2, images: np.ndarray, params: DptDinov2
 
 
 def _border(side: int) -> tuple[int, int]:
-    """Pixels before and behind a side that centre it in the next multiple of a patch."""
+    """Return the pixels before and behind a side that centre it in the next multiple of a patch."""
     missing = -side % PATCH
     return missing // 2, missing - missing // 2
 
 
 def see_frames(images: np.ndarray, size: tuple[int, int], device: torch.device) -> torch.Tensor:
-    """Frames as float32 (B, 3, *size) on the device, with ImageNet's mean and deviation.
+    """Convert frames to float32 (B, 3, *size) on the device, normalised by ImageNet's mean and standard deviation.
 
     Resized on the CPU, smoothed first where they shrink and rounded to grey levels, so that every device sees the
     same.
@@ -52,7 +52,7 @@ def see_frames(images: np.ndarray, size: tuple[int, int], device: torch.device) 
 
 
 def resize_maps(maps: torch.Tensor, size: tuple[int, int]) -> torch.Tensor:
-    """Maps (B, y, x) at another size, bilinear: no value leaves the range of its neighbours."""
+    """Resize maps (B, y, x) bilinearly: no value leaves the range of its neighbours."""
     if maps.shape[1:] == size:
         return maps
     return functional.interpolate(maps[:, None], size=size, mode="bilinear")[:, 0]

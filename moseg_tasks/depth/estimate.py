@@ -17,7 +17,7 @@ def estimate_inverse_depth(
     images: np.ndarray,
     params: DptDinov2Params | DepthAnythingParams,
 ) -> np.ndarray:
-    """Relative inverse depth of each frame: larger is nearer.
+    """Estimate the relative inverse depth of each frame: larger is nearer.
 
     DPT-DINOv2 gives metric depth, which is inverted; Depth Anything V2 gives inverse depth up to scale and shift, left
     as it is: 0 is far away but not at infinity. The motion models allow for both.

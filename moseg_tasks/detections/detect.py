@@ -89,7 +89,7 @@ def detect_objects(
 def _run_prompt(
     detector: GroundingDino, pixels: torch.Tensor, prompt: Prompt, params: GroundingDinoParams
 ) -> Detections:
-    """What passes the box threshold; corners as shares of the frame's sides, float64."""
+    """Return the boxes above the box threshold; corners relative to the frame's sides, float64."""
     token_ids = torch.tensor([prompt.token_ids], device=detector.model.device)
     output = detector.model(pixel_values=pixels, input_ids=token_ids, attention_mask=torch.ones_like(token_ids))
     # Doubled on the CPU: not every device has float64.
@@ -102,6 +102,6 @@ def _run_prompt(
 
 
 def _name(detector: GroundingDino, prompt: Prompt, is_named: np.ndarray) -> str:
-    """The tokens that name a box, without the text's ends and the marks between its names."""
+    """Return the tokens that name a box, without those that begin, end or separate the text."""
     ids = [token for token, named in zip(prompt.token_ids[1:-1], is_named[1:-1], strict=True) if named]
     return " ".join(detector.tokenizer.decode(ids).translate(_NO_MARKS).split())

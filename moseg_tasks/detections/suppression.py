@@ -6,7 +6,7 @@ import numpy as np
 def suppress_boxes(
     boxes: np.ndarray, scores: np.ndarray, max_iou: float, groups: np.ndarray | None = None
 ) -> np.ndarray:
-    """Boxes that overlap no better one that is kept.
+    """Return the boxes that do not overlap a better box that is kept.
 
     Parameters
     ----------

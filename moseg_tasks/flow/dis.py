@@ -18,7 +18,7 @@ _MIN_SIDE = 32
 
 
 def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> np.ndarray:
-    """Flow that carries each pixel of `image0` to where it is seen in `image1`.
+    """Estimate the flow that maps each pixel of `image0` to its position in `image1`.
 
     Frames with a side under 32 px are extended by their own border for the search, and the flow cut back.
 
@@ -57,7 +57,7 @@ def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) ->
 
 
 def _searchable_gray(image: np.ndarray) -> np.ndarray:
-    """Grey levels, extended below and to the right to the smallest side that DIS can search."""
+    """Convert to grey levels, extended below and to the right to the smallest side that DIS can search."""
     height, width = image.shape[:2]
     gray = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     below, right = max(_MIN_SIDE - height, 0), max(_MIN_SIDE - width, 0)

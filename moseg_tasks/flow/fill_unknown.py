@@ -5,7 +5,7 @@ from scipy.ndimage import distance_transform_edt
 
 
 def fill_unknown(flow: np.ndarray) -> np.ndarray:
-    """The flow with the vector of the nearest known pixel wherever it is not known.
+    """Replace unknown vectors of a flow by that of the nearest known pixel.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ from moseg.tasks.networks.sam2 import network_side
 def segment_boxes_sam2(
     model: Sam2Model, image: np.ndarray, boxes: np.ndarray, params: Sam2Params
 ) -> tuple[np.ndarray, np.ndarray]:
-    """One mask for each box: the decoder's single one, or the best of its three where that is unstable.
+    """Segment one mask for each box: the decoder's single mask, or the best of its three where that is unstable.
 
     The image is encoded once, stretched to the network's square. Under autocast only that encoder works in half
     precision: the decoder is cheap, and encodes places as sines of large angles.

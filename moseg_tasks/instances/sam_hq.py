@@ -14,7 +14,7 @@ from moseg.tasks.networks.sam_hq import decode_boxes, encode_image
 def segment_boxes_sam_hq(
     model: torch.nn.Module, image: np.ndarray, boxes: np.ndarray, params: SamHqParams
 ) -> tuple[np.ndarray, np.ndarray]:
-    """One mask for each box.
+    """Segment one mask for each box.
 
     The image is encoded once, resized until its longer side fills the network's square (1024 px in the published
     ones) and padded below and to the right.

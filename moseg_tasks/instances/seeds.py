@@ -104,14 +104,14 @@ def merge_seeds(
 
 
 def _plausible(tracked: np.ndarray, num_tracked: int, params: SeedParams) -> np.ndarray:
-    """The tracked labels without those of a size that no object has."""
+    """Return the tracked labels without those of an implausible size."""
     share = np.bincount(tracked.ravel(), minlength=num_tracked + 1) / tracked.size
     kept = (share >= params.min_area) & (share <= params.max_area)
     return np.where(kept[tracked], tracked, 0).astype(np.uint16)
 
 
 def _newcomers(labels: np.ndarray, found: np.ndarray, scores, matched: set[int], params: SeedParams) -> list[int]:
-    """Found labels that are nobody's match and free for the most part, best score first, as many as there is room."""
+    """Return the unmatched labels that are mostly free, best score first, at most as many as there is room for."""
     room = params.max_objects - np.count_nonzero(np.bincount(labels.ravel())[1:])
     areas = np.bincount(found.ravel(), minlength=len(scores) + 1)
     free = np.bincount(found[labels == 0], minlength=len(scores) + 1)
@@ -125,7 +125,7 @@ def _newcomers(labels: np.ndarray, found: np.ndarray, scores, matched: set[int],
 
 
 def _by_identity(labels, identities: np.ndarray, sources: np.ndarray, found_scores, num_identities: int) -> Seeds:
-    """The objects that are seen, renumbered in order of identity."""
+    """Return the visible objects, renumbered in order of identity."""
     is_seen = np.bincount(labels.ravel(), minlength=len(identities) + 1)[1:] > 0
     order = np.argsort(identities, kind="stable")
     order = order[is_seen[order]]

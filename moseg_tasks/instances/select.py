@@ -7,7 +7,7 @@ from moseg.schemas.parameters.instances import InstanceParams
 
 
 def select_instances(masks: np.ndarray, scores: np.ndarray, params: InstanceParams) -> np.ndarray:
-    """Masks that are neither specks nor background nor shown by a better one.
+    """Select the masks that are neither specks nor background and that no better mask shows.
 
     Going from the best score to the worst, a mask is dropped where it overlaps one that was kept (non-maximum
     suppression by IoU), or lies within it for the most part: a wheel that was found beside its car moves with the car
@@ -47,7 +47,7 @@ def select_instances(masks: np.ndarray, scores: np.ndarray, params: InstancePara
 
 
 def _is_shown(flat: np.ndarray, areas: np.ndarray, index: int, kept: list[int], params: InstanceParams) -> bool:
-    """Whether a mask is the same as one of those kept, or a part of it."""
+    """Check whether a mask is the same as one of those kept, or a part of it."""
     shared = np.array([np.count_nonzero(flat[index] & flat[better]) for better in kept])
     union = areas[index] + areas[kept] - shared
     return bool((shared > params.nms_iou * union).any() or (shared > params.containment * areas[index]).any())

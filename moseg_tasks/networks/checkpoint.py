@@ -60,7 +60,7 @@ class Checkpoint(NamedTuple):
 
 
 def unwrap_state(content: Any, name: str) -> dict[str, torch.Tensor]:
-    """The state dict in what a ``.pth`` file holds: bare or under a wrapper's key, with or without ``module.``.
+    """Return the state dict in a ``.pth`` file's content: bare or under a wrapper's key, with or without ``module.``.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def unwrap_state(content: Any, name: str) -> dict[str, torch.Tensor]:
 
 
 def load_strictly(module: torch.nn.Module, tensors: Mapping[str, torch.Tensor], name: str) -> torch.nn.Module:
-    """The module with its parameters and buffers set, in evaluation mode and without gradients.
+    """Load tensors into a module and return it in evaluation mode and without gradients.
 
     Raises
     ------

@@ -31,7 +31,7 @@ _PIL = {Resizing.PIL_BILINEAR: Image.Resampling.BILINEAR, Resizing.PIL_BICUBIC: 
 def frame_tensor(
     image: np.ndarray, size: tuple[int, int], device: torch.device, resizing: Resizing = Resizing.PIL_BILINEAR
 ) -> torch.Tensor:
-    """The frame, resized and normalised; resized on the CPU, so that every device sees the same.
+    """Resize and normalise a frame; it is resized on the CPU, so that all devices get the same input.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ from moseg.tasks.networks.transformers_model import build_transformers
 
 
 def build_sam_hq(checkpoint: Checkpoint) -> SamHQModel:
-    """The network of ``syscv-community/sam-hq-vit-base``, ``-large`` and ``-huge``.
+    """Build the network of ``syscv-community/sam-hq-vit-base``, ``-large`` and ``-huge``.
 
     It is run by `encode_image` and `decode_boxes`, not by its own ``forward``.
 
@@ -48,7 +48,7 @@ class ImageFeatures(NamedTuple):
 
 
 def encode_image(model: SamHQModel, pixels: torch.Tensor) -> ImageFeatures:
-    """Features of an image.
+    """Compute the features of an image.
 
     Under autocast only the vision transformer works in half precision.
 
@@ -72,7 +72,7 @@ def encode_image(model: SamHQModel, pixels: torch.Tensor) -> ImageFeatures:
 def decode_boxes(
     model: SamHQModel, features: ImageFeatures, boxes: torch.Tensor, hq_token_only: bool
 ) -> tuple[torch.Tensor, torch.Tensor]:
-    """One mask for each box.
+    """Decode one mask for each box.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ def build_transformers(
     config_class: type[PreTrainedConfig],
     checkpoint: Checkpoint,
 ) -> PreTrainedModel:
-    """The model with every tensor set from the checkpoint, in float32, evaluation mode and without gradients.
+    """Build a model with every tensor set from the checkpoint, in float32, evaluation mode and without gradients.
 
     Names of older published checkpoints are converted as transformers itself does. Its loader only warns of what is
     missing and leaves it random; here that is an error.
@@ -65,7 +65,7 @@ def build_transformers(
 
 
 def read_json(checkpoint: Checkpoint, name: str) -> dict:
-    """The object in one of the checkpoint's JSON documents.
+    """Return the object in one of the checkpoint's JSON documents.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def _read_config(config_class: type[PreTrainedConfig], checkpoint: Checkpoint) -
 
 
 def _misshapen(model_class: type[PreTrainedModel], config: PreTrainedConfig, tensors) -> list[str]:
-    """The tensors that differ in shape from those of the same name in the model."""
+    """Describe the tensors that differ in shape from those of the same name in the model."""
     with torch.device("meta"):
         expected = model_class(config).state_dict()
     pairs = [(key, value, expected[key]) for key, value in tensors.items() if key in expected]
@@ -103,7 +103,7 @@ def _misshapen(model_class: type[PreTrainedModel], config: PreTrainedConfig, ten
 
 @contextmanager
 def quiet_transformers() -> Iterator[None]:
-    """transformers without its progress bar and its report, both of which would go to the user's terminal."""
+    """Suppress transformers' progress bar and report, which would go to the user's terminal."""
     verbosity = logging.get_verbosity()
     hook = logging.set_tqdm_hook(lambda factory, args, kwargs: args[0])
     logging.set_verbosity(logging.CRITICAL)

@@ -32,7 +32,7 @@ class Components(NamedTuple):
 
 
 def label_components(foreground: np.ndarray, params: ComponentParams) -> np.ndarray:
-    """Connected space-time parts int32 (T, h, w) of where the `foreground` (T, h, w) is over a half, 0 = none.
+    """Label the connected space-time parts of where `foreground` (T, h, w) is over a half: int32 (T, h, w), 0 = none.
 
     Specks that would not reach the least mean area in a single frame are left out.
     """
@@ -43,7 +43,7 @@ def label_components(foreground: np.ndarray, params: ComponentParams) -> np.ndar
 
 
 def keep_best(foreground: np.ndarray, labels: np.ndarray, params: ComponentParams) -> Components:
-    """Those of the components that are objects.
+    """Return those of the components that are objects.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def keep_best(foreground: np.ndarray, labels: np.ndarray, params: ComponentParam
 
 
 def _score(foreground: np.ndarray, labels: np.ndarray, count: int, params: ComponentParams) -> np.ndarray:
-    """Score float64 (count,) of the components labelled 1..count.
+    """Score the components labelled 1..count, float64 (count,).
 
     Sum of the probability over its pixels, times max(0, 1 - share of its outline on the frame's border /
     `border_share`); 0 below the least mean area.
@@ -95,7 +95,7 @@ def _score(foreground: np.ndarray, labels: np.ndarray, count: int, params: Compo
 
 
 def _best(scores: np.ndarray, params: ComponentParams) -> np.ndarray:
-    """Indices of the components worth keeping, best first."""
+    """Return the indices of the components worth keeping, best first."""
     order = np.argsort(-scores, kind="stable")[: params.max_objects]
     top = scores[order[0]] if len(order) else 0.0
     return order[(scores[order] > 0) & (scores[order] >= params.score_ratio * top)]

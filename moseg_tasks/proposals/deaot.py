@@ -34,7 +34,7 @@ class Propagated(NamedTuple):
 
 
 def track_masks_deaot(model: Deaot, frames: Iterable[np.ndarray], seeds: np.ndarray, params: DeaotParams) -> np.ndarray:
-    """Labels of the objects of the first frame in every frame.
+    """Track the objects of the first frame and return their labels in every frame.
 
     Objects beyond those that one pass of the network holds are tracked in groups, whose logits are merged as in the
     authors' engine. Unlike there, long-term memory is bounded, see `DeaotParams.memory_frames`.
@@ -72,7 +72,7 @@ def track_masks_deaot(model: Deaot, frames: Iterable[np.ndarray], seeds: np.ndar
 def propagate_masks(
     model: Deaot, frames: Iterable[np.ndarray], seeds: np.ndarray, params: DeaotParams
 ) -> Iterator[Propagated]:
-    """Frame by frame what `track_masks_deaot` returns, with the logits behind it; raises as it does."""
+    """Yield frame by frame what `track_masks_deaot` returns, with its logits; raises the same errors."""
     if seeds.dtype != np.uint16 or seeds.ndim != 2 or seeds.size == 0:
         raise InputError("no labels", where="seeds", got=f"{seeds.dtype} {seeds.shape}", expected="uint16 (y, x)")
     num_objects = int(seeds.max())
@@ -102,7 +102,7 @@ def propagate_masks(
 
 
 def network_size(size: tuple[int, int], max_side: int) -> tuple[int, int]:
-    """The size (y, x) at which frames of `size` are shown to the network: sides of 1 modulo 16.
+    """Return the size (y, x) of the network's input for frames of `size`: sides of 1 modulo 16.
 
     A frame with a side over `max_side` is shrunk; then sides are rounded to the nearest such number, 17 at least.
     """
@@ -112,7 +112,7 @@ def network_size(size: tuple[int, int], max_side: int) -> tuple[int, int]:
 
 
 def _normalised(frame: np.ndarray, shown: tuple[int, int]) -> np.ndarray:
-    """The frame as the encoder takes it, float32 (y, x, 3); resized with the authors' interpolation."""
+    """Return the encoder's input, float32 (y, x, 3); resized with the authors' interpolation."""
     image = frame.astype(np.float32)
     if frame.shape[:2] != shown:
         image = cv2.resize(image, shown[::-1], interpolation=cv2.INTER_CUBIC)
@@ -123,7 +123,7 @@ def _normalised(frame: np.ndarray, shown: tuple[int, int]) -> np.ndarray:
 
 
 def _group_masks(labels: torch.Tensor, num_objects: int, shown: tuple[int, int], model: Deaot) -> torch.Tensor:
-    """Masks (group, 1 + max_objects, y, x) at network size: all that is not in the group, then each of its objects."""
+    """Return masks (group, 1 + max_objects, y, x) at network size: all outside the group, then each of its objects."""
     max_objects = model.config.max_objects
     num_groups = -(-num_objects // max_objects)
     labels = F.interpolate(labels[None, None], size=shown, mode="nearest")[0, 0]
@@ -134,7 +134,7 @@ def _group_masks(labels: torch.Tensor, num_objects: int, shown: tuple[int, int],
 
 
 def _merged(logits: torch.Tensor, num_objects: int) -> torch.Tensor:
-    """Logits (1 + num_objects, y, x) of all groups (group, 1 + max_objects, y, x), identities not in use left out.
+    """Return logits (1 + num_objects, y, x) of all groups (group, 1 + max_objects, y, x), without unused identities.
 
     The background is what is background in every group.
     """

@@ -23,7 +23,7 @@ def relabel_masks(masks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def link_identities(names: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Objects of the sequence from the given identities of each section's objects.
+    """Return the objects of the sequence from the given identities of each section's objects.
 
     Returns
     -------

@@ -11,7 +11,7 @@ from moseg.schemas.parameters.linking import LinkingParams
 
 
 def count_overlaps(masks0: np.ndarray, masks1: np.ndarray, num_objects0: int, num_objects1: int) -> np.ndarray:
-    """Pixels that each object of one section shares with each of the next, over their common frames.
+    """Count the pixels that each object of one section shares with each of the next, over their common frames.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def count_overlaps(masks0: np.ndarray, masks1: np.ndarray, num_objects0: int, nu
 
 
 def link_sections(overlaps: Sequence[np.ndarray], num_objects: Sequence[int], params: LinkingParams) -> np.ndarray:
-    """Identity in the sequence of each object of each section.
+    """Return the identity in the sequence of each object of each section.
 
     Adjacent sections are matched one to one, maximising the summed IoU over their common frames. An object without a
     match gets an identity that no object had before; one that is not matched on ends there.

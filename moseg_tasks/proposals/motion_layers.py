@@ -38,7 +38,7 @@ class VelocitySamples(NamedTuple):
 
 
 def sample_velocity(mask: np.ndarray, residual_flows: np.ndarray, step: int, params: IdentityParams) -> VelocitySamples:
-    """Samples of one frame on a grid of `step` px.
+    """Sample the velocity of one frame on a grid of `step` px.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def sample_velocity(mask: np.ndarray, residual_flows: np.ndarray, step: int, par
 
 
 def fit_motion(samples: VelocitySamples, among: np.ndarray, params: IdentityParams) -> np.ndarray:
-    """Affine motion float64 (3, 2), rows 1, x, y, that most of the samples `among` (bool (N,)) follow.
+    """Fit the affine motion float64 (3, 2), rows 1, x, y, that most of the samples `among` (bool (N,)) follow.
 
     Least squares reweighted by Cauchy's function; the slopes are held to 0 as far as the samples are close together.
     """
@@ -85,7 +85,7 @@ def fit_motion(samples: VelocitySamples, among: np.ndarray, params: IdentityPara
 
 
 def residuals(samples: VelocitySamples, motion: np.ndarray) -> np.ndarray:
-    """How far each sample is from an affine motion, float64 (N,) px/frame."""
+    """Return each sample's deviation from an affine motion, float64 (N,) px/frame."""
     return vector_length(samples.design @ motion - samples.velocity)
 
 
@@ -98,14 +98,14 @@ class TwoMotions(NamedTuple):
 
 
 def cut_motions(samples: VelocitySamples, params: IdentityParams) -> TwoMotions:
-    """Two motions from a cut across the axis along which velocities differ most."""
+    """Fit two motions to the halves of a cut across the axis of largest variation of the velocities."""
     return _alternate(samples, np.zeros((3, 2)), np.zeros((3, 2)), _cut(samples), np.zeros(len(samples.weight)), params)
 
 
 def carry_motions(
     samples: VelocitySamples, before: TwoMotions, samples_before: VelocitySamples, params: IdentityParams
 ) -> TwoMotions:
-    """The two motions of a neighbouring frame, fitted to this one.
+    """Fit the two motions of a neighbouring frame to this one.
 
     Two beginnings are tried, and the one that ends with the better fit is taken: each sample stays on the side of the
     sample that was nearest, or it goes where its velocity fits. The first keeps apart a limb and its body while the
@@ -122,12 +122,12 @@ def carry_motions(
 
 
 def mean_residual(samples: VelocitySamples, residuals: np.ndarray) -> float:
-    """Mean squared deviation in units of noise, no sample counting for more than `CAP` of them."""
+    """Return the mean squared residual in units of noise, truncated at `CAP`."""
     return float(samples.weight @ np.minimum(residuals / samples.noise, CAP) ** 2 / samples.weight.sum())
 
 
 def own_residuals(samples: VelocitySamples, motions: TwoMotions) -> np.ndarray:
-    """How far each sample is from the motion that it follows, float64 (N,) px/frame."""
+    """Return each sample's deviation from the motion that it follows, float64 (N,) px/frame."""
     return np.where(motions.is_second, residuals(samples, motions.second), residuals(samples, motions.first))
 
 
@@ -139,7 +139,7 @@ def _alternate(
     stay: np.ndarray,
     params: IdentityParams,
 ) -> TwoMotions:
-    """Fit and assign in turn. A motion that too few samples follow stays as it was."""
+    """Fit and assign in turn. A motion that too few samples follow remains unchanged."""
     motions = [first, second]
     for _ in range(params.split_iterations):
         for index, among in enumerate((~is_second, is_second)):
@@ -156,7 +156,7 @@ def _is_second(samples: VelocitySamples, first: np.ndarray, second: np.ndarray, 
 
 
 def _cut(samples: VelocitySamples) -> np.ndarray:
-    """Otsu's cut of the velocities along their principal axis, bool (N,)."""
+    """Return Otsu's cut of the velocities along their principal axis, bool (N,)."""
     weight = samples.weight / samples.weight.sum()
     centred = samples.velocity - weight @ samples.velocity
     _, axes = np.linalg.eigh((centred * weight[:, None]).T @ centred)

@@ -14,7 +14,7 @@ _MARGIN = 4  # cells around the objects that are looked at, beside the filter's 
 def refine_outlines(
     frame: np.ndarray, labels: np.ndarray, foreground: np.ndarray, params: RefinementParams
 ) -> np.ndarray:
-    """Objects of a frame at its full size.
+    """Return the objects of a frame at its full size.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def refine_outlines(
 
 
 def _window_around(mask: np.ndarray, margin: int) -> tuple[slice, slice] | None:
-    """Rows and columns around a mask, with a margin inside the frame; None where it is empty."""
+    """Return rows and columns around a mask, with a margin inside the frame; None where it is empty."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     if not len(rows):
         return None
@@ -66,7 +66,7 @@ def _window_around(mask: np.ndarray, margin: int) -> tuple[slice, slice] | None:
 
 
 def _grow(labels: np.ndarray) -> np.ndarray:
-    """Labels that reach a cell or two beyond the objects: a filtered outline may lie there."""
+    """Extend labels a cell or two beyond the objects: a filtered outline may lie there."""
     grown = labels
     for _ in range(2):
         grown = np.where(grown > 0, grown, cv2.dilate(grown, np.ones((3, 3), np.uint8)))

@@ -87,7 +87,7 @@ def rejoin_components(
 
 
 def _rename(gains: np.ndarray, spans: dict[int, tuple[int, int]]) -> np.ndarray:
-    """New label of each label, int64 (label,), from the gains (earlier, later) of joining two."""
+    """Return the new label of each label, int64 (label,), from the gains (earlier, later) of joining two."""
     renamed = np.arange(len(gains))
     found = [(i, j) for i, j in zip(*linear_sum_assignment(gains, maximize=True), strict=True) if gains[i, j] > 0]
     # In the order of time, so that a third part takes the first one's label.
@@ -97,7 +97,7 @@ def _rename(gains: np.ndarray, spans: dict[int, tuple[int, int]]) -> np.ndarray:
 
 
 def _is_inside(labels: np.ndarray, label: int, frame: int) -> bool:
-    """Whether a component touches neither the frame's border nor the section's."""
+    """Check that a component touches neither the frame's border nor the section's first or last frame."""
     if frame in (0, len(labels) - 1):
         return False
     image = labels[frame]
@@ -105,7 +105,7 @@ def _is_inside(labels: np.ndarray, label: int, frame: int) -> bool:
 
 
 def _is_in_time(span0: tuple[int, int], span1: tuple[int, int], params: IdentityParams) -> bool:
-    """Whether one may continue the other: later at both ends, and soon enough."""
+    """Check whether one span may continue the other: later at both ends, and within the gap allowed."""
     later = span1[0] > span0[0] and span1[1] > span0[1]
     return later and abs(span1[0] - span0[1] - 1) <= params.rejoin_gap
 
@@ -119,7 +119,7 @@ def _look(
     is_end: bool,
     params: IdentityParams,
 ) -> _Sight:
-    """A component as it looks before it ends, or after it began."""
+    """Describe a component shortly before it ends, or after it began."""
     masks = labels[tuple(box)] == label
     areas = masks.sum(axis=(1, 2))
     usual = float(np.percentile(areas[areas > 0], 75))
@@ -153,7 +153,7 @@ def _normalised(histogram: np.ndarray) -> np.ndarray:
 def _agreement(
     before: _Sight, after: _Sight, flows: np.ndarray, residual_flows: np.ndarray, params: IdentityParams
 ) -> float:
-    """How well one continues the other, 0..2; 0 where it cannot."""
+    """Return how well one component continues the other, 0..2; 0 where it cannot."""
     if after.frame <= before.frame or min(before.area, after.area) < params.min_area * flows[0, 0, ..., 0].size:
         return 0.0
     if max(before.area, after.area) > params.rejoin_growth * min(before.area, after.area):
@@ -170,7 +170,7 @@ def _agreement(
 
 
 def _predict(before: _Sight, after: _Sight, flows: np.ndarray, residual_flows: np.ndarray) -> np.ndarray:
-    """Place xy at which an object is to come out, carried by the background and its own mean velocity."""
+    """Predict where xy an object reappears, moved by the background and its own mean velocity."""
     place = before.centre.copy()
     height, width = flows.shape[2:4]
     for frame in range(before.frame, after.frame):

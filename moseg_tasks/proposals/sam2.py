@@ -17,7 +17,7 @@ from moseg.tasks.networks.sam2 import forget_past, network_side, start_sessions
 def track_masks_sam2(
     model: Sam2VideoModel, frames: Iterable[np.ndarray], seeds: np.ndarray, params: Sam2Params
 ) -> np.ndarray:
-    """Labels of the objects of the first frame in every frame.
+    """Track the objects of the first frame and return their labels in every frame.
 
     Each object has a memory of its own: its mask in the first frame, and its masks and pointers in the last ones.
     Where objects overlap, a pixel goes to the one that is surest of it. The memory does not grow with the video.
@@ -66,7 +66,7 @@ def _advance(
     index: int,
     params: Sam2Params,
 ) -> np.ndarray:
-    """Labels uint16 (y, x) of the next frame, which the sessions then remember."""
+    """Return labels uint16 (y, x) of the next frame, and update the sessions."""
     size, side = frame.shape[:2], network_side(model)
     pixels = frame_tensor(frame, (side, side), model.device, Resizing.PIL_BICUBIC)
     labels = torch.zeros(size, dtype=torch.int32, device=model.device)

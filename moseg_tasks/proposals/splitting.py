@@ -80,7 +80,7 @@ def split_touching(labels: np.ndarray, residual_flows: np.ndarray, params: Ident
 def _second_object(
     component: np.ndarray, residual_flows: np.ndarray, labels: np.ndarray, params: IdentityParams
 ) -> np.ndarray | None:
-    """The smaller of a component's two objects, bool (T, h, w); None where it is one."""
+    """Return the smaller of a component's two objects, bool (T, h, w); None where it is one."""
     areas = component.sum(axis=(1, 2))
     min_area = params.min_area * labels.shape[1] * labels.shape[2]
     if (areas >= 2 * min_area).sum() < params.split_frames:
@@ -110,7 +110,7 @@ def _second_object(
 
 
 def _residual_of_one(samples: VelocitySamples, params: IdentityParams) -> tuple[float, float]:
-    """Misfit of a single motion, and the share of the samples that it leaves unexplained."""
+    """Return the mean residual of a single motion, and the share of the samples that it leaves unexplained."""
     if len(samples.weight) < _MIN_SAMPLES:
         return 0.0, 0.0
     apart = residuals(samples, fit_motion(samples, np.ones(len(samples.weight), bool), params))
@@ -125,7 +125,7 @@ def _follow_layers(
     step: int,
     params: IdentityParams,
 ) -> list[_Layers | None]:
-    """Both motions in every frame, from the frame that shows them best forwards and backwards in time.
+    """Fit both motions in every frame, forwards and backwards in time from the frame that shows them best.
 
     Nothing where no frame shows them far enough apart.
     """
@@ -149,7 +149,7 @@ def _follow_layers(
 
 
 def _weigh(samples: VelocitySamples, motions: TwoMotions, single: float, step: int) -> _Layers:
-    """What two motions explain that a single one of misfit `single` does not, and how far they are apart."""
+    """Measure how much two motions reduce the mean residual `single` of one motion, and how far they are apart."""
     first, second, is_second = motions
     apart = own_residuals(samples, motions)
     counts = np.array([(~is_second).sum(), is_second.sum()])
@@ -164,7 +164,7 @@ def _weigh(samples: VelocitySamples, motions: TwoMotions, single: float, step: i
 
 
 def _is_apart(seen: Sequence[_Layers], params: IdentityParams) -> bool:
-    """Whether the motions of the frames in which both are seen are of two objects."""
+    """Check whether the motions of the frames in which both are seen are of two objects."""
     if len(seen) < params.split_frames:
         return False
     size = np.sqrt(np.median([min(layer.areas) for layer in seen]))
@@ -184,7 +184,7 @@ def _assign(
     min_area: float,
     params: IdentityParams,
 ) -> np.ndarray:
-    """Pixels bool (h, w) of a frame's component that follow the second motion."""
+    """Return the pixels bool (h, w) of a frame's component that follow the second motion."""
     y, x = np.nonzero(component)
     design = np.column_stack([np.ones(len(x)), x - samples.centre[0], y - samples.centre[1]])
     velocities = [sign * flow[y, x] for sign, flow in zip((-1, 1), residual_flows, strict=True) if flow.any()]
@@ -210,7 +210,7 @@ def _without_specks(mask: np.ndarray, min_area: float) -> np.ndarray:
 
 
 def _compactness(masks: np.ndarray) -> float:
-    """Median over the frames of the share of a mask that its largest connected part holds."""
+    """Return the median over the frames of the share of a mask in its largest connected part."""
     shares = []
     for mask in masks:
         _, _, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8))

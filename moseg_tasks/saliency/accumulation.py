@@ -15,7 +15,7 @@ def accumulate(
     weights: Iterable[np.ndarray | float],
     carried: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Maps with a memory that follows the flow: ``A_t = w_t warp(A_{t-1}) + (1 - w_t) S_t``.
+    """Accumulate maps along the flow: ``A_t = w_t warp(A_{t-1}) + (1 - w_t) S_t``.
 
     Frames are given in the order of the pass; the one before the first is `carried`, so that a video cut anywhere gives
     the same as one that is not.
@@ -48,7 +48,7 @@ def accumulate(
 
 
 def memory_weight(consistency: np.ndarray, direction: int, params: AccumulationParams) -> np.ndarray:
-    """Weight float32 (y, x) of the memory of one frame, from its `consistency` (2, y, x) both ways.
+    """Return the weight float32 (y, x) of one frame's memory, from its `consistency` (2, y, x) in both directions.
 
     It grows with the consistency of the flow the memory came by; where the flow is consistent neither way, the frame's
     own saliency hardly counts.

@@ -32,7 +32,7 @@ class AffineMotion(NamedTuple):
 
 
 def fit_background(flow: np.ndarray, params: SaliencyParams, among: np.ndarray | None = None) -> AffineMotion:
-    """Affine motion that most of the flow follows.
+    """Fit the affine motion that most of the flow follows.
 
     A homography fitted by RANSAC says which pixels to start from; Tukey's biweight then follows them. The homography
     alone would bend itself to objects: it is only the start. Without `among` the band along the frame's border counts
@@ -59,7 +59,7 @@ def fit_background(flow: np.ndarray, params: SaliencyParams, among: np.ndarray |
 
 
 def affine_flow(motion: AffineMotion, shape: tuple[int, int]) -> np.ndarray:
-    """Flow float32 (y, x, 2) of an affine motion on a grid of `shape`, px/frame."""
+    """Return the flow float32 (y, x, 2) of an affine motion on a grid of `shape`, px/frame."""
     linear = motion.theta[1:]
     matrix = np.column_stack([linear.T, motion.theta[0] - motion.centre @ linear])
     return cv2.transform(pixel_grid(shape), matrix.astype(np.float32))
@@ -73,7 +73,7 @@ def tukey_weight(residual: np.ndarray, cutoff: float) -> np.ndarray:
 def sample_flow(
     flow: np.ndarray, step: int, among: np.ndarray | None = None, thinning: SaliencyParams | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and vectors float64 (N, 2) on a grid of `step` px, those of `among` only, the middle by `thinning`."""
+    """Sample positions and vectors float64 (N, 2) on a grid of `step` px, inside `among`, thinned out by `thinning`."""
     height, width = flow.shape[:2]
     rows, columns = np.arange(step // 2 % height, height, step), np.arange(step // 2 % width, width, step)
     y, x = np.meshgrid(rows, columns, indexing="ij")
@@ -88,7 +88,7 @@ def sample_flow(
 
 
 def _ransac_homography(points0: np.ndarray, points1: np.ndarray, params: SaliencyParams) -> np.ndarray | None:
-    """Homography that maps most of `points0` to `points1`, or None where there are too few of them."""
+    """Fit the homography that maps most of `points0` to `points1`; None where there are too few of them."""
     if len(points0) <= _MINIMAL_SAMPLE:
         return None
     options = {
@@ -112,7 +112,7 @@ def _homography_residual(homography: np.ndarray, points: np.ndarray, vectors: np
 def _tukey_affine(
     points: np.ndarray, vectors: np.ndarray, start: np.ndarray | None, params: SaliencyParams
 ) -> AffineMotion:
-    """Iteratively reweighted least squares under Tukey's biweight, from the residuals `start`."""
+    """Fit by iteratively reweighted least squares under Tukey's biweight, from the residuals `start`."""
     centre = points.mean(axis=0) if len(points) else np.zeros(2)
     design = np.column_stack([np.ones(len(points)), points - centre])
     residual = np.zeros(len(points)) if start is None else start

@@ -48,7 +48,7 @@ class EpipolarFlow(NamedTuple):
 
 
 def fit_camera_motion(flow: np.ndarray, focal: float, params: SaliencyParams) -> CameraMotion | None:
-    """Rigid camera motion that most of the flow agrees with, in front of the camera.
+    """Fit the rigid camera motion with which most of the flow agrees, in front of the camera.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def fit_camera_motion(flow: np.ndarray, focal: float, params: SaliencyParams) ->
 
 
 def split_flow(flow: np.ndarray, motion: CameraMotion, step: int = 1) -> EpipolarFlow:
-    """Parts of the flow float32 (y, x, 2) at every `step`-th pixel: what the camera's translation can cause, and not.
+    """Split the flow float32 (y, x, 2) at every `step`-th pixel into parts along and across the epipolar lines.
 
     With H = K R K^-1, a pixel x at inverse depth d is seen at H x + d K t (homogeneous). At d = 0 it lies where the
     rotation alone takes it; from there it moves along its epipolar line.

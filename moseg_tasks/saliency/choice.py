@@ -47,7 +47,7 @@ LAYERS = BackgroundChoice()
 
 
 def choose_background(flows: Sequence[np.ndarray], params: SaliencyParams) -> BackgroundChoice:
-    """A rigid scene where it explains the pairs better than layers and stands on a level ground, layers otherwise.
+    """Choose a rigid scene if it explains the pairs better than layers and has a level ground, else layers.
 
     Flow of a camera that pans agrees with a rigid scene, too, with a depth of every pixel that means nothing. Such
     depth has no ground: a plane in the frame's lower part, level, that comes nearer towards the lower border in one
@@ -90,7 +90,7 @@ def choose_background(flows: Sequence[np.ndarray], params: SaliencyParams) -> Ba
 
 
 def _may_have_ground(flows: Sequence[np.ndarray], params: SaliencyParams) -> bool:
-    """Whether anything comes nearer towards the lower border in enough pairs, at the likeliest focal length.
+    """Check whether inverse depth increases towards the lower border in enough pairs, at the likeliest focal length.
 
     A ground does at any focal length that is not far off; where it does not, the others need not be tried.
     """
@@ -113,7 +113,7 @@ def _has_ground(choice: BackgroundChoice, params: SaliencyParams) -> bool:
 
 
 def _ground_evidence(grounds: list[Ground], num_pairs: int, params: SaliencyParams) -> tuple[float, float, float]:
-    """Share of the ground, share of all pairs in which it is nearer below, and tilt."""
+    """Return the ground's share, the share of all pairs in which it is nearer below, and its tilt."""
     return (
         float(np.median([ground.share for ground in grounds])),
         sum(ground.approach > params.ground_tolerance for ground in grounds) / num_pairs,
@@ -122,7 +122,7 @@ def _ground_evidence(grounds: list[Ground], num_pairs: int, params: SaliencyPara
 
 
 def _choose_focal(flows: Sequence[np.ndarray], params: SaliencyParams) -> float:
-    """Of the focal lengths nearly as good as the best, the one nearest to the frame's longer side.
+    """Choose, among the focal lengths nearly as good as the best, the one nearest to the frame's longer side.
 
     Only a camera that turns while it travels tells its focal length; for any other all are about as good.
     """
@@ -140,11 +140,11 @@ def _choose_focal(flows: Sequence[np.ndarray], params: SaliencyParams) -> float:
 
 
 def _gain(flow: np.ndarray, across: np.ndarray, params: SaliencyParams) -> float:
-    """GRIC a pixel of the layers less that of the rigid scene."""
+    """Return the GRIC per pixel of the layers less that of the rigid scene."""
     layers = gric(_samples(fit_layers(flow, params).residual, params), params.gric_noise, **_TWO_FLOW_LAYERS)
     return layers - gric(across, params.gric_noise, **_RIGID_SCENE)
 
 
 def _samples(image: np.ndarray, params: SaliencyParams) -> np.ndarray:
-    """Every `gric_step`-th pixel: neighbours in a flow field are no separate data."""
+    """Return every `gric_step`-th pixel: neighbours in a flow field are not independent data."""
     return image[:: params.gric_step, :: params.gric_step].ravel()

@@ -12,7 +12,7 @@ PREVIOUS, NEXT = 0, 1
 
 
 def flow_consistency(flows: Sequence[np.ndarray], params: AccumulationParams) -> np.ndarray:
-    """How well the flow from a neighbouring frame leads back to where the flow to it came from.
+    """Measure how well the flow from a neighbouring frame inverts the flow to it.
 
     Parameters
     ----------

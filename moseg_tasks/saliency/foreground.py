@@ -14,7 +14,7 @@ def foreground_probability(
     usual_reliability: float,
     params: ForegroundParams,
 ) -> np.ndarray:
-    """Sum of logits: of saliency, of colour, less what speaks of water, leaves and other textures that move.
+    """Add the logits of saliency and colour, less those for water, leaves and other textures that move.
 
     Parameters
     ----------

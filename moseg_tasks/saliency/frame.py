@@ -46,7 +46,7 @@ def estimate_saliency(
     params: SaliencyParams,
     choice: BackgroundChoice = LAYERS,
 ) -> FrameSaliency:
-    """How sure it is that each pixel of a frame moves on its own.
+    """Estimate how probable it is that each pixel of a frame moves on its own.
 
     The residual against the background's motion is the smaller of both time directions: an occlusion errs in one.
 
@@ -97,13 +97,13 @@ def estimate_saliency(
 
 
 def _explain(flow: np.ndarray, params: SaliencyParams, choice: BackgroundChoice) -> Background:
-    """Background by the chosen model; by layers, too, where a pair shows no camera motion."""
+    """Fit the background by the chosen model, or by layers where a pair shows no camera motion."""
     motion = fit_camera_motion(flow, choice.focal, params) if choice.model == "rigid" else None
     return fit_layers(flow, params) if motion is None else explain_rigidly(flow, motion, params)
 
 
 def _is_given(frame: np.ndarray, other: np.ndarray | None, flow: np.ndarray | None) -> bool:
-    """Whether a neighbour and its flow are there, and fit the frame."""
+    """Check whether a neighbour and its flow are given, and that they fit the frame."""
     if other is None and flow is None:
         return False
     if other is None or flow is None:

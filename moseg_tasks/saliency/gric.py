@@ -6,7 +6,7 @@ import numpy as np
 
 
 def gric(residual: np.ndarray, noise: float, dimension: int, num_parameters: int) -> float:
-    """GRIC a datum of a model for flow or matches; the model with the least explains them best.
+    """Return the GRIC per datum of a model for flow or matches; the model with the lowest explains them best.
 
     ``(sum min(e^2 / sigma^2, 2 (r - d)) + d n ln r + k ln(r n)) / n`` for n data of dimension r = 4.
 

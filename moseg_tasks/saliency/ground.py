@@ -33,14 +33,14 @@ class Ground(NamedTuple):
         return float(abs(self.plane[1]) / abs(self.plane[2])) if self.plane[2] else float("inf")
 
     def inverse_depth(self, shape: tuple[int, int]) -> np.ndarray:
-        """Inverse depth of the plane, float32 (y, x), on a grid of `shape`."""
+        """Return the plane's inverse depth, float32 (y, x), on a grid of `shape`."""
         height, width = shape
         x, y = np.arange(width)[None, :], np.arange(height)[:, None]
         return (self.plane[0] + self.plane[1] * x + self.plane[2] * y).astype(np.float32)
 
 
 def fit_ground(inverse_depth: np.ndarray, reach: np.ndarray, params: SaliencyParams) -> Ground:
-    """Plane on which most of the frame's lower part lies, by RANSAC and Tukey's biweight on its parallax.
+    """Fit the plane of most of the frame's lower part, by RANSAC and Tukey's biweight on its parallax.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def fit_ground(inverse_depth: np.ndarray, reach: np.ndarray, params: SaliencyPar
 
 
 def _ransac_plane(design: np.ndarray, values: np.ndarray, weights: np.ndarray, params: SaliencyParams) -> np.ndarray:
-    """Of the planes through random triples of points, the one with the most points within the tolerance."""
+    """Return the plane through a random triple of points that has the most points within the tolerance."""
     if len(values) < _MINIMAL_SAMPLE:
         return np.zeros(3)
     rng = np.random.default_rng(params.ransac_seed)

@@ -18,7 +18,7 @@ class Background(NamedTuple):
 
 
 def fit_layers(flow: np.ndarray, params: SaliencyParams) -> Background:
-    """Background motion of one or two affine layers, and what the flow leaves of it.
+    """Fit a background motion of one or two affine layers, and return its flow and the residual.
 
     A second layer (ground under a far scene, a wall beside a road) is only accepted when one connected part of its
     support lies along the frame's border: a large object in the middle must stay an object.
@@ -56,7 +56,7 @@ def _explain(flow: np.ndarray, motion: AffineMotion) -> Background:
 
 
 def _border_share(support: np.ndarray) -> float:
-    """Largest share of the frame's border that one connected part of the opened support covers."""
+    """Return the largest share of the frame's border that one connected part of the opened support covers."""
     opened = cv2.morphologyEx(support.astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
     count, labels = cv2.connectedComponents(opened)
     border = np.concatenate([labels[0], labels[-1], labels[1:-1, 0], labels[1:-1, -1]])
@@ -65,7 +65,7 @@ def _border_share(support: np.ndarray) -> float:
 
 
 def typical_residual(residual: np.ndarray, border_band: float) -> float:
-    """Median of a residual float32 (y, x), over the whole frame or over the band along its border, if that is less.
+    """Return the median of a residual float32 (y, x), in the whole frame or in the border band, whichever is less.
 
     An object that fills more than half of the frame would make its own residual the usual one.
     """

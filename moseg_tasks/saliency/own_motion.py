@@ -14,7 +14,7 @@ _RIDGE = 1e-6  # keeps the fit solvable where Tukey's weights are all 0
 def own_motion_misfit(
     residual_flows: Sequence[np.ndarray | None], weight: np.ndarray, params: OwnMotionParams
 ) -> np.ndarray:
-    """Deviation of each pixel of a frame from the motion that most of what is salient follows.
+    """Measure the deviation of each pixel of a frame from the motion that most of the salient pixels follow.
 
     What moves as one object has a small misfit throughout. Water, spray and leaves move, too, but not as one.
 
@@ -46,7 +46,7 @@ def own_motion_misfit(
 
 
 def _fit_own_motion(flow: np.ndarray, weight: np.ndarray, params: OwnMotionParams) -> AffineMotion | None:
-    """Weighted robust affine motion, started at the weighted median vector; None where too little is salient."""
+    """Fit a weighted robust affine motion from the weighted median vector; None where too little is salient."""
     height, width = weight.shape
     y, x = np.mgrid[params.step // 2 : height : params.step, params.step // 2 : width : params.step]
     given = weight[y, x].ravel().astype(np.float64)
@@ -71,7 +71,7 @@ def _fit_own_motion(flow: np.ndarray, weight: np.ndarray, params: OwnMotionParam
 
 
 def _weighted_quantile(values: np.ndarray, weights: np.ndarray, share: float) -> float:
-    """Smallest value below which at least `share` of the weight lies."""
+    """Return the smallest value below which at least `share` of the weight lies."""
     order = np.argsort(values)
     reached = np.cumsum(weights[order], dtype=np.float64)
     index = int(np.searchsorted(reached, share * reached[-1]))

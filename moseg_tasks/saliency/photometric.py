@@ -7,7 +7,7 @@ from moseg.tasks.saliency.grid import warp
 
 
 def colour_error(frame: np.ndarray, other: np.ndarray, flow: np.ndarray) -> np.ndarray:
-    """RMS over colour of |other(x + flow) - frame|.
+    """Return the RMS over colour of |other(x + flow) - frame|.
 
     Parameters
     ----------
@@ -27,10 +27,10 @@ def colour_error(frame: np.ndarray, other: np.ndarray, flow: np.ndarray) -> np.n
 
 
 def blur_error(error: np.ndarray, blur: float) -> np.ndarray:
-    """Colour error float32 (y, x) under a Gaussian of sigma `blur` px."""
+    """Blur a colour error float32 (y, x) by a Gaussian of sigma `blur` px."""
     return cv2.GaussianBlur(error, (0, 0), blur, borderType=cv2.BORDER_REPLICATE)
 
 
 def photometric_gate(error: np.ndarray, scale: float) -> np.ndarray:
-    """1 - exp(-(E / scale)^2), float32 (y, x) in 0..1, of the blurred colour error E."""
+    """Return 1 - exp(-(E / scale)^2), float32 (y, x) in 0..1, of the blurred colour error E."""
     return 1 - cv2.exp(-((error * np.float32(1 / scale)) ** 2))

@@ -8,7 +8,7 @@ from moseg.tasks.saliency.layers import typical_residual
 
 
 def soft_map(residual: np.ndarray, background_speed: np.ndarray, params: SaliencyParams, is_rigid: bool) -> np.ndarray:
-    """r^2 / (r^2 + tau^2) of the blurred residual r.
+    """Return r^2 / (r^2 + tau^2) of the blurred residual r.
 
     The floors keep a frame without movers empty. Above them layers leave a residual wherever depth varies, which Otsu's
     threshold of the whole frame cuts off. A rigid background leaves none there, and tau follows the residual nearby
@@ -39,13 +39,13 @@ def soft_map(residual: np.ndarray, background_speed: np.ndarray, params: Salienc
 
 
 def _nearby_peak(residual: np.ndarray, reach: int) -> np.ndarray:
-    """Greatest residual within `reach` px, averaged over as much."""
+    """Return the maximal residual within `reach` px, averaged over the same window."""
     side = 2 * reach + 1
     return cv2.blur(cv2.dilate(residual, np.ones((side, side), np.uint8)), (side, side))
 
 
 def _otsu(residual: np.ndarray, percentile: float) -> float:
-    """Otsu's threshold of the square root of the residual, as a residual; 0 where all are equal."""
+    """Return Otsu's threshold of the residual's square root, as a residual; 0 where all are equal."""
     root = np.sqrt(residual)
     top = float(np.percentile(root[::2, ::2], percentile))
     if top == 0:

@@ -6,7 +6,7 @@ import numpy as np
 def unsupported_parallax(
     inverse_depth: np.ndarray, reach: np.ndarray, buried: np.ndarray, tolerance: np.ndarray
 ) -> np.ndarray:
-    """Parallax that no static thing standing on the ground can have.
+    """Return the parallax that no static thing standing on the ground can have.
 
     Whatever is static stands on something that is seen below it, unless something nearer hides that. So inverse depth
     that grows on the way up is a jump that needs an explanation, while inverse depth that falls is a thing seen over

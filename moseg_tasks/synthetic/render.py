@@ -95,7 +95,7 @@ def render_scene(scene: Scene) -> RenderedScene:
 
 
 def _render_images(scene: Scene, views: list[View], hits: list[Hits]) -> np.ndarray:
-    """Shaded frames through the sensor: gain, bias, noise and rounding."""
+    """Render shaded frames with the sensor's gain, bias, noise and rounding."""
     painted = {texture: paint_texture(texture) for texture in {part.texture for part in views[0].parts}}
     mipmaps = tuple(painted[part.texture] for part in views[0].parts)
     rng = np.random.default_rng([scene.seed, 0])
@@ -110,7 +110,7 @@ def _render_images(scene: Scene, views: list[View], hits: list[Hits]) -> np.ndar
 
 
 def _flow(view0: View, view1: View, hits: Hits) -> np.ndarray:
-    """Displacement, float32 (H, W, 2), of each surface point seen in ``view0`` to its place in ``view1``."""
+    """Return the displacement, float32 (H, W, 2), of each surface point seen in ``view0`` to its place in ``view1``."""
     height, width = hits.part.shape
     part, depth = hits.part.reshape(-1), hits.depth.reshape(-1)
     flow = np.empty((height * width, 2), np.float32)

@@ -41,7 +41,7 @@ class RigidTracks(NamedTuple):
 def rigid_tracks(
     num_objects: Sequence[int], num_frames: int, tracks_per_object: int, noise: float, rng: np.random.Generator
 ) -> RigidTracks:
-    """Tracks of objects scattered over the frame at different depths, seen by a camera that drives on and turns.
+    """Return tracks of objects scattered over the frame at different depths, seen by a camera that advances and turns.
 
     Parameters
     ----------

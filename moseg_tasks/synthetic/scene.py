@@ -19,7 +19,7 @@ class Part(Frozen):
 
     @property
     def is_moving(self) -> bool:
-        """True when the part moves, turns or bends within its object."""
+        """Whether the part moves, turns or bends within its object."""
         bends = isinstance(self.shape, Billboard) and not self.shape.bend.is_constant
         return bends or not (self.position.is_constant and self.angles.is_constant)
 
@@ -33,7 +33,7 @@ class Thing(Frozen):
 
     @property
     def is_moving(self) -> bool:
-        """True when the object, or any part of it, moves in the world."""
+        """Whether the object, or any part of it, moves in the world."""
         return not (self.position.is_constant and self.angles.is_constant) or any(p.is_moving for p in self.parts)
 
 

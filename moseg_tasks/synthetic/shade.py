@@ -17,7 +17,7 @@ STEEPEST = 0.15
 
 
 def shade_frame(view: View, hits: Hits, mipmaps: tuple[MipMap, ...]) -> np.ndarray:
-    """Colour of each pixel.
+    """Return the colour of each pixel.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def shade_frame(view: View, hits: Hits, mipmaps: tuple[MipMap, ...]) -> np.ndarr
 
 
 def _shade_points(view: View, x: np.ndarray, y: np.ndarray, hits: Hits, mipmaps: tuple[MipMap, ...]) -> np.ndarray:
-    """RGB, float32 (N, 3), of the surfaces met at pixels (N,)."""
+    """Return the RGB colour, float32 (N, 3), of the surfaces hit at pixels (N,)."""
     colors = np.zeros((len(x), 3), np.float32)
     for part in np.unique(hits.part[hits.part >= 0]):
         seen = np.flatnonzero(hits.part == part)
@@ -73,7 +73,7 @@ def _shade_part(view: View, part: int, x: np.ndarray, y: np.ndarray, depth: np.n
 
 
 def _outlines(part: np.ndarray) -> np.ndarray:
-    """Pixels with a neighbour that shows another part."""
+    """Return the pixels with a neighbour that shows another part."""
     edges = np.zeros(part.shape, bool)
     across, down = part[:, 1:] != part[:, :-1], part[1:] != part[:-1]
     edges[:, 1:] |= across

@@ -25,7 +25,7 @@ class Hits(NamedTuple):
 
 
 def trace_frame(view: View, height: int, width: int) -> Hits:
-    """First hits of the rays through every pixel centre; arrays (height, width)."""
+    """Return the first hits of the rays through every pixel centre; arrays (height, width)."""
     hits = _nothing((height, width))
     x, y = np.arange(width, dtype=np.float64)[None, :], np.arange(height, dtype=np.float64)[:, None]
     for part in range(len(view.parts)):
@@ -37,7 +37,7 @@ def trace_frame(view: View, height: int, width: int) -> Hits:
 
 
 def trace_points(view: View, x: np.ndarray, y: np.ndarray) -> Hits:
-    """First hits of the rays through image points ``x``, ``y``, float64 (N,), px."""
+    """Return the first hits of the rays through image points ``x``, ``y``, float64 (N,), px."""
     hits = _nothing(x.shape)
     for part in range(len(view.parts)):
         _meet(view, part, x, y, hits)
@@ -61,7 +61,7 @@ def _meet(view: View, part: int, x: np.ndarray, y: np.ndarray, hits: Hits) -> No
 
 
 def _window(view: View, part: int, height: int, width: int) -> tuple[slice, slice]:
-    """Rows and columns of the frame that hold a part: the box about its projected bounding box."""
+    """Return the rows and columns of the frame that contain a part: the box about its projected bounding box."""
     extent = view.parts[part].shape.extent
     if extent is None:
         return slice(0, height), slice(0, width)

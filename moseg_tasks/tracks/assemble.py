@@ -28,7 +28,7 @@ class Tracks(NamedTuple):
 
 
 def assemble_tracks(fronts: Sequence[Front], num_masks: int) -> Tracks:
-    """The tracks that fronts, one a frame, are slices of.
+    """Assemble tracks from their positions in each frame.
 
     Raises
     ------

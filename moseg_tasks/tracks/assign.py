@@ -7,7 +7,7 @@ from moseg.tasks.tracks.labels_at import OUTSIDE, labels_at
 
 
 def assign_tracks(points: np.ndarray, visible: np.ndarray, masks: np.ndarray) -> np.ndarray:
-    """The object under each track in most of the frames in which it is visible.
+    """Return the object under each track in most of the frames in which it is visible.
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ class Front(NamedTuple):
     num_tracks: int
 
     def move(self, points: np.ndarray, found: np.ndarray) -> "Front":
-        """The front in the next frame: `points` (P, 2), of which only those found (P,) live on."""
+        """Return the front in the next frame: `points` (P, 2), only those that were `found` (P,)."""
         return Front(self.track[found], points[found], self.object[found], self.num_tracks)
 
 

@@ -6,7 +6,7 @@ OUTSIDE = -1
 
 
 def labels_at(mask: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Label of the pixel nearest to each point.
+    """Return the label of the pixel nearest to each point.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ def covering_medoids(
     taken: np.ndarray,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """Medoids of a random sample of a mask's pixels, at a distance from points already there.
+    """Return medoids of a random sample of a mask's pixels, at a distance from existing points.
 
     Parameters
     ----------

@@ -96,7 +96,7 @@ def track_points_pips(
 
 
 def _encode_frames(model: Pips, frames: Iterable[np.ndarray], params: PipsParams) -> Iterator[_EncodedFrame]:
-    """Each frame with its feature pyramid, one by one."""
+    """Yield each frame with its feature pyramid."""
     size = None
     for index, frame in enumerate(frames):
         check_frame(frame, f"frame {index}", size)
@@ -109,7 +109,7 @@ def _encode_frames(model: Pips, frames: Iterable[np.ndarray], params: PipsParams
 def _follow(
     model: Pips, window: list[_EncodedFrame], points: np.ndarray, appearances: torch.Tensor, params: PipsParams
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Points (P, 2) of a window's first frame in its T other frames, float32 (T, P, 2), and if visible, bool (T, P)."""
+    """Return points (P, 2) of a window's first frame in its T others, float32 (T, P, 2), and if visible, (T, P)."""
     num_frames = len(window) - 1
     if num_frames == 0 or len(points) == 0:
         return np.zeros((num_frames, len(points), 2), np.float32), np.zeros((num_frames, len(points)), bool)
@@ -137,7 +137,7 @@ Item = TypeVar("Item")
 
 
 def overlapping_windows(items: Iterable[Item], length: int, advance: int) -> Iterator[tuple[int, list[Item]]]:
-    """Windows of `length` items that begin at 0, `advance`, 2 `advance`, …, each with the index of its first.
+    """Yield windows of `length` items that begin at 0, `advance`, 2 `advance`, …, each with the index of its first.
 
     Items are taken one by one and kept only as long as a window needs them. Every item that a window may begin with
     begins one: the last windows are shorter, as far as the items reach.

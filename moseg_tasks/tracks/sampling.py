@@ -52,7 +52,7 @@ def sample_points(
 
 
 def interior(mask: np.ndarray, params: TrackParams) -> np.ndarray:
-    """A mask without the frame's border and, where something is left, without its own outline."""
+    """Return a mask without the frame's border and, where something is left, without its own outline."""
     height, width = mask.shape
     margin = params.border
     inside = np.zeros_like(mask)

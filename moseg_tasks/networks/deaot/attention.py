@@ -23,7 +23,7 @@ class Window(NamedTuple):
 
 
 def neighbourhood(size: tuple[int, int], radius: int, device: torch.device) -> Window:
-    """The square windows of `radius` cells around each cell of a grid of `size` (y, x), row by row."""
+    """Return the square windows of `radius` cells around each cell of a grid of `size` (y, x), row by row."""
     height, width = size
     cells = torch.arange(height * width, device=device)
     y, x = cells // width, cells % width
@@ -38,12 +38,12 @@ MAX_SCORES = 1 << 24
 
 
 def at_least_float32(x: torch.Tensor) -> torch.Tensor:
-    """`x` in float32 where it was in half precision: a softmax over thousands of places needs the digits."""
+    """Convert half precision to float32: a softmax over thousands of places needs the precision."""
     return x.to(torch.promote_types(x.dtype, torch.float32))
 
 
 def attend(query: torch.Tensor, keys: torch.Tensor, values: torch.Tensor) -> torch.Tensor:
-    """Values averaged by the softmax of scaled dot products.
+    """Average values by the softmax of scaled dot products.
 
     Parameters
     ----------
@@ -97,11 +97,11 @@ class GatedPropagation(nn.Module):
         gate: torch.Tensor,
         size: tuple[int, int],
     ) -> torch.Tensor:
-        """Both branches' update, (batch, cell, 2 d_model), from values and gate of 4 d_model channels."""
+        """Return both branches' update, (batch, cell, 2 d_model), from values and gate of 4 d_model channels."""
         return self.put_out(attend(query, keys, values), gate, size)
 
     def put_out(self, attended: torch.Tensor, gate: torch.Tensor, size: tuple[int, int]) -> torch.Tensor:
-        """Gate, smooth and project what attention gathered."""
+        """Gate, smooth and project attended values."""
         return self.projection(self.dw_conv(attended * gate, size))
 
 
@@ -121,7 +121,7 @@ class LocalGatedPropagation(GatedPropagation):
         size: tuple[int, int],
         window: Window,
     ) -> torch.Tensor:
-        """As for long-term propagation; `keys` and `values` are those of one frame."""
+        """Return both branches' update as for long-term propagation; `keys` and `values` are those of one frame."""
         # A window's values side by side would take (2 radius + 1)^2 times their memory: the whole grid is cheaper.
         relative = F.linear(query, self.relative_emb_k.weight.flatten(1), self.relative_emb_k.bias)
         relative = relative.gather(2, window.places.expand(len(query), -1, -1))
@@ -142,7 +142,7 @@ class SelfGatedPropagation(GatedPropagation):
         self.linear_U2 = nn.Linear(d_model, 2 * d_model)
 
     def forward(self, visual: torch.Tensor, identity: torch.Tensor, size: tuple[int, int]) -> torch.Tensor:
-        """Both branches' update, (batch, cell, 2 d_model), from normalised branches of d_model channels each."""
+        """Return both branches' update, (batch, cell, 2 d_model), from normalised branches of d_model channels each."""
         query = self.linear_QK(torch.cat([visual, identity], dim=-1))
         values = F.silu(torch.cat([self.linear_V1(visual), self.linear_V2(identity)], dim=-1))
         gate = F.silu(torch.cat([self.linear_U1(visual), self.linear_U2(identity)], dim=-1))

@@ -41,7 +41,7 @@ class DualBranchPropagation(nn.Module):
         self.decoder_norms = nn.ModuleList([TokenGroupNorm(2 * config.d_model, num_groups=2)])
 
     def memorize(self, visual: torch.Tensor, assigned: torch.Tensor, grid: Grid) -> list[LayerMemory]:
-        """Each module's memory of a frame whose objects are given: the frame is propagated from itself."""
+        """Return each module's memory of a frame with given objects, which is propagated from itself."""
         memories, identity = [], None
         for layer in self.layers:
             frame = layer.project(visual, identity)
@@ -53,7 +53,7 @@ class DualBranchPropagation(nn.Module):
     def forward(
         self, visual: torch.Tensor, long_term: Sequence[LayerMemory], short_term: Sequence[LayerMemory], grid: Grid
     ) -> tuple[torch.Tensor, list[Projected]]:
-        """Normalised branches side by side (batch, cell, 2 d_model), and the frame as each module sees it."""
+        """Return normalised, concatenated branches (batch, cell, 2 d_model) and the frame projected by each module."""
         frames, identity = [], None
         for layer, distant, near in zip(self.layers, long_term, short_term, strict=True):
             frame = layer.project(visual, identity)
@@ -62,5 +62,5 @@ class DualBranchPropagation(nn.Module):
         return self.decoder_norms[-1](torch.cat([visual, identity], dim=-1)), frames
 
     def remember(self, frames: Sequence[Projected], assigned: torch.Tensor) -> list[LayerMemory]:
-        """Each module's memory of a propagated frame, once its objects are known."""
+        """Return each module's memory of a propagated frame whose objects have been decided."""
         return [layer.remember(frame, assigned) for layer, frame in zip(self.layers, frames, strict=True)]

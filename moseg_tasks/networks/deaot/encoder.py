@@ -86,6 +86,6 @@ class ResNetEncoder(nn.Module):
 
 
 def _stage(width_in: int, width: int, depth: int, stride: int) -> nn.Sequential:
-    """Bottlenecks of one resolution; the first brings it there."""
+    """Return the bottlenecks of one resolution; the first one reduces the resolution."""
     first = Bottleneck(width_in, width, stride)
     return nn.Sequential(first, *(Bottleneck(EXPANSION * width, width, 1) for _ in range(depth - 1)))

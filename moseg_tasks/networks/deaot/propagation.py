@@ -27,7 +27,7 @@ class LayerMemory(NamedTuple):
 
 
 def extend_memory(memory: LayerMemory, frame: LayerMemory, max_frames: int) -> LayerMemory:
-    """Long-term memory with one more frame: the first frame and the newest of the others, `max_frames` in all.
+    """Add a frame to long-term memory; keep the first frame and the newest of the others, `max_frames` in all.
 
     The first frame is the only one whose masks were given rather than predicted, so it is never dropped; of the
     others the oldest goes. The published engine keeps every frame.
@@ -89,7 +89,7 @@ class GatedPropagationModule(nn.Module):
         self.self_attn = SelfGatedPropagation(d_model)
 
     def project(self, visual: torch.Tensor, identity: torch.Tensor | None) -> Projected:
-        """The frame's query, values and gates from the branches (batch, cell, d_model)."""
+        """Return the frame's query, values and gates from the branches (batch, cell, d_model)."""
         visual = self.norm1(visual)
         query, values = self.linear_QV(visual).tensor_split([self.d_att], dim=-1)
         gate = F.silu(self.linear_U(visual))
@@ -101,7 +101,7 @@ class GatedPropagationModule(nn.Module):
         return Projected(query, F.silu(values), torch.cat([gate, identity_gate], dim=-1), identity)
 
     def remember(self, frame: Projected, assigned: torch.Tensor) -> LayerMemory:
-        """The frame with its objects: `assigned` (batch, cell, d_model) embeds which object is where."""
+        """Return the frame's memory; `assigned` (batch, cell, d_model) embeds which object is where."""
         identity = assigned if frame.identity is None else torch.cat([frame.identity, assigned], dim=-1)
         return LayerMemory(frame.query, frame.values, F.silu(self.linear_ID_V(identity)))
 
@@ -115,7 +115,7 @@ class GatedPropagationModule(nn.Module):
         size: tuple[int, int],
         window: Window,
     ) -> tuple[torch.Tensor, torch.Tensor]:
-        """Both branches (batch, cell, d_model) after propagation from memory and inside the frame."""
+        """Return both branches (batch, cell, d_model) after propagation from memory and inside the frame."""
         values = torch.cat([long_term.values, long_term.identities], dim=-1)
         update = self.long_term_attn(frame.query, long_term.keys, values, frame.gate, size)
         values = torch.cat([short_term.values, short_term.identities], dim=-1)

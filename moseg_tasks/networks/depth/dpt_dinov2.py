@@ -29,12 +29,12 @@ class DptDinov2(NamedTuple):
     max_depth: float = float("inf")
 
     def to(self, device: torch.device | str) -> "DptDinov2":
-        """The same with its network on another device."""
+        """Return a copy with its network on another device."""
         return self._replace(model=self.model.to(device))
 
 
 def build_dpt_dinov2(checkpoint: Checkpoint) -> DptDinov2:
-    """The network of ``facebook/dpt-dinov2-{small,base,large,giant}-{nyu,kitti}``.
+    """Build the network of ``facebook/dpt-dinov2-{small,base,large,giant}-{nyu,kitti}``.
 
     Of the checkpoint's documents only ``config.json`` is read. What ``preprocessor_config.json`` would say is the same
     for all eight and fixed in ``moseg.tasks.depth``: no resizing, ImageNet's mean and deviation, zeros around the frame
@@ -63,7 +63,7 @@ def build_dpt_dinov2(checkpoint: Checkpoint) -> DptDinov2:
 
 
 def _read_range(config: Mapping[str, Any], name: str) -> tuple[float, float]:
-    """Least and largest depth, m."""
+    """Return minimal and maximal depth, m."""
     known = DptDinov2._field_defaults
     depths = [config.get(key, known[key]) for key in known]
     is_range = all(isinstance(depth, int | float) for depth in depths) and 0 <= depths[0] < depths[1]

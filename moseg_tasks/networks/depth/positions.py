@@ -13,7 +13,7 @@ OFFSET = 0.1
 
 
 def resample_as_trained(model: PreTrainedModel) -> PreTrainedModel:
-    """The model with its backbone's positions resampled by the authors' factor.
+    """Make the model's backbone resample positions by the authors' factor, and return the model.
 
     transformers resamples them to a number of cells, which puts the last ones a tenth of a cell elsewhere. On the
     published grid of 37 x 37 cells both are the same.
@@ -24,7 +24,7 @@ def resample_as_trained(model: PreTrainedModel) -> PreTrainedModel:
 
 
 def _resample(self, embeddings: torch.Tensor, height: int, width: int) -> torch.Tensor:
-    """Position embeddings (1, 1 + cells, channels) of a frame of `height` and `width` px."""
+    """Return position embeddings (1, 1 + cells, channels) of a frame of `height` and `width` px."""
     positions = self.position_embeddings
     side = round((positions.shape[1] - 1) ** 0.5)
     cells = [length // self.patch_size for length in (height, width)]

@@ -32,11 +32,11 @@ class GroundingDino(NamedTuple):
     longer_side: int
 
     def to(self, device: torch.device | str) -> "GroundingDino":
-        """The detector with its network on another device."""
+        """Return a copy with its network on another device."""
         return self._replace(model=self.model.to(device))
 
     def input_size(self, height: int, width: int, input_scale: float) -> tuple[int, int]:
-        """Height and width to which a frame is resized, px; rounded as in the authors' ``datasets/transforms.py``.
+        """Return height and width of the resized frame, px, rounded as in the authors' ``datasets/transforms.py``.
 
         transformers rounds otherwise: its longer side differs by up to 2 px for a quarter of all sizes.
 
@@ -57,7 +57,7 @@ class GroundingDino(NamedTuple):
 
 
 def build_grounding_dino(checkpoint: Checkpoint) -> GroundingDino:
-    """The network of ``IDEA-Research/grounding-dino-tiny`` and ``-base``.
+    """Build the network of ``IDEA-Research/grounding-dino-tiny`` and ``-base``.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def build_grounding_dino(checkpoint: Checkpoint) -> GroundingDino:
 
 
 def _read_sides(checkpoint: Checkpoint) -> list[int]:
-    """The shorter and the longer side to which images are resized, px."""
+    """Return the shorter and the longer side to which images are resized, px."""
     size = read_json(checkpoint, PREPROCESSOR).get("size")
     sides = [size.get(name) if isinstance(size, dict) else None for name in ("shortest_edge", "longest_edge")]
     if not all(isinstance(side, int) and side > 0 for side in sides):
@@ -89,7 +89,7 @@ def _read_sides(checkpoint: Checkpoint) -> list[int]:
 
 
 def _build_tokenizer(checkpoint: Checkpoint, max_tokens: int) -> BertTokenizer:
-    """The uncased tokenizer of a vocabulary with one token a line, numbered from 0."""
+    """Build the uncased tokenizer of a vocabulary with one token a line, numbered from 0."""
     where = f"{VOCABULARY} of weights {checkpoint.name}"
     # Not `splitlines`, which would cut at the line separators that are tokens themselves.
     tokens = checkpoint.document(VOCABULARY).removesuffix("\n").split("\n")

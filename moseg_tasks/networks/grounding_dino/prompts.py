@@ -32,7 +32,7 @@ def compose_prompts(
     max_tokens: int,
     separator: Separator = "comma",
 ) -> list[Prompt]:
-    """The names, in lower case and each once, in as few texts as the limits allow.
+    """Join the names, in lower case and without repetition, into as few texts as the limits allow.
 
     Where one text does not take them all they are spread evenly, as scores fall with the length of a text. (The
     authors' code cuts a text off after 256 tokens.) A full stop or question mark within a name is left out: the network

@@ -25,5 +25,5 @@ class PipsConfig(Frozen):
 
     @property
     def min_side(self) -> int:
-        """Least side of an image of which the coarsest feature map still has one cell, px."""
+        """Minimal side of an image whose coarsest feature map still has one cell, px."""
         return self.stride * 2 ** (self.levels - 1)

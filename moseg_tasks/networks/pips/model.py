@@ -49,7 +49,7 @@ class Pips(nn.Module):
         self.vis_predictor = nn.Sequential(nn.Linear(config.latent, 1))
 
     def encode(self, images: torch.Tensor) -> tuple[torch.Tensor, ...]:
-        """Feature pyramid of frames, of each for itself, so that frames that windows share are encoded once.
+        """Return the feature pyramid of frames; each is encoded independently, so windows can share frames.
 
         Parameters
         ----------
@@ -66,7 +66,7 @@ class Pips(nn.Module):
         return feature_pyramid(maps.to(dtype), self.config.levels)
 
     def appearances(self, pyramid: Sequence[torch.Tensor], points: torch.Tensor) -> torch.Tensor:
-        """Appearance (N, C) of points (N, 2), px, in the first frame of a pyramid."""
+        """Return the appearance (N, C) of points (N, 2), px, in the first frame of a pyramid."""
         return sample_appearances(pyramid[0][0], points / self.config.stride)
 
     def forward(
@@ -110,7 +110,7 @@ class Pips(nn.Module):
 
 
 def build_pips(checkpoint: Checkpoint) -> Pips:
-    """The network of a checkpoint, ready to be run.
+    """Build the network of a checkpoint.
 
     Parameters
     ----------

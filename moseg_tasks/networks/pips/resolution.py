@@ -22,22 +22,22 @@ class Resolution(NamedTuple):
 
     @classmethod
     def capped(cls, frame: tuple[int, int], max_side: int, min_side: int) -> "Resolution":
-        """The resolution whose longer side is at most about `max_side`; no side is below `min_side`."""
+        """Return the resolution with the longer side at most about `max_side` and all sides at least `min_side`."""
         scale = min(1.0, max_side / max(frame))
         height, width = (max(min_side, MULTIPLE * round(side * scale / MULTIPLE)) for side in frame)
         return cls(frame, (height, width))
 
     def resize(self, image: np.ndarray) -> np.ndarray:
-        """A frame uint8 (y, x, 3) at the network's size, float32 in [0, 255]; bilinear, as in the published code."""
+        """Resize a frame uint8 (y, x, 3) bilinearly, as published, to the network's size: float32 in [0, 255]."""
         height, width = self.network
         return cv2.resize(image.astype(np.float32), (width, height), interpolation=cv2.INTER_LINEAR)
 
     def to_network(self, points: np.ndarray) -> np.ndarray:
-        """Points (..., 2), xy px of the frame, in px of the network's image; float64."""
+        """Convert points (..., 2), xy px of the frame, to px of the network's image; float64."""
         return (points + 0.5) * self._scale() - 0.5
 
     def to_frame(self, points: np.ndarray) -> np.ndarray:
-        """Points (..., 2), xy px of the network's image, in px of the frame; float64."""
+        """Convert points (..., 2), xy px of the network's image, to px of the frame; float64."""
         return (points + 0.5) / self._scale() - 0.5
 
     def _scale(self) -> np.ndarray:

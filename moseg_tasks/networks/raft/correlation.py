@@ -41,7 +41,7 @@ class CorrelationPyramid:
         self._volumes = None if on_demand else [self._correlate(self._queries, pooled) for pooled in self._pooled]
 
     def look_up(self, positions: Tensor) -> Tensor:
-        """Correlations in the window around a position in the second frame, for each cell of the first.
+        """Return the correlations in the window around a position in the second frame, for each cell of the first.
 
         Parameters
         ----------
@@ -76,7 +76,7 @@ class CorrelationPyramid:
 
 
 def _read_windows(volume: Tensor, shape: tuple[int, int], centres: Tensor, radius: int) -> Tensor:
-    """Windows (B, N, (2 radius + 1)^2) of correlations (B, N, h w) about xy centres (B, N, 2).
+    """Return windows (B, N, (2 radius + 1)^2) of correlations (B, N, h w) about xy centres (B, N, 2).
 
     All points of a window share their fractions of a cell. So the cells under it are gathered once and blended twice.
     """

@@ -72,7 +72,7 @@ class BottleneckBlock(nn.Module):
 
 
 def _shortcut(in_channels: int, out_channels: int, stride: int, norm: Norm | None) -> nn.Module:
-    """What joins a block's input to its output: projected where the block changes the resolution."""
+    """Return a block's shortcut: a projection where the block changes the resolution, else the identity."""
     if stride == 1:
         return nn.Identity()
     return conv_norm_relu(in_channels, out_channels, 1, stride, norm, has_relu=False)

@@ -29,7 +29,7 @@ _SHORTCUT_NORM_AGAIN = ".norm3."
 
 
 def to_own_names(tensors: Mapping[str, Tensor], name: str) -> dict[str, Tensor]:
-    """The tensors under our module's names; a name that neither layout has is kept, for the loader to refuse.
+    """Rename tensors to our module's names; a name of neither layout is kept, and the loader refuses it.
 
     Raises
     ------

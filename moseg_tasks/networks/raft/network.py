@@ -36,14 +36,14 @@ class Raft(nn.Module):
 
     @property
     def min_side(self) -> int:
-        """Pixels that leave the coarsest level of the correlation pyramid two cells; 128 for the published sizes.
+        """Minimal side that leaves the coarsest level of the correlation pyramid two cells, px; 128 as published.
 
         With a single cell the published code divides by zero. So no published network has seen smaller images.
         """
         return STRIDE * 2**self.config.correlation_levels
 
     def forward(self, images0: Tensor, images1: Tensor, iterations: int, on_demand: bool = False) -> Tensor:
-        """Flow from the first images to the second.
+        """Estimate the flow from the first images to the second.
 
         Parameters
         ----------
@@ -81,13 +81,13 @@ class Raft(nn.Module):
 
 
 def _cell_grid(features: Tensor) -> Tensor:
-    """Each cell's own xy, (1, 2, h, w)."""
+    """Return each cell's xy, (1, 2, h, w)."""
     y, x = (torch.arange(side, device=features.device) for side in features.shape[2:])
     return torch.stack(torch.meshgrid(x, y, indexing="xy"))[None]
 
 
 def build_raft(checkpoint: Checkpoint) -> Raft:
-    """RAFT with a checkpoint's tensors, in evaluation mode, float32 and without gradients.
+    """Build RAFT with a checkpoint's tensors, in evaluation mode, float32 and without gradients.
 
     Parameters
     ----------

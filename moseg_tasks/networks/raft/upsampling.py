@@ -26,7 +26,7 @@ class MaskPredictor(nn.Module):
 
 
 def upsample_convex(flow: Tensor, logits: Tensor) -> Tensor:
-    """Flow of each pixel as a convex combination of the flow of the nine cells around it.
+    """Upsample flow: each pixel's is a convex combination of the flow of the nine cells around it.
 
     Parameters
     ----------
@@ -51,5 +51,5 @@ def upsample_convex(flow: Tensor, logits: Tensor) -> Tensor:
 
 
 def upsample_bilinear(flow: Tensor) -> Tensor:
-    """Flow (B, 2, h, w) in cells to (B, 2, 8 h, 8 w) in pixels, corner on corner as the small network was trained."""
+    """Upsample flow (B, 2, h, w) in cells to (B, 2, 8 h, 8 w) in pixels, with aligned corners as in training."""
     return STRIDE * F.interpolate(flow, scale_factor=STRIDE, mode="bilinear", align_corners=True)

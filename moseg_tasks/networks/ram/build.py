@@ -31,7 +31,7 @@ class Tagger(NamedTuple):
     thresholds: np.ndarray
 
     def to(self, device: torch.device | str) -> "Tagger":
-        """The same tagger, its network moved to the device."""
+        """Return a copy with its network on another device."""
         return self._replace(network=self.network.to(device))
 
 
@@ -48,7 +48,7 @@ TAGS, THRESHOLDS = "tags.txt", "thresholds.txt"
 
 
 def build_ram(checkpoint: Checkpoint) -> Tagger:
-    """RAM in evaluation mode, with its tags.
+    """Build RAM in evaluation mode, with its tags.
 
     Parameters
     ----------
@@ -69,13 +69,13 @@ def build_ram(checkpoint: Checkpoint) -> Tagger:
 
 
 def build_ram_plus(checkpoint: Checkpoint) -> Tagger:
-    """RAM++ in evaluation mode, with its tags; parameters, result and errors are those of `build_ram`."""
+    """Build RAM++ in evaluation mode, with its tags; parameters, result and errors are those of `build_ram`."""
     tensors = {"reweight_scale": torch.tensor(REWEIGHT_SCALE)} | select_tensors(checkpoint.tensors)
     return _assemble(checkpoint, RamPlus(checkpoint.sizes(RamConfig())), tensors)
 
 
 def select_tensors(tensors: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
-    """The tensors that tagging uses, by their present names; whatever is not named above stays, to be refused."""
+    """Return the tensors that tagging uses, by their present names; unknown ones are kept for the loader to refuse."""
     renamed = {
         "tagging_head." + name.removeprefix(OLD_NAME) if name.startswith(OLD_NAME) else name: tensor
         for name, tensor in tensors.items()

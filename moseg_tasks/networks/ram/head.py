@@ -33,7 +33,7 @@ class CrossAttention(nn.Module):
         self.output = _Residual(width, width)
 
     def forward(self, tags: torch.Tensor, tokens: torch.Tensor) -> torch.Tensor:
-        """(B, n, C) tags and (B, m, D) tokens to (B, n, C)."""
+        """Map (B, n, C) tags and (B, m, D) tokens to (B, n, C)."""
         query, key, value = (
             projection(source).unflatten(-1, (self.num_heads, -1)).transpose(1, 2)
             for projection, source in zip(self.self.values(), (tags, tokens, tokens), strict=True)
@@ -71,7 +71,7 @@ class TaggingHead(nn.Module):
         self.encoder = nn.ModuleDict({"layer": layers})
 
     def forward(self, tags: torch.Tensor, tokens: torch.Tensor) -> torch.Tensor:
-        """(B, n, width) queries and (B, m, embedding_width) tokens to (B, n, width) answers."""
+        """Map (B, n, width) queries and (B, m, embedding_width) tokens to (B, n, width) outputs."""
         for layer in self.encoder["layer"]:
             tags = layer(tags, tokens)
         return tags

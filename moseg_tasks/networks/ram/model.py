@@ -33,11 +33,11 @@ class Ram(nn.Module):
 
     @staticmethod
     def num_embeddings(config: RamConfig) -> int:
-        """Text embeddings that the checkpoint holds."""
+        """Return the number of text embeddings in the checkpoint."""
         return config.num_tags
 
     def forward(self, images: torch.Tensor) -> torch.Tensor:
-        """Logits of the tags.
+        """Return the logits of the tags.
 
         Parameters
         ----------
@@ -55,7 +55,7 @@ class Ram(nn.Module):
         return logits.to(self.label_embed.dtype)
 
     def _embed_tags(self, tokens: torch.Tensor) -> torch.Tensor:
-        """(B, num_tags, embedding_width) embeddings by which the tags are asked for."""
+        """Return the tags' queries, (B, num_tags, embedding_width)."""
         return self.label_embed.expand(len(tokens), -1, -1)
 
 

@@ -8,7 +8,7 @@ from moseg.tasks.networks.transformers_model import build_transformers
 
 
 def build_sam2_image(checkpoint: Checkpoint) -> Sam2Model:
-    """Image encoder, prompt encoder and mask decoder of ``facebook/sam2.1-hiera-*``.
+    """Build image encoder, prompt encoder and mask decoder of ``facebook/sam2.1-hiera-*``.
 
     The checkpoints are those of the video network. What only the memory needs is ignored by name: ``memory_*``,
     ``mask_downsample``, ``object_pointer_proj``, ``no_object_pointer``, ``no_memory_positional_encoding``,
@@ -47,7 +47,7 @@ class Sam2Video(Sam2VideoModel):
 
 
 def build_sam2_video(checkpoint: Checkpoint) -> Sam2Video:
-    """The whole network of ``facebook/sam2.1-hiera-*``; no tensor is ignored.
+    """Build the complete network of ``facebook/sam2.1-hiera-*``; no tensor is ignored.
 
     Raises
     ------
@@ -62,5 +62,5 @@ def build_sam2_video(checkpoint: Checkpoint) -> Sam2Video:
 
 
 def network_side(model: Sam2Model | Sam2VideoModel) -> int:
-    """Side to which frames are stretched, whatever their aspect, px: 1024 in the published networks."""
+    """Return the side to which frames are resized, whatever their aspect, px: 1024 in the published networks."""
     return model.config.prompt_encoder_config.image_size

@@ -17,7 +17,7 @@ _OF_MASK_MEMORY = ("maskmem_features", "maskmem_pos_enc")
 def start_sessions(
     model: Sam2VideoModel, seeds: np.ndarray, objects_per_session: int
 ) -> list[Sam2VideoInferenceSession]:
-    """Sessions that are ready for frame 0, with the seeds as its masks.
+    """Create sessions for frame 0, with the seeds as its masks.
 
     The masks of all objects of a session are encoded in one pass, so their number bounds the memory that this takes.
     The sessions share the features of the current frame.
