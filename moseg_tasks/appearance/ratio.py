@@ -18,7 +18,7 @@ def pool_sections(counts: Sequence[ColourCount], centres: Sequence[float], at: f
     centres : sequence of float
         Middle frame of each.
     at : float
-        Frame that is looked at.
+        Frame for which the counts are pooled.
     memory : float
         0..1.
     """
@@ -34,7 +34,7 @@ def pool_sections(counts: Sequence[ColourCount], centres: Sequence[float], at: f
 def colour_ratio(count: ColourCount, params: AppearanceParams) -> np.ndarray:
     """Return log(share of a colour in what moves / its share in the background), float32 (bin,), limited to +-`clip`.
 
-    The fewer pixels surely move, the less their colours say; 0 throughout where none does, or all do.
+    The ratio shrinks with the weight of moving pixels; it is 0 throughout if none moves or all move.
     """
     if count.weight <= 0 or count.moving.sum() <= 0 or count.static.sum() <= 0:
         return np.zeros(len(count.moving), np.float32)

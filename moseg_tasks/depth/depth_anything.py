@@ -16,9 +16,9 @@ def predict_depth_anything(
 ) -> torch.Tensor:
     """Predict inverse depth float32 (B, y, x), up to scale and shift, of uint8 (B, y, x, 3) frames.
 
-    The frame is resized to `short_side`, whether it shrinks or grows, by OpenCV's bicubic interpolation, which does not
-    smooth, as the network's authors do; its processor in transformers smooths, and fits frames smaller than 518 px by
-    their longer side instead. Corners of the answer lie on corners of the frame, as in the authors' code too.
+    The frame is reduced or enlarged to `short_side` by OpenCV's bicubic interpolation without smoothing, as by the
+    network's authors; its processor in transformers smooths, and fits frames smaller than 518 px by their longer side.
+    The output is resized with aligned corners, as in the authors' code.
     """
     height, width = network_size(images.shape[1:3], params)
     seen = [cv2.resize(image / 255.0, (width, height), interpolation=cv2.INTER_CUBIC) for image in images]

@@ -25,9 +25,9 @@ class Detections(NamedTuple):
     boxes : float32 (n, 4)
         Left, top, right, bottom, px; they may reach beyond the frame.
     scores : float64 (n,)
-        Probability of the token of the text that fits best.
+        Probability of the text's best token.
     tags : tuple of str
-        Name of each: the words that fit it. Empty where none does.
+        Name of each: the words above the threshold. Empty if there are none.
     """
 
     boxes: np.ndarray
@@ -38,15 +38,15 @@ class Detections(NamedTuple):
 def detect_objects(
     detector: GroundingDino, image: np.ndarray, tags: Sequence[str], params: GroundingDinoParams
 ) -> Detections:
-    """Find what the names name.
+    """Find the named objects.
 
-    As in the authors' code a box is kept where the token that fits it best exceeds the box threshold, and named by all
-    words that exceed the text threshold, strung together in the order of the text: part of a name, or words of several.
-    A box of which only a full stop or comma passes has no name. Boxes of all prompts compete. One thinner than a pixel
-    is left out: no mask can be asked for by it.
+    As in the authors' code a box is kept if the score of its best token exceeds the box threshold. Its name consists of
+    all words that exceed the text threshold, in the order of the text: part of a name, or words of several names. A box
+    of which only a full stop or comma exceeds it has no name. Boxes of all prompts compete. Boxes thinner than a pixel
+    are dropped, because they cannot prompt a mask.
 
-    The whole network works in single precision, under autocast too: it sees one frame of a section, and thresholds
-    would change with rounding.
+    The network runs in single precision, also under autocast: it processes one frame of a section, and scores near a
+    threshold would change with rounding.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def detect_objects(
     image : uint8 (y, x, 3)
         RGB.
     tags : sequence of str
-        Names; without any there are no boxes.
+        Names; no boxes are returned if there are none.
     params : GroundingDinoParams
 
     Returns

@@ -13,7 +13,7 @@ def suppress_boxes(
     boxes : floating (n, 4)
         Left, top, right, bottom, px.
     scores : floating (n,)
-        Of two equal ones the first is better.
+        Of equal scores, the first is better.
     max_iou : float
         Intersection over union above which the worse box is dropped.
     groups : int (n,), optional

@@ -20,7 +20,7 @@ _MIN_SIDE = 32
 def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> np.ndarray:
     """Estimate the flow that maps each pixel of `image0` to its position in `image1`.
 
-    Frames with a side under 32 px are extended by their own border for the search, and the flow cut back.
+    Frames with a side under 32 px are extended by replicating their border, and the flow is cropped.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) ->
     height, width = image0.shape[:2]
     search = cv2.DISOpticalFlow_create(_PRESETS[params.preset])
     if params.preset == "fine":
-        # The other presets end at half or a quarter of full size and enlarge what they found.
+        # The other presets end at half or a quarter of full size and enlarge the flow.
         search.setFinestScale(0)
     flow = search.calc(_searchable_gray(image0), _searchable_gray(image1), None)
     return np.ascontiguousarray(flow[:height, :width])

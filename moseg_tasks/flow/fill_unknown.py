@@ -1,4 +1,4 @@
-"""Flow without gaps, for what can use no others."""
+"""Flow without gaps, for methods that need a vector at every pixel."""
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt

@@ -1,4 +1,4 @@
-"""Boxes as prompts of a network that outlines what they hold."""
+"""Boxes as prompts of a segmentation network."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Masks of what the boxes of a frame hold, by SAM 2.1."""
+"""Masks of the objects in the boxes of a frame, by SAM 2.1."""
 
 import numpy as np
 import torch
@@ -17,8 +17,8 @@ def segment_boxes_sam2(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Segment one mask for each box: the decoder's single mask, or the best of its three where that is unstable.
 
-    The image is encoded once, stretched to the network's square. Under autocast only that encoder works in half
-    precision: the decoder is cheap, and encodes places as sines of large angles.
+    The image is encoded once, resized to the network's square. Under autocast only the encoder runs in half precision:
+    the decoder is cheap, and encodes positions as sines of large angles.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def segment_boxes_sam2(
     -------
     masks : bool (n, y, x)
     quality : float64 (n,)
-        The overlap (IoU) with the true mask that the network expects of its own.
+        The network's estimate of the IoU of its mask with the true one.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Masks of what the boxes of a frame hold, by SAM-HQ."""
+"""Masks of the objects in the boxes of a frame, by SAM-HQ."""
 
 import numpy as np
 import torch
@@ -33,7 +33,7 @@ def segment_boxes_sam_hq(
     -------
     masks : bool (n, y, x)
     quality : float64 (n,)
-        The overlap (IoU) with the true mask that the network expects of its own.
+        The network's estimate of the IoU of its mask with the true one.
 
     Raises
     ------

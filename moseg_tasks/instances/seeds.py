@@ -15,7 +15,7 @@ class Seeds(NamedTuple):
     Attributes
     ----------
     labels : uint16 (y, x)
-        Objects 1 to n in order of identity, 0 = background. Each has a pixel at least.
+        Objects 1 to n in order of identity, 0 = background. Each has at least one pixel.
     identities : uint16 (n,)
         Identity in the sequence, from 1.
     scores : float64 (n,)
@@ -23,7 +23,7 @@ class Seeds(NamedTuple):
     found : uint16 (n,)
         Which of the objects found in this frame each one is, from 1; 0 for a tracked object that was not found again.
     num_identities : int
-        Identities given so far: the next newcomer gets the one after.
+        Identities assigned so far: the next newcomer gets the next number.
     """
 
     labels: np.ndarray
@@ -45,14 +45,14 @@ def merge_seeds(
 
     Found and tracked objects are matched one to one, maximising the summed IoU of their masks. A match keeps the
     tracked identity, and the tracked mask or, with `params.refresh`, the found one. A tracked object without a match
-    goes on as it is while it is seen at all: that it was not detected does not mean that it left. A found one without a
-    match is a newcomer, with an identity that none had before, where enough of it is free of all those; the rest of it
-    is left to them. Tracked masks of a size that no object has (`params.min_area`, `max_area`) are given up first.
+    is kept unchanged while it is visible: a missed detection does not mean that it left. A found object without a match
+    is a newcomer with a new identity if enough of it does not overlap those objects; only that part is labelled.
+    Tracked masks of an implausible size (`params.min_area`, `max_area`) are dropped first.
 
-    An object without a pixel in this frame has ended: when it comes back it is a newcomer.
+    An object without a pixel in this frame has ended: when it reappears it is a newcomer.
 
     The paper proposes objects anew in every section and does not say how they are linked. SAM-Track, on which it
-    builds, keeps the tracked masks and adds what is new in the background, as here without `params.refresh`.
+    builds, keeps the tracked masks and adds new objects in the background, as here without `params.refresh`.
 
     Parameters
     ----------

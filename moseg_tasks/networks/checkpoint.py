@@ -1,4 +1,4 @@
-"""What a network is built from: the content of its checkpoint's files."""
+"""The content of a checkpoint's files, and its tensors loaded into a network."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, TypeVar
@@ -18,18 +18,18 @@ Sizes = TypeVar("Sizes", bound=BaseModel)
 
 
 class Checkpoint(NamedTuple):
-    """Tensors and small files of one checkpoint.
+    """Tensors and small files of a checkpoint.
 
     Attributes
     ----------
     name : str
-        Names the checkpoint in errors.
+        Name of the checkpoint in errors.
     tensors : dict of str to torch.Tensor
         The state dict, unwrapped.
     documents : dict of str to str
         Text of the small files by name: ``config.json``, ``vocab.txt``, a list of tags.
     config : dict of JSON values
-        Sizes of an own module that differ from the published network's; empty for the published ones.
+        Sizes of our own modules where they differ from the published ones.
     """
 
     name: str
@@ -65,7 +65,7 @@ def unwrap_state(content: Any, name: str) -> dict[str, torch.Tensor]:
     Raises
     ------
     InputError
-        There is no state dict in it.
+        The content holds no state dict.
     """
     for key in WRAPPERS:
         if isinstance(content, Mapping) and isinstance(content.get(key), Mapping):

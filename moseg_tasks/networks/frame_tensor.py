@@ -14,10 +14,9 @@ IMAGENET_STD = (0.229, 0.224, 0.225)
 
 
 class Resizing(StrEnum):
-    """How the authors of a network resized its images; all smooth where the image shrinks.
+    """Interpolation by which the authors of a network resized its images; all smooth where the image is reduced.
 
-    Those of PIL are rounded to grey levels; that of torch, which torchvision takes for what is a tensor already, is
-    not.
+    PIL rounds to grey levels; torch, by which torchvision resizes tensors, does not.
     """
 
     PIL_BILINEAR = "pil-bilinear"
@@ -38,7 +37,7 @@ def frame_tensor(
     image : uint8 (y, x, 3)
         RGB.
     size : (int, int)
-        Height and width asked for, px.
+        Height and width of the result, px.
     device : torch.device
     resizing : Resizing
 
@@ -56,7 +55,7 @@ def frame_tensor(
     size = tuple(size)
     if image.shape[:2] != size and resizing in _PIL:
         image = np.asarray(Image.fromarray(image).resize(size[::-1], _PIL[resizing]))
-    # Copied, as torch warns of arrays that are read-only.
+    # Copied, because torch warns of read-only arrays.
     pixels = torch.from_numpy(np.array(image)).permute(2, 0, 1)[None].float() / 255
     if pixels.shape[2:] != size:
         pixels = functional.interpolate(pixels, size=size, mode="bilinear", antialias=True)

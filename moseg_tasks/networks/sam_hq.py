@@ -1,8 +1,8 @@
-"""How SAM-HQ's modules make masks of an image and boxes.
+"""SAM-HQ: masks of high quality from an image and boxes.
 
-The ``forward`` of transformers' mask decoder (read in 5.23) drops what its two-way transformer makes of the image and
-goes on with the image's bare features, rows and columns exchanged, so that its masks have little to do with the boxes.
-Here its modules are run as in the paper and the authors' code; ``benchmarks/agreement/sam_hq.py`` compares.
+The ``forward`` of transformers' mask decoder (read in 5.23) drops the image features of its two-way transformer and
+uses the encoder's features with rows and columns exchanged, so that its masks hardly depend on the boxes. Here its
+modules are run as in the paper and the authors' code; ``benchmarks/agreement/sam_hq.py`` compares.
 """
 
 from typing import NamedTuple
@@ -33,14 +33,14 @@ def build_sam_hq(checkpoint: Checkpoint) -> SamHQModel:
 
 
 class ImageFeatures(NamedTuple):
-    """What is computed once for an image.
+    """Features that are computed once for an image.
 
     Attributes
     ----------
     embedding : torch.Tensor
         float32 (1, channel, y, x), of the last layer.
     detail : torch.Tensor
-        float32 (1, channel, 4 y, 4 x), of the last layer and of an early one, where edges are still sharp.
+        float32 (1, channel, 4 y, 4 x), of the last layer and of an early one, which has sharp edges.
     """
 
     embedding: torch.Tensor
@@ -50,7 +50,7 @@ class ImageFeatures(NamedTuple):
 def encode_image(model: SamHQModel, pixels: torch.Tensor) -> ImageFeatures:
     """Compute the features of an image.
 
-    Under autocast only the vision transformer works in half precision.
+    Under autocast only the vision transformer runs in half precision.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def encode_image(model: SamHQModel, pixels: torch.Tensor) -> ImageFeatures:
     embedding, layers = model.get_image_embeddings(pixels)
     with torch.autocast(pixels.device.type, enabled=False):
         embedding = embedding.to(model.dtype)
-        # Of the layers with global attention the first.
+        # The first of the layers with global attention.
         early = layers[0].to(model.dtype).permute(0, 3, 1, 2)
         late = functional.gelu(decoder.encoder_norm(decoder.encoder_conv1(embedding)))
         early = functional.gelu(decoder.compress_vit_norm(decoder.compress_vit_conv1(early)))
@@ -88,7 +88,7 @@ def decode_boxes(
     logits : torch.Tensor
         float32 (n, 4 y, 4 x), over 0 inside.
     quality : torch.Tensor
-        float32 (n,), the overlap (IoU) with the true mask that the network expects of SAM's.
+        float32 (n,), the network's estimate of the IoU of SAM's mask with the true one.
     """
     decoder = model.mask_decoder
     num_boxes = len(boxes)

@@ -21,8 +21,8 @@ def build_transformers(
 ) -> PreTrainedModel:
     """Build a model with every tensor set from the checkpoint, in float32, evaluation mode and without gradients.
 
-    Names of older published checkpoints are converted as transformers itself does. Its loader only warns of what is
-    missing and leaves it random; here that is an error.
+    Names of older published checkpoints are converted as in transformers. Its loader only warns of missing tensors and
+    leaves them random; here that is an error.
 
     Parameters
     ----------
@@ -48,11 +48,11 @@ def build_transformers(
                 config=config,
                 state_dict=dict(checkpoint.tensors),
                 dtype=torch.float32,
-                ignore_mismatched_sizes=True,  # they are reported, and refused below
+                ignore_mismatched_sizes=True,  # reported, and refused below
                 output_loading_info=True,
             )
         except RuntimeError as error:
-            # Its loader stumbles over some shapes (of shared tensors, of those it converts) before it reports them.
+            # Its loader raises for some shapes (of shared or converted tensors) before it reports them.
             refuse_tensors(
                 "tensors of another shape", _misshapen(model_class, config, checkpoint.tensors), checkpoint.name
             )
@@ -87,7 +87,7 @@ def _read_config(config_class: type[PreTrainedConfig], checkpoint: Checkpoint) -
     content = read_json(checkpoint, CONFIG)
     try:
         return config_class.from_dict(content)
-    # What transformers raises for a value it does not take derives from Exception itself.
+    # The errors of transformers for invalid values derive from Exception directly.
     except Exception as error:
         where = f"{CONFIG} of weights {checkpoint.name}"
         raise InputError(f"no configuration of {config_class.__name__}", where=where, got=error) from error

@@ -1,4 +1,4 @@
-"""Accumulation of maps along the flow, one pass over time at a time."""
+"""Accumulation of maps along the flow, in one pass over time."""
 
 from collections.abc import Iterable
 
@@ -17,8 +17,8 @@ def accumulate(
 ) -> np.ndarray:
     """Accumulate maps along the flow: ``A_t = w_t warp(A_{t-1}) + (1 - w_t) S_t``.
 
-    Frames are given in the order of the pass; the one before the first is `carried`, so that a video cut anywhere gives
-    the same as one that is not.
+    Frames are given in the order of the pass; `carried` is the result of the frame before the first, so that a video
+    cut into parts gives the same result as the whole video.
 
     Parameters
     ----------
@@ -29,12 +29,12 @@ def accumulate(
     weights : T of float32, shaped as the maps, or float
         w, of the memory.
     carried : float16, shaped as the maps, optional
-        A of the frame before the first; the pass begins with ``A = S`` without it.
+        A of the frame before the first; without it the pass begins with ``A = S``.
 
     Returns
     -------
     accumulated : float16 (T, y, x) or (T, y, x, channel)
-        A. Each step starts from the rounded one, as does one that reads it from a file.
+        A. Each step starts from the rounded result, as does a step that reads it from a file.
     """
     accumulated = []
     memory = carried
@@ -50,8 +50,8 @@ def accumulate(
 def memory_weight(consistency: np.ndarray, direction: int, params: AccumulationParams) -> np.ndarray:
     """Return the weight float32 (y, x) of one frame's memory, from its `consistency` (2, y, x) in both directions.
 
-    It grows with the consistency of the flow the memory came by; where the flow is consistent neither way, the frame's
-    own saliency hardly counts.
+    It grows with the consistency of the flow along which the memory was warped; where the flow is consistent in neither
+    direction, the frame's own saliency has little weight.
     """
     reliability = params.reliability_floor + (1 - params.reliability_floor) * consistency.max(axis=0)
     kept = params.memory * np.maximum(consistency[direction], np.float32(params.consistency_floor))

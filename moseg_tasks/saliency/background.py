@@ -34,9 +34,9 @@ class AffineMotion(NamedTuple):
 def fit_background(flow: np.ndarray, params: SaliencyParams, among: np.ndarray | None = None) -> AffineMotion:
     """Fit the affine motion that most of the flow follows.
 
-    A homography fitted by RANSAC says which pixels to start from; Tukey's biweight then follows them. The homography
-    alone would bend itself to objects: it is only the start. Without `among` the band along the frame's border counts
-    more than the middle: an object that fills the frame is still seldom what lies around it.
+    The inliers of a homography fitted by RANSAC initialise a fit by Tukey's biweight. The homography alone would adapt
+    to objects. Without `among` the band along the frame's border has more weight than the middle, because even a large
+    object rarely covers the border.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def fit_background(flow: np.ndarray, params: SaliencyParams, among: np.ndarray |
         px/frame.
     params : SaliencyParams
     among : bool (y, x), optional
-        Pixels to fit to; without it all, of which some in the middle are left out.
+        Pixels to fit to; by default all, of which some in the middle are left out.
 
     Returns
     -------
@@ -125,7 +125,7 @@ def _tukey_affine(
         cutoff = params.tukey_constant * scale
         weight = tukey_weight(residual, cutoff)
         weighted = design * weight[:, None]
-        # The pseudo-inverse leaves flat what the points do not span: frames of a single pixel, row or column.
+        # The pseudo-inverse gives slope 0 in directions that the points do not span: a single pixel, row or column.
         theta = np.linalg.pinv(weighted.T @ design, rcond=1e-10, hermitian=True) @ (weighted.T @ vectors)
         error = design @ theta - vectors
         residual = np.hypot(error[:, 0], error[:, 1])

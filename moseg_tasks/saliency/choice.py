@@ -1,4 +1,4 @@
-"""Which model the background of some frames follows, by model selection over a few frame pairs."""
+"""Selection of the background model of a section from a few of its frame pairs."""
 
 from collections.abc import Sequence
 from typing import Literal, NamedTuple
@@ -21,17 +21,17 @@ class BackgroundChoice(NamedTuple):
     Attributes
     ----------
     model : "layers" or "rigid"
-        One or two affine layers, or a static scene of any depth on a ground.
+        One or two affine layers, or a static scene of any depth on a ground plane.
     focal : float
         Focal length in longer sides of the frame, the likeliest under rigid motion.
     ground_share : float
-        Median part of the frame's lower part that lies on one plane.
+        Median share of the frame's lower part that lies on one plane.
     nearer_below : float
-        Part of the pairs in which that plane comes nearer towards the lower border by more than it is uneven.
+        Share of the pairs in which that plane's parallax grows towards the lower border by more than the tolerance.
     tilt : float
         Median of its slope across the frame over its slope down the frame.
     gain : float
-        GRIC a pixel of the layers less that of the rigid scene, mean over the pairs; 0 where there is no such ground.
+        GRIC per pixel of the layers less that of the rigid scene, mean over the pairs; 0 if there is no such ground.
     """
 
     model: Literal["layers", "rigid"] = "layers"
@@ -43,15 +43,14 @@ class BackgroundChoice(NamedTuple):
 
 
 LAYERS = BackgroundChoice()
-"""The background of frames about which nothing is known."""
+"""The default background."""
 
 
 def choose_background(flows: Sequence[np.ndarray], params: SaliencyParams) -> BackgroundChoice:
     """Choose a rigid scene if it explains the pairs better than layers and has a level ground, else layers.
 
-    Flow of a camera that pans agrees with a rigid scene, too, with a depth of every pixel that means nothing. Such
-    depth has no ground: a plane in the frame's lower part, level, that comes nearer towards the lower border in one
-    pair as in the next.
+    The flow of a panning camera also agrees with a rigid scene, with meaningless depth. Such depth has no ground: a
+    level plane in the frame's lower part whose inverse depth grows towards the lower border in most pairs.
 
     Parameters
     ----------
@@ -92,7 +91,7 @@ def choose_background(flows: Sequence[np.ndarray], params: SaliencyParams) -> Ba
 def _may_have_ground(flows: Sequence[np.ndarray], params: SaliencyParams) -> bool:
     """Check whether inverse depth increases towards the lower border in enough pairs, at the likeliest focal length.
 
-    A ground does at any focal length that is not far off; where it does not, the others need not be tried.
+    For a ground it does at any focal length that is roughly right, so the others need not be tried.
     """
     focal = params.focals[int(np.argmin(np.abs(np.log(params.focals))))]
     nearer = 0
@@ -124,7 +123,7 @@ def _ground_evidence(grounds: list[Ground], num_pairs: int, params: SaliencyPara
 def _choose_focal(flows: Sequence[np.ndarray], params: SaliencyParams) -> float:
     """Choose, among the focal lengths nearly as good as the best, the one nearest to the frame's longer side.
 
-    Only a camera that turns while it travels tells its focal length; for any other all are about as good.
+    Only a camera that rotates and translates determines its focal length; otherwise all are about as good.
     """
     cost = np.zeros(len(params.focals))
     for flow in flows:

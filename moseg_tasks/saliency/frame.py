@@ -24,7 +24,7 @@ class FrameSaliency(NamedTuple):
     saliency : float16 (h, w)
         0..1.
     strict_saliency : float16 (h, w)
-        The same behind the strict photometric gate: less of what moves, and hardly any water.
+        The same with the strict photometric gate: less of what moves, and hardly any water.
     flows : float16 (2, h, w, 2)
         To the previous and to the next frame, px/frame of the working grid; zeros where there is none.
     residual_flows : float16 (2, h, w, 2)
@@ -48,7 +48,7 @@ def estimate_saliency(
 ) -> FrameSaliency:
     """Estimate how probable it is that each pixel of a frame moves on its own.
 
-    The residual against the background's motion is the smaller of both time directions: an occlusion errs in one.
+    The residual against the background's motion is the smaller of both time directions: an occlusion affects only one.
 
     Parameters
     ----------

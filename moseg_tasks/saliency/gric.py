@@ -17,7 +17,8 @@ def gric(residual: np.ndarray, noise: float, dimension: int, num_parameters: int
     noise : float
         Standard deviation sigma of a datum, px.
     dimension : int
-        Dimension d of the model's manifold: 2 for motion that fixes where a pixel goes, 3 for one that leaves a line.
+        Dimension d of the model's manifold: 2 for motion that maps a pixel to a point, 3 for motion that maps it to a
+        line.
     num_parameters : int
         The model's parameters k.
 

@@ -18,9 +18,9 @@ class Ground(NamedTuple):
     plane : float64 (3,)
         x and y in px of the grid.
     share : float
-        Part of the frame's lower part that lies on it, 0..1.
+        Share of the frame's lower part that lies on it, 0..1.
     approach : float
-        Parallax that it gains down the lower part, px/frame: positive for a ground, 0 for a wall that faces the camera.
+        Growth of its parallax over the lower part, px/frame: positive for a ground, 0 for a wall that faces the camera.
     """
 
     plane: np.ndarray
@@ -62,7 +62,7 @@ def fit_ground(inverse_depth: np.ndarray, reach: np.ndarray, params: SaliencyPar
     values, weights = inverse_depth[y, x].astype(np.float64), reach[y, x].astype(np.float64)
     design = np.column_stack([np.ones(len(x)), x, y])
     plane = _ransac_plane(design, values, weights, params)
-    # What deviates by the tolerance still belongs to a ground that is not quite flat.
+    # Points that deviate by the tolerance still belong to an uneven ground.
     cutoff = 2 * params.ground_tolerance
     for _ in range(params.ground_iterations):
         error = (design @ plane - values) * weights
@@ -80,7 +80,7 @@ def _ransac_plane(design: np.ndarray, values: np.ndarray, weights: np.ndarray, p
         return np.zeros(3)
     rng = np.random.default_rng(params.ransac_seed)
     triples = rng.integers(len(values), size=(params.ground_samples, _MINIMAL_SAMPLE))
-    # Triples on a line have no plane; their pseudo-inverse is a plane that finds no support.
+    # Triples on a line have no plane; their pseudo-inverse gives a plane without support.
     planes = np.linalg.pinv(design[triples], rcond=1e-9) @ values[triples][..., None]
     error = np.abs(design @ planes[..., 0].T - values[:, None]) * weights[:, None]
     return planes[np.argmax(np.count_nonzero(error < params.ground_tolerance, axis=0)), :, 0]

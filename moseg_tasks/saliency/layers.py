@@ -1,4 +1,4 @@
-"""Two-layer background: a second affine motion may explain what the first leaves, if it spans the frame."""
+"""Two-layer background: a second affine motion may explain the outliers of the first if it spans the frame."""
 
 from typing import NamedTuple
 
@@ -21,7 +21,7 @@ def fit_layers(flow: np.ndarray, params: SaliencyParams) -> Background:
     """Fit a background motion of one or two affine layers, and return its flow and the residual.
 
     A second layer (ground under a far scene, a wall beside a road) is only accepted when one connected part of its
-    support lies along the frame's border: a large object in the middle must stay an object.
+    support lies along the frame's border, so that a large object in the middle is not taken for background.
 
     Parameters
     ----------
@@ -67,9 +67,9 @@ def _border_share(support: np.ndarray) -> float:
 def typical_residual(residual: np.ndarray, border_band: float) -> float:
     """Return the median of a residual float32 (y, x), in the whole frame or in the border band, whichever is less.
 
-    An object that fills more than half of the frame would make its own residual the usual one.
+    The median over the frame would be an object's if that fills more than half of the frame.
     """
-    # Neighbours are alike: every other row and column tells as much.
+    # Neighbours are similar: every other row and column suffices.
     some = residual[::2, ::2]
     width = max(1, round(border_band * some.shape[0]))
     in_band = np.ones(some.shape, bool)

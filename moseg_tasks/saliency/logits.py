@@ -1,4 +1,4 @@
-"""Between probabilities and logits."""
+"""Conversion between probabilities and logits."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ def logit(probability: np.ndarray) -> np.ndarray:
 
 def probability(logit: np.ndarray) -> np.ndarray:
     """Return 1 / (1 + exp(-x)), float32."""
-    # Under a logit of -88 the exponential is infinite, and the probability 0, as it should be.
+    # Below a logit of -88 the exponential is infinite and the probability correctly 0.
     with np.errstate(over="ignore"):
         return 1 / (1 + np.exp(-logit))
 

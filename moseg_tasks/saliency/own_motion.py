@@ -1,4 +1,4 @@
-"""The motion of what is salient: an affine flow of its own, and how badly each pixel follows it."""
+"""The affine motion of the salient pixels, and each pixel's misfit to it."""
 
 from collections.abc import Sequence
 
@@ -16,21 +16,21 @@ def own_motion_misfit(
 ) -> np.ndarray:
     """Measure the deviation of each pixel of a frame from the motion that most of the salient pixels follow.
 
-    What moves as one object has a small misfit throughout. Water, spray and leaves move, too, but not as one.
+    A rigid object has a small misfit throughout. Water, spray and leaves move too, but not uniformly.
 
     Parameters
     ----------
     residual_flows : two of float32 (y, x, 2) or None
         Flow to the previous and to the next frame less the background's, px/frame; None at the video's ends.
     weight : float32 (y, x)
-        Of each pixel in the fit, 0..1: how sure it is that it belongs to what moves.
+        Weight of each pixel in the fit, 0..1: its probability to move.
     params : OwnMotionParams
 
     Returns
     -------
     misfit : float32 (y, x)
-        ``log(1 + (d / s)^2)`` with the smaller deviation d of both directions and the spread s of what is salient. 0
-        where nothing is salient.
+        ``log(1 + (d / s)^2)`` with the smaller deviation d of both directions and the spread s of the salient pixels;
+        0 if nothing is salient.
     """
     deviation = None
     for flow in residual_flows:

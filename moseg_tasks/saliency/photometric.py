@@ -1,4 +1,4 @@
-"""Photometric gate: a pixel that the background's motion explains by colour does not move on its own."""
+"""Photometric gate: suppression of pixels whose colour the background's motion explains."""
 
 import cv2
 import numpy as np

@@ -1,4 +1,4 @@
-"""From residual motion to a soft map in 0..1."""
+"""Conversion of residual motion to a soft map in 0..1."""
 
 import cv2
 import numpy as np
@@ -10,9 +10,10 @@ from moseg.tasks.saliency.layers import typical_residual
 def soft_map(residual: np.ndarray, background_speed: np.ndarray, params: SaliencyParams, is_rigid: bool) -> np.ndarray:
     """Return r^2 / (r^2 + tau^2) of the blurred residual r.
 
-    The floors keep a frame without movers empty. Above them layers leave a residual wherever depth varies, which Otsu's
-    threshold of the whole frame cuts off. A rigid background leaves none there, and tau follows the residual nearby
-    instead: flow is smooth over an object's outline, which lies where the residual falls to a share of its inside.
+    The floors keep a frame without movers empty. Layers leave a residual above them wherever depth varies, which Otsu's
+    threshold of the whole frame suppresses. A rigid background leaves none, and tau follows the nearby residual
+    instead: flow is smooth across an object's outline, which lies where the residual falls to a share of its value
+    inside.
 
     Parameters
     ----------

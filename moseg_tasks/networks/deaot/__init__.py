@@ -1,4 +1,4 @@
-"""DeAOT: masks of many objects carried through a video by gated propagation from remembered frames."""
+"""DeAOT: masks of many objects propagated through a video from frames in memory."""
 
 from moseg.tasks.networks.deaot.config import DeaotConfig
 from moseg.tasks.networks.deaot.network import STRIDE, Deaot, Encoded, build_deaot

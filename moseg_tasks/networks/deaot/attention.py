@@ -1,4 +1,4 @@
-"""Gated propagation: attention whose result is gated, smoothed in space and projected."""
+"""Gated propagation: attention, globally or in a window, whose result is gated, smoothed and projected."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from torch.nn import functional as F
 
 
 class Window(NamedTuple):
-    """Which place of the other frame lies where in the window around a place of this one.
+    """Positions of the other frame's cells in the windows around this frame's cells.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ def neighbourhood(size: tuple[int, int], radius: int, device: torch.device) -> W
 
 
 MAX_SCORES = 1 << 24
-"""Attention scores held at a time (64 MB): queries beyond are taken in turn, which changes nothing but the peak."""
+"""Attention scores held at a time (64 MB): more queries are processed in parts, to bound memory."""
 
 
 def at_least_float32(x: torch.Tensor) -> torch.Tensor:
@@ -76,7 +76,7 @@ class DepthwiseConv(nn.Module):
 
 
 class GatedPropagation(nn.Module):
-    """Long-term propagation: attention to all that is remembered.
+    """Long-term propagation: attention to all frames in memory.
 
     References
     ----------
@@ -106,7 +106,7 @@ class GatedPropagation(nn.Module):
 
 
 class LocalGatedPropagation(GatedPropagation):
-    """Short-term propagation: attention to a window in the frame before, with a learned term of the offset."""
+    """Short-term propagation: attention to a window in the previous frame, with a learned bias for the offset."""
 
     def __init__(self, d_model: int, radius: int):
         super().__init__(d_model)
@@ -122,7 +122,7 @@ class LocalGatedPropagation(GatedPropagation):
         window: Window,
     ) -> torch.Tensor:
         """Return both branches' update as for long-term propagation; `keys` and `values` are those of one frame."""
-        # A window's values side by side would take (2 radius + 1)^2 times their memory: the whole grid is cheaper.
+        # Copies of each window's values would take (2 radius + 1)^2 times their memory: the whole grid is cheaper.
         relative = F.linear(query, self.relative_emb_k.weight.flatten(1), self.relative_emb_k.bias)
         relative = relative.gather(2, window.places.expand(len(query), -1, -1))
         scores = at_least_float32((query / keys.shape[-1] ** 0.5) @ keys.transpose(1, 2)) + relative
@@ -131,7 +131,7 @@ class LocalGatedPropagation(GatedPropagation):
 
 
 class SelfGatedPropagation(GatedPropagation):
-    """Propagation inside one frame, of both branches at once."""
+    """Propagation inside one frame, jointly for both branches."""
 
     def __init__(self, d_model: int):
         super().__init__(d_model)

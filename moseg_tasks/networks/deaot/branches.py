@@ -12,7 +12,7 @@ from moseg.tasks.networks.deaot.propagation import GatedPropagationModule, Layer
 
 
 class Grid(NamedTuple):
-    """The cells of a frame: their numbers (y, x), and the window around each of them."""
+    """The cells of a frame: the grid's size (y, x), and the window around each cell."""
 
     size: tuple[int, int]
     window: Window
@@ -30,7 +30,7 @@ class TokenGroupNorm(nn.Module):
 
 
 class DualBranchPropagation(nn.Module):
-    """Modules in turn, each with a memory of its own."""
+    """A sequence of modules, each with its own memory."""
 
     def __init__(self, config: DeaotConfig):
         super().__init__()

@@ -23,7 +23,7 @@ class ConvNorm(nn.Module):
 
 
 class FpnDecoder(nn.Module):
-    """A feature pyramid from stride 16 to stride 4, with shortcuts from the encoder.
+    """Feature pyramid from stride 16 to stride 4, with shortcuts from the encoder.
 
     References
     ----------

@@ -19,17 +19,17 @@ STRIDE = 16
 
 
 class Encoded(NamedTuple):
-    """A frame's pyramid, and its cells (1, cell, d_model) as propagation takes them."""
+    """A frame's pyramid, and its cells (1, cell, d_model), the input of propagation."""
 
     pyramid: Pyramid
     cells: torch.Tensor
 
 
 class Deaot(nn.Module):
-    """Semi-supervised video object segmentation by propagating masks from remembered frames.
+    """Semi-supervised video object segmentation by propagation of masks from frames in memory.
 
-    The batch of every memory, mask and logit is the groups of at most `max_objects` objects, tracked side by side; the
-    frame itself is encoded once for all of them.
+    The batch dimension of memories, masks and logits are groups of at most `max_objects` objects, tracked in parallel;
+    a frame is encoded once for all groups.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""The gated propagation module: visual and identity features carried on from remembered frames."""
+"""The gated propagation module, which propagates visual and identity features from frames in memory."""
 
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ from moseg.tasks.networks.deaot.attention import GatedPropagation, LocalGatedPro
 
 
 class LayerMemory(NamedTuple):
-    """Places of one or more frames, as one propagation module remembers them.
+    """Places of one or more frames in the memory of one propagation module.
 
     Attributes
     ----------
@@ -18,7 +18,7 @@ class LayerMemory(NamedTuple):
     values : (batch, place, 2 d_model)
         The visual branch's.
     identities : (batch, place, 2 d_model)
-        The identity branch's: which object is there.
+        The identity branch's: the object at each place.
     """
 
     keys: torch.Tensor
@@ -29,8 +29,8 @@ class LayerMemory(NamedTuple):
 def extend_memory(memory: LayerMemory, frame: LayerMemory, max_frames: int) -> LayerMemory:
     """Add a frame to long-term memory; keep the first frame and the newest of the others, `max_frames` in all.
 
-    The first frame is the only one whose masks were given rather than predicted, so it is never dropped; of the
-    others the oldest goes. The published engine keeps every frame.
+    The masks of the first frame were given, not predicted, so it is never dropped; of the others the oldest is dropped.
+    The published engine keeps every frame.
     """
     num_places = frame.keys.shape[1]
     num_recent = (max_frames - 1) * num_places
@@ -42,12 +42,12 @@ def extend_memory(memory: LayerMemory, frame: LayerMemory, max_frames: int) -> L
 
 
 class Projected(NamedTuple):
-    """A frame as a module sees it, before it is known which object is where.
+    """A frame projected by a module, before its objects are decided.
 
     Attributes
     ----------
     query : (batch, cell, d_att)
-        Matches against memory, and is the frame's own key when it is remembered.
+        Query to the memory, and the frame's key when it is added to the memory.
     values : (batch, cell, 2 d_model)
     gate : (batch, cell, 4 d_model)
         Of the visual and the identity values.

@@ -1,4 +1,4 @@
-"""DINOv2's position embeddings at the size of a frame, as the network was trained with them."""
+"""DINOv2's patches, and its position embeddings resampled to the size of a frame as in its training."""
 
 from types import MethodType
 
@@ -9,14 +9,14 @@ from transformers import PreTrainedModel
 PATCH = 14
 """Side of a patch of every DINOv2, px."""
 OFFSET = 0.1
-"""Cells by which the grid is stretched: with it DINOv2's authors kept the rounding of a scale from losing a cell."""
+"""Cells added to the grid: by it DINOv2's authors kept the rounding of a scale from losing a cell."""
 
 
 def resample_as_trained(model: PreTrainedModel) -> PreTrainedModel:
     """Make the model's backbone resample positions by the authors' factor, and return the model.
 
-    transformers resamples them to a number of cells, which puts the last ones a tenth of a cell elsewhere. On the
-    published grid of 37 x 37 cells both are the same.
+    transformers resamples them to a number of cells, which shifts the last ones by a tenth of a cell. On the published
+    grid of 37 x 37 cells both are equal.
     """
     embeddings = model.backbone.embeddings
     embeddings.interpolate_pos_encoding = MethodType(_resample, embeddings)

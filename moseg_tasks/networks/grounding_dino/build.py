@@ -12,7 +12,7 @@ from moseg.tasks.networks.transformers_model import build_transformers, read_jso
 VOCABULARY = "vocab.txt"
 PREPROCESSOR = "preprocessor_config.json"
 SPECIAL_TOKENS = {"[CLS]": 101, "[SEP]": 102, ".": 1012, "?": 1029}
-"""BERT's tokens that part the phrases of a prompt: the network's code looks for these numbers."""
+"""BERT's tokens that separate the phrases of a prompt: the network's code depends on these numbers."""
 
 
 class GroundingDino(NamedTuple):
@@ -38,7 +38,7 @@ class GroundingDino(NamedTuple):
     def input_size(self, height: int, width: int, input_scale: float) -> tuple[int, int]:
         """Return height and width of the resized frame, px, rounded as in the authors' ``datasets/transforms.py``.
 
-        transformers rounds otherwise: its longer side differs by up to 2 px for a quarter of all sizes.
+        transformers rounds differently: its longer side differs by up to 2 px for a quarter of all sizes.
 
         Parameters
         ----------
@@ -67,7 +67,7 @@ def build_grounding_dino(checkpoint: Checkpoint) -> GroundingDino:
     Raises
     ------
     InputError
-        The checkpoint is not one of this network, or a document is missing or not what it should be.
+        The checkpoint is not one of this network, or a document is missing or invalid.
 
     References
     ----------

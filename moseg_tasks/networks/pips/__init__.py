@@ -1,4 +1,4 @@
-"""Persistent independent particles (PIPs): a network that follows points through windows of eight frames."""
+"""Persistent independent particles (PIPs): a network that tracks points through windows of eight frames."""
 
 from moseg.tasks.networks.pips.config import PipsConfig
 from moseg.tasks.networks.pips.model import Pips, build_pips

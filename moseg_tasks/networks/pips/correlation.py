@@ -1,4 +1,4 @@
-"""How well points' appearances agree with the feature maps around where the points are believed to be."""
+"""Correlation of points' appearances with the feature maps around the points' estimated positions."""
 
 from collections.abc import Sequence
 
@@ -34,8 +34,8 @@ def correlate(
     """Correlate each point's appearance with the square of cells around it, at each level of the pyramid.
 
     Interpolation is linear, so the maps' cells are correlated first and the correlations interpolated: all samples of
-    a square share their fraction of a cell, and the (2 radius + 2)^2 cells under it are all that is ever looked at.
-    A volume of correlations with the whole map, of which these are samples, would take a hundred times as many.
+    a square share their fraction of a cell, so only the (2 radius + 2)^2 cells under it are needed. A volume of
+    correlations with the whole map, of which these are samples, would take a hundred times as many.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def correlate(
         Over the root of C; level by level, the square's columns one after the other.
     """
     sampled = []
-    # Half precision keeps three digits of a sum over all channels: too few to tell where a correlation peaks.
+    # Half precision keeps three digits of a sum over all channels: too few to locate the peak of a correlation.
     with torch.autocast(points.device.type, enabled=False):
         for level, maps in enumerate(pyramid):
             square = _correlate_square(maps, appearances, points / 2**level, radius)

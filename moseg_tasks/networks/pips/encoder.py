@@ -25,7 +25,7 @@ class ResidualBlock(nn.Module):
 
 
 class Encoder(nn.Module):
-    """Feature maps at 1 / `stride` of an image's size, made of four stages between half and a sixteenth of it."""
+    """Feature maps at 1 / `stride` of an image's size, computed from four stages between half and a sixteenth of it."""
 
     def __init__(self, config: PipsConfig):
         super().__init__()

@@ -1,4 +1,4 @@
-"""The PIPs network: where points of a window's first frame lie in its other frames."""
+"""The PIPs network: positions of points of a window's first frame in its other frames."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -14,12 +14,12 @@ from moseg.tasks.networks.pips.mixer import Update
 
 
 class Trajectories(NamedTuple):
-    """What the network says of N points in the S frames of a window.
+    """Estimates of the network for N points in the S frames of a window.
 
     Attributes
     ----------
     points : torch.Tensor (N, S, 2)
-        xy, px of the images; in the first frame the points that were asked for.
+        xy, px of the images; in the first frame the points given.
     visibility : torch.Tensor (N, S)
         Logits.
     """
@@ -29,7 +29,7 @@ class Trajectories(NamedTuple):
 
 
 class Pips(nn.Module):
-    """Persistent independent particles: each point is followed for itself, and through occlusions within a window.
+    """Persistent independent particles: each point is tracked independently, also through occlusions within a window.
 
     Attribute names are those of the published state dict.
 
@@ -81,7 +81,7 @@ class Pips(nn.Module):
         points : torch.Tensor (N, 2)
             xy in the first frame, px.
         appearances : torch.Tensor (N, C)
-            What to look for: of `appearances` in the first frame, or in the frame in which a point was first seen.
+            Appearance to search for: of `appearances` in the first frame, or in the first frame that showed a point.
         iterations : int
             Steps of refinement, from points at rest and appearances that do not change.
 
@@ -97,7 +97,7 @@ class Pips(nn.Module):
             correlations = correlate(pyramid, appearances, positions, self.config.radius)
             shift, change = self.delta_block(appearances, correlations, positions - start)
             change = self.ffeat_updater(self.norm(change.flatten(0, 1))).view(shape)
-            # Summed in full precision whatever the layers compute in.
+            # Summed in full precision, whatever the precision of the layers.
             appearances = appearances + change.to(appearances.dtype)
             positions = torch.cat([start, (positions + shift)[:, 1:]], dim=1)
         visibility = self.vis_predictor(appearances).squeeze(-1)
@@ -115,7 +115,7 @@ def build_pips(checkpoint: Checkpoint) -> Pips:
     Parameters
     ----------
     checkpoint : Checkpoint
-        Tensors of the published ``model-000200000.pth``, or of a network of the sizes in `config` (`PipsConfig`).
+        Tensors of the published ``model-000200000.pth``, or of a network with the sizes in `config` (`PipsConfig`).
 
     Returns
     -------
@@ -127,7 +127,7 @@ def build_pips(checkpoint: Checkpoint) -> Pips:
     InputError
         `config` has other fields than `PipsConfig`, or a tensor is missing, left over or of another shape.
     """
-    # Without memory of its own until the tensors are there: initial values would only be overwritten.
+    # On the meta device, because initial values would only be overwritten.
     with torch.device("meta"):
         network = Pips(checkpoint.sizes(PipsConfig()))
     return load_strictly(network.to_empty(device="cpu"), checkpoint.tensors, checkpoint.name)

@@ -1,4 +1,4 @@
-"""The size at which the network sees a frame, and points at either size."""
+"""The size of the network's input, and points at the frame's and at the network's size."""
 
 from typing import NamedTuple
 
@@ -6,15 +6,15 @@ import cv2
 import numpy as np
 
 MULTIPLE = 8
-"""Sides the network sees are multiples of this, as those of its published evaluation (360 x 640) are, px."""
+"""Sides of the network's input are multiples of this, as in its published evaluation (360 x 640), px."""
 
 
 class Resolution(NamedTuple):
-    """A frame's size and the one the network sees it at, (height, width), px.
+    """A frame's size and that of the network's input, (height, width), px.
 
     Pixel centres lie at integers in both, and both show the same edges, which lie half a pixel outside the outermost
-    centres: x_network + 1/2 = (x_frame + 1/2) width_network / width_frame, and likewise y. The two axes have each
-    their own scale, as sides are rounded; both are undone exactly.
+    centres: x_network + 1/2 = (x_frame + 1/2) width_network / width_frame, and likewise y. Each axis has its
+    own scale, because sides are rounded; both are inverted exactly.
     """
 
     frame: tuple[int, int]

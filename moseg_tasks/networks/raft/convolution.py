@@ -1,4 +1,4 @@
-"""A convolution with what follows it: the unit in which the published state dicts count."""
+"""A convolution with its normalisation and ReLU: the unit of the published state dicts."""
 
 from collections.abc import Callable
 

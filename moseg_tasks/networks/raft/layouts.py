@@ -34,7 +34,7 @@ def to_own_names(tensors: Mapping[str, Tensor], name: str) -> dict[str, Tensor]:
     Raises
     ------
     InputError
-        Princeton's layout holds the normalisation of each shortcut twice, and one copy is missing or differs.
+        A copy of a shortcut's normalisation, which princeton's layout holds twice, is missing or differs.
     """
     if not any(key.startswith(tuple(_PRINCETON_ENCODERS)) for key in tensors):
         return dict(tensors)

@@ -13,7 +13,7 @@ from moseg.tasks.networks.raft.upsampling import STRIDE, MaskPredictor, upsample
 
 
 class Raft(nn.Module):
-    """Flow by iterated look-ups in the correlation of all pairs of cells.
+    """Network that estimates flow by iterated look-ups in the correlation of all pairs of cells.
 
     References
     ----------
@@ -38,7 +38,7 @@ class Raft(nn.Module):
     def min_side(self) -> int:
         """Minimal side that leaves the coarsest level of the correlation pyramid two cells, px; 128 as published.
 
-        With a single cell the published code divides by zero. So no published network has seen smaller images.
+        With a single cell the published code divides by zero, so no published network was applied to smaller images.
         """
         return STRIDE * 2**self.config.correlation_levels
 
@@ -52,7 +52,7 @@ class Raft(nn.Module):
         iterations : int
             Steps of the flow.
         on_demand : bool
-            Compute correlations at each look-up instead of holding them all.
+            Compute correlations at each look-up instead of storing them all.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""From flow on an eighth of the grid to flow of every pixel."""
+"""Upsampling of flow from an eighth of the resolution to every pixel."""
 
 import torch.nn.functional as F
 from torch import Tensor, nn
@@ -6,7 +6,7 @@ from torch import Tensor, nn
 from moseg.tasks.networks.raft.convolution import conv_norm_relu
 
 STRIDE = 8
-"""Pixels along a cell's side: the encoders halve the resolution three times."""
+"""Pixels along a cell's side, because the encoders halve the resolution three times."""
 _NEIGHBOURS = 9
 # The published weights were trained with this factor before the softmax, to weaken the branch's gradients.
 _LOGIT_SCALE = 0.25

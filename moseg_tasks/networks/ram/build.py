@@ -14,7 +14,7 @@ from moseg.tasks.networks.ram.model import Ram, RamPlus
 
 
 class Tagger(NamedTuple):
-    """A network that scores tags, their names, and the score from which each one counts.
+    """A network that scores tags, their names, and the minimal score of each.
 
     Attributes
     ----------
@@ -23,7 +23,7 @@ class Tagger(NamedTuple):
     names : tuple of str
         In the order of the network's logits.
     thresholds : float64 (num_tags,)
-        Least probability of each tag.
+        Minimal probability of each tag.
     """
 
     network: Ram
@@ -36,14 +36,14 @@ class Tagger(NamedTuple):
 
 
 TRAINING_ONLY = ("tag_encoder.", "text_decoder.", "logit_scale")
-"""Beginnings of the names of what tagging does not use: the captioner, and the temperature of a training loss."""
+"""Prefixes of the names of tensors that tagging does not use: the captioner, and the temperature of a training loss."""
 DERIVED = (".relative_position_index", ".attn_mask")
-"""Endings of the names of buffers that follow from the windows' size and are computed anew."""
+"""Suffixes of the names of buffers that depend only on the windows' size and are recomputed."""
 OLD_NAME = "vision_multi."
-"""The tagging head's name in checkpoints from before it was called so."""
+"""Former name of the tagging head in older checkpoints."""
 REWEIGHT_SCALE = math.log(1 / 0.07)
-"""Log of RAM++'s scale of likenesses. The released checkpoint has no such tensor, and the official code then uses the
-value that it sets at the start, which is CLIP's initial temperature."""
+"""Log of RAM++'s scale of similarities. The released checkpoint has no such tensor, and the official code then uses its
+initial value, which is CLIP's initial temperature."""
 TAGS, THRESHOLDS = "tags.txt", "thresholds.txt"
 
 
@@ -54,7 +54,7 @@ def build_ram(checkpoint: Checkpoint) -> Tagger:
     ----------
     checkpoint : Checkpoint
         The official state dict; documents ``tags.txt`` and ``thresholds.txt``, one a line; the sizes (`RamConfig`)
-        where they are not the published ones.
+        if they differ from the published ones.
 
     Returns
     -------
@@ -91,7 +91,7 @@ def _assemble(checkpoint: Checkpoint, network: Ram, tensors: Mapping[str, torch.
     num_tags = network.config.num_tags
     names = _read_lines(checkpoint, TAGS, num_tags)
     if not all(names) or len(set(names)) != num_tags:
-        raise InputError("an empty or doubled tag", where=f"{TAGS} of weights {checkpoint.name}")
+        raise InputError("an empty or repeated tag", where=f"{TAGS} of weights {checkpoint.name}")
     thresholds = _read_thresholds(checkpoint, num_tags)
     return Tagger(load_strictly(network, tensors, checkpoint.name), names, thresholds)
 
@@ -102,9 +102,9 @@ def _read_thresholds(checkpoint: Checkpoint, num_tags: int) -> np.ndarray:
         thresholds = np.array([float(line) for line in lines])
     except ValueError as error:
         where = f"{THRESHOLDS} of weights {checkpoint.name}"
-        raise InputError("a line that is no number", where=where, got=str(error)) from error
+        raise InputError("a line that is not a number", where=where, got=str(error)) from error
     if not ((thresholds >= 0) & (thresholds <= 1)).all():
-        raise InputError("a threshold beyond 0..1", where=f"{THRESHOLDS} of weights {checkpoint.name}")
+        raise InputError("a threshold outside 0..1", where=f"{THRESHOLDS} of weights {checkpoint.name}")
     return thresholds
 
 

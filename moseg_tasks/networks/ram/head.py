@@ -1,4 +1,4 @@
-"""The tagging head: tags attend to the image's tokens."""
+"""The tagging head, in which tags attend to the image's tokens."""
 
 import torch
 from torch import nn
@@ -6,12 +6,12 @@ from torch.nn import functional
 
 from moseg.tasks.networks.ram.config import RamConfig
 
-# Of BERT, whose layers the head's are.
+# Of BERT, from which the head's layers are taken.
 _NORM_EPS = 1e-12
 
 
 class _Residual(nn.Module):
-    """Linear layer, sum with what it is added to, norm."""
+    """Linear layer, sum with the shortcut, norm."""
 
     def __init__(self, inner: int, width: int):
         super().__init__()
@@ -62,7 +62,7 @@ class TaggingHead(nn.Module):
     References
     ----------
     Liu et al., "Query2Label: A Simple Transformer Way to Multi-Label Classification", 2021: a tag's query is its
-    embedding, and its answer alone decides on the tag.
+    embedding, and its output alone decides on the tag.
     """
 
     def __init__(self, config: RamConfig):

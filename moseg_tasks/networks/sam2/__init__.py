@@ -1,4 +1,4 @@
-"""SAM 2.1: masks from prompts on an image, and masks carried through a video by a memory."""
+"""SAM 2.1: masks from prompts on an image, and masks tracked through a video with a memory."""
 
 from moseg.tasks.networks.sam2.build import build_sam2_image, build_sam2_video, network_side
 from moseg.tasks.networks.sam2.sessions import forget_past, start_sessions

@@ -1,4 +1,4 @@
-"""SAM 2.1 with its memory: an object's mask carried through a video."""
+"""The image network and the video network of SAM 2.1."""
 
 from torch.nn import functional
 from transformers import Sam2Config, Sam2Model, Sam2VideoConfig, Sam2VideoModel
@@ -10,7 +10,7 @@ from moseg.tasks.networks.transformers_model import build_transformers
 def build_sam2_image(checkpoint: Checkpoint) -> Sam2Model:
     """Build image encoder, prompt encoder and mask decoder of ``facebook/sam2.1-hiera-*``.
 
-    The checkpoints are those of the video network. What only the memory needs is ignored by name: ``memory_*``,
+    The checkpoints are those of the video network. The memory's tensors are ignored by name: ``memory_*``,
     ``mask_downsample``, ``object_pointer_proj``, ``no_object_pointer``, ``no_memory_positional_encoding``,
     ``temporal_positional_encoding_projection_layer`` and ``occlusion_spatial_embedding_parameter``.
 
@@ -27,11 +27,11 @@ def build_sam2_image(checkpoint: Checkpoint) -> Sam2Model:
 
 
 class Sam2Video(Sam2VideoModel):
-    """The network as its authors run it where the first mask of an object is given.
+    """The video network, run as by its authors where the first mask of an object is given.
 
-    transformers 5.23 then takes the object's pointer from the best of three masks and puts the given mask to memory as
-    it is. The authors take it from the single mask, and put to memory what is left of the given one at a quarter of its
-    size.
+    transformers 5.23 then takes the object's pointer from the best of three masks and stores the given mask unchanged
+    in memory. The authors take the pointer from the single mask, and store the given mask resampled from a quarter of
+    its size.
     """
 
     def _single_frame_forward(self, *args, **kwargs):

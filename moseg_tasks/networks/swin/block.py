@@ -47,7 +47,7 @@ class SwinBlock(nn.Module):
     side, width, num_heads, window : int
         Grid side (tokens), channels, heads and window side (tokens) of the stage.
     is_shifted : bool
-        The windows lie half a window off the grid, as in every second block. A window that fills the grid never does.
+        The windows are shifted by half a window, as in every second block. One that fills the grid is never shifted.
     mlp_ratio : int
         Hidden channels of the perceptron over `width`.
     """
@@ -96,7 +96,7 @@ def relative_positions(window: int) -> torch.Tensor:
 def shifted_sight(side: int, window: int, shift: int) -> torch.Tensor:
     """Return which tokens of a window attend to each other in a grid rolled by `shift`, bool (windows, 1, n, n).
 
-    The roll brings opposite borders of the image into one window; tokens see only those they touched before it.
+    The roll brings opposite borders of the image into one window; tokens attend only to former neighbours.
     """
     place = torch.arange(side)
     # 0 inside, 1 and 2 on the two sides of the seam in the last row or column of windows.

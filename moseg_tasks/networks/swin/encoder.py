@@ -1,4 +1,4 @@
-"""The Swin image encoder: patches, four stages of blocks, and a mean token."""
+"""The Swin image encoder: patches, stages of blocks, and a mean token."""
 
 import torch
 from torch import nn
@@ -30,7 +30,7 @@ class PatchMerging(nn.Module):
 
     def forward(self, grid: torch.Tensor) -> torch.Tensor:
         """Map (B, y, x, C) to (B, y / 2, x / 2, 2 C)."""
-        # The trained weights expect the four in the order of columns, not of rows.
+        # The weights were trained with the four in column order, not in row order.
         corners = [grid[:, y::2, x::2] for x in (0, 1) for y in (0, 1)]
         return self.reduction(self.norm(torch.cat(corners, dim=-1)))
 

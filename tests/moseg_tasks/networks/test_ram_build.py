@@ -106,12 +106,12 @@ def test_tensors_of_another_network_are_refused(change, message):
     ("change", "message"),
     [
         ({"tags.txt": "person\ncar"}, "number of lines.*tags.txt.*got 2.*expected 3"),
-        ({"tags.txt": "person\n\ndog"}, "empty or doubled"),
-        ({"tags.txt": "person\ndog\ndog"}, "empty or doubled"),
+        ({"tags.txt": "person\n\ndog"}, "empty or repeated"),
+        ({"tags.txt": "person\ndog\ndog"}, "empty or repeated"),
         ({"thresholds.txt": "0.5\n0.5\n"}, "number of lines.*thresholds.txt"),
-        ({"thresholds.txt": "0.5\nhigh\n0.5"}, "no number.*high"),
-        ({"thresholds.txt": "0.5\n1.5\n0.5"}, "beyond"),
-        ({"thresholds.txt": "0.5\nnan\n0.5"}, "beyond"),
+        ({"thresholds.txt": "0.5\nhigh\n0.5"}, "not a number.*high"),
+        ({"thresholds.txt": "0.5\n1.5\n0.5"}, "outside"),
+        ({"thresholds.txt": "0.5\nnan\n0.5"}, "outside"),
     ],
 )
 def test_lists_that_do_not_fit_are_refused(change, message):
