@@ -1,4 +1,4 @@
-"""Masks of a section's objects, carried from its first frame by DeAOT."""
+"""Masks of a section's objects, tracked from its first frame by DeAOT."""
 
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from moseg.tasks.check_frame import check_frame
 from moseg.tasks.networks.deaot import STRIDE, Deaot, extend_memory
 from moseg.tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
 
-# Probabilities are kept this far from 0 and 1 where groups are merged, as in the authors' engine.
+# Distance of probabilities from 0 and 1 where groups are merged, as in the authors' engine.
 _MARGIN = 1e-5
 
 
@@ -36,8 +36,8 @@ class Propagated(NamedTuple):
 def track_masks_deaot(model: Deaot, frames: Iterable[np.ndarray], seeds: np.ndarray, params: DeaotParams) -> np.ndarray:
     """Track the objects of the first frame and return their labels in every frame.
 
-    Objects beyond those that one pass of the network holds are tracked in groups, whose logits are merged as in the
-    authors' engine. Unlike there, long-term memory is bounded, see `DeaotParams.memory_frames`.
+    More objects than one pass of the network holds are tracked in groups, whose logits are merged as in the authors'
+    engine. Unlike there, long-term memory is bounded, see `DeaotParams.memory_frames`.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def track_masks_deaot(model: Deaot, frames: Iterable[np.ndarray], seeds: np.ndar
     Raises
     ------
     InputError
-        The seeds are no labels, there are no frames, or a frame is not RGB of the seeds' size.
+        The seeds are not labels, there are no frames, or a frame is not RGB of the seeds' size.
 
     References
     ----------
@@ -74,7 +74,7 @@ def propagate_masks(
 ) -> Iterator[Propagated]:
     """Yield frame by frame what `track_masks_deaot` returns, with its logits; raises the same errors."""
     if seeds.dtype != np.uint16 or seeds.ndim != 2 or seeds.size == 0:
-        raise InputError("no labels", where="seeds", got=f"{seeds.dtype} {seeds.shape}", expected="uint16 (y, x)")
+        raise InputError("not labels", where="seeds", got=f"{seeds.dtype} {seeds.shape}", expected="uint16 (y, x)")
     num_objects = int(seeds.max())
     shown = network_size(seeds.shape, params.max_side)
     grid, weight = model.grid(shown), next(model.parameters())
@@ -104,7 +104,7 @@ def propagate_masks(
 def network_size(size: tuple[int, int], max_side: int) -> tuple[int, int]:
     """Return the size (y, x) of the network's input for frames of `size`: sides of 1 modulo 16.
 
-    A frame with a side over `max_side` is shrunk; then sides are rounded to the nearest such number, 17 at least.
+    A frame with a side over `max_side` is reduced; then sides are rounded to the nearest such number, at least 17.
     """
     scale = min(1.0, max_side / max(size))
     height, width = (max(round((int(scale * side) - 1) / STRIDE), 1) * STRIDE + 1 for side in size)
@@ -136,7 +136,7 @@ def _group_masks(labels: torch.Tensor, num_objects: int, shown: tuple[int, int],
 def _merged(logits: torch.Tensor, num_objects: int) -> torch.Tensor:
     """Return logits (1 + num_objects, y, x) of all groups (group, 1 + max_objects, y, x), without unused identities.
 
-    The background is what is background in every group.
+    A pixel is background if it is background in every group.
     """
     max_objects = logits.shape[1] - 1
     parts = [part[: 1 + num_objects - i * max_objects] for i, part in enumerate(logits)]

@@ -9,8 +9,8 @@ def guided_coefficients(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Fit a local linear model of a map by an image's colours: ``filtered ~ slope . colour + offset``.
 
-    Coefficients on a coarse grid may be enlarged and applied to the image in full: outlines then follow its edges at a
-    fraction of the work.
+    Coefficients of a coarse grid may be enlarged and applied to the full image: outlines then follow its edges at a
+    fraction of the cost.
 
     Parameters
     ----------
@@ -20,7 +20,7 @@ def guided_coefficients(
     radius : int
         Half side of the window, px.
     smoothness : float
-        Variance of colour below which a window counts as flat.
+        Variance of colour below which a window is treated as flat.
 
     Returns
     -------

@@ -16,9 +16,9 @@ def count_overlaps(masks0: np.ndarray, masks1: np.ndarray, num_objects0: int, nu
     Parameters
     ----------
     masks0, masks1 : uint16 (frame, y, x)
-        The common frames as labelled in either section; 0 = background.
+        The common frames as labelled in each section; 0 = background.
     num_objects0, num_objects1 : int
-        Objects of either section, whether seen in these frames or not.
+        Objects of each section, visible in these frames or not.
 
     Returns
     -------
@@ -43,7 +43,7 @@ def link_sections(overlaps: Sequence[np.ndarray], num_objects: Sequence[int], pa
     """Return the identity in the sequence of each object of each section.
 
     Adjacent sections are matched one to one, maximising the summed IoU over their common frames. An object without a
-    match gets an identity that no object had before; one that is not matched on ends there.
+    match in the previous section gets a new identity.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def link_sections(overlaps: Sequence[np.ndarray], num_objects: Sequence[int], pa
 
     Returns
     -------
-    identity : uint16 (section, most objects of a section + 1)
+    identity : uint16 (section, maximal number of objects of a section + 1)
         0 for the background (column 0) and past a section's last object.
 
     Raises

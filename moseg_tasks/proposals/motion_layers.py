@@ -9,8 +9,8 @@ from moseg.schemas.parameters.identity import IdentityParams
 from moseg.tasks.saliency.grid import vector_length
 
 CAP = 4.0
-"""Deviation, in units of noise, from which on all say the same: not of this motion."""
-_MIN_SAMPLES = 6  # samples that an affine motion is fitted to
+"""Residual, in units of noise, at which the cost of a sample is truncated."""
+_MIN_SAMPLES = 6  # samples to which an affine motion is fitted
 
 
 class VelocitySamples(NamedTuple):
@@ -19,15 +19,15 @@ class VelocitySamples(NamedTuple):
     Attributes
     ----------
     design : float64 (N, 3)
-        1, x, y; px from the component's centroid, so that it can be compared with the next frame's.
+        1, x, y; px from the component's centroid, so that frames can be compared.
     velocity : float64 (N, 2)
         px/frame; the mean of both time directions.
     weight : float64 (N,)
-        0..1, low where both directions differ: there, one of them looks at what is hidden.
+        0..1, low where both directions differ, because one of them is occluded there.
     centre : float64 (2,)
         The centroid, xy, px.
     noise : float
-        Deviation that is noise, px/frame.
+        Standard deviation of the noise, px/frame.
     """
 
     design: np.ndarray
@@ -69,7 +69,7 @@ def sample_velocity(mask: np.ndarray, residual_flows: np.ndarray, step: int, par
 def fit_motion(samples: VelocitySamples, among: np.ndarray, params: IdentityParams) -> np.ndarray:
     """Fit the affine motion float64 (3, 2), rows 1, x, y, that most of the samples `among` (bool (N,)) follow.
 
-    Least squares reweighted by Cauchy's function; the slopes are held to 0 as far as the samples are close together.
+    Least squares reweighted by Cauchy's function; the slopes are regularised to 0, more so for a small extent.
     """
     design, velocity, weight = samples.design[among], samples.velocity[among], samples.weight[among]
     origin = weight @ design / max(weight.sum(), 1e-9)
@@ -90,7 +90,7 @@ def residuals(samples: VelocitySamples, motion: np.ndarray) -> np.ndarray:
 
 
 class TwoMotions(NamedTuple):
-    """Two affine motions float64 (3, 2) of a frame, and which of its samples follow the second, bool (N,)."""
+    """Two affine motions float64 (3, 2) of a frame, and the samples that follow the second, bool (N,)."""
 
     first: np.ndarray
     second: np.ndarray
@@ -107,12 +107,12 @@ def carry_motions(
 ) -> TwoMotions:
     """Fit the two motions of a neighbouring frame to this one.
 
-    Two beginnings are tried, and the one that ends with the better fit is taken: each sample stays on the side of the
-    sample that was nearest, or it goes where its velocity fits. The first keeps apart a limb and its body while the
-    limb turns back; the second finds again what moves fast or was hidden. Later, too, a sample changes sides only for
-    more than noise.
+    Two initialisations are tried, and the one with the better fit is taken: each sample follows the motion of the
+    sample that was nearest, or the motion that fits its velocity. The first keeps a limb and its body apart while the
+    limb turns back; the second recovers what moves fast or was hidden. In all iterations a sample changes its motion
+    only if that improves its residual by more than the noise.
     """
-    # Seen from the centroid, a sample has moved by what it moves more than the others: less than a step as a rule.
+    # Relative to the centroid, a sample usually moves by less than a step between frames.
     _, nearest = cKDTree(samples_before.design[:, 1:]).query(samples.design[:, 1:])
     stayed = before.is_second[nearest]
     stay = np.where(stayed, -samples.noise, samples.noise)

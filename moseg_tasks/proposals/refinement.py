@@ -1,4 +1,4 @@
-"""Outlines at full size: the foreground of a coarse grid follows the edges of the frame."""
+"""Outlines at full size: the foreground of a coarse grid is aligned with the edges of the frame."""
 
 import cv2
 import numpy as np
@@ -8,7 +8,7 @@ from moseg.tasks.proposals.components import FOREGROUND
 from moseg.tasks.proposals.guided_filter import apply_coefficients, guided_coefficients
 from moseg.tasks.saliency.grid import reduce_frame
 
-_MARGIN = 4  # cells around the objects that are looked at, beside the filter's two windows
+_MARGIN = 4  # cells around the objects that are processed, in addition to the filter's two windows
 
 
 def refine_outlines(
@@ -44,7 +44,7 @@ def refine_outlines(
     if part.size == 0:
         return objects
     near = labels[window]
-    # What is foreground but of no object, such as a component that was not kept, must not bleed into one.
+    # Foreground of no object, such as a dropped component, must not leak into an object.
     kept = np.where((near > 0) | (foreground[window] <= FOREGROUND), foreground[window], 0).astype(np.float32)
     guide = reduce_frame(part, near.shape) * np.float32(1 / 255)
     slope, offset = guided_coefficients(guide, kept, params.radius, params.smoothness)

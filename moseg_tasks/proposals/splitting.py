@@ -1,4 +1,4 @@
-"""Objects that touch in the image but move apart get identities of their own."""
+"""Splitting of components into objects that touch in the image but move apart."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -38,9 +38,9 @@ class _Layers(NamedTuple):
 def split_touching(labels: np.ndarray, residual_flows: np.ndarray, params: IdentityParams) -> np.ndarray:
     """Split components of two or more motions that belong to different objects.
 
-    A component is two objects when in several frames two affine motions explain what one cannot, each has a compact
-    part of its own, they differ far more than either part does within itself, and in all their difference carries the
-    parts past each other. Limbs fail the last two: they hang together with the body, swing back, and go nowhere.
+    A component is two objects if in several frames two affine motions explain it and one does not, each motion has a
+    compact part, the motions differ far more than each part varies, and the sum of their differences over time
+    separates the parts. Limbs fail the last two conditions: they are connected to the body and swing back.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def split_touching(labels: np.ndarray, residual_flows: np.ndarray, params: Ident
     Returns
     -------
     labels : as `labels`
-        The larger part of a split component keeps its label; others get new ones, above those that were.
+        The larger part of a split component keeps its label; others get new labels above all existing ones.
 
     Raises
     ------
@@ -127,7 +127,7 @@ def _follow_layers(
 ) -> list[_Layers | None]:
     """Fit both motions in every frame, forwards and backwards in time from the frame that shows them best.
 
-    Nothing where no frame shows them far enough apart.
+    Empty if no frame shows them far enough apart.
     """
     tried = broken[:: -(-len(broken) // params.split_starts)]
     found = {t: cut_motions(samples[t], params) for t in tried}
@@ -154,7 +154,7 @@ def _weigh(samples: VelocitySamples, motions: TwoMotions, single: float, step: i
     apart = own_residuals(samples, motions)
     counts = np.array([(~is_second).sum(), is_second.sum()])
     smaller = is_second if counts[1] < counts[0] else ~is_second
-    # Between the motions where the smaller part is: that is where the parts would hang together.
+    # Difference of the motions at the smaller part, where the parts would be connected.
     place = samples.design[smaller].mean(axis=0) if smaller.any() else np.array([1.0, 0.0, 0.0])
     relative = place @ (second - first)
     spread = max(float(samples.weight @ apart / samples.weight.sum()), 1e-6)
@@ -190,14 +190,14 @@ def _assign(
     velocities = [sign * flow[y, x] for sign, flow in zip((-1, 1), residual_flows, strict=True) if flow.any()]
     deviations = []
     for motion in layer.motions:
-        # Next to what it hides or uncovers, a pixel's flow is right in one time direction only.
+        # Next to an occlusion a pixel's flow is right in one time direction only.
         apart = [np.linalg.norm(design @ motion - velocity, axis=1) for velocity in velocities]
         deviations.append(np.minimum.reduce(apart, initial=CAP * samples.noise, axis=0))
     votes = np.zeros(component.shape, np.float32)
     votes[y, x] = deviations[0] - deviations[1]
     votes = cv2.blur(votes, (params.split_blur, params.split_blur), borderType=cv2.BORDER_CONSTANT)
     second = component & (votes > 0)
-    # Specks belong to what surrounds them.
+    # Specks belong to their surroundings.
     second = _without_specks(second, min_area)
     return component & ~_without_specks(component & ~second, min_area)
 

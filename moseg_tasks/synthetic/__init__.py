@@ -1,4 +1,4 @@
-"""The ``synthetic`` data set: scenes declared as data, rendered with exact masks, flow, depth and tracks."""
+"""The ``synthetic`` data set: scenes declared as data and rendered with exact masks, flow, depth and tracks."""
 
 from moseg.tasks.synthetic.render import RenderedScene, render_scene
 from moseg.tasks.synthetic.scene import Scene

@@ -1,4 +1,4 @@
-"""Positions, angles and colours that change with time, declared as data, and the rigid poses they make.
+"""Positions, angles and colours as functions of time, declared as data, and rigid poses.
 
 World and camera axes are x right, y down, z forward; lengths are metres, angles degrees, time is counted in frames.
 """
@@ -19,7 +19,7 @@ class Sway(Frozen):
 
     amplitude: Vector
     period: float = Field(gt=0, description="frames of one oscillation")
-    phase: float = Field(0.0, description="part of an oscillation already done at frame 0")
+    phase: float = Field(0.0, description="share of an oscillation that is complete at frame 0")
 
 
 class Path(Frozen):

@@ -1,4 +1,4 @@
-"""Things and backdrops that scenes are set with: crates, pillars, bushes, balls, cars, walkers, rooms and streets.
+"""Things and backdrops of scenes: crates, pillars, bushes, balls, cars, walkers, rooms and streets.
 
 The ground is the plane y = 0. Props stand on it at (x, z); ``velocity`` is (x, z) in metres per frame.
 """

@@ -1,4 +1,4 @@
-"""Colours of the pixels of a frame: filtered textures, and more rays where the outlines of surfaces pass."""
+"""Colours of the pixels of a frame: filtered textures, and more rays at the outlines of surfaces."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ AMBIENT = 0.78
 LIGHT = (0.35, -0.8, -0.5)
 """Direction to the light in each part's own coordinates, so that no surface changes brightness as it turns."""
 STEEPEST = 0.15
-"""Cosine of incidence below which the filter stretches no further: a compromise of blur and shimmer."""
+"""Cosine of incidence below which the filter is not widened: a compromise between blur and aliasing."""
 
 
 def shade_frame(view: View, hits: Hits, mipmaps: tuple[MipMap, ...]) -> np.ndarray:
@@ -68,7 +68,7 @@ def _shade_part(view: View, part: int, x: np.ndarray, y: np.ndarray, depth: np.n
     footprint = depth / (view.camera.focal * texel * np.sqrt(cosine))
     color = sample_texture(mipmap, chart.u / texel, chart.v / texel, footprint)
     lit = (normal[:, 0] * LIGHT[0] + normal[:, 1] * LIGHT[1] + normal[:, 2] * LIGHT[2]) / np.sqrt(square)
-    # A face and its reverse are lit alike, so planes need no front.
+    # A face and its reverse are lit equally, so planes need no front.
     return color * (AMBIENT + (1.0 - AMBIENT) * np.abs(lit)).astype(np.float32)[:, None]
 
 

@@ -1,4 +1,4 @@
-"""Surfaces in their own coordinates: where a ray meets them, how they bend, and their texture coordinates.
+"""Surfaces in local coordinates: intersection with rays, bending and texture coordinates.
 
 A ray is ``origin + depth * direction``. ``origin`` is three floats; ``direction`` is three arrays that broadcast
 against each other. Only + - * / sqrt act on pixels, so that every IEEE-754 machine gives the same bits.
@@ -13,7 +13,7 @@ from moseg.schemas.frozen import Frozen
 from moseg.tasks.synthetic.paths import STILL, Path, Vector
 
 NEAREST_DEPTH = 0.05
-"""Surfaces closer to the camera than this are not seen, metres."""
+"""Surfaces closer to the camera than this are invisible, metres."""
 _TINY = 1e-30
 
 Rays = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -173,7 +173,7 @@ def _cube_chart(points: np.ndarray, face: np.ndarray, normal: np.ndarray) -> Cha
     """Return texture coordinates from the two axes across the dominant one, different on each of the six faces."""
     rows = np.arange(len(points))
     across, down = np.array([2, 0, 0])[face], np.array([1, 2, 1])[face]
-    # Any step that is no multiple of a texture's period keeps opposite faces from carrying the same picture.
+    # A step that is not a multiple of a texture's period gives opposite faces different images.
     step = 0.37 * (2 * face + (points[rows, face] > 0))
     return Chart(points[rows, across] + step, points[rows, down] + step, normal)
 

@@ -80,7 +80,7 @@ def sample_texture(mipmap: MipMap, u: np.ndarray, v: np.ndarray, footprint: np.n
         RGB.
     """
     mantissa, exponent = np.frexp(footprint)
-    # log2, linear between powers of two: np.log2 is not rounded alike on all processors.
+    # log2, linear between powers of two: np.log2 is not rounded equally on all processors.
     level = np.clip(exponent - 2 + 2.0 * mantissa, 0.0, len(mipmap.offsets) - 1.001)
     finer = level.astype(np.int64)
     weight = (level - finer).astype(np.float32)[:, None]

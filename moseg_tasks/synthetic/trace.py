@@ -1,4 +1,4 @@
-"""Ray casting: which part each pixel's ray meets first, and at which depth."""
+"""Ray casting: the first part on each pixel's ray, and its depth."""
 
 from itertools import product
 from typing import NamedTuple
@@ -10,14 +10,14 @@ from moseg.tasks.synthetic.view import View, rays_at
 
 
 class Hits(NamedTuple):
-    """What rays meet first.
+    """First parts on rays.
 
     Attributes
     ----------
     depth : float64, one per ray
-        Distance along the optical axis, metres; infinite where nothing is met.
+        Distance along the optical axis, metres; infinite if there is no part.
     part : int64, one per ray
-        Index of the part; -1 where nothing is met.
+        Index of the part; -1 if there is none.
     """
 
     depth: np.ndarray
@@ -49,7 +49,7 @@ def _nothing(shape: tuple[int, ...]) -> Hits:
 
 
 def _meet(view: View, part: int, x: np.ndarray, y: np.ndarray, hits: Hits) -> None:
-    """Write a part into ``hits`` wherever it is nearer than what is there."""
+    """Write a part into ``hits`` wherever it is nearer than the present one."""
     origin, direction = rays_at(view, part, x, y)
     shape = view.parts[part].shape
     found = (

@@ -10,7 +10,7 @@ from moseg.tasks.synthetic.trace import Hits, trace_points
 from moseg.tasks.synthetic.view import View, material_points, object_of_parts, project_points
 
 _SAME_DEPTH = 1e-6
-"""Relative difference of depth within which a ray has met the point itself: far above float64 rounding."""
+"""Relative difference of depth within which a ray hits the point itself: far above float64 rounding."""
 
 
 class Tracks(NamedTuple):
@@ -21,7 +21,7 @@ class Tracks(NamedTuple):
     points : float32 (N, T, 2)
         xy, px; also where a point is hidden or outside the frame, and (-1, -1) where it is behind the camera.
     visible : bool (N, T)
-        Inside the frame and hidden by nothing.
+        Inside the frame and not hidden.
     """
 
     points: np.ndarray
@@ -29,10 +29,10 @@ class Tracks(NamedTuple):
 
 
 def track_points(scene: Scene, views: list[View], hits: list[Hits]) -> Tracks:
-    """Follow points of every object and of the backdrop through all frames.
+    """Track points of every object and of the backdrop through all frames.
 
-    Every few frames each object's points are brought up to the wanted number of visible ones, by points drawn
-    from the pixels inside its outline.
+    Every `seed_every` frames each object gets new points, drawn from the pixels inside its outline, up to the wanted
+    number of visible ones.
     """
     owners = object_of_parts(scene)
     rng = np.random.default_rng([scene.seed, 1])

@@ -1,4 +1,4 @@
-"""A scene at one instant as its camera sees it: where each part is, and where its material points project."""
+"""A scene at one instant in its camera: poses of the parts, and projections of their material points."""
 
 from typing import NamedTuple
 

@@ -30,11 +30,11 @@ def strongest_corners(
         Of `texture_strength`; its local maxima are the corners.
     mask : bool (y, x)
     num_points : int
-        Most corners returned.
+        Maximal number of corners.
     spacing : float
-        Least distance between points, px.
+        Minimal distance between points, px.
     taken : float32 (M, 2)
-        xy of points already there, px.
+        xy of existing points, px.
 
     Returns
     -------

@@ -14,7 +14,7 @@ def follow_points(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Track points from frame 0 to frame 1.
 
-    OpenCV's Python binding takes no pyramids, so it builds them again for the way back: about 0.4 ms a frame at 480p.
+    OpenCV's Python binding takes no pyramids, so it builds them again for tracking back: about 0.4 ms a frame at 480p.
 
     Parameters
     ----------

@@ -31,18 +31,17 @@ def track_points_pips(
     pips_params: PipsParams,
     rng: np.random.Generator,
 ) -> Tracks:
-    """Sample points in every object and follow them window by window.
+    """Sample points in every object and track them window by window.
 
-    A window is 8 frames of the published network, and it begins with a check: points outside their object's mask are
-    dropped (their tracks stay as they were before) and new ones sampled until each object has its quota again. A window
-    begins where the one before ends, in the frame that both share, so that tracks run through: the check that the paper
-    makes every 8 frames is made every 7. `track_params.resample_every` below that makes windows begin so often, and
-    each is followed only up to where the next begins; above it, it has no effect. The last window of a section is
-    filled up by repeating the last frame.
+    A window has 8 frames for the published network, and begins with a check: points outside their object's mask are
+    dropped (their tracks end there) and new ones are sampled until each object has its quota again. A window begins in
+    the last frame of the previous one, so that tracks continue: the paper checks every 8 frames, this every 7. A
+    smaller `track_params.resample_every` makes windows begin that often, and each is used only up to the beginning of
+    the next; a larger one has no effect. The last window of a section is padded by repeating the last frame.
 
-    A track ends where the network thinks its point hidden, where it nears the frame's border, or at a check. In each
-    window the network looks for the appearance that the point had in its track's first frame, as the published code
-    does where it chains windows.
+    A track ends where the network predicts that its point is hidden, near the frame's border, or at a check. In each
+    window the network searches for the point's appearance in its track's first frame, as the published code does where
+    it chains windows.
 
     Parameters
     ----------
@@ -125,7 +124,7 @@ def _follow(
 
 
 def _as_tensor(points: np.ndarray, model: Pips) -> torch.Tensor:
-    # The type first: not every device knows float64.
+    # Type first, because not every device has float64.
     return torch.from_numpy(points).to(model.dtype).to(_device(model))
 
 
@@ -139,8 +138,8 @@ Item = TypeVar("Item")
 def overlapping_windows(items: Iterable[Item], length: int, advance: int) -> Iterator[tuple[int, list[Item]]]:
     """Yield windows of `length` items that begin at 0, `advance`, 2 `advance`, …, each with the index of its first.
 
-    Items are taken one by one and kept only as long as a window needs them. Every item that a window may begin with
-    begins one: the last windows are shorter, as far as the items reach.
+    Items are read one by one and kept only as long as a window needs them. Windows begin up to the end of the items, so
+    the last ones are shorter.
 
     Parameters
     ----------

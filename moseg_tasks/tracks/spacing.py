@@ -1,4 +1,4 @@
-"""Point sets that keep their distance."""
+"""Point sets with a minimal distance."""
 
 import numpy as np
 
@@ -11,9 +11,9 @@ def spaced_subset(candidates: np.ndarray, num_points: int, spacing: float, taken
     candidates : float32 (C, 2)
         In order of preference.
     num_points : int
-        Most points returned.
+        Maximal number of points.
     spacing : float
-        Least distance, px.
+        Minimal distance, px.
     taken : float32 (M, 2)
 
     Returns

@@ -59,7 +59,7 @@ def test_a_name_without_known_words_or_with_too_many_is_refused(detector, tag):
         compose_prompts(detector.tokenizer, ["dog", tag], 40, 256)
 
 
-def test_the_tiny_network_knows_every_english_name(detector):
+def test_the_tiny_vocabulary_covers_every_english_name(detector):
     compose_prompts(detector.tokenizer, ["t-shirt", "Café", "rubik's cube", "b&b", "7 up", "a/c (unit)"], 40, 256)
 
 

@@ -98,7 +98,7 @@ def test_sizes_that_pips_cannot_have_are_an_input_error():
         build_pips(Checkpoint("tiny", seeded_tensors(), config=SIZES | {"stride": 0}))
 
 
-def test_a_point_stays_where_it_was_put_in_the_first_frame(network, images, points):
+def test_points_of_the_first_frame_do_not_move(network, images, points):
     torch.testing.assert_close(follow(network, images, points).points[:, 0], points)
 
 

@@ -87,7 +87,7 @@ def test_a_look_up_is_the_bilinear_reading_of_averaged_correlations():
 
 
 @pytest.mark.parametrize("far", [1e4, -1e12, float("inf"), float("nan")])
-def test_nothing_correlates_outside_the_frame(far):
+def test_correlations_outside_the_frame_are_zero(far):
     features = torch.ones(1, 4, 8, 8)
     pyramid = CorrelationPyramid(features, features, levels=2, radius=1)
     found = pyramid.look_up(torch.full((1, 2, 8, 8), far))

@@ -122,7 +122,7 @@ def test_pairs_of_one_offset_share_their_bias():
 
 
 @pytest.mark.parametrize(("side", "window", "shift"), [(6, 3, 1), (12, 4, 2), (9, 3, 1)])
-def test_in_a_rolled_grid_only_tokens_that_touched_see_each_other(side, window, shift):
+def test_tokens_of_a_rolled_grid_attend_only_to_former_neighbours(side, window, shift):
     place = torch.arange(side)
     xy = torch.stack(torch.meshgrid(place, place, indexing="ij"), -1)
     rolled = cut_windows(torch.roll(xy, (-shift, -shift), dims=(0, 1))[None], window)

@@ -61,14 +61,14 @@ def test_a_tagger_has_the_checkpoints_weights_and_tags(build, make):
     np.testing.assert_array_equal(tagger.thresholds, [0.65, 0.8, 0.65])
 
 
-def test_without_a_scale_ram_plus_takes_clips_initial_one():
+def test_ram_plus_without_a_scale_uses_clips_initial_scale():
     scale = assemble(build_ram_plus, plus_tensors()).network.reweight_scale.exp()
     assert float(scale) == pytest.approx(1 / 0.07, rel=1e-6)
     given = assemble(build_ram_plus, plus_tensors() | {"reweight_scale": torch.tensor(1.5)})
     assert float(given.network.reweight_scale) == 1.5
 
 
-def test_what_only_training_needs_is_left_out():
+def test_tensors_for_training_only_are_dropped():
     beside = {
         "text_decoder.cls.predictions.bias": torch.zeros(2),
         "tag_encoder.embeddings.position_ids": torch.zeros(1, 2, dtype=torch.int64),

@@ -37,7 +37,7 @@ def test_half_precision_is_read_as_single(sam_hq_checkpoint):
     assert {value.dtype for value in state.values()} == {torch.float32}
 
 
-def test_nothing_random_is_drawn(sam_hq_checkpoint):
+def test_building_draws_no_random_numbers(sam_hq_checkpoint):
     before = torch.random.get_rng_state()
     build(sam_hq_checkpoint)
     assert torch.equal(torch.random.get_rng_state(), before)
@@ -52,7 +52,7 @@ def test_nothing_random_is_drawn(sam_hq_checkpoint):
         ({SHARED: torch.zeros(2, 3)}, rf"of another shape.*{SHARED} \(2, 3\) instead of \(2, 16\)"),
     ],
 )
-def test_what_does_not_fit_is_named(sam_hq_checkpoint, tensors, message):
+def test_tensors_that_do_not_fit_are_named(sam_hq_checkpoint, tensors, message):
     with pytest.raises(InputError, match=message):
         build(sam_hq_checkpoint, tensors=tensors)
 
@@ -65,7 +65,7 @@ def test_what_does_not_fit_is_named(sam_hq_checkpoint, tensors, message):
         ('{"vision_config": {"hidden_size": "wide"}}', "no configuration of SamHQConfig"),
     ],
 )
-def test_a_config_that_is_none_is_refused(sam_hq_checkpoint, text, message):
+def test_an_invalid_config_is_refused(sam_hq_checkpoint, text, message):
     with pytest.raises(InputError, match=message):
         build(sam_hq_checkpoint, documents={"config.json": text})
 
@@ -75,12 +75,12 @@ def test_a_checkpoint_without_config_is_refused(sam_hq_checkpoint):
         build_transformers(SamHQModel, SamHQConfig, sam_hq_checkpoint._replace(documents={}))
 
 
-def test_a_config_may_say_more_than_is_known(sam_hq_checkpoint):
+def test_a_config_may_have_unknown_fields(sam_hq_checkpoint):
     config = json.loads(sam_hq_checkpoint.documents["config.json"]) | {"transformers_version": "4.1", "novelty": 1}
     build(sam_hq_checkpoint, documents={"config.json": json.dumps(config)})
 
 
-def test_nothing_is_printed_whether_it_fits_or_not(sam_hq_checkpoint, capfd, caplog):
+def test_building_and_failing_print_nothing(sam_hq_checkpoint, capfd, caplog):
     build(sam_hq_checkpoint)
     with pytest.raises(InputError):
         build(sam_hq_checkpoint, tensors={QKV: None})
@@ -88,7 +88,7 @@ def test_nothing_is_printed_whether_it_fits_or_not(sam_hq_checkpoint, capfd, cap
     assert not caplog.records
 
 
-def test_transformers_speaks_again_afterwards():
+def test_transformers_logging_is_restored_afterwards():
     logger = logging.getLogger("transformers")
     before = logger.level
     with quiet_transformers():
