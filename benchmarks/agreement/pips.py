@@ -76,7 +76,7 @@ def compare_frames(published: torch.nn.Module, ours: Pips, images: torch.Tensor)
     tracks = track_points_pips(ours, frames, masks, TrackParams(border=0), params, np.random.default_rng(0))
     lasting = tracks.visible.all(axis=1)
     found = tracks.points[lasting]
-    resolution = Resolution.capped((HEIGHT, WIDTH), MAX_SIDE, ours.config.least_side)
+    resolution = Resolution.capped((HEIGHT, WIDTH), MAX_SIDE, ours.config.min_side)
     starts = torch.from_numpy(resolution.to_network(found[:, 0]).astype(np.float32))
     with torch.inference_mode(), published_precision(torch.float32):
         pixels = images.permute(0, 3, 1, 2).float()

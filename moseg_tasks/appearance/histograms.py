@@ -1,11 +1,38 @@
-"""Histograms of a section's moving and static colours, and the consistency of the flow of what moves."""
+"""Histograms of a section's moving and static colours in CIELAB, and the flow's consistency where it moves."""
 
 from typing import NamedTuple
 
+import cv2
 import numpy as np
 
 from moseg.schemas.parameters import AppearanceParams, ForegroundParams
 from moseg.tasks.saliency.logits import motion_logit, probability
+
+_BYTES = np.arange(256)
+_GREY = 128  # a and b of a colour without chroma, as OpenCV keeps them in a byte
+
+
+def colour_bins(image: np.ndarray, params: AppearanceParams) -> np.ndarray:
+    """Return the bin of each pixel's colour: `levels` each of L, a and b, which are perceptually uniform.
+
+    Parameters
+    ----------
+    image : uint8 (y, x, 3)
+        RGB.
+    params : AppearanceParams
+
+    Returns
+    -------
+    bins : uint16 (y, x)
+        ``(L * levels + a) * levels + b``.
+    """
+    lightness, a, b = cv2.split(cv2.cvtColor(image, cv2.COLOR_RGB2LAB))
+    levels = params.levels
+    light = _BYTES * levels // 256
+    # Half a byte off the edge between two bins, because grey lies on that edge.
+    chroma = np.floor((_BYTES - _GREY + 0.5) * levels / params.chroma_range + levels / 2).clip(0, levels - 1)
+    tables = (light * levels**2, chroma * levels, chroma)
+    return sum(np.take(table.astype(np.uint16), side) for table, side in zip(tables, (lightness, a, b), strict=True))
 
 
 class ColourCount(NamedTuple):
@@ -14,9 +41,9 @@ class ColourCount(NamedTuple):
     Attributes
     ----------
     moving, static : float64 (bin,)
-        Weight of the colours of what moves and of the background.
+        Weights of the colours that move and of those in the background.
     reliability : float
-        Summed consistency of the flow of what is salient.
+        Summed flow consistency of salient pixels.
     weight : float
         Weight of that sum.
     """
@@ -35,9 +62,9 @@ def count_colours(
     params: AppearanceParams,
     foreground: ForegroundParams,
 ) -> ColourCount:
-    """Colours of one frame, each pixel weighted by how surely it moves or is static.
+    """Count the colours of one frame, each pixel weighted by its probability to move or to be static.
 
-    Colours are only learnt from what moves as one and consistently: otherwise moving water would teach its colour.
+    Colours are only learnt from what moves rigidly and consistently, so that the colour of moving water is not learnt.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ from moseg.tasks.appearance.histograms import ColourCount
 
 
 def pool_sections(counts: Sequence[ColourCount], centres: Sequence[float], at: float, memory: float) -> ColourCount:
-    """Counts of several sections, each weighted by `memory` to the power of the frames between its centre and `at`.
+    """Add the counts of sections, each weighted by `memory` to the power of the frames between its centre and `at`.
 
     Parameters
     ----------
@@ -18,7 +18,7 @@ def pool_sections(counts: Sequence[ColourCount], centres: Sequence[float], at: f
     centres : sequence of float
         Middle frame of each.
     at : float
-        Frame that is looked at.
+        Frame for which the counts are pooled.
     memory : float
         0..1.
     """
@@ -32,9 +32,9 @@ def pool_sections(counts: Sequence[ColourCount], centres: Sequence[float], at: f
 
 
 def colour_ratio(count: ColourCount, params: AppearanceParams) -> np.ndarray:
-    """log(share of a colour in what moves / its share in the background), float32 (bin,), at most `clip` either way.
+    """Return log(share of a colour in what moves / its share in the background), float32 (bin,), limited to +-`clip`.
 
-    The fewer pixels surely move, the less their colours say; 0 throughout where none does, or all do.
+    The ratio shrinks with the weight of moving pixels; it is 0 throughout if none moves or all move.
     """
     if count.weight <= 0 or count.moving.sum() <= 0 or count.static.sum() <= 0:
         return np.zeros(len(count.moving), np.float32)

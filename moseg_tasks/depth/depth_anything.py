@@ -7,18 +7,18 @@ from torch.nn import functional
 from transformers import DepthAnythingForDepthEstimation
 
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams
-from moseg.tasks.depth.pixels import PATCH
+from moseg.tasks.networks.depth import PATCH
 from moseg.tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
 
 
 def predict_depth_anything(
     model: DepthAnythingForDepthEstimation, images: np.ndarray, params: DepthAnythingParams
 ) -> torch.Tensor:
-    """Inverse depth float32 (B, y, x), up to scale and shift, of uint8 (B, y, x, 3) frames.
+    """Predict inverse depth float32 (B, y, x), up to scale and shift, of uint8 (B, y, x, 3) frames.
 
-    The frame is resized to `short_side`, whether it shrinks or grows, by OpenCV's bicubic interpolation, which does not
-    smooth, as the network's authors do; its processor in transformers smooths, and fits frames smaller than 518 px by
-    their longer side instead. Corners of the answer lie on corners of the frame, as in the authors' code too.
+    The frame is reduced or enlarged to `short_side` by OpenCV's bicubic interpolation without smoothing, as by the
+    network's authors; its processor in transformers smooths, and fits frames smaller than 518 px by their longer side.
+    The output is resized with aligned corners, as in the authors' code.
     """
     height, width = network_size(images.shape[1:3], params)
     seen = [cv2.resize(image / 255.0, (width, height), interpolation=cv2.INTER_CUBIC) for image in images]
@@ -31,7 +31,7 @@ def predict_depth_anything(
 
 
 def network_size(size: tuple[int, int], params: DepthAnythingParams) -> tuple[int, int]:
-    """Height and width at which the network sees frames of a size: multiples of a patch, nearly of their aspect."""
+    """Return height and width of the network's input: multiples of a patch, nearly of the frame's aspect."""
     scale = min(params.short_side / min(size), params.max_side / max(size))
     height, width = (max(round(scale * side / PATCH), 1) * PATCH for side in size)
     return height, width

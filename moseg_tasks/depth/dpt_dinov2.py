@@ -5,17 +5,17 @@ import torch
 from torch.nn import functional
 
 from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
-from moseg.tasks.depth.pixels import PATCH, resize_maps, see_frames
-from moseg.tasks.networks.depth import DptDinov2
+from moseg.tasks.networks.depth import PATCH, DptDinov2
+from moseg.tasks.networks.frame_tensor import normalise
 
 
 def predict_dpt_dinov2(network: DptDinov2, images: np.ndarray, params: DptDinov2Params) -> torch.Tensor:
-    """Inverse depth float32 (B, y, x), 1/m, of uint8 (B, y, x, 3) frames.
+    """Predict inverse depth float32 (B, y, x), 1/m, of uint8 (B, y, x, 3) frames.
 
     The frames keep their size (up to `max_side`) and get a border of zeros to multiples of a patch, as in the official
-    preprocessing. Depths are cut off at those that the network was trained for, as there. The official post-processing
-    then stretches the prediction of frame and border over the frame, up to 6 px off at the frame's edges; here the
-    border is cut off.
+    preprocessing. Depths are clamped to the range of the training, as there. The official post-processing then
+    resizes the prediction of frame and border to the frame, which shifts the frame's edges by up to 6 px; here the
+    border is cropped.
     """
     height, width = images.shape[1:3]
     scale = min(1.0, params.max_side / max(height, width))
@@ -25,7 +25,7 @@ def predict_dpt_dinov2(network: DptDinov2, images: np.ndarray, params: DptDinov2
     padded = functional.pad(pixels, (left, right, top, bottom))
     depth = network.model(padded).predicted_depth.float() + network.min_depth
     # Inverted before it is resized: inverse depth, not depth, is linear over a plane's image.
-    # What is not finite would pass for the farthest.
+    # Clamping would turn non-finite depths into the largest one.
     inverse = torch.where(depth.isfinite(), 1 / depth.clamp(max=network.max_depth).clamp(min=params.nearest), torch.nan)
     inverse = resize_maps(inverse, tuple(padded.shape[2:]))
     inverse = inverse[:, top : top + inner[0], left : left + inner[1]]
@@ -33,6 +33,25 @@ def predict_dpt_dinov2(network: DptDinov2, images: np.ndarray, params: DptDinov2
 
 
 def _border(side: int) -> tuple[int, int]:
-    """Pixels before and behind a side that centre it in the next multiple of a patch."""
+    """Return the pixels before and behind a side that centre it in the next multiple of a patch."""
     missing = -side % PATCH
     return missing // 2, missing - missing // 2
+
+
+def see_frames(images: np.ndarray, size: tuple[int, int], device: torch.device) -> torch.Tensor:
+    """Convert frames to float32 (B, 3, *size) on the device, normalised by ImageNet's mean and standard deviation.
+
+    They are resized on the CPU, with antialiasing and rounded to grey levels, so that all devices get the same input.
+    """
+    # Copied, because torch warns of read-only arrays.
+    pixels = torch.from_numpy(np.array(images)).permute(0, 3, 1, 2)
+    if pixels.shape[2:] != size:
+        pixels = functional.interpolate(pixels, size=size, mode="bilinear", antialias=True)
+    return normalise(pixels.float() / 255).to(device)
+
+
+def resize_maps(maps: torch.Tensor, size: tuple[int, int]) -> torch.Tensor:
+    """Resize maps (B, y, x) bilinearly: no value leaves the range of its neighbours."""
+    if maps.shape[1:] == size:
+        return maps
+    return functional.interpolate(maps[:, None], size=size, mode="bilinear")[:, 0]

@@ -1,4 +1,4 @@
-"""Relative inverse depth of a batch of frames, whichever network it comes from."""
+"""Relative inverse depth of a batch of frames, by either network."""
 
 import numpy as np
 import torch
@@ -17,10 +17,10 @@ def estimate_inverse_depth(
     images: np.ndarray,
     params: DptDinov2Params | DepthAnythingParams,
 ) -> np.ndarray:
-    """Relative inverse depth of each frame: larger is nearer.
+    """Estimate the relative inverse depth of each frame: larger is nearer.
 
-    DPT-DINOv2 gives metric depth, which is inverted; Depth Anything V2 gives inverse depth up to scale and shift, left
-    as it is: 0 is far away but not at infinity. The motion models allow for both.
+    DPT-DINOv2 gives metric depth, which is inverted; Depth Anything V2 gives inverse depth up to scale and shift, which
+    is returned unchanged: 0 is far away but not at infinity. The motion models allow for both.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def estimate_inverse_depth(
     Raises
     ------
     InputError
-        The images are not uint8 RGB frames, or the network's answer is not finite.
+        The images are not uint8 RGB frames, or the network's output is not finite.
     """
     if images.dtype != np.uint8 or images.ndim != 4 or images.shape[3] != 3 or 0 in images.shape[1:3]:
         raise InputError("not RGB frames", got=f"{images.dtype} {images.shape}", expected="uint8 (B, y, x, 3)")

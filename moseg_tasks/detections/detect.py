@@ -7,11 +7,12 @@ import numpy as np
 import torch
 
 from moseg.schemas.parameters.grounding_dino import GroundingDinoParams
+from moseg.tasks.check_frame import check_frame
 from moseg.tasks.detections.suppression import suppress_boxes
-from moseg.tasks.networks.frame_tensor import check_frame, frame_tensor
+from moseg.tasks.networks.frame_tensor import frame_tensor
 from moseg.tasks.networks.grounding_dino import GroundingDino, Prompt, compose_prompts
 
-_LEAST_SIDE = 1.0
+_MIN_SIDE = 1.0
 # Marks between names become blanks.
 _NO_MARKS = str.maketrans(",.", "  ")
 
@@ -24,9 +25,9 @@ class Detections(NamedTuple):
     boxes : float32 (n, 4)
         Left, top, right, bottom, px; they may reach beyond the frame.
     scores : float64 (n,)
-        Probability of the token of the text that fits best.
+        Probability of the text's best token.
     tags : tuple of str
-        Name of each: the words that fit it. Empty where none does.
+        Name of each: the words above the threshold. Empty if there are none.
     """
 
     boxes: np.ndarray
@@ -37,15 +38,15 @@ class Detections(NamedTuple):
 def detect_objects(
     detector: GroundingDino, image: np.ndarray, tags: Sequence[str], params: GroundingDinoParams
 ) -> Detections:
-    """Find what the names name.
+    """Find the named objects.
 
-    As in the authors' code a box is kept where the token that fits it best exceeds the box threshold, and named by all
-    words that exceed the text threshold, strung together in the order of the text: part of a name, or words of several.
-    A box of which only a full stop or comma passes has no name. Boxes of all prompts compete. One thinner than a pixel
-    is left out: no mask can be asked for by it.
+    As in the authors' code a box is kept if the score of its best token exceeds the box threshold. Its name consists of
+    all words that exceed the text threshold, in the order of the text: part of a name, or words of several names. A box
+    of which only a full stop or comma exceeds it has no name. Boxes of all prompts compete. Boxes thinner than a pixel
+    are dropped, because they cannot prompt a mask.
 
-    The whole network works in single precision, under autocast too: it sees one frame of a section, and thresholds
-    would change with rounding.
+    The network runs in single precision, also under autocast: it processes one frame of a section, and scores near a
+    threshold would change with rounding.
 
     Parameters
     ----------
@@ -53,7 +54,7 @@ def detect_objects(
     image : uint8 (y, x, 3)
         RGB.
     tags : sequence of str
-        Names; without any there are no boxes.
+        Names; no boxes are returned if there are none.
     params : GroundingDinoParams
 
     Returns
@@ -78,7 +79,7 @@ def detect_objects(
     boxes = np.concatenate([part.boxes for part in found]) * [width, height, width, height]
     scores = np.concatenate([part.scores for part in found])
     names = np.array([name for part in found for name in part.tags], dtype=np.str_)
-    is_visible = (boxes[:, 2:] - boxes[:, :2] >= _LEAST_SIDE).all(axis=1)
+    is_visible = (boxes[:, 2:] - boxes[:, :2] >= _MIN_SIDE).all(axis=1)
     boxes, scores, names = boxes[is_visible], scores[is_visible], names[is_visible]
     groups = np.unique(names, return_inverse=True)[1] if params.nms_per_tag else None
     kept = suppress_boxes(boxes, scores, params.nms_iou, groups)[: params.max_boxes]
@@ -88,7 +89,7 @@ def detect_objects(
 def _run_prompt(
     detector: GroundingDino, pixels: torch.Tensor, prompt: Prompt, params: GroundingDinoParams
 ) -> Detections:
-    """What passes the box threshold; corners as shares of the frame's sides, float64."""
+    """Return the boxes above the box threshold; corners relative to the frame's sides, float64."""
     token_ids = torch.tensor([prompt.token_ids], device=detector.model.device)
     output = detector.model(pixel_values=pixels, input_ids=token_ids, attention_mask=torch.ones_like(token_ids))
     # Doubled on the CPU: not every device has float64.
@@ -101,6 +102,6 @@ def _run_prompt(
 
 
 def _name(detector: GroundingDino, prompt: Prompt, is_named: np.ndarray) -> str:
-    """The tokens that name a box, without the text's ends and the marks between its names."""
+    """Return the tokens that name a box, without those that begin, end or separate the text."""
     ids = [token for token, named in zip(prompt.token_ids[1:-1], is_named[1:-1], strict=True) if named]
     return " ".join(detector.tokenizer.decode(ids).translate(_NO_MARKS).split())

@@ -6,14 +6,14 @@ import numpy as np
 def suppress_boxes(
     boxes: np.ndarray, scores: np.ndarray, max_iou: float, groups: np.ndarray | None = None
 ) -> np.ndarray:
-    """Boxes that overlap no better one that is kept.
+    """Return the boxes that do not overlap a better box that is kept.
 
     Parameters
     ----------
     boxes : floating (n, 4)
         Left, top, right, bottom, px.
     scores : floating (n,)
-        Of two equal ones the first is better.
+        Of equal scores, the first is better.
     max_iou : float
         Intersection over union above which the worse box is dropped.
     groups : int (n,), optional

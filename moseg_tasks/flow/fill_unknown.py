@@ -1,11 +1,11 @@
-"""Flow without gaps, for what can use no others."""
+"""Flow without gaps, for methods that need a vector at every pixel."""
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 
 def fill_unknown(flow: np.ndarray) -> np.ndarray:
-    """The flow with the vector of the nearest known pixel wherever it is not known.
+    """Replace unknown vectors of a flow by that of the nearest known pixel.
 
     Parameters
     ----------

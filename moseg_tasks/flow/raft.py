@@ -12,7 +12,7 @@ from moseg.tasks.networks.raft import STRIDE, Raft
 
 
 def estimate_raft_flow(model: Raft, images0: np.ndarray, images1: np.ndarray, params: RaftParams) -> np.ndarray:
-    """Flow that carries each pixel of the first images to where it is seen in the second.
+    """Estimate the flow that maps each pixel of the first images to its position in the second.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def estimate_raft_flow(model: Raft, images0: np.ndarray, images1: np.ndarray, pa
     weights = next(model.parameters())
     with torch.inference_mode():
         batches = [_to_network(images, reduced).to(weights.device, weights.dtype) for images in (images0, images1)]
-        left, right, above, below = padding = _padding(reduced, model.smallest_side)
+        left, right, above, below = padding = _padding(reduced, model.min_side)
         batches = [F.pad(batch, padding, mode="replicate") for batch in batches]
         flow = model(*batches, params.iterations, on_demand=params.correlation == "on_demand")
         flow = flow[..., above : flow.shape[2] - below, left : flow.shape[3] - right].float()
@@ -58,7 +58,7 @@ def estimate_raft_flow(model: Raft, images0: np.ndarray, images1: np.ndarray, pa
 
 
 def _reduced_size(size: tuple[int, int], max_side: int) -> tuple[int, int]:
-    """(y, x) with its longer side at most `max_side`."""
+    """Return (y, x) with the longer side at most `max_side`."""
     longest = max(size)
     if longest <= max_side:
         return size
@@ -67,7 +67,7 @@ def _reduced_size(size: tuple[int, int], max_side: int) -> tuple[int, int]:
 
 
 def _to_network(images: np.ndarray, size: tuple[int, int]) -> Tensor:
-    """The images in [-1, 1], float32 (B, 3, y, x), reduced to `size`."""
+    """Convert images to float32 (B, 3, y, x) in [-1, 1], reduced to `size`."""
     values = images.astype(np.float32)
     if images.shape[1:3] != size:
         height, width = size
@@ -75,14 +75,14 @@ def _to_network(images: np.ndarray, size: tuple[int, int]) -> Tensor:
     return torch.from_numpy(values).permute(0, 3, 1, 2) / 255 * 2 - 1
 
 
-def _padding(size: tuple[int, int], smallest_side: int) -> tuple[int, int, int, int]:
-    """Pixels to add (left, right, above, below), as evenly as the published evaluation on Sintel does."""
-    height, width = (max(-(-side // STRIDE) * STRIDE, smallest_side) - side for side in size)
+def _padding(size: tuple[int, int], min_side: int) -> tuple[int, int, int, int]:
+    """Return the pixels to add (left, right, above, below), distributed as in the published evaluation on Sintel."""
+    height, width = (max(-(-side // STRIDE) * STRIDE, min_side) - side for side in size)
     return width // 2, width - width // 2, height // 2, height - height // 2
 
 
 def _enlarge(flow: Tensor, size: tuple[int, int]) -> Tensor:
-    """Flow (B, 2, y, x) resampled to `size`, its vectors scaled alike."""
+    """Resample flow (B, 2, y, x) to `size` and scale its vectors likewise."""
     (height, width), (reduced_height, reduced_width) = size, flow.shape[2:]
     scale = flow.new_tensor([width / reduced_width, height / reduced_height])
     return F.interpolate(flow, size=size, mode="bilinear", align_corners=False) * scale[:, None, None]

@@ -1,4 +1,4 @@
-"""Objects of a frame: from masks of what was detected to the seeds of tracking."""
+"""Objects of a frame: from masks of detections to the seeds of tracking."""
 
 from moseg.tasks.instances.paint import Painted, paint_instances
 from moseg.tasks.instances.seeds import Seeds, merge_seeds

@@ -8,7 +8,7 @@ from moseg.schemas.errors import InputError
 
 
 class Painted(NamedTuple):
-    """A map of labels and whose they are.
+    """A label map and the masks of its labels.
 
     Attributes
     ----------
@@ -25,16 +25,16 @@ class Painted(NamedTuple):
 def paint_instances(masks: np.ndarray, scores: np.ndarray, min_area: float = 0.0) -> Painted:
     """Give each pixel to one object.
 
-    Where masks overlap the pixel goes to the smallest: a small object in a large one's mask is in front of it, or was
-    found for itself, while the large one is still seen around it. A mask of which too little is left becomes no object.
+    Where masks overlap the pixel gets the label of the smallest: a small object in a large one's mask is in front of it
+    or was detected separately, and the large one stays visible around it. A mask with too few pixels left is dropped.
 
     Parameters
     ----------
     masks : bool (n, y, x)
     scores : floating (n,)
-        Of two equal ones the first is better.
+        Of equal scores, the first is better.
     min_area : float
-        Least area that must be left of an object, share of the frame; a pixel in any case.
+        Minimal area left of an object, share of the frame; always at least one pixel.
 
     Raises
     ------
@@ -43,13 +43,13 @@ def paint_instances(masks: np.ndarray, scores: np.ndarray, min_area: float = 0.0
     """
     if np.shape(scores) != masks.shape[:1]:
         raise InputError("not one score for each mask", got=np.shape(scores), expected=masks.shape[:1])
-    most = np.iinfo(np.uint16).max
-    if len(masks) > most:
-        raise InputError("more masks than labels", got=len(masks), expected=f"at most {most}")
+    max_label = np.iinfo(np.uint16).max
+    if len(masks) > max_label:
+        raise InputError("more masks than labels", got=len(masks), expected=f"at most {max_label}")
     ranked = np.argsort(-np.asarray(scores), kind="stable")
     areas = np.count_nonzero(masks, axis=(1, 2))[ranked]
     labels = np.zeros(masks.shape[1:], np.uint16)
-    # The largest first; of equal ones the better last, so that it is on top.
+    # The largest first; of equal areas the better last, so that it is on top.
     for rank in np.lexsort((-np.arange(len(ranked)), -areas)):
         labels[masks[ranked[rank]]] = rank + 1
     left = np.bincount(labels.ravel(), minlength=len(ranked) + 1)[1:]

@@ -1,4 +1,4 @@
-"""Masks of what the boxes of a frame hold, by SAM 2.1."""
+"""Masks of the objects in the boxes of a frame, by SAM 2.1."""
 
 import numpy as np
 import torch
@@ -6,18 +6,19 @@ from torch.nn import functional
 from transformers import Sam2Model
 
 from moseg.schemas.parameters.sam2 import Sam2Params
+from moseg.tasks.check_frame import check_frame
 from moseg.tasks.instances.boxes import as_boxes
-from moseg.tasks.networks.frame_tensor import Resizing, check_frame, frame_tensor
+from moseg.tasks.networks.frame_tensor import Resizing, frame_tensor
 from moseg.tasks.networks.sam2 import network_side
 
 
 def segment_boxes_sam2(
     model: Sam2Model, image: np.ndarray, boxes: np.ndarray, params: Sam2Params
 ) -> tuple[np.ndarray, np.ndarray]:
-    """One mask for each box: the decoder's single one, or the best of its three where that is unstable.
+    """Segment one mask for each box: the decoder's single mask, or the best of its three where that is unstable.
 
-    The image is encoded once, stretched to the network's square. Under autocast only that encoder works in half
-    precision: the decoder is cheap, and encodes places as sines of large angles.
+    The image is encoded once, resized to the network's square. Under autocast only the encoder runs in half precision:
+    the decoder is cheap, and encodes positions as sines of large angles.
 
     Parameters
     ----------
@@ -32,7 +33,7 @@ def segment_boxes_sam2(
     -------
     masks : bool (n, y, x)
     quality : float64 (n,)
-        The overlap (IoU) with the true mask that the network expects of its own.
+        The network's estimate of the IoU of its mask with the true one.
 
     Raises
     ------

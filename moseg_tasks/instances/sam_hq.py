@@ -1,19 +1,20 @@
-"""Masks of what the boxes of a frame hold, by SAM-HQ."""
+"""Masks of the objects in the boxes of a frame, by SAM-HQ."""
 
 import numpy as np
 import torch
 from torch.nn import functional
 
 from moseg.schemas.parameters.sam_hq import SamHqParams
+from moseg.tasks.check_frame import check_frame
 from moseg.tasks.instances.boxes import as_boxes
-from moseg.tasks.networks.frame_tensor import check_frame, frame_tensor
+from moseg.tasks.networks.frame_tensor import frame_tensor
 from moseg.tasks.networks.sam_hq import decode_boxes, encode_image
 
 
 def segment_boxes_sam_hq(
     model: torch.nn.Module, image: np.ndarray, boxes: np.ndarray, params: SamHqParams
 ) -> tuple[np.ndarray, np.ndarray]:
-    """One mask for each box.
+    """Segment one mask for each box.
 
     The image is encoded once, resized until its longer side fills the network's square (1024 px in the published
     ones) and padded below and to the right.
@@ -32,7 +33,7 @@ def segment_boxes_sam_hq(
     -------
     masks : bool (n, y, x)
     quality : float64 (n,)
-        The overlap (IoU) with the true mask that the network expects of its own.
+        The network's estimate of the IoU of its mask with the true one.
 
     Raises
     ------

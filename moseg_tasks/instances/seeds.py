@@ -3,11 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.instances import SeedParams
-from moseg.tasks.proposals.linking import count_overlaps
+from moseg.tasks.proposals.linking import count_overlaps, match_objects
 
 
 class Seeds(NamedTuple):
@@ -16,7 +15,7 @@ class Seeds(NamedTuple):
     Attributes
     ----------
     labels : uint16 (y, x)
-        Objects 1 to n in order of identity, 0 = background. Each has a pixel at least.
+        Objects 1 to n in order of identity, 0 = background. Each has at least one pixel.
     identities : uint16 (n,)
         Identity in the sequence, from 1.
     scores : float64 (n,)
@@ -24,7 +23,7 @@ class Seeds(NamedTuple):
     found : uint16 (n,)
         Which of the objects found in this frame each one is, from 1; 0 for a tracked object that was not found again.
     num_identities : int
-        Identities given so far: the next newcomer gets the one after.
+        Identities assigned so far: the next newcomer gets the next number.
     """
 
     labels: np.ndarray
@@ -46,14 +45,14 @@ def merge_seeds(
 
     Found and tracked objects are matched one to one, maximising the summed IoU of their masks. A match keeps the
     tracked identity, and the tracked mask or, with `params.refresh`, the found one. A tracked object without a match
-    goes on as it is while it is seen at all: that it was not detected does not mean that it left. A found one without a
-    match is a newcomer, with an identity that none had before, where enough of it is free of all those; the rest of it
-    is left to them. Tracked masks of a size that no object has (`params.min_area`, `max_area`) are given up first.
+    is kept unchanged while it is visible: a missed detection does not mean that it left. A found object without a match
+    is a newcomer with a new identity if enough of it does not overlap those objects; only that part is labelled.
+    Tracked masks of an implausible size (`params.min_area`, `max_area`) are dropped first.
 
-    An object without a pixel in this frame has ended: when it comes back it is a newcomer.
+    An object without a pixel in this frame has ended: when it reappears it is a newcomer.
 
     The paper proposes objects anew in every section and does not say how they are linked. SAM-Track, on which it
-    builds, keeps the tracked masks and adds what is new in the background, as here without `params.refresh`.
+    builds, keeps the tracked masks and adds new objects in the background, as here without `params.refresh`.
 
     Parameters
     ----------
@@ -82,7 +81,8 @@ def merge_seeds(
     _check(tracked, tracked_identities, num_identities, found, found_scores)
     num_tracked = len(tracked_identities)
     tracked = _plausible(tracked, num_tracked, params)
-    matched = _match(count_overlaps(tracked[None], found[None], num_tracked, len(found_scores)), params.min_iou)
+    overlaps = count_overlaps(tracked[None], found[None], num_tracked, len(found_scores))
+    matched = dict(match_objects(overlaps, params.min_iou))
 
     # Labels below are tracked ones, then one more for each newcomer.
     labels = tracked.copy()
@@ -91,10 +91,10 @@ def merge_seeds(
         for label, match in matched.items():
             labels[(found == match) & (labels == 0)] = label
     newcomers = _newcomers(labels, found, found_scores, set(matched.values()), params)
-    most = np.iinfo(np.uint16).max
-    if num_identities + len(newcomers) > most:
+    max_identity = np.iinfo(np.uint16).max
+    if num_identities + len(newcomers) > max_identity:
         raise InputError(
-            "more objects than identities", got=num_identities + len(newcomers), expected=f"at most {most}"
+            "more objects than identities", got=num_identities + len(newcomers), expected=f"at most {max_identity}"
         )
     for label, newcomer in enumerate(newcomers, start=num_tracked + 1):
         labels[(found == newcomer) & (labels == 0)] = label
@@ -104,23 +104,14 @@ def merge_seeds(
 
 
 def _plausible(tracked: np.ndarray, num_tracked: int, params: SeedParams) -> np.ndarray:
-    """The tracked labels without those of a size that no object has."""
+    """Return the tracked labels without those of an implausible size."""
     share = np.bincount(tracked.ravel(), minlength=num_tracked + 1) / tracked.size
     kept = (share >= params.min_area) & (share <= params.max_area)
     return np.where(kept[tracked], tracked, 0).astype(np.uint16)
 
 
-def _match(overlaps: np.ndarray, min_iou: float) -> dict[int, int]:
-    """Found label of each tracked one that has a match."""
-    shared = overlaps[1:, 1:].astype(np.float64)
-    union = overlaps[1:].sum(axis=1)[:, None] + overlaps[:, 1:].sum(axis=0)[None, :] - shared
-    iou = shared / np.maximum(union, 1)
-    iou[iou < min_iou] = 0
-    return {int(i) + 1: int(j) + 1 for i, j in zip(*linear_sum_assignment(-iou), strict=True) if iou[i, j] > 0}
-
-
 def _newcomers(labels: np.ndarray, found: np.ndarray, scores, matched: set[int], params: SeedParams) -> list[int]:
-    """Found labels that are nobody's match and free for the most part, best score first, as many as there is room."""
+    """Return the unmatched labels that are mostly free, best score first, at most as many as there is room for."""
     room = params.max_objects - np.count_nonzero(np.bincount(labels.ravel())[1:])
     areas = np.bincount(found.ravel(), minlength=len(scores) + 1)
     free = np.bincount(found[labels == 0], minlength=len(scores) + 1)
@@ -134,7 +125,7 @@ def _newcomers(labels: np.ndarray, found: np.ndarray, scores, matched: set[int],
 
 
 def _by_identity(labels, identities: np.ndarray, sources: np.ndarray, found_scores, num_identities: int) -> Seeds:
-    """The objects that are seen, renumbered in order of identity."""
+    """Return the visible objects, renumbered in order of identity."""
     is_seen = np.bincount(labels.ravel(), minlength=len(identities) + 1)[1:] > 0
     order = np.argsort(identities, kind="stable")
     order = order[is_seen[order]]

@@ -1,4 +1,4 @@
-"""The best of the masks that show the same thing."""
+"""Selection of the best masks among those of the same objects."""
 
 import numpy as np
 
@@ -7,18 +7,17 @@ from moseg.schemas.parameters.instances import InstanceParams
 
 
 def select_instances(masks: np.ndarray, scores: np.ndarray, params: InstanceParams) -> np.ndarray:
-    """Masks that are neither specks nor background nor shown by a better one.
+    """Select the masks that are neither specks nor background and that no better mask shows.
 
     Going from the best score to the worst, a mask is dropped where it overlaps one that was kept (non-maximum
-    suppression by IoU), or lies within it for the most part: a wheel that was found beside its car moves with the car
-    and would only cut a hole into it. The other way round nothing is dropped: a worse mask may surround better ones, as
-    that of a crowd does.
+    suppression by IoU), or lies mostly within it: a wheel detected besides its car moves with the car and would only
+    cut a hole into it. A worse mask that surrounds better ones, such as that of a crowd, is not dropped.
 
     Parameters
     ----------
     masks : bool (n, y, x)
     scores : floating (n,)
-        Of two equal ones the first is better.
+        Of equal scores, the first is better.
     params : InstanceParams
 
     Returns
@@ -47,7 +46,7 @@ def select_instances(masks: np.ndarray, scores: np.ndarray, params: InstancePara
 
 
 def _is_shown(flat: np.ndarray, areas: np.ndarray, index: int, kept: list[int], params: InstanceParams) -> bool:
-    """Whether a mask is the same as one of those kept, or a part of it."""
+    """Check whether a mask is the same as one of those kept, or a part of it."""
     shared = np.array([np.count_nonzero(flat[index] & flat[better]) for better in kept])
     union = areas[index] + areas[kept] - shared
     return bool((shared > params.nms_iou * union).any() or (shared > params.containment * areas[index]).any())

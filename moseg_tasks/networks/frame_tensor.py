@@ -7,17 +7,16 @@ import torch
 from PIL import Image
 from torch.nn import functional
 
-from moseg.schemas.errors import InputError
+from moseg.tasks.check_frame import check_frame
 
 IMAGENET_MEAN = (0.485, 0.456, 0.406)
 IMAGENET_STD = (0.229, 0.224, 0.225)
 
 
 class Resizing(StrEnum):
-    """How the authors of a network resized its images; all smooth where the image shrinks.
+    """Interpolation by which the authors of a network resized its images; all smooth where the image is reduced.
 
-    Those of PIL are rounded to grey levels; that of torch, which torchvision takes for what is a tensor already, is
-    not.
+    PIL rounds to grey levels; torch, by which torchvision resizes tensors, does not.
     """
 
     PIL_BILINEAR = "pil-bilinear"
@@ -31,14 +30,14 @@ _PIL = {Resizing.PIL_BILINEAR: Image.Resampling.BILINEAR, Resizing.PIL_BICUBIC: 
 def frame_tensor(
     image: np.ndarray, size: tuple[int, int], device: torch.device, resizing: Resizing = Resizing.PIL_BILINEAR
 ) -> torch.Tensor:
-    """The frame, resized and normalised; resized on the CPU, so that every device sees the same.
+    """Resize and normalise a frame; it is resized on the CPU, so that all devices get the same input.
 
     Parameters
     ----------
     image : uint8 (y, x, 3)
         RGB.
     size : (int, int)
-        Height and width asked for, px.
+        Height and width of the result, px.
     device : torch.device
     resizing : Resizing
 
@@ -56,15 +55,14 @@ def frame_tensor(
     size = tuple(size)
     if image.shape[:2] != size and resizing in _PIL:
         image = np.asarray(Image.fromarray(image).resize(size[::-1], _PIL[resizing]))
-    # Copied, as torch warns of arrays that are read-only.
+    # Copied, because torch warns of read-only arrays.
     pixels = torch.from_numpy(np.array(image)).permute(2, 0, 1)[None].float() / 255
     if pixels.shape[2:] != size:
         pixels = functional.interpolate(pixels, size=size, mode="bilinear", antialias=True)
+    return normalise(pixels).to(device)
+
+
+def normalise(pixels: torch.Tensor) -> torch.Tensor:
+    """Normalise RGB (B, 3, y, x) in 0..1 by ImageNet's mean and standard deviation."""
     mean, std = (torch.tensor(values).view(1, 3, 1, 1) for values in (IMAGENET_MEAN, IMAGENET_STD))
-    return ((pixels - mean) / std).to(device)
-
-
-def check_frame(image: np.ndarray) -> None:
-    """Raise InputError where this is not an RGB frame: uint8 (y, x, 3)."""
-    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or image.size == 0:
-        raise InputError("not an RGB frame", got=f"{image.dtype} {image.shape}", expected="uint8 (y, x, 3)")
+    return (pixels - mean) / std

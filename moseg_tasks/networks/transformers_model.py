@@ -1,7 +1,7 @@
 """Models of transformers, built from a checkpoint's tensors: no path, no network, nothing left at random values."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 import torch
@@ -9,8 +9,7 @@ from transformers import PreTrainedConfig, PreTrainedModel
 from transformers.utils import logging
 
 from moseg.schemas.errors import InputError
-from moseg.tasks.networks.checkpoint import Checkpoint
-from moseg.tasks.networks.strict import SHOWN
+from moseg.tasks.networks.checkpoint import Checkpoint, describe_shapes, refuse_tensors
 
 CONFIG = "config.json"
 
@@ -19,12 +18,11 @@ def build_transformers(
     model_class: type[PreTrainedModel],
     config_class: type[PreTrainedConfig],
     checkpoint: Checkpoint,
-    ignored_prefixes: Sequence[str] = (),
 ) -> PreTrainedModel:
-    """The model with every tensor set from the checkpoint, in float32, evaluation mode and without gradients.
+    """Build a model with every tensor set from the checkpoint, in float32, evaluation mode and without gradients.
 
-    Names of older published checkpoints are converted as transformers itself does. Its loader only warns of what is
-    missing and leaves it random; here that is an error.
+    Names of older published checkpoints are converted as in transformers. Its loader only warns of missing tensors and
+    leaves them random; here that is an error.
 
     Parameters
     ----------
@@ -32,8 +30,6 @@ def build_transformers(
         Classes of transformers.
     checkpoint : Checkpoint
         With ``config.json`` among its documents.
-    ignored_prefixes : sequence of str
-        Tensors whose names begin so belong to parts that this model does not have.
 
     Raises
     ------
@@ -42,9 +38,7 @@ def build_transformers(
         ignorable) or of another shape: the first of them are named.
     """
     where = f"weights {checkpoint.name}"
-    ignored = tuple(ignored_prefixes)
-    tensors = {key: value for key, value in checkpoint.tensors.items() if not key.startswith(ignored)}
-    if not tensors:
+    if not checkpoint.tensors:
         raise InputError("no tensors", where=where)
     with quiet_transformers():
         config = _read_config(config_class, checkpoint)
@@ -52,23 +46,26 @@ def build_transformers(
             model, report = model_class.from_pretrained(
                 None,
                 config=config,
-                state_dict=tensors,
+                state_dict=dict(checkpoint.tensors),
                 dtype=torch.float32,
-                ignore_mismatched_sizes=True,  # they are reported, and refused below
+                ignore_mismatched_sizes=True,  # reported, and refused below
                 output_loading_info=True,
             )
         except RuntimeError as error:
-            # Its loader stumbles over some shapes (of shared tensors, of those it converts) before it reports them.
-            _refuse("tensors of another shape", _misshapen(model_class, config, tensors), where)
+            # Its loader raises for some shapes (of shared or converted tensors) before it reports them.
+            refuse_tensors(
+                "tensors of another shape", _misshapen(model_class, config, checkpoint.tensors), checkpoint.name
+            )
             raise InputError("tensors do not fit the network", where=where, got=error) from error
-    _refuse("tensors are missing", sorted(report["missing_keys"]), where)
-    _refuse("tensors are not the network's", sorted(report["unexpected_keys"]), where)
-    _refuse("tensors of another shape", [_shapes(*found) for found in sorted(report["mismatched_keys"])], where)
+    mismatched = [describe_shapes(*found) for found in sorted(report["mismatched_keys"])]
+    refuse_tensors("tensors are missing", sorted(report["missing_keys"]), checkpoint.name)
+    refuse_tensors("tensors are not the network's", sorted(report["unexpected_keys"]), checkpoint.name)
+    refuse_tensors("tensors of another shape", mismatched, checkpoint.name)
     return model.eval().requires_grad_(False)
 
 
 def read_json(checkpoint: Checkpoint, name: str) -> dict:
-    """The object in one of the checkpoint's JSON documents.
+    """Return the object in one of the checkpoint's JSON documents.
 
     Raises
     ------
@@ -76,10 +73,9 @@ def read_json(checkpoint: Checkpoint, name: str) -> dict:
         The document is not there or holds no JSON object.
     """
     where = f"{name} of weights {checkpoint.name}"
-    if name not in checkpoint.documents:
-        raise InputError(f"no {name}", where=f"weights {checkpoint.name}", got=sorted(checkpoint.documents))
+    document = checkpoint.document(name)
     try:
-        content = json.loads(checkpoint.documents[name])
+        content = json.loads(document)
     except (ValueError, RecursionError) as error:
         raise InputError("not JSON", where=where, got=error) from error
     if not isinstance(content, dict):
@@ -91,34 +87,23 @@ def _read_config(config_class: type[PreTrainedConfig], checkpoint: Checkpoint) -
     content = read_json(checkpoint, CONFIG)
     try:
         return config_class.from_dict(content)
-    # What transformers raises for a value it does not take derives from Exception itself.
+    # The errors of transformers for invalid values derive from Exception directly.
     except Exception as error:
         where = f"{CONFIG} of weights {checkpoint.name}"
         raise InputError(f"no configuration of {config_class.__name__}", where=where, got=error) from error
 
 
 def _misshapen(model_class: type[PreTrainedModel], config: PreTrainedConfig, tensors) -> list[str]:
-    """The tensors that differ in shape from those of the same name in the model."""
+    """Describe the tensors that differ in shape from those of the same name in the model."""
     with torch.device("meta"):
         expected = model_class(config).state_dict()
     pairs = [(key, value, expected[key]) for key, value in tensors.items() if key in expected]
-    return [_shapes(key, got.shape, wanted.shape) for key, got, wanted in pairs if got.shape != wanted.shape]
-
-
-def _shapes(key: str, got: torch.Size, expected: torch.Size) -> str:
-    return f"{key} {tuple(got)} instead of {tuple(expected)}"
-
-
-def _refuse(what: str, names: list[str], where: str) -> None:
-    """Raise where there are such tensors."""
-    if names:
-        more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
-        raise InputError(what, where=where, got=", ".join(names[:SHOWN]) + more)
+    return [describe_shapes(key, got.shape, wanted.shape) for key, got, wanted in pairs if got.shape != wanted.shape]
 
 
 @contextmanager
 def quiet_transformers() -> Iterator[None]:
-    """transformers without its progress bar and its report, both of which would go to the user's terminal."""
+    """Suppress transformers' progress bar and report, which would go to the user's terminal."""
     verbosity = logging.get_verbosity()
     hook = logging.set_tqdm_hook(lambda factory, args, kwargs: args[0])
     logging.set_verbosity(logging.CRITICAL)

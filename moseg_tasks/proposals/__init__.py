@@ -1,4 +1,4 @@
-"""Object proposals without any learned weights, and their identities across sections."""
+"""Object proposals without learned weights, and their identities across sections."""
 
 from moseg.tasks.proposals.boxes import object_boxes
 from moseg.tasks.proposals.components import Components, keep_best, label_components

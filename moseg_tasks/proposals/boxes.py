@@ -5,7 +5,7 @@ from scipy import ndimage
 
 
 def object_boxes(masks: np.ndarray, num_objects: int) -> np.ndarray:
-    """Box of each object in each frame.
+    """Return the box of each object in each frame.
 
     Parameters
     ----------

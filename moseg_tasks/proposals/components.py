@@ -10,7 +10,7 @@ from moseg.schemas.parameters import ComponentParams
 
 FOREGROUND = 0.5
 """Probability above which a pixel belongs to an object."""
-# Within a frame the eight neighbours touch; from frame to frame only the same pixel.
+# Eight neighbours within a frame, and the same pixel of adjacent frames.
 _CONNECTIVITY = np.zeros((3, 3, 3), bool)
 _CONNECTIVITY[1] = True
 _CONNECTIVITY[:, 1, 1] = True
@@ -24,7 +24,7 @@ class Components(NamedTuple):
     labels : uint16 (T, h, w)
         Object of each pixel, 0 = background.
     scores : float64 (object,)
-        Sum of the probability over the object's pixels, lessened by what lies on the frame's border.
+        Sum of the probability over the object's pixels, reduced by its share of the frame's border.
     """
 
     labels: np.ndarray
@@ -32,9 +32,9 @@ class Components(NamedTuple):
 
 
 def label_components(foreground: np.ndarray, params: ComponentParams) -> np.ndarray:
-    """Connected space-time parts int32 (T, h, w) of where the `foreground` (T, h, w) is over a half, 0 = none.
+    """Label the connected space-time parts of where `foreground` (T, h, w) is over a half: int32 (T, h, w), 0 = none.
 
-    Specks that would not reach the least mean area in a single frame are left out.
+    Specks below the minimal mean area of a single frame are dropped.
     """
     labels, count = ndimage.label(foreground > FOREGROUND, _CONNECTIVITY)
     large = np.bincount(labels.ravel(), minlength=count + 1) >= params.min_area * labels[0].size
@@ -43,7 +43,7 @@ def label_components(foreground: np.ndarray, params: ComponentParams) -> np.ndar
 
 
 def keep_best(foreground: np.ndarray, labels: np.ndarray, params: ComponentParams) -> Components:
-    """Those of the components that are objects.
+    """Return those of the components that are objects.
 
     Parameters
     ----------
@@ -66,10 +66,10 @@ def keep_best(foreground: np.ndarray, labels: np.ndarray, params: ComponentParam
 
 
 def _score(foreground: np.ndarray, labels: np.ndarray, count: int, params: ComponentParams) -> np.ndarray:
-    """Score float64 (count,) of the components labelled 1..count.
+    """Score the components labelled 1..count, float64 (count,).
 
     Sum of the probability over its pixels, times max(0, 1 - share of its outline on the frame's border /
-    `border_share`); 0 below the least mean area.
+    `border_share`); 0 below the minimal mean area.
     """
     num_frames, height, width = labels.shape
     mass, area, perimeter, border, duration = np.zeros((5, count + 1))
@@ -95,7 +95,7 @@ def _score(foreground: np.ndarray, labels: np.ndarray, count: int, params: Compo
 
 
 def _best(scores: np.ndarray, params: ComponentParams) -> np.ndarray:
-    """Indices of the components worth keeping, best first."""
+    """Return the indices of the components worth keeping, best first."""
     order = np.argsort(-scores, kind="stable")[: params.max_objects]
     top = scores[order[0]] if len(order) else 0.0
     return order[(scores[order] > 0) & (scores[order] >= params.score_ratio * top)]

@@ -1,4 +1,4 @@
-"""Masks of a section's objects, carried from its first frame by DeAOT."""
+"""Masks of a section's objects, tracked from its first frame by DeAOT."""
 
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
@@ -10,10 +10,11 @@ from torch.nn import functional as F
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.deaot import DeaotParams
+from moseg.tasks.check_frame import check_frame
 from moseg.tasks.networks.deaot import STRIDE, Deaot, extend_memory
 from moseg.tasks.networks.frame_tensor import IMAGENET_MEAN, IMAGENET_STD
 
-# Probabilities are kept this far from 0 and 1 where groups are merged, as in the authors' engine.
+# Distance of probabilities from 0 and 1 where groups are merged, as in the authors' engine.
 _MARGIN = 1e-5
 
 
@@ -33,10 +34,10 @@ class Propagated(NamedTuple):
 
 
 def track_masks_deaot(model: Deaot, frames: Iterable[np.ndarray], seeds: np.ndarray, params: DeaotParams) -> np.ndarray:
-    """Labels of the objects of the first frame in every frame.
+    """Track the objects of the first frame and return their labels in every frame.
 
-    Objects beyond those that one pass of the network holds are tracked in groups, whose logits are merged as in the
-    authors' engine. Unlike there, long-term memory is bounded, see `DeaotParams.memory_frames`.
+    More objects than one pass of the network holds are tracked in groups, whose logits are merged as in the authors'
+    engine. Unlike there, long-term memory is bounded, see `DeaotParams.memory_frames`.
 
     Parameters
     ----------
@@ -55,7 +56,7 @@ def track_masks_deaot(model: Deaot, frames: Iterable[np.ndarray], seeds: np.ndar
     Raises
     ------
     InputError
-        The seeds are no labels, there are no frames, or a frame is not RGB of the seeds' size.
+        The seeds are not labels, there are no frames, or a frame is not RGB of the seeds' size.
 
     References
     ----------
@@ -71,14 +72,14 @@ def track_masks_deaot(model: Deaot, frames: Iterable[np.ndarray], seeds: np.ndar
 def propagate_masks(
     model: Deaot, frames: Iterable[np.ndarray], seeds: np.ndarray, params: DeaotParams
 ) -> Iterator[Propagated]:
-    """Frame by frame what `track_masks_deaot` returns, with the logits behind it; raises as it does."""
+    """Yield frame by frame what `track_masks_deaot` returns, with its logits; raises the same errors."""
     if seeds.dtype != np.uint16 or seeds.ndim != 2 or seeds.size == 0:
-        raise InputError("no labels", where="seeds", got=f"{seeds.dtype} {seeds.shape}", expected="uint16 (y, x)")
+        raise InputError("not labels", where="seeds", got=f"{seeds.dtype} {seeds.shape}", expected="uint16 (y, x)")
     num_objects = int(seeds.max())
     shown = network_size(seeds.shape, params.max_side)
     grid, weight = model.grid(shown), next(model.parameters())
     for index, frame in enumerate(frames):
-        _check_frame(frame, seeds.shape, index)
+        check_frame(frame, f"frame {index}", seeds.shape)
         if num_objects == 0:
             yield Propagated(np.zeros_like(seeds), None)
             continue
@@ -101,23 +102,17 @@ def propagate_masks(
 
 
 def network_size(size: tuple[int, int], max_side: int) -> tuple[int, int]:
-    """The size (y, x) at which frames of `size` are shown to the network: sides of 1 modulo 16.
+    """Return the size (y, x) of the network's input for frames of `size`: sides of 1 modulo 16.
 
-    A frame with a side over `max_side` is shrunk; then sides are rounded to the nearest such number, 17 at least.
+    A frame with a side over `max_side` is reduced; then sides are rounded to the nearest such number, at least 17.
     """
     scale = min(1.0, max_side / max(size))
     height, width = (max(round((int(scale * side) - 1) / STRIDE), 1) * STRIDE + 1 for side in size)
     return height, width
 
 
-def _check_frame(frame: np.ndarray, size: tuple[int, int], index: int) -> None:
-    if frame.dtype != np.uint8 or frame.shape != (*size, 3):
-        got, expected = f"{frame.dtype} {frame.shape}", f"uint8 {(*size, 3)}, RGB of the seeds' size"
-        raise InputError("not an RGB frame of the section", where=f"frame {index}", got=got, expected=expected)
-
-
 def _normalised(frame: np.ndarray, shown: tuple[int, int]) -> np.ndarray:
-    """The frame as the encoder takes it, float32 (y, x, 3); resized with the authors' interpolation."""
+    """Return the encoder's input, float32 (y, x, 3); resized with the authors' interpolation."""
     image = frame.astype(np.float32)
     if frame.shape[:2] != shown:
         image = cv2.resize(image, shown[::-1], interpolation=cv2.INTER_CUBIC)
@@ -128,7 +123,7 @@ def _normalised(frame: np.ndarray, shown: tuple[int, int]) -> np.ndarray:
 
 
 def _group_masks(labels: torch.Tensor, num_objects: int, shown: tuple[int, int], model: Deaot) -> torch.Tensor:
-    """Masks (group, 1 + max_objects, y, x) at network size: all that is not in the group, then each of its objects."""
+    """Return masks (group, 1 + max_objects, y, x) at network size: all outside the group, then each of its objects."""
     max_objects = model.config.max_objects
     num_groups = -(-num_objects // max_objects)
     labels = F.interpolate(labels[None, None], size=shown, mode="nearest")[0, 0]
@@ -139,9 +134,9 @@ def _group_masks(labels: torch.Tensor, num_objects: int, shown: tuple[int, int],
 
 
 def _merged(logits: torch.Tensor, num_objects: int) -> torch.Tensor:
-    """Logits (1 + num_objects, y, x) of all groups (group, 1 + max_objects, y, x), identities not in use left out.
+    """Return logits (1 + num_objects, y, x) of all groups (group, 1 + max_objects, y, x), without unused identities.
 
-    The background is what is background in every group.
+    A pixel is background if it is background in every group.
     """
     max_objects = logits.shape[1] - 1
     parts = [part[: 1 + num_objects - i * max_objects] for i, part in enumerate(logits)]

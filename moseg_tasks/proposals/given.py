@@ -1,4 +1,4 @@
-"""Masks that were given (ground truth, or the user's own) as object proposals of a section."""
+"""Given masks (ground truth, or the user's) as object proposals of a section."""
 
 import numpy as np
 
@@ -23,12 +23,12 @@ def relabel_masks(masks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def link_identities(names: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Objects of the sequence from the given identities of each section's objects.
+    """Return the objects of the sequence from the given identities of each section's objects.
 
     Returns
     -------
     identity : uint16 (section, object)
-        Object of the sequence of each section object; column 0 (background) and unused places are 0.
+        Object of the sequence of each section object; 0 in column 0 (background) and in unused columns.
     given : uint16 (object,)
         The given identity of each object of the sequence, from object 1 on.
     """

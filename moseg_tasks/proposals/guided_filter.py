@@ -7,10 +7,10 @@ import numpy as np
 def guided_coefficients(
     guide: np.ndarray, filtered: np.ndarray, radius: int, smoothness: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Local linear model of a map by an image's colours: ``filtered ~ slope . colour + offset``.
+    """Fit a local linear model of a map by an image's colours: ``filtered ~ slope . colour + offset``.
 
-    Coefficients on a coarse grid may be enlarged and applied to the image in full: outlines then follow its edges at a
-    fraction of the work.
+    Coefficients of a coarse grid may be enlarged and applied to the full image: outlines then follow its edges at a
+    fraction of the cost.
 
     Parameters
     ----------
@@ -20,7 +20,7 @@ def guided_coefficients(
     radius : int
         Half side of the window, px.
     smoothness : float
-        Variance of colour below which a window counts as flat.
+        Variance of colour below which a window is treated as flat.
 
     Returns
     -------
@@ -49,7 +49,7 @@ def guided_coefficients(
 
 
 def apply_coefficients(guide: np.ndarray, slope: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """slope . colour + offset float32 (Y, X) on a `guide` float32 (Y, X, 3) of any size; coefficients are enlarged."""
+    """Return slope . colour + offset float32 (Y, X) on a `guide` float32 (Y, X, 3); coefficients are resized to it."""
     size = guide.shape[1::-1]
     enlarged = cv2.resize(cv2.merge([*cv2.split(slope), offset]), size, interpolation=cv2.INTER_LINEAR)
     return _dot(enlarged[..., :3], guide) + enlarged[..., 3]
@@ -60,7 +60,7 @@ def _dot(left: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 
 def _solve_symmetric(diagonal, across, right) -> np.ndarray:
-    """x float32 (y, x, 3) of ``A x = right`` with the symmetric 3x3 A of each pixel, by cofactors."""
+    """Solve ``A x = right`` with the symmetric 3x3 A of each pixel by cofactors: x float32 (y, x, 3)."""
     rr, gg, bb = diagonal
     rg, rb, gb = across
     c00, c01, c02 = gg * bb - gb * gb, rb * gb - rg * bb, rg * gb - rb * gg

@@ -11,14 +11,14 @@ from moseg.schemas.parameters.linking import LinkingParams
 
 
 def count_overlaps(masks0: np.ndarray, masks1: np.ndarray, num_objects0: int, num_objects1: int) -> np.ndarray:
-    """Pixels that each object of one section shares with each of the next, over their common frames.
+    """Count the pixels that each object of one section shares with each of the next, over their common frames.
 
     Parameters
     ----------
     masks0, masks1 : uint16 (frame, y, x)
-        The common frames as labelled in either section; 0 = background.
+        The common frames as labelled in each section; 0 = background.
     num_objects0, num_objects1 : int
-        Objects of either section, whether seen in these frames or not.
+        Objects of each section, visible in these frames or not.
 
     Returns
     -------
@@ -40,10 +40,10 @@ def count_overlaps(masks0: np.ndarray, masks1: np.ndarray, num_objects0: int, nu
 
 
 def link_sections(overlaps: Sequence[np.ndarray], num_objects: Sequence[int], params: LinkingParams) -> np.ndarray:
-    """Identity in the sequence of each object of each section.
+    """Return the identity in the sequence of each object of each section.
 
     Adjacent sections are matched one to one, maximising the summed IoU over their common frames. An object without a
-    match gets an identity that no object had before; one that is not matched on ends there.
+    match in the previous section gets a new identity.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def link_sections(overlaps: Sequence[np.ndarray], num_objects: Sequence[int], pa
 
     Returns
     -------
-    identity : uint16 (section, most objects of a section + 1)
+    identity : uint16 (section, maximal number of objects of a section + 1)
         0 for the background (column 0) and past a section's last object.
 
     Raises
@@ -72,7 +72,7 @@ def link_sections(overlaps: Sequence[np.ndarray], num_objects: Sequence[int], pa
     used = 0
     for section, count in enumerate(num_objects):
         if section:
-            for object0, object1 in _match(overlaps[section - 1], params.min_iou):
+            for object0, object1 in match_objects(overlaps[section - 1], params.min_iou):
                 identity[section, object1] = identity[section - 1, object0]
         for label in range(1, count + 1):
             if identity[section, label] == 0:
@@ -81,10 +81,17 @@ def link_sections(overlaps: Sequence[np.ndarray], num_objects: Sequence[int], pa
     return identity
 
 
-def _match(counts: np.ndarray, min_iou: float) -> list[tuple[int, int]]:
-    """Pairs of labels of the assignment with the largest summed IoU, those under `min_iou` left out."""
+def match_objects(counts: np.ndarray, min_iou: float) -> list[tuple[int, int]]:
+    """Return the pairs of labels of the assignment with the largest summed IoU, without those under `min_iou`.
+
+    Parameters
+    ----------
+    counts : int64 (num_objects0 + 1, num_objects1 + 1)
+        Of `count_overlaps`.
+    min_iou : float
+    """
     shared = counts[1:, 1:].astype(np.float64)
     union = counts[1:].sum(axis=1)[:, None] + counts[:, 1:].sum(axis=0)[None, :] - shared
     iou = shared / np.maximum(union, 1)
     iou[iou < min_iou] = 0
-    return [(i + 1, j + 1) for i, j in zip(*linear_sum_assignment(-iou), strict=True) if iou[i, j] > 0]
+    return [(int(i) + 1, int(j) + 1) for i, j in zip(*linear_sum_assignment(-iou), strict=True) if iou[i, j] > 0]

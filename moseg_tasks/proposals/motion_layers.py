@@ -6,10 +6,11 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from moseg.schemas.parameters.identity import IdentityParams
+from moseg.tasks.saliency.grid import vector_length
 
 CAP = 4.0
-"""Deviation, in units of noise, from which on all say the same: not of this motion."""
-_FEWEST = 6  # samples that an affine motion is fitted to
+"""Residual, in units of noise, at which the cost of a sample is truncated."""
+_MIN_SAMPLES = 6  # samples to which an affine motion is fitted
 
 
 class VelocitySamples(NamedTuple):
@@ -18,15 +19,15 @@ class VelocitySamples(NamedTuple):
     Attributes
     ----------
     design : float64 (N, 3)
-        1, x, y; px from the component's centroid, so that it can be compared with the next frame's.
+        1, x, y; px from the component's centroid, so that frames can be compared.
     velocity : float64 (N, 2)
         px/frame; the mean of both time directions.
     weight : float64 (N,)
-        0..1, low where both directions differ: there, one of them looks at what is hidden.
+        0..1, low where both directions differ, because one of them is occluded there.
     centre : float64 (2,)
         The centroid, xy, px.
     noise : float
-        Deviation that is noise, px/frame.
+        Standard deviation of the noise, px/frame.
     """
 
     design: np.ndarray
@@ -37,7 +38,7 @@ class VelocitySamples(NamedTuple):
 
 
 def sample_velocity(mask: np.ndarray, residual_flows: np.ndarray, step: int, params: IdentityParams) -> VelocitySamples:
-    """Samples of one frame on a grid of `step` px.
+    """Sample the velocity of one frame on a grid of `step` px.
 
     Parameters
     ----------
@@ -56,9 +57,9 @@ def sample_velocity(mask: np.ndarray, residual_flows: np.ndarray, step: int, par
     elif not forward.any():
         forward = -backward
     velocity = (forward - backward) / 2
-    speed = float(np.median(_length(velocity))) if len(velocity) else 0.0
+    speed = float(np.median(vector_length(velocity))) if len(velocity) else 0.0
     noise = params.split_noise + params.split_noise_motion * speed
-    weight = 1 / (1 + (_length(forward + backward) / (2 * noise)) ** 2)
+    weight = 1 / (1 + (vector_length(forward + backward) / (2 * noise)) ** 2)
     position = np.column_stack([x, y]) * float(step)
     centre = position.mean(axis=0) if len(x) else np.zeros(2)
     design = np.column_stack([np.ones(len(x)), position - centre])
@@ -66,16 +67,16 @@ def sample_velocity(mask: np.ndarray, residual_flows: np.ndarray, step: int, par
 
 
 def fit_motion(samples: VelocitySamples, among: np.ndarray, params: IdentityParams) -> np.ndarray:
-    """Affine motion float64 (3, 2), rows 1, x, y, that most of the samples `among` (bool (N,)) follow.
+    """Fit the affine motion float64 (3, 2), rows 1, x, y, that most of the samples `among` (bool (N,)) follow.
 
-    Least squares reweighted by Cauchy's function; the slopes are held to 0 as far as the samples are close together.
+    Least squares reweighted by Cauchy's function; the slopes are regularised to 0, more so for a small extent.
     """
     design, velocity, weight = samples.design[among], samples.velocity[among], samples.weight[among]
     origin = weight @ design / max(weight.sum(), 1e-9)
     local = design - origin * [0, 1, 1]
     motion = np.vstack([np.median(velocity, axis=0), np.zeros((2, 2))])
     for _ in range(params.split_iterations):
-        robust = weight / (1 + (_length(local @ motion - velocity) / samples.noise) ** 2)
+        robust = weight / (1 + (vector_length(local @ motion - velocity) / samples.noise) ** 2)
         weighted = local * robust[:, None]
         normal = weighted.T @ local + np.diag([1e-9, *[robust.sum() * params.split_stiffness**2 + 1e-9] * 2])
         motion = np.linalg.solve(normal, weighted.T @ velocity)
@@ -83,13 +84,13 @@ def fit_motion(samples: VelocitySamples, among: np.ndarray, params: IdentityPara
     return motion
 
 
-def deviation(samples: VelocitySamples, motion: np.ndarray) -> np.ndarray:
-    """How far each sample is from an affine motion, float64 (N,) px/frame."""
-    return _length(samples.design @ motion - samples.velocity)
+def residuals(samples: VelocitySamples, motion: np.ndarray) -> np.ndarray:
+    """Return each sample's deviation from an affine motion, float64 (N,) px/frame."""
+    return vector_length(samples.design @ motion - samples.velocity)
 
 
 class TwoMotions(NamedTuple):
-    """Two affine motions float64 (3, 2) of a frame, and which of its samples follow the second, bool (N,)."""
+    """Two affine motions float64 (3, 2) of a frame, and the samples that follow the second, bool (N,)."""
 
     first: np.ndarray
     second: np.ndarray
@@ -97,37 +98,37 @@ class TwoMotions(NamedTuple):
 
 
 def cut_motions(samples: VelocitySamples, params: IdentityParams) -> TwoMotions:
-    """Two motions from a cut across the axis along which velocities differ most."""
+    """Fit two motions to the halves of a cut across the axis of largest variation of the velocities."""
     return _alternate(samples, np.zeros((3, 2)), np.zeros((3, 2)), _cut(samples), np.zeros(len(samples.weight)), params)
 
 
 def carry_motions(
     samples: VelocitySamples, before: TwoMotions, samples_before: VelocitySamples, params: IdentityParams
 ) -> TwoMotions:
-    """The two motions of a neighbouring frame, fitted to this one.
+    """Fit the two motions of a neighbouring frame to this one.
 
-    Two beginnings are tried, and the one that ends with the better fit is taken: each sample stays on the side of the
-    sample that was nearest, or it goes where its velocity fits. The first keeps apart a limb and its body while the
-    limb turns back; the second finds again what moves fast or was hidden. Later, too, a sample changes sides only for
-    more than noise.
+    Two initialisations are tried, and the one with the better fit is taken: each sample follows the motion of the
+    sample that was nearest, or the motion that fits its velocity. The first keeps a limb and its body apart while the
+    limb turns back; the second recovers what moves fast or was hidden. In all iterations a sample changes its motion
+    only if that improves its residual by more than the noise.
     """
-    # Seen from the centroid, a sample has moved by what it moves more than the others: less than a step as a rule.
+    # Relative to the centroid, a sample usually moves by less than a step between frames.
     _, nearest = cKDTree(samples_before.design[:, 1:]).query(samples.design[:, 1:])
     stayed = before.is_second[nearest]
     stay = np.where(stayed, -samples.noise, samples.noise)
     starts = (stayed, _is_second(samples, before.first, before.second, stay))
     ends = [_alternate(samples, before.first, before.second, start, stay, params) for start in starts]
-    return min(ends, key=lambda motions: misfit(samples, own_deviation(samples, motions)))
+    return min(ends, key=lambda motions: mean_residual(samples, own_residuals(samples, motions)))
 
 
-def misfit(samples: VelocitySamples, apart: np.ndarray) -> float:
-    """Mean squared deviation in units of noise, no sample counting for more than `CAP` of them."""
-    return float(samples.weight @ np.minimum(apart / samples.noise, CAP) ** 2 / samples.weight.sum())
+def mean_residual(samples: VelocitySamples, residuals: np.ndarray) -> float:
+    """Return the mean squared residual in units of noise, truncated at `CAP`."""
+    return float(samples.weight @ np.minimum(residuals / samples.noise, CAP) ** 2 / samples.weight.sum())
 
 
-def own_deviation(samples: VelocitySamples, motions: TwoMotions) -> np.ndarray:
-    """How far each sample is from the motion that it follows, float64 (N,) px/frame."""
-    return np.where(motions.is_second, deviation(samples, motions.second), deviation(samples, motions.first))
+def own_residuals(samples: VelocitySamples, motions: TwoMotions) -> np.ndarray:
+    """Return each sample's deviation from the motion that it follows, float64 (N,) px/frame."""
+    return np.where(motions.is_second, residuals(samples, motions.second), residuals(samples, motions.first))
 
 
 def _alternate(
@@ -138,11 +139,11 @@ def _alternate(
     stay: np.ndarray,
     params: IdentityParams,
 ) -> TwoMotions:
-    """Fit and assign in turn. A motion that too few samples follow stays as it was."""
+    """Fit and assign in turn. A motion that too few samples follow remains unchanged."""
     motions = [first, second]
     for _ in range(params.split_iterations):
         for index, among in enumerate((~is_second, is_second)):
-            if among.sum() >= _FEWEST:
+            if among.sum() >= _MIN_SAMPLES:
                 motions[index] = fit_motion(samples, among, params)
         before, is_second = is_second, _is_second(samples, *motions, stay)
         if (before == is_second).all():
@@ -151,11 +152,11 @@ def _alternate(
 
 
 def _is_second(samples: VelocitySamples, first: np.ndarray, second: np.ndarray, stay: np.ndarray) -> np.ndarray:
-    return deviation(samples, second) + stay < deviation(samples, first)
+    return residuals(samples, second) + stay < residuals(samples, first)
 
 
 def _cut(samples: VelocitySamples) -> np.ndarray:
-    """Otsu's cut of the velocities along their principal axis, bool (N,)."""
+    """Return Otsu's cut of the velocities along their principal axis, bool (N,)."""
     weight = samples.weight / samples.weight.sum()
     centred = samples.velocity - weight @ samples.velocity
     _, axes = np.linalg.eigh((centred * weight[:, None]).T @ centred)
@@ -164,7 +165,3 @@ def _cut(samples: VelocitySamples) -> np.ndarray:
     below = np.cumsum(weight[order])
     gained = np.cumsum((weight * along)[order]) ** 2 / np.maximum(below * (1 - below), 1e-9)
     return along > along[order[int(np.argmax(gained[:-1]))]]
-
-
-def _length(vectors: np.ndarray) -> np.ndarray:
-    return np.sqrt(vectors[:, 0] ** 2 + vectors[:, 1] ** 2)

@@ -1,4 +1,4 @@
-"""Outlines at full size: the foreground of a coarse grid follows the edges of the frame."""
+"""Outlines at full size: the foreground of a coarse grid is aligned with the edges of the frame."""
 
 import cv2
 import numpy as np
@@ -8,13 +8,13 @@ from moseg.tasks.proposals.components import FOREGROUND
 from moseg.tasks.proposals.guided_filter import apply_coefficients, guided_coefficients
 from moseg.tasks.saliency.grid import reduce_frame
 
-_MARGIN = 4  # cells around the objects that are looked at, beside the filter's two windows
+_MARGIN = 4  # cells around the objects that are processed, in addition to the filter's two windows
 
 
 def refine_outlines(
     frame: np.ndarray, labels: np.ndarray, foreground: np.ndarray, params: RefinementParams
 ) -> np.ndarray:
-    """Objects of a frame at its full size.
+    """Return the objects of a frame at its full size.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def refine_outlines(
     if part.size == 0:
         return objects
     near = labels[window]
-    # What is foreground but of no object, such as a component that was not kept, must not bleed into one.
+    # Foreground of no object, such as a dropped component, must not leak into an object.
     kept = np.where((near > 0) | (foreground[window] <= FOREGROUND), foreground[window], 0).astype(np.float32)
     guide = reduce_frame(part, near.shape) * np.float32(1 / 255)
     slope, offset = guided_coefficients(guide, kept, params.radius, params.smoothness)
@@ -55,7 +55,7 @@ def refine_outlines(
 
 
 def _window_around(mask: np.ndarray, margin: int) -> tuple[slice, slice] | None:
-    """Rows and columns around a mask, with a margin inside the frame; None where it is empty."""
+    """Return rows and columns around a mask, with a margin inside the frame; None where it is empty."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     if not len(rows):
         return None
@@ -66,7 +66,7 @@ def _window_around(mask: np.ndarray, margin: int) -> tuple[slice, slice] | None:
 
 
 def _grow(labels: np.ndarray) -> np.ndarray:
-    """Labels that reach a cell or two beyond the objects: a filtered outline may lie there."""
+    """Extend labels a cell or two beyond the objects: a filtered outline may lie there."""
     grown = labels
     for _ in range(2):
         grown = np.where(grown > 0, grown, cv2.dilate(grown, np.ones((3, 3), np.uint8)))

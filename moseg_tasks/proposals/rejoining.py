@@ -1,4 +1,4 @@
-"""An object that hides and comes out again keeps its identity."""
+"""Re-identification of objects after an occlusion."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -17,7 +17,7 @@ _LAB_RANGES = (0, 256) * 3
 
 
 class _Sight(NamedTuple):
-    """A component's frames, and how it looks in those in which it is in full view, about the end to be continued."""
+    """A component's frames, and its appearance where it is fully visible, near the end to be continued."""
 
     first: int
     last: int
@@ -33,9 +33,9 @@ def rejoin_components(
 ) -> np.ndarray:
     """Give a component that begins where another's motion leads it the other's label.
 
-    The other has ended within the frame some frames before. Its way while hidden is the background's, plus its own
-    velocity relative to the background. Place, velocity, area and colours must agree; of several continuations the
-    best set is taken, one to one. What is half hidden misleads: all are of frames in full view.
+    The other ended some frames before, not at the frame's border. While it is hidden it is predicted to move with the
+    background plus its own velocity relative to the background. Position, velocity, area and colours must agree; of
+    several continuations the best one-to-one assignment is taken. All measurements are of fully visible frames.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def rejoin_components(
     spans = {label: (boxes[label - 1][0].start, boxes[label - 1][0].stop - 1) for label in lasting}
     ends = [label for label in lasting if _is_inside(labels, label, spans[label][1])]
     begins = [label for label in lasting if _is_inside(labels, label, spans[label][0])]
-    # Nearly always nothing begins where something else has ended: only then is it worth looking closer.
+    # Such pairs are rare: only their components are described.
     pairs = [(i, j) for i in ends for j in begins if i != j and _is_in_time(spans[i], spans[j], params)]
     before = {i: _look(labels, images, residual_flows, i, boxes[i - 1], True, params) for i in {i for i, _ in pairs}}
     after = {j: _look(labels, images, residual_flows, j, boxes[j - 1], False, params) for j in {j for _, j in pairs}}
@@ -87,17 +87,17 @@ def rejoin_components(
 
 
 def _rename(gains: np.ndarray, spans: dict[int, tuple[int, int]]) -> np.ndarray:
-    """New label of each label, int64 (label,), from the gains (earlier, later) of joining two."""
+    """Return the new label of each label, int64 (label,), from the gains (earlier, later) of joining two."""
     renamed = np.arange(len(gains))
     found = [(i, j) for i, j in zip(*linear_sum_assignment(gains, maximize=True), strict=True) if gains[i, j] > 0]
-    # In the order of time, so that a third part takes the first one's label.
+    # In order of time, so that a third part gets the first one's label.
     for i, j in sorted(found, key=lambda pair: spans[pair[1]]):
         renamed[j] = renamed[i]
     return renamed
 
 
 def _is_inside(labels: np.ndarray, label: int, frame: int) -> bool:
-    """Whether a component touches neither the frame's border nor the section's."""
+    """Check that a component touches neither the frame's border nor the section's first or last frame."""
     if frame in (0, len(labels) - 1):
         return False
     image = labels[frame]
@@ -105,7 +105,7 @@ def _is_inside(labels: np.ndarray, label: int, frame: int) -> bool:
 
 
 def _is_in_time(span0: tuple[int, int], span1: tuple[int, int], params: IdentityParams) -> bool:
-    """Whether one may continue the other: later at both ends, and soon enough."""
+    """Check whether one span may continue the other: later at both ends, and within the gap allowed."""
     later = span1[0] > span0[0] and span1[1] > span0[1]
     return later and abs(span1[0] - span0[1] - 1) <= params.rejoin_gap
 
@@ -119,7 +119,7 @@ def _look(
     is_end: bool,
     params: IdentityParams,
 ) -> _Sight:
-    """A component as it looks before it ends, or after it began."""
+    """Describe a component shortly before it ends, or after it began."""
     masks = labels[tuple(box)] == label
     areas = masks.sum(axis=(1, 2))
     usual = float(np.percentile(areas[areas > 0], 75))
@@ -145,7 +145,7 @@ def _look(
 
 
 def _normalised(histogram: np.ndarray) -> np.ndarray:
-    # Neighbouring bins blend: light changes a little on the way.
+    # Neighbouring bins are mixed, because the illumination changes slightly.
     smooth = ndimage.gaussian_filter(histogram, 0.7, mode="nearest")
     return smooth / max(float(smooth.sum()), 1e-9)
 
@@ -153,7 +153,7 @@ def _normalised(histogram: np.ndarray) -> np.ndarray:
 def _agreement(
     before: _Sight, after: _Sight, flows: np.ndarray, residual_flows: np.ndarray, params: IdentityParams
 ) -> float:
-    """How well one continues the other, 0..2; 0 where it cannot."""
+    """Return how well one component continues the other, 0..2; 0 where it cannot."""
     if after.frame <= before.frame or min(before.area, after.area) < params.min_area * flows[0, 0, ..., 0].size:
         return 0.0
     if max(before.area, after.area) > params.rejoin_growth * min(before.area, after.area):
@@ -161,16 +161,16 @@ def _agreement(
     speed = max(np.hypot(*before.velocity), np.hypot(*after.velocity))
     if np.hypot(*(after.velocity - before.velocity)) > params.rejoin_turn * speed + params.rejoin_drift:
         return 0.0
-    likeness = float(np.sqrt(before.histogram * after.histogram).sum())
-    place = _predict(before, after, flows, residual_flows)
+    similarity = float(np.sqrt(before.histogram * after.histogram).sum())
+    predicted = _predict(before, after, flows, residual_flows)
     way = np.hypot(*(before.velocity + after.velocity)) / 2 * (after.frame - before.frame)
     reach = params.rejoin_reach * np.sqrt(min(before.area, after.area)) + params.rejoin_stray * way
-    away = np.hypot(*(after.centre - place)) / reach
-    return 1 - away + likeness if away < 1 and likeness >= params.rejoin_colour else 0.0
+    away = np.hypot(*(after.centre - predicted)) / reach
+    return 1 - away + similarity if away < 1 and similarity >= params.rejoin_colour else 0.0
 
 
 def _predict(before: _Sight, after: _Sight, flows: np.ndarray, residual_flows: np.ndarray) -> np.ndarray:
-    """Place xy at which an object is to come out, carried by the background and its own mean velocity."""
+    """Predict where xy an object reappears, moved by the background and its own mean velocity."""
     place = before.centre.copy()
     height, width = flows.shape[2:4]
     for frame in range(before.frame, after.frame):

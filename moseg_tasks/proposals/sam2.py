@@ -1,4 +1,4 @@
-"""Masks of a section's objects, carried from its first frame by SAM 2.1."""
+"""Masks of a section's objects, tracked from its first frame by SAM 2.1."""
 
 from collections.abc import Iterable, Sequence
 
@@ -9,6 +9,7 @@ from transformers import Sam2VideoInferenceSession, Sam2VideoModel
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.sam2 import Sam2Params
+from moseg.tasks.check_frame import check_frame
 from moseg.tasks.networks.frame_tensor import Resizing, frame_tensor
 from moseg.tasks.networks.sam2 import forget_past, network_side, start_sessions
 
@@ -16,10 +17,10 @@ from moseg.tasks.networks.sam2 import forget_past, network_side, start_sessions
 def track_masks_sam2(
     model: Sam2VideoModel, frames: Iterable[np.ndarray], seeds: np.ndarray, params: Sam2Params
 ) -> np.ndarray:
-    """Labels of the objects of the first frame in every frame.
+    """Track the objects of the first frame and return their labels in every frame.
 
-    Each object has a memory of its own: its mask in the first frame, and its masks and pointers in the last ones.
-    Where objects overlap, a pixel goes to the one that is surest of it. The memory does not grow with the video.
+    Each object has its own memory: its mask in the first frame, and its masks and pointers in the last frames. Where
+    objects overlap, a pixel gets the label with the highest logit. The memory does not grow with the video.
 
     Parameters
     ----------
@@ -38,20 +39,18 @@ def track_masks_sam2(
     Raises
     ------
     InputError
-        The seeds are no labels, there are no frames, or a frame is not RGB of the seeds' size.
+        The seeds are not labels, there are no frames, or a frame is not RGB of the seeds' size.
 
     References
     ----------
     Ravi et al., "SAM 2: Segment Anything in Images and Videos", ICLR 2025.
     """
     if seeds.dtype != np.uint16 or seeds.ndim != 2 or seeds.size == 0:
-        raise InputError("no labels", where="seeds", got=f"{seeds.dtype} {seeds.shape}", expected="uint16 (y, x)")
+        raise InputError("not labels", where="seeds", got=f"{seeds.dtype} {seeds.shape}", expected="uint16 (y, x)")
     sessions = start_sessions(model, seeds, params.objects_per_pass)
     masks = []
     for index, frame in enumerate(frames):
-        if frame.dtype != np.uint8 or frame.shape != (*seeds.shape, 3):
-            got, expected = f"{frame.dtype} {frame.shape}", f"uint8 {(*seeds.shape, 3)}, the size of the seeds"
-            raise InputError("not an RGB frame", where=f"frame {index}", got=got, expected=expected)
+        check_frame(frame, f"frame {index}", seeds.shape)
         labels = _advance(model, sessions, frame, index, params) if sessions else np.zeros_like(seeds)
         masks.append(labels if index else seeds)
     if not masks:
@@ -67,17 +66,17 @@ def _advance(
     index: int,
     params: Sam2Params,
 ) -> np.ndarray:
-    """Labels uint16 (y, x) of the next frame, which the sessions then remember."""
+    """Return labels uint16 (y, x) of the next frame, and update the sessions."""
     size, side = frame.shape[:2], network_side(model)
     pixels = frame_tensor(frame, (side, side), model.device, Resizing.PIL_BICUBIC)
     labels = torch.zeros(size, dtype=torch.int32, device=model.device)
-    surest = torch.zeros(size, device=model.device)
+    highest = torch.zeros(size, device=model.device)
     for session in sessions:
         found = model(session, frame=pixels, frame_idx=index)
         for label, small in zip(found.object_ids, found.pred_masks.float(), strict=True):
             logits = functional.interpolate(small[None], size=size, mode="bilinear")[0, 0]
-            labels[logits > surest] = label
-            surest = torch.maximum(surest, logits)
+            labels[logits > highest] = label
+            highest = torch.maximum(highest, logits)
         # One of the places of the mask memory is the first frame's.
         forget_past(session, index, model.config.num_maskmem - 1, params.memory_reach)
     return labels.cpu().numpy().astype(np.uint16)

@@ -1,4 +1,4 @@
-"""Objects that touch in the image but move apart get identities of their own."""
+"""Splitting of components into objects that touch in the image but move apart."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -15,14 +15,14 @@ from moseg.tasks.proposals.motion_layers import (
     VelocitySamples,
     carry_motions,
     cut_motions,
-    deviation,
     fit_motion,
-    misfit,
-    own_deviation,
+    mean_residual,
+    own_residuals,
+    residuals,
     sample_velocity,
 )
 
-_FEWEST_SAMPLES = 12
+_MIN_SAMPLES = 12
 
 
 class _Layers(NamedTuple):
@@ -32,15 +32,15 @@ class _Layers(NamedTuple):
     areas: tuple[float, float]  # px
     relative: np.ndarray  # of the second to the first at the smaller part, px/frame
     separation: float  # its length in mean deviations
-    explained: float  # share of a single motion's misfit
+    explained: float  # share of a single motion's residual
 
 
 def split_touching(labels: np.ndarray, residual_flows: np.ndarray, params: IdentityParams) -> np.ndarray:
     """Split components of two or more motions that belong to different objects.
 
-    A component is two objects when in several frames two affine motions explain what one cannot, each has a compact
-    part of its own, they differ far more than either part does within itself, and in all their difference carries the
-    parts past each other. Limbs fail the last two: they hang together with the body, swing back, and go nowhere.
+    A component is two objects if in several frames two affine motions explain it and one does not, each motion has a
+    compact part, the motions differ far more than each part varies, and the sum of their differences over time
+    separates the parts. Limbs fail the last two conditions: they are connected to the body and swing back.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def split_touching(labels: np.ndarray, residual_flows: np.ndarray, params: Ident
     Returns
     -------
     labels : as `labels`
-        The larger part of a split component keeps its label; others get new ones, above those that were.
+        The larger part of a split component keeps its label; others get new labels above all existing ones.
 
     Raises
     ------
@@ -80,28 +80,28 @@ def split_touching(labels: np.ndarray, residual_flows: np.ndarray, params: Ident
 def _second_object(
     component: np.ndarray, residual_flows: np.ndarray, labels: np.ndarray, params: IdentityParams
 ) -> np.ndarray | None:
-    """The smaller of a component's two objects, bool (T, h, w); None where it is one."""
+    """Return the smaller of a component's two objects, bool (T, h, w); None where it is one."""
     areas = component.sum(axis=(1, 2))
-    least = params.min_area * labels.shape[1] * labels.shape[2]
-    if (areas >= 2 * least).sum() < params.split_frames:
+    min_area = params.min_area * labels.shape[1] * labels.shape[2]
+    if (areas >= 2 * min_area).sum() < params.split_frames:
         return None
     usual_area = areas.sum() / (areas > 0).sum()
     step = max(1, round(float(np.sqrt(usual_area / params.split_samples))))
     frames = zip(component, residual_flows, strict=True)
     samples = [sample_velocity(mask, flows, step, params) for mask, flows in frames]
-    singles = [_misfit_of_one(frame, params) for frame in samples]
+    singles = [_residual_of_one(frame, params) for frame in samples]
     broken = [t for t, (_, share) in enumerate(singles) if share > params.split_outliers]
     if len(broken) < params.split_frames:
         return None
-    layers = _follow_layers(samples, [misfit for misfit, _ in singles], broken, step, params)
-    if not _is_apart([layer for layer in layers if layer is not None and min(layer.areas) >= least], params):
+    layers = _follow_layers(samples, [residual for residual, _ in singles], broken, step, params)
+    if not _is_apart([layer for layer in layers if layer is not None and min(layer.areas) >= min_area], params):
         return None
     second = np.zeros(component.shape, bool)
     for t, layer in enumerate(layers):
         if layer is not None:
-            second[t] = _assign(component[t], residual_flows[t], layer, samples[t], least, params)
+            second[t] = _assign(component[t], residual_flows[t], layer, samples[t], min_area, params)
     first = component & ~second
-    seen = (second.sum(axis=(1, 2)) >= least) & (first.sum(axis=(1, 2)) >= least)
+    seen = (second.sum(axis=(1, 2)) >= min_area) & (first.sum(axis=(1, 2)) >= min_area)
     if seen.sum() < params.split_frames:
         return None
     if min(_compactness(second[seen]), _compactness(first[seen])) < params.split_compactness:
@@ -109,13 +109,13 @@ def _second_object(
     return second if second.sum() <= first.sum() else first
 
 
-def _misfit_of_one(samples: VelocitySamples, params: IdentityParams) -> tuple[float, float]:
-    """Misfit of a single motion, and the share of the samples that it leaves unexplained."""
-    if len(samples.weight) < _FEWEST_SAMPLES:
+def _residual_of_one(samples: VelocitySamples, params: IdentityParams) -> tuple[float, float]:
+    """Return the mean residual of a single motion, and the share of the samples that it leaves unexplained."""
+    if len(samples.weight) < _MIN_SAMPLES:
         return 0.0, 0.0
-    apart = deviation(samples, fit_motion(samples, np.ones(len(samples.weight), bool), params))
+    apart = residuals(samples, fit_motion(samples, np.ones(len(samples.weight), bool), params))
     outliers = samples.weight @ (apart > 2 * samples.noise)
-    return misfit(samples, apart), float(outliers / samples.weight.sum())
+    return mean_residual(samples, apart), float(outliers / samples.weight.sum())
 
 
 def _follow_layers(
@@ -125,9 +125,9 @@ def _follow_layers(
     step: int,
     params: IdentityParams,
 ) -> list[_Layers | None]:
-    """Both motions in every frame, from the frame that shows them best forwards and backwards in time.
+    """Fit both motions in every frame, forwards and backwards in time from the frame that shows them best.
 
-    Nothing where no frame shows them far enough apart.
+    Empty if no frame shows them far enough apart.
     """
     tried = broken[:: -(-len(broken) // params.split_starts)]
     found = {t: cut_motions(samples[t], params) for t in tried}
@@ -141,7 +141,7 @@ def _follow_layers(
         last = start
         motions = found[start]
         for t in order:
-            if len(samples[t].weight) >= _FEWEST_SAMPLES:
+            if len(samples[t].weight) >= _MIN_SAMPLES:
                 motions = carry_motions(samples[t], motions, samples[last], params)
                 layers[t] = _weigh(samples[t], motions, singles[t], step)
                 last = t
@@ -149,22 +149,22 @@ def _follow_layers(
 
 
 def _weigh(samples: VelocitySamples, motions: TwoMotions, single: float, step: int) -> _Layers:
-    """What two motions explain that a single one of misfit `single` does not, and how far they are apart."""
+    """Measure how much two motions reduce the mean residual `single` of one motion, and how far they are apart."""
     first, second, is_second = motions
-    apart = own_deviation(samples, motions)
+    apart = own_residuals(samples, motions)
     counts = np.array([(~is_second).sum(), is_second.sum()])
     smaller = is_second if counts[1] < counts[0] else ~is_second
-    # Between the motions where the smaller part is: that is where the parts would hang together.
+    # Difference of the motions at the smaller part, where the parts would be connected.
     place = samples.design[smaller].mean(axis=0) if smaller.any() else np.array([1.0, 0.0, 0.0])
     relative = place @ (second - first)
     spread = max(float(samples.weight @ apart / samples.weight.sum()), 1e-6)
     areas = tuple((counts * step**2).tolist())
-    explained = 1 - misfit(samples, apart) / max(single, 1e-9)
+    explained = 1 - mean_residual(samples, apart) / max(single, 1e-9)
     return _Layers((first, second), areas, relative, float(np.hypot(*relative)) / spread, explained)
 
 
 def _is_apart(seen: Sequence[_Layers], params: IdentityParams) -> bool:
-    """Whether the motions of the frames in which both are seen are of two objects."""
+    """Check whether the motions of the frames in which both are seen are of two objects."""
     if len(seen) < params.split_frames:
         return False
     size = np.sqrt(np.median([min(layer.areas) for layer in seen]))
@@ -181,36 +181,36 @@ def _assign(
     residual_flows: np.ndarray,
     layer: _Layers,
     samples: VelocitySamples,
-    least: float,
+    min_area: float,
     params: IdentityParams,
 ) -> np.ndarray:
-    """Pixels bool (h, w) of a frame's component that follow the second motion."""
+    """Return the pixels bool (h, w) of a frame's component that follow the second motion."""
     y, x = np.nonzero(component)
     design = np.column_stack([np.ones(len(x)), x - samples.centre[0], y - samples.centre[1]])
     velocities = [sign * flow[y, x] for sign, flow in zip((-1, 1), residual_flows, strict=True) if flow.any()]
     deviations = []
     for motion in layer.motions:
-        # Next to what it hides or uncovers, a pixel's flow is right in one time direction only.
+        # Next to an occlusion a pixel's flow is right in one time direction only.
         apart = [np.linalg.norm(design @ motion - velocity, axis=1) for velocity in velocities]
         deviations.append(np.minimum.reduce(apart, initial=CAP * samples.noise, axis=0))
     votes = np.zeros(component.shape, np.float32)
     votes[y, x] = deviations[0] - deviations[1]
     votes = cv2.blur(votes, (params.split_blur, params.split_blur), borderType=cv2.BORDER_CONSTANT)
     second = component & (votes > 0)
-    # Specks belong to what surrounds them.
-    second = _without_specks(second, least)
-    return component & ~_without_specks(component & ~second, least)
+    # Specks belong to their surroundings.
+    second = _without_specks(second, min_area)
+    return component & ~_without_specks(component & ~second, min_area)
 
 
-def _without_specks(mask: np.ndarray, least: float) -> np.ndarray:
+def _without_specks(mask: np.ndarray, min_area: float) -> np.ndarray:
     _, parts, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8))
-    large = stats[:, cv2.CC_STAT_AREA] >= least
+    large = stats[:, cv2.CC_STAT_AREA] >= min_area
     large[0] = False
     return large[parts]
 
 
 def _compactness(masks: np.ndarray) -> float:
-    """Median over the frames of the share of a mask that its largest connected part holds."""
+    """Return the median over the frames of the share of a mask in its largest connected part."""
     shares = []
     for mask in masks:
         _, _, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8))

@@ -1,4 +1,4 @@
-"""What moves in a video, without any learned weights: from the flow of frame pairs to a probability of every pixel."""
+"""Motion saliency without learned weights: from the flow of frame pairs to each pixel's probability to move."""
 
 from moseg.tasks.saliency.accumulation import accumulate, memory_weight
 from moseg.tasks.saliency.choice import BackgroundChoice, choose_background

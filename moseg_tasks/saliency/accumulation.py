@@ -1,13 +1,12 @@
-"""Accumulation of maps along the flow, one pass over time at a time."""
+"""Accumulation of maps along the flow, in one pass over time."""
 
 from collections.abc import Iterable
 
-import cv2
 import numpy as np
 
 from moseg.schemas.parameters import AccumulationParams
-from moseg.tasks.half_floats import narrow, widen
-from moseg.tasks.saliency.grid import pixel_grid
+from moseg.tasks.half_floats import to_float16, to_float32
+from moseg.tasks.saliency.grid import warp
 
 
 def accumulate(
@@ -16,10 +15,10 @@ def accumulate(
     weights: Iterable[np.ndarray | float],
     carried: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Maps with a memory that follows the flow: ``A_t = w_t warp(A_{t-1}) + (1 - w_t) S_t``.
+    """Accumulate maps along the flow: ``A_t = w_t warp(A_{t-1}) + (1 - w_t) S_t``.
 
-    Frames are given in the order of the pass; the one before the first is `carried`, so that a video cut anywhere gives
-    the same as one that is not.
+    Frames are given in the order of the pass; `carried` is the result of the frame before the first, so that a video
+    cut into parts gives the same result as the whole video.
 
     Parameters
     ----------
@@ -30,37 +29,30 @@ def accumulate(
     weights : T of float32, shaped as the maps, or float
         w, of the memory.
     carried : float16, shaped as the maps, optional
-        A of the frame before the first; the pass begins with ``A = S`` without it.
+        A of the frame before the first; without it the pass begins with ``A = S``.
 
     Returns
     -------
     accumulated : float16 (T, y, x) or (T, y, x, channel)
-        A. Each step starts from the rounded one, as does one that reads it from a file.
+        A. Each step starts from the rounded result, as does a step that reads it from a file.
     """
     accumulated = []
     memory = carried
     for seen, flow, weight in zip(maps, flows, weights, strict=True):
         if memory is not None:
-            warped = _warp(widen(memory), flow)
+            warped = warp(to_float32(memory), flow)
             seen = seen + weight * (warped - seen)
-        memory = narrow(seen)
+        memory = to_float16(seen)
         accumulated.append(memory)
     return np.stack(accumulated)
 
 
 def memory_weight(consistency: np.ndarray, direction: int, params: AccumulationParams) -> np.ndarray:
-    """Weight float32 (y, x) of the memory of one frame, from its `consistency` (2, y, x) both ways.
+    """Return the weight float32 (y, x) of one frame's memory, from its `consistency` (2, y, x) in both directions.
 
-    It grows with the consistency of the flow the memory came by; where the flow is consistent neither way, the frame's
-    own saliency hardly counts.
+    It grows with the consistency of the flow along which the memory was warped; where the flow is consistent in neither
+    direction, the frame's own saliency has little weight.
     """
     reliability = params.reliability_floor + (1 - params.reliability_floor) * consistency.max(axis=0)
     kept = params.memory * np.maximum(consistency[direction], np.float32(params.consistency_floor))
     return 1 - (1 - kept) * reliability
-
-
-def _warp(image: np.ndarray, flow: np.ndarray) -> np.ndarray:
-    """`image` read where `flow` leads from each pixel."""
-    position = pixel_grid(flow.shape[:2]) + flow
-    warped = cv2.remap(image, position, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return warped.reshape(image.shape)

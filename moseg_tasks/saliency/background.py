@@ -32,11 +32,11 @@ class AffineMotion(NamedTuple):
 
 
 def fit_background(flow: np.ndarray, params: SaliencyParams, among: np.ndarray | None = None) -> AffineMotion:
-    """Affine motion that most of the flow follows.
+    """Fit the affine motion that most of the flow follows.
 
-    A homography fitted by RANSAC says which pixels to start from; Tukey's biweight then follows them. The homography
-    alone would bend itself to objects: it is only the start. Without `among` the band along the frame's border counts
-    more than the middle: an object that fills the frame is still seldom what lies around it.
+    The inliers of a homography fitted by RANSAC initialise a fit by Tukey's biweight. The homography alone would adapt
+    to objects. Without `among` the band along the frame's border has more weight than the middle, because even a large
+    object rarely covers the border.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def fit_background(flow: np.ndarray, params: SaliencyParams, among: np.ndarray |
         px/frame.
     params : SaliencyParams
     among : bool (y, x), optional
-        Pixels to fit to; without it all, of which some in the middle are left out.
+        Pixels to fit to; by default all, of which some in the middle are left out.
 
     Returns
     -------
@@ -59,16 +59,21 @@ def fit_background(flow: np.ndarray, params: SaliencyParams, among: np.ndarray |
 
 
 def affine_flow(motion: AffineMotion, shape: tuple[int, int]) -> np.ndarray:
-    """Flow float32 (y, x, 2) of an affine motion on a grid of `shape`, px/frame."""
+    """Return the flow float32 (y, x, 2) of an affine motion on a grid of `shape`, px/frame."""
     linear = motion.theta[1:]
     matrix = np.column_stack([linear.T, motion.theta[0] - motion.centre @ linear])
     return cv2.transform(pixel_grid(shape), matrix.astype(np.float32))
 
 
+def tukey_weight(residual: np.ndarray, cutoff: float) -> np.ndarray:
+    """Return Tukey's biweight of residuals: 1 at 0, 0 from `cutoff` on."""
+    return np.clip(1 - (residual / cutoff) ** 2, 0, None) ** 2
+
+
 def sample_flow(
     flow: np.ndarray, step: int, among: np.ndarray | None = None, thinning: SaliencyParams | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and vectors float64 (N, 2) on a grid of `step` px, those of `among` only, the middle by `thinning`."""
+    """Sample positions and vectors float64 (N, 2) on a grid of `step` px, inside `among`, thinned out by `thinning`."""
     height, width = flow.shape[:2]
     rows, columns = np.arange(step // 2 % height, height, step), np.arange(step // 2 % width, width, step)
     y, x = np.meshgrid(rows, columns, indexing="ij")
@@ -83,7 +88,7 @@ def sample_flow(
 
 
 def _ransac_homography(points0: np.ndarray, points1: np.ndarray, params: SaliencyParams) -> np.ndarray | None:
-    """Homography that maps most of `points0` to `points1`, or None where there are too few of them."""
+    """Fit the homography that maps most of `points0` to `points1`; None where there are too few of them."""
     if len(points0) <= _MINIMAL_SAMPLE:
         return None
     options = {
@@ -107,7 +112,7 @@ def _homography_residual(homography: np.ndarray, points: np.ndarray, vectors: np
 def _tukey_affine(
     points: np.ndarray, vectors: np.ndarray, start: np.ndarray | None, params: SaliencyParams
 ) -> AffineMotion:
-    """Iteratively reweighted least squares under Tukey's biweight, from the residuals `start`."""
+    """Fit by iteratively reweighted least squares under Tukey's biweight, from the residuals `start`."""
     centre = points.mean(axis=0) if len(points) else np.zeros(2)
     design = np.column_stack([np.ones(len(points)), points - centre])
     residual = np.zeros(len(points)) if start is None else start
@@ -118,9 +123,9 @@ def _tukey_affine(
             break
         scale = max(params.affine_scale_floor, MAD_TO_SIGMA * float(np.median(residual[inliers])))
         cutoff = params.tukey_constant * scale
-        weight = np.clip(1 - (residual / cutoff) ** 2, 0, None) ** 2
+        weight = tukey_weight(residual, cutoff)
         weighted = design * weight[:, None]
-        # The pseudo-inverse leaves flat what the points do not span: frames of a single pixel, row or column.
+        # The pseudo-inverse gives slope 0 in directions that the points do not span: a single pixel, row or column.
         theta = np.linalg.pinv(weighted.T @ design, rcond=1e-10, hermitian=True) @ (weighted.T @ vectors)
         error = design @ theta - vectors
         residual = np.hypot(error[:, 0], error[:, 1])

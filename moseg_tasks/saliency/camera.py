@@ -1,4 +1,4 @@
-"""A calibrated camera's rigid motion between two frames, and the two parts of flow that it tells apart."""
+"""A calibrated camera's rigid motion between two frames, and flow along and across its epipolar lines."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.background import sample_flow
 
 _MINIMAL_SAMPLE = 5
-_PARALLAX_FLOOR = 1e-6  # px; only keeps the epipole itself from dividing by zero
+_PARALLAX_FLOOR = 1e-6  # px; avoids division by zero at the epipole
 
 
 class CameraMotion(NamedTuple):
@@ -19,7 +19,7 @@ class CameraMotion(NamedTuple):
     ----------
     rotation : float64 (3, 3)
     translation : float64 (3,)
-        Unit length: two views leave its size open.
+        Unit length, because two views do not determine the scale.
     focal : float
         Focal length, px.
     """
@@ -34,7 +34,7 @@ class EpipolarFlow(NamedTuple):
 
     Attributes
     ----------
-    across : px/frame; 0 for everything static, whatever its depth.
+    across : px/frame; 0 for static points of any depth.
     along : px/frame; the parallax, which grows with inverse depth.
     reach : px/frame; parallax of a pixel at unit inverse depth, so that inverse depth is ``along / reach``.
     towards_x, towards_y : unit vector of growing inverse depth.
@@ -48,7 +48,7 @@ class EpipolarFlow(NamedTuple):
 
 
 def fit_camera_motion(flow: np.ndarray, focal: float, params: SaliencyParams) -> CameraMotion | None:
-    """Rigid camera motion that most of the flow agrees with, in front of the camera.
+    """Fit the rigid camera motion with which most of the flow agrees, in front of the camera.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def fit_camera_motion(flow: np.ndarray, focal: float, params: SaliencyParams) ->
     Returns
     -------
     CameraMotion or None
-        None where the flow has too few samples or no motion explains any of them.
+        None if the flow has too few samples or no motion has enough inliers.
 
     References
     ----------
@@ -93,10 +93,10 @@ def fit_camera_motion(flow: np.ndarray, focal: float, params: SaliencyParams) ->
 
 
 def split_flow(flow: np.ndarray, motion: CameraMotion, step: int = 1) -> EpipolarFlow:
-    """Parts of the flow float32 (y, x, 2) at every `step`-th pixel: what the camera's translation can cause, and not.
+    """Split the flow float32 (y, x, 2) at every `step`-th pixel into parts along and across the epipolar lines.
 
-    With H = K R K^-1, a pixel x at inverse depth d is seen at H x + d K t (homogeneous). At d = 0 it lies where the
-    rotation alone takes it; from there it moves along its epipolar line.
+    With H = K R K^-1, a pixel x at inverse depth d is seen at H x + d K t (homogeneous). At d = 0 its position
+    is that of the rotation alone; from there it moves along its epipolar line.
     """
     height, width = flow.shape[:2]
     centre_x, centre_y = (width - 1) / 2, (height - 1) / 2

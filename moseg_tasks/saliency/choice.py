@@ -1,4 +1,4 @@
-"""Which model the background of some frames follows, by model selection over a few frame pairs."""
+"""Selection of the background model of a section from a few of its frame pairs."""
 
 from collections.abc import Sequence
 from typing import Literal, NamedTuple
@@ -21,17 +21,17 @@ class BackgroundChoice(NamedTuple):
     Attributes
     ----------
     model : "layers" or "rigid"
-        One or two affine layers, or a static scene of any depth on a ground.
+        One or two affine layers, or a static scene of any depth on a ground plane.
     focal : float
         Focal length in longer sides of the frame, the likeliest under rigid motion.
     ground_share : float
-        Median part of the frame's lower part that lies on one plane.
+        Median share of the frame's lower part that lies on one plane.
     nearer_below : float
-        Part of the pairs in which that plane comes nearer towards the lower border by more than it is uneven.
+        Share of the pairs in which that plane's parallax grows towards the lower border by more than the tolerance.
     tilt : float
         Median of its slope across the frame over its slope down the frame.
     gain : float
-        GRIC a pixel of the layers less that of the rigid scene, mean over the pairs; 0 where there is no such ground.
+        GRIC per pixel of the layers less that of the rigid scene, mean over the pairs; 0 if there is no such ground.
     """
 
     model: Literal["layers", "rigid"] = "layers"
@@ -43,15 +43,14 @@ class BackgroundChoice(NamedTuple):
 
 
 LAYERS = BackgroundChoice()
-"""The background of frames about which nothing is known."""
+"""The default background."""
 
 
 def choose_background(flows: Sequence[np.ndarray], params: SaliencyParams) -> BackgroundChoice:
-    """A rigid scene where it explains the pairs better than layers and stands on a level ground, layers otherwise.
+    """Choose a rigid scene if it explains the pairs better than layers and has a level ground, else layers.
 
-    Flow of a camera that pans agrees with a rigid scene, too, with a depth of every pixel that means nothing. Such
-    depth has no ground: a plane in the frame's lower part, level, that comes nearer towards the lower border in one
-    pair as in the next.
+    The flow of a panning camera also agrees with a rigid scene, with meaningless depth. Such depth has no ground: a
+    level plane in the frame's lower part whose inverse depth grows towards the lower border in most pairs.
 
     Parameters
     ----------
@@ -90,9 +89,9 @@ def choose_background(flows: Sequence[np.ndarray], params: SaliencyParams) -> Ba
 
 
 def _may_have_ground(flows: Sequence[np.ndarray], params: SaliencyParams) -> bool:
-    """Whether anything comes nearer towards the lower border in enough pairs, at the likeliest focal length.
+    """Check whether inverse depth increases towards the lower border in enough pairs, at the likeliest focal length.
 
-    A ground does at any focal length that is not far off; where it does not, the others need not be tried.
+    For a ground it does at any focal length that is roughly right, so the others need not be tried.
     """
     focal = params.focals[int(np.argmin(np.abs(np.log(params.focals))))]
     nearer = 0
@@ -113,7 +112,7 @@ def _has_ground(choice: BackgroundChoice, params: SaliencyParams) -> bool:
 
 
 def _ground_evidence(grounds: list[Ground], num_pairs: int, params: SaliencyParams) -> tuple[float, float, float]:
-    """Share of the ground, share of all pairs in which it is nearer below, and tilt."""
+    """Return the ground's share, the share of all pairs in which it is nearer below, and its tilt."""
     return (
         float(np.median([ground.share for ground in grounds])),
         sum(ground.approach > params.ground_tolerance for ground in grounds) / num_pairs,
@@ -122,29 +121,29 @@ def _ground_evidence(grounds: list[Ground], num_pairs: int, params: SaliencyPara
 
 
 def _choose_focal(flows: Sequence[np.ndarray], params: SaliencyParams) -> float:
-    """Of the focal lengths nearly as good as the best, the one nearest to the frame's longer side.
+    """Choose, among the focal lengths nearly as good as the best, the one nearest to the frame's longer side.
 
-    Only a camera that turns while it travels tells its focal length; for any other all are about as good.
+    Only a camera that rotates and translates determines its focal length; otherwise all are about as good.
     """
     cost = np.zeros(len(params.focals))
     for flow in flows:
         for index, focal in enumerate(params.focals):
             motion = fit_camera_motion(flow, focal, params)
-            misfit = 1.0
+            residual = 1.0
             if motion is not None:
                 across = split_flow(flow, motion, params.gric_step).across
-                misfit = float(np.mean(np.minimum((across / params.focal_residual) ** 2, 1)))
-            cost[index] += misfit / len(flows)
+                residual = float(np.mean(np.minimum((across / params.focal_residual) ** 2, 1)))
+            cost[index] += residual / len(flows)
     good = np.flatnonzero(cost <= cost.min() + params.focal_slack)
     return params.focals[good[np.argmin(np.abs(np.log(np.array(params.focals)[good])))]]
 
 
 def _gain(flow: np.ndarray, across: np.ndarray, params: SaliencyParams) -> float:
-    """GRIC a pixel of the layers less that of the rigid scene."""
+    """Return the GRIC per pixel of the layers less that of the rigid scene."""
     layers = gric(_samples(fit_layers(flow, params).residual, params), params.gric_noise, **_TWO_FLOW_LAYERS)
     return layers - gric(across, params.gric_noise, **_RIGID_SCENE)
 
 
 def _samples(image: np.ndarray, params: SaliencyParams) -> np.ndarray:
-    """Every `gric_step`-th pixel: neighbours in a flow field are no separate data."""
+    """Return every `gric_step`-th pixel: neighbours in a flow field are not independent data."""
     return image[:: params.gric_step, :: params.gric_step].ravel()

@@ -6,13 +6,13 @@ import cv2
 import numpy as np
 
 from moseg.schemas.parameters import AccumulationParams
-from moseg.tasks.saliency.grid import pixel_grid
+from moseg.tasks.saliency.grid import squared_length, warp
 
 PREVIOUS, NEXT = 0, 1
 
 
 def flow_consistency(flows: Sequence[np.ndarray], params: AccumulationParams) -> np.ndarray:
-    """How well the flow from a neighbouring frame leads back to where the flow to it came from.
+    """Measure how well the flow from a neighbouring frame inverts the flow to it.
 
     Parameters
     ----------
@@ -39,12 +39,6 @@ def flow_consistency(flows: Sequence[np.ndarray], params: AccumulationParams) ->
 
 
 def _agreement(flow: np.ndarray, back: np.ndarray, params: AccumulationParams) -> np.ndarray:
-    position = pixel_grid(flow.shape[:2]) + flow
-    returned = cv2.remap(back, position, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    allowed = params.consistency_relative * (_squared_length(flow) + _squared_length(returned))
-    return cv2.exp(-_squared_length(flow + returned) / (allowed + np.float32(params.consistency_absolute)))
-
-
-def _squared_length(vectors: np.ndarray) -> np.ndarray:
-    squared = vectors * vectors
-    return squared[..., 0] + squared[..., 1]
+    returned = warp(back, flow)
+    allowed = params.consistency_relative * (squared_length(flow) + squared_length(returned))
+    return cv2.exp(-squared_length(flow + returned) / (allowed + np.float32(params.consistency_absolute)))

@@ -14,7 +14,7 @@ def foreground_probability(
     usual_reliability: float,
     params: ForegroundParams,
 ) -> np.ndarray:
-    """Sum of logits: of saliency, of colour, less what speaks of water, leaves and other textures that move.
+    """Add the logits of saliency and colour, less those for water, leaves and other textures that move.
 
     Parameters
     ----------
@@ -23,12 +23,12 @@ def foreground_probability(
     reliability : float32 (y, x)
         Accumulated consistency of the flow, 0..1.
     misfit : float32 (y, x)
-        Accumulated misfit to the own motion, ``log(1 + (d / s)^2)``.
+        Accumulated misfit to the foreground's own motion, ``log(1 + (d / s)^2)``.
     colour : float32 (y, x)
         Log ratio of colours.
     usual_reliability : float
-        Mean consistency of the flow of what moves in these frames. Only what is less consistent loses: limbs that blur
-        are no water.
+        Mean consistency of the flow of what moves in these frames. Only lower consistency is
+        penalised, so that blurred limbs are kept.
     params : ForegroundParams
 
     Returns

@@ -6,7 +6,7 @@ import numpy as np
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import SaliencyParams
-from moseg.tasks.half_floats import narrow
+from moseg.tasks.half_floats import to_float16
 from moseg.tasks.saliency.camera import fit_camera_motion
 from moseg.tasks.saliency.choice import LAYERS, BackgroundChoice
 from moseg.tasks.saliency.grid import reduce_flow, reduce_frame, vector_length, working_shape
@@ -24,7 +24,7 @@ class FrameSaliency(NamedTuple):
     saliency : float16 (h, w)
         0..1.
     strict_saliency : float16 (h, w)
-        The same behind the strict photometric gate: less of what moves, and hardly any water.
+        The same with the strict photometric gate: less of what moves, and hardly any water.
     flows : float16 (2, h, w, 2)
         To the previous and to the next frame, px/frame of the working grid; zeros where there is none.
     residual_flows : float16 (2, h, w, 2)
@@ -46,9 +46,9 @@ def estimate_saliency(
     params: SaliencyParams,
     choice: BackgroundChoice = LAYERS,
 ) -> FrameSaliency:
-    """How sure it is that each pixel of a frame moves on its own.
+    """Estimate how probable it is that each pixel of a frame moves on its own.
 
-    The residual against the background's motion is the smaller of both time directions: an occlusion errs in one.
+    The residual against the background's motion is the smaller of both time directions: an occlusion affects only one.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def estimate_saliency(
             continue
         observed = reduce_flow(flow, shape)
         background = _explain(observed, params, choice)
-        flows[direction], residual_flows[direction] = narrow(observed), narrow(observed - background.flow)
+        flows[direction], residual_flows[direction] = to_float16(observed), to_float16(observed - background.flow)
         backgrounds.append(background)
         errors.append(colour_error(reduced, reduce_frame(other, shape), background.flow))
     if not backgrounds:
@@ -91,19 +91,19 @@ def estimate_saliency(
     ungated = soft_map(residual, speed, params, choice.model == "rigid")
     error = blur_error(np.minimum.reduce(errors), params.gate_blur)
     saliency, strict = (
-        narrow(ungated * photometric_gate(error, scale)) for scale in (params.gate_error, params.strict_gate_error)
+        to_float16(ungated * photometric_gate(error, scale)) for scale in (params.gate_error, params.strict_gate_error)
     )
     return FrameSaliency(saliency, strict, flows, residual_flows)
 
 
 def _explain(flow: np.ndarray, params: SaliencyParams, choice: BackgroundChoice) -> Background:
-    """Background by the chosen model; by layers, too, where a pair shows no camera motion."""
+    """Fit the background by the chosen model, or by layers where a pair shows no camera motion."""
     motion = fit_camera_motion(flow, choice.focal, params) if choice.model == "rigid" else None
     return fit_layers(flow, params) if motion is None else explain_rigidly(flow, motion, params)
 
 
 def _is_given(frame: np.ndarray, other: np.ndarray | None, flow: np.ndarray | None) -> bool:
-    """Whether a neighbour and its flow are there, and fit the frame."""
+    """Check whether a neighbour and its flow are given, and that they fit the frame."""
     if other is None and flow is None:
         return False
     if other is None or flow is None:

@@ -6,7 +6,7 @@ import numpy as np
 
 
 def gric(residual: np.ndarray, noise: float, dimension: int, num_parameters: int) -> float:
-    """GRIC a datum of a model for flow or matches; the model with the least explains them best.
+    """Return the GRIC per datum of a model for flow or matches; the model with the lowest explains them best.
 
     ``(sum min(e^2 / sigma^2, 2 (r - d)) + d n ln r + k ln(r n)) / n`` for n data of dimension r = 4.
 
@@ -17,7 +17,8 @@ def gric(residual: np.ndarray, noise: float, dimension: int, num_parameters: int
     noise : float
         Standard deviation sigma of a datum, px.
     dimension : int
-        Dimension d of the model's manifold: 2 for motion that fixes where a pixel goes, 3 for one that leaves a line.
+        Dimension d of the model's manifold: 2 for motion that maps a pixel to a point, 3 for motion that maps it to a
+        line.
     num_parameters : int
         The model's parameters k.
 
@@ -32,5 +33,5 @@ def gric(residual: np.ndarray, noise: float, dimension: int, num_parameters: int
     """
     datum = 4
     count = residual.size
-    misfit = np.minimum((residual.astype(np.float64) / noise) ** 2, 2 * (datum - dimension)).sum()
-    return float(misfit + dimension * count * math.log(datum) + num_parameters * math.log(datum * count)) / count
+    residual_sum = np.minimum((residual.astype(np.float64) / noise) ** 2, 2 * (datum - dimension)).sum()
+    return float(residual_sum + dimension * count * math.log(datum) + num_parameters * math.log(datum * count)) / count

@@ -7,14 +7,14 @@ import numpy as np
 
 
 def working_shape(shape: tuple[int, int], working_side: int) -> tuple[int, int]:
-    """Height and width of the working grid of a frame of `shape` (y, x): longer side `working_side`, never enlarged."""
+    """Return height and width of a frame's working grid: longer side `working_side`, never enlarged."""
     height, width = shape
     scale = min(1.0, working_side / max(height, width))
     return max(1, round(height * scale)), max(1, round(width * scale))
 
 
 def reduce_frame(frame: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """`frame` uint8 (y, x, 3) averaged over the cells of a grid of `shape`, float32 grey levels."""
+    """Average `frame` uint8 (y, x, 3) over the cells of a grid of `shape`, float32 grey levels."""
     height, width = shape
     if frame.shape[:2] == (height, width):
         return frame.astype(np.float32)
@@ -22,7 +22,7 @@ def reduce_frame(frame: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
 
 
 def reduce_flow(flow: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """`flow` float32 (y, x, 2) averaged over the cells of a grid of `shape`, in px of that grid per frame."""
+    """Average `flow` float32 (y, x, 2) over the cells of a grid of `shape`, in px of that grid per frame."""
     height, width = shape
     full_height, full_width = flow.shape[:2]
     if (full_height, full_width) == (height, width):
@@ -33,7 +33,7 @@ def reduce_flow(flow: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
 
 @lru_cache(maxsize=4)
 def pixel_grid(shape: tuple[int, int]) -> np.ndarray:
-    """float32 (y, x, 2) xy position of every pixel of a grid of `shape`, read-only."""
+    """Return the xy position float32 (y, x, 2) of every pixel of a grid of `shape`, read-only."""
     height, width = shape
     x, y = np.meshgrid(np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32))
     grid = np.stack([x, y], axis=-1)
@@ -41,8 +41,20 @@ def pixel_grid(shape: tuple[int, int]) -> np.ndarray:
     return grid
 
 
-def vector_length(vectors: np.ndarray) -> np.ndarray:
-    """Length float32 (y, x) of vectors float32 (y, x, 2)."""
-    # Not cv2.magnitude: its last bit depends on where in memory the arrays lie.
+def warp(image: np.ndarray, flow: np.ndarray) -> np.ndarray:
+    """Sample `image` float32 (y, x) or (y, x, channel) where `flow` leads from each pixel, bilinear."""
+    position = pixel_grid(flow.shape[:2]) + flow
+    warped = cv2.remap(image, position, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return warped.reshape(image.shape)
+
+
+def squared_length(vectors: np.ndarray) -> np.ndarray:
+    """Return the squared length (...) of vectors (..., 2)."""
     squared = vectors * vectors
-    return np.sqrt(squared[..., 0] + squared[..., 1])
+    return squared[..., 0] + squared[..., 1]
+
+
+def vector_length(vectors: np.ndarray) -> np.ndarray:
+    """Return the length (...) of vectors (..., 2)."""
+    # Not cv2.magnitude: its last bit depends on where in memory the arrays lie.
+    return np.sqrt(squared_length(vectors))

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.saliency.background import tukey_weight
 
 _MINIMAL_SAMPLE = 3
 
@@ -17,9 +18,9 @@ class Ground(NamedTuple):
     plane : float64 (3,)
         x and y in px of the grid.
     share : float
-        Part of the frame's lower part that lies on it, 0..1.
+        Share of the frame's lower part that lies on it, 0..1.
     approach : float
-        Parallax that it gains down the lower part, px/frame: positive for a ground, 0 for a wall that faces the camera.
+        Growth of its parallax over the lower part, px/frame: positive for a ground, 0 for a wall that faces the camera.
     """
 
     plane: np.ndarray
@@ -32,14 +33,14 @@ class Ground(NamedTuple):
         return float(abs(self.plane[1]) / abs(self.plane[2])) if self.plane[2] else float("inf")
 
     def inverse_depth(self, shape: tuple[int, int]) -> np.ndarray:
-        """Inverse depth of the plane, float32 (y, x), on a grid of `shape`."""
+        """Return the plane's inverse depth, float32 (y, x), on a grid of `shape`."""
         height, width = shape
         x, y = np.arange(width)[None, :], np.arange(height)[:, None]
         return (self.plane[0] + self.plane[1] * x + self.plane[2] * y).astype(np.float32)
 
 
 def fit_ground(inverse_depth: np.ndarray, reach: np.ndarray, params: SaliencyParams) -> Ground:
-    """Plane on which most of the frame's lower part lies, by RANSAC and Tukey's biweight on its parallax.
+    """Fit the plane of most of the frame's lower part, by RANSAC and Tukey's biweight on its parallax.
 
     Parameters
     ----------
@@ -61,11 +62,11 @@ def fit_ground(inverse_depth: np.ndarray, reach: np.ndarray, params: SaliencyPar
     values, weights = inverse_depth[y, x].astype(np.float64), reach[y, x].astype(np.float64)
     design = np.column_stack([np.ones(len(x)), x, y])
     plane = _ransac_plane(design, values, weights, params)
-    # What deviates by the tolerance still belongs to a ground that is not quite flat.
+    # Points that deviate by the tolerance still belong to an uneven ground.
     cutoff = 2 * params.ground_tolerance
     for _ in range(params.ground_iterations):
         error = (design @ plane - values) * weights
-        weight = np.clip(1 - (error / cutoff) ** 2, 0, None) ** 2 * weights**2
+        weight = tukey_weight(error, cutoff) * weights**2
         weighted = design * weight[:, None]
         plane = np.linalg.pinv(weighted.T @ design, rcond=1e-12, hermitian=True) @ (weighted.T @ values)
     error = np.abs(design @ plane - values) * weights
@@ -74,12 +75,12 @@ def fit_ground(inverse_depth: np.ndarray, reach: np.ndarray, params: SaliencyPar
 
 
 def _ransac_plane(design: np.ndarray, values: np.ndarray, weights: np.ndarray, params: SaliencyParams) -> np.ndarray:
-    """Of the planes through random triples of points, the one with the most points within the tolerance."""
+    """Return the plane through a random triple of points that has the most points within the tolerance."""
     if len(values) < _MINIMAL_SAMPLE:
         return np.zeros(3)
     rng = np.random.default_rng(params.ransac_seed)
     triples = rng.integers(len(values), size=(params.ground_samples, _MINIMAL_SAMPLE))
-    # Triples on a line have no plane; their pseudo-inverse is a plane that finds no support.
+    # Triples on a line have no plane; their pseudo-inverse gives a plane without support.
     planes = np.linalg.pinv(design[triples], rcond=1e-9) @ values[triples][..., None]
     error = np.abs(design @ planes[..., 0].T - values[:, None]) * weights[:, None]
     return planes[np.argmax(np.count_nonzero(error < params.ground_tolerance, axis=0)), :, 0]

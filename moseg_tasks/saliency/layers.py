@@ -1,4 +1,4 @@
-"""Two-layer background: a second affine motion may explain what the first leaves, if it spans the frame."""
+"""Two-layer background: a second affine motion may explain the outliers of the first if it spans the frame."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,6 @@ import numpy as np
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.background import AffineMotion, affine_flow, fit_background
 from moseg.tasks.saliency.grid import vector_length
-from moseg.tasks.saliency.typical import typical_residual
 
 
 class Background(NamedTuple):
@@ -19,10 +18,10 @@ class Background(NamedTuple):
 
 
 def fit_layers(flow: np.ndarray, params: SaliencyParams) -> Background:
-    """Background motion of one or two affine layers, and what the flow leaves of it.
+    """Fit a background motion of one or two affine layers, and return its flow and the residual.
 
     A second layer (ground under a far scene, a wall beside a road) is only accepted when one connected part of its
-    support lies along the frame's border: a large object in the middle must stay an object.
+    support lies along the frame's border, so that a large object in the middle is not taken for background.
 
     Parameters
     ----------
@@ -57,9 +56,22 @@ def _explain(flow: np.ndarray, motion: AffineMotion) -> Background:
 
 
 def _border_share(support: np.ndarray) -> float:
-    """Largest share of the frame's border that one connected part of the opened support covers."""
+    """Return the largest share of the frame's border that one connected part of the opened support covers."""
     opened = cv2.morphologyEx(support.astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
     count, labels = cv2.connectedComponents(opened)
     border = np.concatenate([labels[0], labels[-1], labels[1:-1, 0], labels[1:-1, -1]])
     covered = np.bincount(border, minlength=count)
     return float(covered[1:].max(initial=0)) / border.size
+
+
+def typical_residual(residual: np.ndarray, border_band: float) -> float:
+    """Return the median of a residual float32 (y, x), in the whole frame or in the border band, whichever is less.
+
+    The median over the frame would be an object's if that fills more than half of the frame.
+    """
+    # Neighbours are similar: every other row and column suffices.
+    some = residual[::2, ::2]
+    width = max(1, round(border_band * some.shape[0]))
+    in_band = np.ones(some.shape, bool)
+    in_band[width:-width, width:-width] = False
+    return min(float(np.median(some)), float(np.median(some[in_band])))

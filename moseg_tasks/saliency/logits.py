@@ -1,4 +1,4 @@
-"""Between probabilities and logits."""
+"""Conversion between probabilities and logits."""
 
 import numpy as np
 
@@ -6,18 +6,18 @@ _NEAREST_TO_CERTAIN = 1e-4
 
 
 def logit(probability: np.ndarray) -> np.ndarray:
-    """log(p / (1 - p)) float32 of `probability`, which is kept a little away from 0 and 1."""
+    """Return log(p / (1 - p)), float32, of `probability` clipped slightly away from 0 and 1."""
     clipped = np.clip(probability.astype(np.float32), _NEAREST_TO_CERTAIN, 1 - _NEAREST_TO_CERTAIN)
     return np.log(clipped / (1 - clipped))
 
 
 def probability(logit: np.ndarray) -> np.ndarray:
-    """1 / (1 + exp(-x)) float32."""
-    # Under a logit of -88 the exponential is infinite, and the probability 0, as it should be.
+    """Return 1 / (1 + exp(-x)), float32."""
+    # Below a logit of -88 the exponential is infinite and the probability correctly 0.
     with np.errstate(over="ignore"):
         return 1 / (1 + np.exp(-logit))
 
 
 def motion_logit(saliency: np.ndarray, threshold: float, sharpness: float) -> np.ndarray:
-    """Logit float32 of the probability to move: `sharpness` times the logit of `saliency` above `threshold`."""
+    """Return the logit float32 of the probability to move: `sharpness` (logit(`saliency`) - logit(`threshold`))."""
     return np.float32(sharpness) * (logit(saliency) - logit(np.float32(threshold)))

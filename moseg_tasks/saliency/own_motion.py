@@ -1,11 +1,11 @@
-"""The motion of what is salient: an affine flow of its own, and how badly each pixel follows it."""
+"""The affine motion of the salient pixels, and each pixel's misfit to it."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from moseg.schemas.parameters import OwnMotionParams
-from moseg.tasks.saliency.background import MAD_TO_SIGMA, AffineMotion, affine_flow
+from moseg.tasks.saliency.background import MAD_TO_SIGMA, AffineMotion, affine_flow, tukey_weight
 from moseg.tasks.saliency.grid import vector_length
 
 _RIDGE = 1e-6  # keeps the fit solvable where Tukey's weights are all 0
@@ -14,23 +14,23 @@ _RIDGE = 1e-6  # keeps the fit solvable where Tukey's weights are all 0
 def own_motion_misfit(
     residual_flows: Sequence[np.ndarray | None], weight: np.ndarray, params: OwnMotionParams
 ) -> np.ndarray:
-    """Deviation of each pixel of a frame from the motion that most of what is salient follows.
+    """Measure the deviation of each pixel of a frame from the motion that most of the salient pixels follow.
 
-    What moves as one object has a small misfit throughout. Water, spray and leaves move, too, but not as one.
+    A rigid object has a small misfit throughout. Water, spray and leaves move too, but not uniformly.
 
     Parameters
     ----------
     residual_flows : two of float32 (y, x, 2) or None
         Flow to the previous and to the next frame less the background's, px/frame; None at the video's ends.
     weight : float32 (y, x)
-        Of each pixel in the fit, 0..1: how sure it is that it belongs to what moves.
+        Weight of each pixel in the fit, 0..1: its probability to move.
     params : OwnMotionParams
 
     Returns
     -------
     misfit : float32 (y, x)
-        ``log(1 + (d / s)^2)`` with the smaller deviation d of both directions and the spread s of what is salient. 0
-        where nothing is salient.
+        ``log(1 + (d / s)^2)`` with the smaller deviation d of both directions and the spread s of the salient pixels;
+        0 if nothing is salient.
     """
     deviation = None
     for flow in residual_flows:
@@ -46,7 +46,7 @@ def own_motion_misfit(
 
 
 def _fit_own_motion(flow: np.ndarray, weight: np.ndarray, params: OwnMotionParams) -> AffineMotion | None:
-    """Weighted robust affine motion, started at the weighted median vector; None where too little is salient."""
+    """Fit a weighted robust affine motion from the weighted median vector; None where too little is salient."""
     height, width = weight.shape
     y, x = np.mgrid[params.step // 2 : height : params.step, params.step // 2 : width : params.step]
     given = weight[y, x].ravel().astype(np.float64)
@@ -65,13 +65,13 @@ def _fit_own_motion(flow: np.ndarray, weight: np.ndarray, params: OwnMotionParam
         error = vectors - design @ theta
         left = np.hypot(error[:, 0], error[:, 1])
         scale = max(params.scale_floor, MAD_TO_SIGMA * _weighted_quantile(left, given, 0.5))
-        weighted = design * (given * np.clip(1 - (left / (params.tukey_constant * scale)) ** 2, 0, None) ** 2)[:, None]
+        weighted = design * (given * tukey_weight(left, params.tukey_constant * scale))[:, None]
         theta = np.linalg.solve(weighted.T @ design + prior, weighted.T @ vectors)
     return AffineMotion(theta, centre, scale)
 
 
 def _weighted_quantile(values: np.ndarray, weights: np.ndarray, share: float) -> float:
-    """Smallest value below which at least `share` of the weight lies."""
+    """Return the smallest value below which at least `share` of the weight lies."""
     order = np.argsort(values)
     reached = np.cumsum(weights[order], dtype=np.float64)
     index = int(np.searchsorted(reached, share * reached[-1]))

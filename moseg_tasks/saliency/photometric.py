@@ -1,13 +1,13 @@
-"""Photometric gate: a pixel that the background's motion explains by colour does not move on its own."""
+"""Photometric gate: suppression of pixels whose colour the background's motion explains."""
 
 import cv2
 import numpy as np
 
-from moseg.tasks.saliency.grid import pixel_grid
+from moseg.tasks.saliency.grid import warp
 
 
 def colour_error(frame: np.ndarray, other: np.ndarray, flow: np.ndarray) -> np.ndarray:
-    """RMS over colour of |other(x + flow) - frame|.
+    """Return the RMS over colour of |other(x + flow) - frame|.
 
     Parameters
     ----------
@@ -21,18 +21,16 @@ def colour_error(frame: np.ndarray, other: np.ndarray, flow: np.ndarray) -> np.n
     error : float32 (y, x)
         Grey levels.
     """
-    position = pixel_grid(frame.shape[:2]) + flow
-    moved = cv2.remap(other, position, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    difference = cv2.subtract(moved, frame)
+    difference = cv2.subtract(warp(other, flow), frame)
     squared = cv2.multiply(difference, difference)
     return np.sqrt(cv2.transform(squared, np.full((1, frame.shape[2]), 1 / frame.shape[2], np.float32)))
 
 
 def blur_error(error: np.ndarray, blur: float) -> np.ndarray:
-    """Colour error float32 (y, x) under a Gaussian of sigma `blur` px."""
+    """Blur a colour error float32 (y, x) by a Gaussian of sigma `blur` px."""
     return cv2.GaussianBlur(error, (0, 0), blur, borderType=cv2.BORDER_REPLICATE)
 
 
 def photometric_gate(error: np.ndarray, scale: float) -> np.ndarray:
-    """1 - exp(-(E / scale)^2), float32 (y, x) in 0..1, of the blurred colour error E."""
+    """Return 1 - exp(-(E / scale)^2), float32 (y, x) in 0..1, of the blurred colour error E."""
     return 1 - cv2.exp(-((error * np.float32(1 / scale)) ** 2))

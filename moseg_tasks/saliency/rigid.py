@@ -1,4 +1,4 @@
-"""Rigid background: a static scene of any depth that stands on a ground, seen by a moving camera."""
+"""Rigid background: a static scene of any depth on a ground plane, seen by a moving camera."""
 
 import cv2
 import numpy as np
@@ -11,10 +11,10 @@ from moseg.tasks.saliency.support import unsupported_parallax
 
 
 def explain_rigidly(flow: np.ndarray, motion: CameraMotion, params: SaliencyParams) -> Background:
-    """Flow of a static scene, as near the observed one as a static scene can come, and what is left of it.
+    """Return the flow of a static scene that is nearest to the observed flow, and the residual.
 
-    The residual has two parts. Across the epipolar line nothing static moves. Along it any motion is that of some
-    depth, but not of every depth that makes sense: what would float above the ground, or lie under it, moves.
+    The residual has two parts: the flow across the epipolar line, which is 0 for static points, and the part of the
+    flow along it whose depth is implausible, because the point would float above the ground or lie under it.
 
     Parameters
     ----------
@@ -36,10 +36,10 @@ def explain_rigidly(flow: np.ndarray, motion: CameraMotion, params: SaliencyPara
 
 
 def _impossible_parallax(parts: EpipolarFlow, params: SaliencyParams) -> np.ndarray:
-    """Parallax float32 (y, x) beyond that of any static thing: positive above the ground, negative under it."""
+    """Return the parallax float32 (y, x) that nothing static has: positive above the ground, negative under it."""
     inverse_depth = parts.along / parts.reach
     ground = fit_ground(inverse_depth, parts.reach, params)
-    # A surface that leans towards the camera by as much as the ground falls back is no jump yet.
+    # A surface that leans towards the camera by the slope of the ground is not yet a jump.
     tolerance = params.support_slope * abs(ground.plane[2]) * parts.reach + params.support_noise
     if ground.share < params.ground_share:
         buried = np.zeros_like(inverse_depth)

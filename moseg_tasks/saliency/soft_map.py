@@ -1,18 +1,19 @@
-"""From residual motion to a soft map in 0..1."""
+"""Conversion of residual motion to a soft map in 0..1."""
 
 import cv2
 import numpy as np
 
 from moseg.schemas.parameters import SaliencyParams
-from moseg.tasks.saliency.typical import typical_residual
+from moseg.tasks.saliency.layers import typical_residual
 
 
 def soft_map(residual: np.ndarray, background_speed: np.ndarray, params: SaliencyParams, is_rigid: bool) -> np.ndarray:
-    """r^2 / (r^2 + tau^2) of the blurred residual r.
+    """Return r^2 / (r^2 + tau^2) of the blurred residual r.
 
-    The floors keep a frame without movers empty. Above them layers leave a residual wherever depth varies, which Otsu's
-    threshold of the whole frame cuts off. A rigid background leaves none there, and tau follows the residual nearby
-    instead: flow is smooth over an object's outline, which lies where the residual falls to a share of its inside.
+    The floors keep a frame without movers empty. Layers leave a residual above them wherever depth varies, which Otsu's
+    threshold of the whole frame suppresses. A rigid background leaves none, and tau follows the nearby residual
+    instead: flow is smooth across an object's outline, which lies where the residual falls to a share of its value
+    inside.
 
     Parameters
     ----------
@@ -39,13 +40,13 @@ def soft_map(residual: np.ndarray, background_speed: np.ndarray, params: Salienc
 
 
 def _nearby_peak(residual: np.ndarray, reach: int) -> np.ndarray:
-    """Greatest residual within `reach` px, averaged over as much."""
+    """Return the maximal residual within `reach` px, averaged over the same window."""
     side = 2 * reach + 1
     return cv2.blur(cv2.dilate(residual, np.ones((side, side), np.uint8)), (side, side))
 
 
 def _otsu(residual: np.ndarray, percentile: float) -> float:
-    """Otsu's threshold of the square root of the residual, as a residual; 0 where all are equal."""
+    """Return Otsu's threshold of the residual's square root, as a residual; 0 where all are equal."""
     root = np.sqrt(residual)
     top = float(np.percentile(root[::2, ::2], percentile))
     if top == 0:

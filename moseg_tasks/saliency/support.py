@@ -1,4 +1,4 @@
-"""What stands on the ground: parallax that grows out of it without a jump."""
+"""Support by the ground: parallax that is connected to it without a jump."""
 
 import numpy as np
 
@@ -6,13 +6,12 @@ import numpy as np
 def unsupported_parallax(
     inverse_depth: np.ndarray, reach: np.ndarray, buried: np.ndarray, tolerance: np.ndarray
 ) -> np.ndarray:
-    """Parallax that no static thing standing on the ground can have.
+    """Return the parallax that no static thing standing on the ground can have.
 
-    Whatever is static stands on something that is seen below it, unless something nearer hides that. So inverse depth
-    that grows on the way up is a jump that needs an explanation, while inverse depth that falls is a thing seen over
-    the edge of a nearer one; sideways either is a jump. A pixel's measure is the sum of the jumps along the best way
-    to it from the frame's lower border, which only goes up and sideways, and is never less than what it is `buried`
-    under the ground itself.
+    A static thing stands on something that is visible below it, unless something nearer hides that. So inverse depth
+    that grows upwards is a jump, while inverse depth that falls upwards is a thing seen over the edge of a nearer one;
+    sideways both are jumps. A pixel's result is the sum of the jumps along the cheapest path to it from the frame's
+    lower border, which only goes up and sideways, and at least its depth `buried` under the ground.
 
     Parameters
     ----------
@@ -21,9 +20,9 @@ def unsupported_parallax(
     reach : float32 (y, x)
         Parallax at unit inverse depth, px/frame.
     buried : float32 (y, x)
-        How much parallax a pixel lacks to lie on the ground, px/frame, at least 0.
+        Parallax that a pixel lacks to lie on the ground, px/frame, at least 0.
     tolerance : float32 (y, x)
-        Change of parallax from one pixel to the next that is no jump, px/frame.
+        Change of parallax from one pixel to the next that is not yet a jump, px/frame.
 
     Returns
     -------
@@ -34,7 +33,7 @@ def unsupported_parallax(
     up = (inverse_depth[:-1] - inverse_depth[1:]) * reach[:-1] - tolerance[:-1]
     np.maximum(up, 0, out=up)
     beside = np.abs(inverse_depth[:, 1:] - inverse_depth[:, :-1]) * reach[:, 1:] - tolerance[:, 1:]
-    # Travelled sums turn the cheapest way along a row into a running minimum from either side.
+    # By cumulative sums the cheapest path along a row becomes a running minimum from either side.
     travelled = np.zeros((height, width), np.float32)
     np.cumsum(np.maximum(beside, 0, out=beside), axis=1, out=travelled[:, 1:])
     jump = np.empty((height, width), np.float32)

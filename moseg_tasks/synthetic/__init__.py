@@ -1,8 +1,8 @@
-"""The ``synthetic`` data set: scenes declared as data, rendered with exact masks, flow, depth and tracks."""
+"""The ``synthetic`` data set: scenes declared as data and rendered with exact masks, flow, depth and tracks."""
 
-from moseg.tasks.synthetic.camera import Camera, camera_at
 from moseg.tasks.synthetic.render import RenderedScene, render_scene
 from moseg.tasks.synthetic.scene import Scene
 from moseg.tasks.synthetic.scenes import SCENES
+from moseg.tasks.synthetic.view import Camera, camera_at
 
 __all__ = ["SCENES", "Camera", "RenderedScene", "Scene", "camera_at", "render_scene"]

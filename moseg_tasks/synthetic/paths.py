@@ -1,4 +1,4 @@
-"""Positions, angles and colours that change with time, declared as data, and the rigid poses they make.
+"""Positions, angles and colours as functions of time, declared as data, and rigid poses.
 
 World and camera axes are x right, y down, z forward; lengths are metres, angles degrees, time is counted in frames.
 """
@@ -19,7 +19,7 @@ class Sway(Frozen):
 
     amplitude: Vector
     period: float = Field(gt=0, description="frames of one oscillation")
-    phase: float = Field(0.0, description="part of an oscillation already done at frame 0")
+    phase: float = Field(0.0, description="share of an oscillation that is complete at frame 0")
 
 
 class Path(Frozen):
@@ -31,11 +31,11 @@ class Path(Frozen):
 
     @property
     def is_constant(self) -> bool:
-        """True when the vector is the same at every time."""
+        """Whether the vector is the same at every time."""
         return not any(self.velocity) and not any(any(sway.amplitude) for sway in self.sways)
 
     def at(self, t: float) -> Vector:
-        """The vector at time ``t``, frames."""
+        """Return the vector at time ``t``, frames."""
         swings = [math.sin(2.0 * math.pi * (t / sway.period + sway.phase)) for sway in self.sways]
         return tuple(
             self.start[axis]
@@ -56,7 +56,7 @@ class Pose(NamedTuple):
 
 
 def pose_of(position: Vector, angles_deg: Vector) -> Pose:
-    """Pose of a frame at ``position`` turned by (pitch, yaw, roll) degrees, about x, y and z in the order z, x, y."""
+    """Return the pose at ``position`` turned by (pitch, yaw, roll) degrees, about x, y and z in the order z, x, y."""
     pitch, yaw, roll = (math.radians(angle) for angle in angles_deg)
     cx, sx, cy, sy, cz, sz = (f(angle) for angle in (pitch, yaw, roll) for f in (math.cos, math.sin))
     about_x = np.array([[1.0, 0.0, 0.0], [0.0, cx, -sx], [0.0, sx, cx]])
@@ -66,13 +66,13 @@ def pose_of(position: Vector, angles_deg: Vector) -> Pose:
 
 
 def compose(outer: Pose, inner: Pose) -> Pose:
-    """The motion that applies ``inner`` first and ``outer`` second."""
+    """Return the motion that applies ``inner`` first and ``outer`` second."""
     moved = _product(outer.rotation, inner.translation[:, None])[:, 0]
     return Pose(_product(outer.rotation, inner.rotation), moved + outer.translation)
 
 
 def inverse(pose: Pose) -> Pose:
-    """The motion that undoes ``pose``."""
+    """Return the inverse of ``pose``."""
     back = pose.rotation.T
     return Pose(back, -_product(back, pose.translation[:, None])[:, 0])
 

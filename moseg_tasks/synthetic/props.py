@@ -1,4 +1,4 @@
-"""Things and backdrops that scenes are set with: crates, pillars, bushes, balls, cars, walkers, rooms and streets.
+"""Things and backdrops of scenes: crates, pillars, bushes, balls, cars, walkers, rooms and streets.
 
 The ground is the plane y = 0. Props stand on it at (x, z); ``velocity`` is (x, z) in metres per frame.
 """
@@ -30,7 +30,7 @@ GroundVector = tuple[float, float]
 
 
 def texture(palette: str, seed: int, texel: float = 0.012, pattern: str = "blotches") -> Texture:
-    """A texture in the colours of a named palette."""
+    """Return a texture in the colours of a named palette."""
     return Texture(palette=PALETTES[palette], seed=seed, texel=texel, pattern=pattern)
 
 
@@ -41,7 +41,7 @@ def moving_from(
     sways: tuple[Sway, ...] = (),
     climb: float = 0.0,
 ) -> Path:
-    """Path of a thing that starts ``height`` metres above the ground at (x, z) and rises ``climb`` metres a frame."""
+    """Return a path that starts ``height`` metres above the ground at (x, z) and rises ``climb`` metres a frame."""
     return Path(start=(at[0], -height, at[1]), velocity=(velocity[0], -climb, velocity[1]), sways=sways)
 
 
@@ -54,7 +54,7 @@ def crate(
     velocity: GroundVector = (0.0, 0.0),
     spin: float = 0.0,
 ) -> Thing:
-    """A box of half sizes ``size`` on the ground, turned by ``yaw`` and turning by ``spin`` degrees per frame."""
+    """Return a box of half sizes ``size`` on the ground, turned by ``yaw`` and turning by ``spin`` degrees a frame."""
     return Thing(
         parts=(Part(shape=Box(size=size), texture=surface),),
         position=moving_from(at, velocity, size[1]),
@@ -63,7 +63,7 @@ def crate(
 
 
 def bush(at: GroundVector, size: GroundVector, surface: Texture, *, yaw: float = 0.0) -> Thing:
-    """A flat bush with an irregular outline, half width and height ``size``, its lower edge about on the ground."""
+    """Return a flat bush with an irregular outline, half width and height ``size``, its lower edge near the ground."""
     return Thing(
         parts=(Part(shape=Billboard(size=size, ripples=(0.10, 0.14, 0.09)), texture=surface),),
         position=moving_from(at, height=0.92 * size[1]),
@@ -81,7 +81,7 @@ def ball(
     bounce: float = 0.0,
     climb: float = 0.0,
 ) -> Thing:
-    """A ball whose middle is ``height`` above the ground, swaying up and down by ``bounce`` metres."""
+    """Return a ball with its centre ``height`` above the ground, oscillating vertically by ``bounce`` metres."""
     sways = (Sway(amplitude=(0.0, -bounce, 0.0), period=16.0),) if bounce else ()
     return Thing(
         parts=(Part(shape=Ellipsoid(size=(radius, radius, radius)), texture=surface),),
@@ -92,7 +92,7 @@ def ball(
 def car(
     at: GroundVector, paint: Texture, glass: Texture, *, yaw: float = 0.0, velocity: GroundVector = (0.0, 0.0)
 ) -> Thing:
-    """A car 3.9 m long that points along z when ``yaw`` is 0: body, cabin and four wheels, all rigid."""
+    """Return a car 3.9 m long that points along z when ``yaw`` is 0: body, cabin and four wheels, all rigid."""
     wheel = Ellipsoid(size=(0.12, 0.33, 0.33))
     return Thing(
         parts=(
@@ -114,7 +114,7 @@ def walker(
     stride: float = 26.0,
     swing: float = 26.0,
 ) -> Thing:
-    """A person 1.75 m tall seen from the side, whose legs and arms swing once in ``stride`` frames."""
+    """Return a person 1.75 m tall seen from the side, whose legs and arms swing once in ``stride`` frames."""
 
     def limb(shape: Vector, surface: Texture, hip: Vector, phase: float) -> Part:
         turn = Path(sways=(Sway(amplitude=(0.0, 0.0, swing), period=stride, phase=phase),))
@@ -135,19 +135,19 @@ def walker(
 
 
 def room(depth: float, half_width: float, seed: int) -> tuple[Part, ...]:
-    """Floor, back wall and two side walls; the camera stands inside, looking along z."""
+    """Return floor, back wall and two side walls; the camera is inside and looks along z."""
     floor = texture("timber", seed, 0.016, "planks")
     wall, side = texture("brick", seed + 1, 0.016, "tiles"), texture("plaster", seed + 2, 0.016)
     return (_ground(floor), _wall(depth, wall), *_sides(half_width, side))
 
 
 def yard(depth: float, seed: int, *, yaw: float = 0.0) -> tuple[Part, ...]:
-    """Ground and one high wall ``depth`` metres away, slanted by ``yaw``."""
+    """Return ground and one high wall ``depth`` metres away, slanted by ``yaw``."""
     return (_ground(texture("grass", seed, 0.016)), _wall(depth, texture("slate", seed + 1, 0.024, "tiles"), yaw))
 
 
 def street(depth: float, half_width: float, seed: int) -> tuple[Part, ...]:
-    """A road between two rows of fronts, closed by a wall ``depth`` metres away."""
+    """Return a road between two rows of fronts, closed by a wall ``depth`` metres away."""
     fronts, end = texture("sand", seed + 2, 0.02, "tiles"), texture("slate", seed + 1, 0.06)
     return (_ground(texture("asphalt", seed, 0.016)), _wall(depth, end), *_sides(half_width, fronts))
 
@@ -162,7 +162,7 @@ def _wall(depth: float, surface: Texture, yaw: float = 0.0) -> Part:
 
 
 def _sides(half_width: float, surface: Texture) -> tuple[Part, Part]:
-    """Walls along z to the left and to the right of the camera."""
+    """Return walls along z to the left and to the right of the camera."""
     turned = Path(start=(0.0, 90.0, 0.0))
     left, right = (Path(start=(sign * half_width, 0.0, 0.0)) for sign in (-1.0, 1.0))
     return (

@@ -1,4 +1,4 @@
-"""Render a scene: frames and their exact masks, flow, inverse depth and point tracks.
+"""Rendering of a scene: frames and their exact masks, flow, inverse depth and point tracks.
 
 Geometry is float64 arithmetic on one thread without BLAS, so a scene has the same bytes in every process. Per-pixel
 maps use only correctly rounded operations (+ - * / sqrt), alike on all processors. What may vary: sines and cosines
@@ -31,7 +31,7 @@ class RenderedScene(NamedTuple):
     moving : uint16 (T, H, W)
         The same identities with static objects 0: the ground truth.
     flow_forward : float32 (T - 1, H, W, 2)
-        (u, v) from frame m to m + 1 of the surface seen at m, px/frame; also where it is hidden at m + 1.
+        (u, v) from frame m to m + 1 of the surface seen at m, px/frame; also if it is hidden at m + 1.
     flow_backward : float32 (T - 1, H, W, 2)
         (u, v) from frame m + 1 to m of the surface seen at m + 1, px/frame.
     inverse_depth : float32 (T, H, W)
@@ -39,7 +39,7 @@ class RenderedScene(NamedTuple):
     points : float32 (N, T, 2)
         xy of surface points, px.
     visible : bool (N, T)
-        Inside the frame and hidden by nothing.
+        Inside the frame and not hidden.
     """
 
     images: np.ndarray
@@ -66,7 +66,7 @@ def render_scene(scene: Scene) -> RenderedScene:
     Raises
     ------
     InputError
-        Where the backdrop leaves a part of a frame empty.
+        The backdrop leaves a part of a frame empty.
     """
     views = [view_at(scene, t) for t in range(scene.num_frames)]
     hits = [trace_frame(view, scene.height, scene.width) for view in views]
@@ -95,14 +95,14 @@ def render_scene(scene: Scene) -> RenderedScene:
 
 
 def _render_images(scene: Scene, views: list[View], hits: list[Hits]) -> np.ndarray:
-    """Shaded frames through the sensor: gain, bias, noise and rounding."""
+    """Render shaded frames with the sensor's gain, bias, noise and rounding."""
     painted = {texture: paint_texture(texture) for texture in {part.texture for part in views[0].parts}}
     mipmaps = tuple(painted[part.texture] for part in views[0].parts)
     rng = np.random.default_rng([scene.seed, 0])
     images = np.empty((scene.num_frames, scene.height, scene.width, 3), np.uint8)
     for t, (view, hit) in enumerate(zip(views, hits, strict=True)):
         colors = shade_frame(view, hit, mipmaps) * np.float32(scene.gain.at(t)) + np.float32(scene.bias.at(t))
-        # The sum of two uniform deviates: near enough to a normal one, and free of the logarithms that it needs.
+        # The sum of two uniform deviates: nearly normal, without the logarithms of a normal deviate.
         noise = rng.random(colors.shape, np.float32) + rng.random(colors.shape, np.float32) - np.float32(1.0)
         colors += noise * np.float32(scene.noise * 6.0**0.5)
         images[t] = np.clip(np.rint(colors), 0, 255)
@@ -110,7 +110,7 @@ def _render_images(scene: Scene, views: list[View], hits: list[Hits]) -> np.ndar
 
 
 def _flow(view0: View, view1: View, hits: Hits) -> np.ndarray:
-    """Displacement, float32 (H, W, 2), of each surface point seen in ``view0`` to its place in ``view1``."""
+    """Return the displacement, float32 (H, W, 2), of each surface point seen in ``view0`` to its place in ``view1``."""
     height, width = hits.part.shape
     part, depth = hits.part.reshape(-1), hits.depth.reshape(-1)
     flow = np.empty((height * width, 2), np.float32)

@@ -1,4 +1,4 @@
-"""Exact tracks of rigid objects without pictures: clusters of points in space before a moving camera."""
+"""Exact tracks of rigid objects without images: clusters of points in front of a moving camera."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 IMAGE_SHAPE = (375, 1242)
-_FOCAL = 720.0  # px, as wide as the cameras of cars
+_FOCAL = 720.0  # px, as of cameras in cars
 _CAMERA = (0.1, 0.0, 0.4)
 _CAMERA_YAW_DEG = 0.2
 _DEPTHS = 14.0, 30.0  # of objects at first
@@ -25,7 +25,7 @@ class RigidTracks(NamedTuple):
     points : float64 (N, F, 2)
         xy, px.
     visible : bool (N, F)
-        Inside the frame; nothing hides another.
+        Inside the frame; there are no occlusions.
     owner : int64 (N,)
         Object of each track; the order of the objects is random.
     motion : int64 (K,)
@@ -41,7 +41,7 @@ class RigidTracks(NamedTuple):
 def rigid_tracks(
     num_objects: Sequence[int], num_frames: int, tracks_per_object: int, noise: float, rng: np.random.Generator
 ) -> RigidTracks:
-    """Tracks of objects scattered over the frame at different depths, seen by a camera that drives on and turns.
+    """Return tracks of objects scattered over the frame at different depths, seen by a camera that advances and turns.
 
     Parameters
     ----------
@@ -55,14 +55,14 @@ def rigid_tracks(
     motion = rng.permutation(np.repeat(np.arange(len(num_objects)), num_objects))
     owner = np.repeat(np.arange(len(motion)), tracks_per_object)
     height, width = IMAGE_SHAPE
-    # Columns of the frame in random order: every object has a place of its own.
+    # Columns of the frame in random order, one for each object.
     x = (rng.permutation(len(motion)) + 0.5) / len(motion) - 0.5
     depth = rng.uniform(*_DEPTHS, len(motion))
     centre = np.stack([0.7 * x * width, rng.uniform(-0.1, 0.1, len(motion)) * height, np.full(len(motion), _FOCAL)], 1)
     world = (centre * (depth / _FOCAL)[:, None])[owner] + rng.uniform(-_RADIUS, _RADIUS, (len(owner), 3))
     points = np.empty((len(owner), num_frames, 2))
     turns = rng.normal(size=(len(num_objects), 3))
-    # Up or down, across the epipolar lines of a camera that drives on: along them a mover may pass for static.
+    # Up or down, across the epipolar lines of a camera that advances: along them a mover may look static.
     steps = rng.uniform(-_TILT, _TILT, (len(num_objects), 3))
     steps[:, 1] = rng.choice([-1.0, 1.0], len(num_objects))
     for frame in range(num_frames):

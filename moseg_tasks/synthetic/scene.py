@@ -1,4 +1,4 @@
-"""What a scene is: a backdrop, objects made of parts, and a moving camera, all declared as data."""
+"""The description of a scene: a backdrop, objects made of parts, and a moving camera, declared as data."""
 
 from pydantic import Field, field_validator
 
@@ -19,13 +19,13 @@ class Part(Frozen):
 
     @property
     def is_moving(self) -> bool:
-        """True when the part moves, turns or bends within its object."""
+        """Whether the part moves, turns or bends within its object."""
         bends = isinstance(self.shape, Billboard) and not self.shape.bend.is_constant
         return bends or not (self.position.is_constant and self.angles.is_constant)
 
 
 class Thing(Frozen):
-    """A prominent object, static or moving: parts that share an identity and are carried by one path."""
+    """A prominent object, static or moving: parts that share an identity and a path."""
 
     parts: tuple[Part, ...] = Field(min_length=1)
     position: Path = STILL
@@ -33,7 +33,7 @@ class Thing(Frozen):
 
     @property
     def is_moving(self) -> bool:
-        """True when the object, or any part of it, moves in the world."""
+        """Whether the object, or any part of it, moves in the world."""
         return not (self.position.is_constant and self.angles.is_constant) or any(p.is_moving for p in self.parts)
 
 
@@ -52,7 +52,7 @@ class Scene(Frozen):
     Attributes
     ----------
     description : str
-        What makes the sequence difficult, one line.
+        Difficulty of the sequence, one line.
     num_motions : int
         Distinct motions in the world, the background's included; a non-rigid object counts as one.
     backdrop : tuple of Part
@@ -79,7 +79,7 @@ class Scene(Frozen):
     seed: int = Field(0, ge=0, description="seed of the sensor's noise and of the tracked points")
     points_per_object: int = Field(60, ge=1, description="visible tracked points wanted on each object at a seeding")
     points_on_backdrop: int = Field(300, ge=1, description="visible tracked points wanted on the backdrop at a seeding")
-    seed_every: int = Field(6, ge=1, description="frames between seedings, so that what enters late is tracked too")
+    seed_every: int = Field(6, ge=1, description="frames between seedings, so that late objects are tracked too")
 
     @field_validator("backdrop")
     @classmethod

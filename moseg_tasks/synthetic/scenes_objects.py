@@ -7,7 +7,7 @@ from moseg.tasks.synthetic.shapes import Billboard
 
 
 def _drifting(x: float = 0.02, z: float = 0.0, *, height: float = 1.4) -> CameraPath:
-    """A camera that looks slightly down and drifts by (x, z) metres per frame."""
+    """Return a camera that looks slightly down and drifts by (x, z) metres per frame."""
     return CameraPath(
         position=Path(start=(0.0, -height, 0.0), velocity=(x, 0.0, z)), angles=Path(start=(-3.0, 0.0, 0.0))
     )

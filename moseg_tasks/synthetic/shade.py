@@ -1,4 +1,4 @@
-"""Colours of the pixels of a frame: filtered textures, and more rays where the outlines of surfaces pass."""
+"""Colours of the pixels of a frame: filtered textures, and more rays at the outlines of surfaces."""
 
 import numpy as np
 
@@ -13,11 +13,11 @@ AMBIENT = 0.78
 LIGHT = (0.35, -0.8, -0.5)
 """Direction to the light in each part's own coordinates, so that no surface changes brightness as it turns."""
 STEEPEST = 0.15
-"""Cosine of incidence below which the filter stretches no further: a compromise of blur and shimmer."""
+"""Cosine of incidence below which the filter is not widened: a compromise between blur and aliasing."""
 
 
 def shade_frame(view: View, hits: Hits, mipmaps: tuple[MipMap, ...]) -> np.ndarray:
-    """Colour of each pixel.
+    """Return the colour of each pixel.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def shade_frame(view: View, hits: Hits, mipmaps: tuple[MipMap, ...]) -> np.ndarr
 
 
 def _shade_points(view: View, x: np.ndarray, y: np.ndarray, hits: Hits, mipmaps: tuple[MipMap, ...]) -> np.ndarray:
-    """RGB, float32 (N, 3), of the surfaces met at pixels (N,)."""
+    """Return the RGB colour, float32 (N, 3), of the surfaces hit at pixels (N,)."""
     colors = np.zeros((len(x), 3), np.float32)
     for part in np.unique(hits.part[hits.part >= 0]):
         seen = np.flatnonzero(hits.part == part)
@@ -68,12 +68,12 @@ def _shade_part(view: View, part: int, x: np.ndarray, y: np.ndarray, depth: np.n
     footprint = depth / (view.camera.focal * texel * np.sqrt(cosine))
     color = sample_texture(mipmap, chart.u / texel, chart.v / texel, footprint)
     lit = (normal[:, 0] * LIGHT[0] + normal[:, 1] * LIGHT[1] + normal[:, 2] * LIGHT[2]) / np.sqrt(square)
-    # A face and its reverse are lit alike, so planes need no front.
+    # A face and its reverse are lit equally, so planes need no front.
     return color * (AMBIENT + (1.0 - AMBIENT) * np.abs(lit)).astype(np.float32)[:, None]
 
 
 def _outlines(part: np.ndarray) -> np.ndarray:
-    """Pixels with a neighbour that shows another part."""
+    """Return the pixels with a neighbour that shows another part."""
     edges = np.zeros(part.shape, bool)
     across, down = part[:, 1:] != part[:, :-1], part[1:] != part[:-1]
     edges[:, 1:] |= across

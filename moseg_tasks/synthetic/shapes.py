@@ -1,4 +1,4 @@
-"""Surfaces in their own coordinates: where a ray meets them, how they bend, and their texture coordinates.
+"""Surfaces in local coordinates: intersection with rays, bending and texture coordinates.
 
 A ray is ``origin + depth * direction``. ``origin`` is three floats; ``direction`` is three arrays that broadcast
 against each other. Only + - * / sqrt act on pixels, so that every IEEE-754 machine gives the same bits.
@@ -13,7 +13,7 @@ from moseg.schemas.frozen import Frozen
 from moseg.tasks.synthetic.paths import STILL, Path, Vector
 
 NEAREST_DEPTH = 0.05
-"""Surfaces closer to the camera than this are not seen, metres."""
+"""Surfaces closer to the camera than this are invisible, metres."""
 _TINY = 1e-30
 
 Rays = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -46,11 +46,11 @@ class Plane(Frozen):
         return None
 
     def hit(self, origin: np.ndarray, direction: Rays) -> np.ndarray:
-        """Depth at which each ray meets the surface, infinite where it does not."""
+        """Return the depth at which each ray meets the surface, infinite where it does not."""
         return _in_front(-origin[2] / _nonzero(direction[2]))
 
     def chart(self, points: np.ndarray) -> Chart:
-        """Texture coordinates and normals of material points, float64 (N, 3)."""
+        """Return texture coordinates and normals of material points, float64 (N, 3)."""
         return Chart(points[:, 0], points[:, 1], np.broadcast_to([0.0, 0.0, 1.0], points.shape))
 
 
@@ -74,7 +74,7 @@ class Billboard(Frozen):
         return (self.size[0] * reach, self.size[1] * reach, 0.0)
 
     def hit(self, origin: np.ndarray, direction: Rays, bend: Vector = (0.0, 0.0, 0.0)) -> np.ndarray:
-        """Depth at which each ray meets the bent surface, infinite where it does not."""
+        """Return the depth at which each ray meets the bent surface, infinite where it does not."""
         depth = _in_front(-origin[2] / _nonzero(direction[2]))
         reached = np.where(np.isfinite(depth), depth, 0.0)
         y = origin[1] + reached * direction[1]
@@ -82,13 +82,13 @@ class Billboard(Frozen):
         return np.where(self._inside(x, y), depth, np.inf)
 
     def bent(self, points: np.ndarray, bend: Vector, sign: float = 1.0) -> np.ndarray:
-        """Material points moved by the bend (``sign`` 1) or brought back from it (-1)."""
+        """Move material points by the bend (``sign`` 1) or back (-1)."""
         moved = points.copy()
         moved[:, 0] += sign * self._shift(points[:, 1], bend)
         return moved
 
     def chart(self, points: np.ndarray) -> Chart:
-        """Texture coordinates and normals of material points, float64 (N, 3)."""
+        """Return texture coordinates and normals of material points, float64 (N, 3)."""
         return Chart(points[:, 0], points[:, 1], np.broadcast_to([0.0, 0.0, 1.0], points.shape))
 
     def _shift(self, y: np.ndarray, bend: Vector) -> np.ndarray:
@@ -121,7 +121,7 @@ class Box(Frozen):
         return self.size
 
     def hit(self, origin: np.ndarray, direction: Rays) -> np.ndarray:
-        """Depth at which each ray enters the box, infinite where it does not."""
+        """Return the depth at which each ray enters the box, infinite where it does not."""
         enter, leave = -np.inf, np.inf
         for o, d, half in zip(origin, direction, self.size, strict=True):
             d = _nonzero(d)
@@ -131,7 +131,7 @@ class Box(Frozen):
         return np.where(enter < leave, _in_front(enter), np.inf)
 
     def chart(self, points: np.ndarray) -> Chart:
-        """Texture coordinates and normals of material points, float64 (N, 3)."""
+        """Return texture coordinates and normals of material points, float64 (N, 3)."""
         scaled = points / np.array(self.size)
         face = np.argmax(np.abs(scaled), axis=1)
         return _cube_chart(points, face, np.eye(3)[face] * np.sign(scaled))
@@ -149,7 +149,7 @@ class Ellipsoid(Frozen):
         return self.size
 
     def hit(self, origin: np.ndarray, direction: Rays) -> np.ndarray:
-        """Depth at which each ray enters the ellipsoid, infinite where it does not."""
+        """Return the depth at which each ray enters the ellipsoid, infinite where it does not."""
         o = [value / radius for value, radius in zip(origin, self.size, strict=True)]
         d = [value / radius for value, radius in zip(direction, self.size, strict=True)]
         a = d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
@@ -160,7 +160,7 @@ class Ellipsoid(Frozen):
         return np.where(discriminant > 0.0, _in_front(enter), np.inf)
 
     def chart(self, points: np.ndarray) -> Chart:
-        """Texture coordinates and normals of material points, float64 (N, 3)."""
+        """Return texture coordinates and normals of material points, float64 (N, 3)."""
         radii = np.array(self.size)
         face = np.argmax(np.abs(points / radii), axis=1)
         return _cube_chart(points, face, points / (radii * radii))
@@ -170,10 +170,10 @@ Shape = Annotated[Plane | Billboard | Box | Ellipsoid, Field(discriminator="kind
 
 
 def _cube_chart(points: np.ndarray, face: np.ndarray, normal: np.ndarray) -> Chart:
-    """Texture coordinates from the two axes across the dominant one, apart from each other on each of six faces."""
+    """Return texture coordinates from the two axes across the dominant one, different on each of the six faces."""
     rows = np.arange(len(points))
     across, down = np.array([2, 0, 0])[face], np.array([1, 2, 1])[face]
-    # Any step that is no multiple of a texture's period keeps opposite faces from carrying the same picture.
+    # A step that is not a multiple of a texture's period gives opposite faces different images.
     step = 0.37 * (2 * face + (points[rows, face] > 0))
     return Chart(points[rows, across] + step, points[rows, down] + step, normal)
 

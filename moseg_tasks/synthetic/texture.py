@@ -64,7 +64,7 @@ def paint_texture(texture: Texture) -> MipMap:
 
 
 def sample_texture(mipmap: MipMap, u: np.ndarray, v: np.ndarray, footprint: np.ndarray) -> np.ndarray:
-    """Trilinear look-up.
+    """Sample a texture by trilinear interpolation.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def sample_texture(mipmap: MipMap, u: np.ndarray, v: np.ndarray, footprint: np.n
         RGB.
     """
     mantissa, exponent = np.frexp(footprint)
-    # log2, linear between powers of two: np.log2 is not rounded alike on all processors.
+    # log2, linear between powers of two: np.log2 is not rounded equally on all processors.
     level = np.clip(exponent - 2 + 2.0 * mantissa, 0.0, len(mipmap.offsets) - 1.001)
     finer = level.astype(np.int64)
     weight = (level - finer).astype(np.float32)[:, None]
@@ -107,7 +107,7 @@ def _bilinear(mipmap: MipMap, u: np.ndarray, v: np.ndarray, level: np.ndarray) -
 
 
 def _noise(rng: np.random.Generator) -> np.ndarray:
-    """Periodic noise with equal energy in each octave, of about zero mean and unit variance."""
+    """Return periodic noise with equal energy in each octave, of about zero mean and unit variance."""
     total, octaves = np.zeros((COARSEST, COARSEST)), 0
     while len(total) < SIZE:
         total = _double(_double(total + rng.random(total.shape) - 0.5, 0), 1)
@@ -117,14 +117,14 @@ def _noise(rng: np.random.Generator) -> np.ndarray:
 
 
 def _double(grid: np.ndarray, axis: int) -> np.ndarray:
-    """Twice the samples of a periodic grid along an axis, by Chaikin's corner cutting (quadratic B-splines)."""
+    """Double the samples of a periodic grid along an axis, by Chaikin's corner cutting (quadratic B-splines)."""
     halves = [0.75 * grid + 0.25 * np.roll(grid, step, axis) for step in (1, -1)]
     shape = [size * (1 + (index == axis)) for index, size in enumerate(grid.shape)]
     return np.stack(halves, axis + 1).reshape(shape)
 
 
 def _joints(rng: np.random.Generator, pattern: str) -> np.ndarray:
-    """Brightness factor of tiles or planks: dark joints, and a shade of its own for each piece."""
+    """Return the brightness factor of tiles or planks: dark joints, and a different shade for each piece."""
     height, width = {"tiles": (32, 64), "planks": (32, 256)}[pattern]
     rows, columns = np.mgrid[:SIZE, :SIZE]
     course = rows // height

@@ -1,4 +1,4 @@
-"""Ray casting: which part each pixel's ray meets first, and at which depth."""
+"""Ray casting: the first part on each pixel's ray, and its depth."""
 
 from itertools import product
 from typing import NamedTuple
@@ -10,14 +10,14 @@ from moseg.tasks.synthetic.view import View, rays_at
 
 
 class Hits(NamedTuple):
-    """What rays meet first.
+    """First parts on rays.
 
     Attributes
     ----------
     depth : float64, one per ray
-        Distance along the optical axis, metres; infinite where nothing is met.
+        Distance along the optical axis, metres; infinite if there is no part.
     part : int64, one per ray
-        Index of the part; -1 where nothing is met.
+        Index of the part; -1 if there is none.
     """
 
     depth: np.ndarray
@@ -25,7 +25,7 @@ class Hits(NamedTuple):
 
 
 def trace_frame(view: View, height: int, width: int) -> Hits:
-    """First hits of the rays through every pixel centre; arrays (height, width)."""
+    """Return the first hits of the rays through every pixel centre; arrays (height, width)."""
     hits = _nothing((height, width))
     x, y = np.arange(width, dtype=np.float64)[None, :], np.arange(height, dtype=np.float64)[:, None]
     for part in range(len(view.parts)):
@@ -37,7 +37,7 @@ def trace_frame(view: View, height: int, width: int) -> Hits:
 
 
 def trace_points(view: View, x: np.ndarray, y: np.ndarray) -> Hits:
-    """First hits of the rays through image points ``x``, ``y``, float64 (N,), px."""
+    """Return the first hits of the rays through image points ``x``, ``y``, float64 (N,), px."""
     hits = _nothing(x.shape)
     for part in range(len(view.parts)):
         _meet(view, part, x, y, hits)
@@ -49,7 +49,7 @@ def _nothing(shape: tuple[int, ...]) -> Hits:
 
 
 def _meet(view: View, part: int, x: np.ndarray, y: np.ndarray, hits: Hits) -> None:
-    """Write a part into ``hits`` wherever it is nearer than what is there."""
+    """Write a part into ``hits`` wherever it is nearer than the present one."""
     origin, direction = rays_at(view, part, x, y)
     shape = view.parts[part].shape
     found = (
@@ -61,7 +61,7 @@ def _meet(view: View, part: int, x: np.ndarray, y: np.ndarray, hits: Hits) -> No
 
 
 def _window(view: View, part: int, height: int, width: int) -> tuple[slice, slice]:
-    """Rows and columns of the frame that hold a part: the box about its projected bounding box."""
+    """Return the rows and columns of the frame that contain a part: the box about its projected bounding box."""
     extent = view.parts[part].shape.extent
     if extent is None:
         return slice(0, height), slice(0, width)

@@ -10,7 +10,7 @@ from moseg.tasks.synthetic.trace import Hits, trace_points
 from moseg.tasks.synthetic.view import View, material_points, object_of_parts, project_points
 
 _SAME_DEPTH = 1e-6
-"""Relative difference of depth within which a ray has met the point itself: far above float64 rounding."""
+"""Relative difference of depth within which a ray hits the point itself: far above float64 rounding."""
 
 
 class Tracks(NamedTuple):
@@ -21,7 +21,7 @@ class Tracks(NamedTuple):
     points : float32 (N, T, 2)
         xy, px; also where a point is hidden or outside the frame, and (-1, -1) where it is behind the camera.
     visible : bool (N, T)
-        Inside the frame and hidden by nothing.
+        Inside the frame and not hidden.
     """
 
     points: np.ndarray
@@ -29,10 +29,10 @@ class Tracks(NamedTuple):
 
 
 def track_points(scene: Scene, views: list[View], hits: list[Hits]) -> Tracks:
-    """Follow points of every object and of the backdrop through all frames.
+    """Track points of every object and of the backdrop through all frames.
 
-    Every few frames each object's points are brought up to the wanted number of visible ones, by points drawn
-    from the pixels inside its outline.
+    Every `seed_every` frames each object gets new points, drawn from the pixels inside its outline, up to the wanted
+    number of visible ones.
     """
     owners = object_of_parts(scene)
     rng = np.random.default_rng([scene.seed, 1])
@@ -57,7 +57,7 @@ def track_points(scene: Scene, views: list[View], hits: list[Hits]) -> Tracks:
 def _follow(
     scene: Scene, views: list[View], frame: int, hits: Hits, pixels: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Positions float64 (N, T, 2) and visibility (N, T) of the points seen at flat ``pixels`` of a frame."""
+    """Return positions float64 (N, T, 2) and visibility (N, T) of the points seen at flat ``pixels`` of a frame."""
     y, x = np.divmod(pixels, scene.width)
     part, depth = hits.part.reshape(-1)[pixels], hits.depth.reshape(-1)[pixels]
     points, visible = np.empty((len(pixels), len(views), 2)), np.empty((len(pixels), len(views)), bool)
@@ -70,7 +70,7 @@ def _follow(
 
 
 def _see(scene: Scene, view: View, part: int, material: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Positions (N, 2) and visibility (N,) of material points of a part in one view."""
+    """Return positions (N, 2) and visibility (N,) of material points of a part in one view."""
     x, y, z = project_points(view, part, material)
     inside = (x >= 0) & (x <= scene.width - 1) & (y >= 0) & (y <= scene.height - 1)
     met = trace_points(view, x, y)
@@ -80,7 +80,7 @@ def _see(scene: Scene, view: View, part: int, material: np.ndarray) -> tuple[np.
 
 
 def _interior(mask: np.ndarray) -> np.ndarray:
-    """Pixels of a mask whose four neighbours belong to it; the frame's border is outside."""
+    """Return the pixels of a mask whose four neighbours belong to it; the frame's border is outside."""
     inner = np.zeros_like(mask)
     middle = mask[1:-1, 1:-1]
     inner[1:-1, 1:-1] = middle & mask[:-2, 1:-1] & mask[2:, 1:-1] & mask[1:-1, :-2] & mask[1:-1, 2:]

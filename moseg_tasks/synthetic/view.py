@@ -1,13 +1,26 @@
-"""A scene at one instant as its camera sees it: where each part is, and where its material points project."""
+"""A scene at one instant in its camera: poses of the parts, and projections of their material points."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from moseg.tasks.synthetic.camera import Camera, camera_at
 from moseg.tasks.synthetic.paths import Pose, Vector, compose, inverse, pose_of
-from moseg.tasks.synthetic.scene import Part, Scene
+from moseg.tasks.synthetic.scene import CameraPath, Part, Scene
 from moseg.tasks.synthetic.shapes import NEAREST_DEPTH, Billboard, Rays
+
+
+class Camera(NamedTuple):
+    """Pose (camera to world), focal length and principal point, px."""
+
+    pose: Pose
+    focal: float
+    center: tuple[float, float]
+
+
+def camera_at(path: CameraPath, t: float, height: int, width: int) -> Camera:
+    """Return the camera at time ``t``, frames, for frames of the given size, px."""
+    focal = path.focal * width * (1.0 + path.zoom * t)
+    return Camera(pose_of(path.position.at(t), path.angles.at(t)), focal, ((width - 1) / 2.0, (height - 1) / 2.0))
 
 
 class View(NamedTuple):
@@ -20,7 +33,7 @@ class View(NamedTuple):
 
 
 def view_at(scene: Scene, t: float) -> View:
-    """The scene at time ``t``, frames; parts in the order backdrop, then each object's."""
+    """Return the scene at time ``t``, frames; parts in the order backdrop, then each object's."""
     camera = camera_at(scene.camera, t, scene.height, scene.width)
     to_camera = inverse(camera.pose)
     parts = list(scene.backdrop)
@@ -34,7 +47,7 @@ def view_at(scene: Scene, t: float) -> View:
 
 
 def object_of_parts(scene: Scene) -> np.ndarray:
-    """Identity of each part's object, uint16 (parts,), in the order of `view_at`."""
+    """Return the identity of each part's object, uint16 (parts,), in the order of `view_at`."""
     owners = [0] * len(scene.backdrop)
     for identity, thing in enumerate(scene.things, start=1):
         owners.extend([identity] * len(thing.parts))
@@ -42,7 +55,7 @@ def object_of_parts(scene: Scene) -> np.ndarray:
 
 
 def rays_at(view: View, part: int, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, Rays]:
-    """Origin and directions, in a part's local coordinates, of the rays through pixels; their parameter is depth."""
+    """Return origin and directions, in a part's local coordinates, of rays through pixels, with depth as parameter."""
     rotation = view.poses[part].rotation
     focal, center = view.camera.focal, view.camera.center
     x, y = (x - center[0]) / focal, (y - center[1]) / focal
@@ -51,7 +64,7 @@ def rays_at(view: View, part: int, x: np.ndarray, y: np.ndarray) -> tuple[np.nda
 
 
 def material_points(view: View, part: int, x: np.ndarray, y: np.ndarray, depth: np.ndarray) -> np.ndarray:
-    """Material coordinates, float64 (N, 3), of the points of a part seen at pixels (N,) and depths (N,)."""
+    """Return material coordinates, float64 (N, 3), of the points of a part seen at pixels (N,) and depths (N,)."""
     origin, direction = rays_at(view, part, x, y)
     points = np.stack([start + depth * along for start, along in zip(origin, direction, strict=True)], axis=1)
     shape = view.parts[part].shape
@@ -59,7 +72,7 @@ def material_points(view: View, part: int, x: np.ndarray, y: np.ndarray, depth: 
 
 
 def project_points(view: View, part: int, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Pixels x, y and depths, float64 (N,) each, of material points (N, 3) of a part.
+    """Return pixels x, y and depths, float64 (N,) each, of material points (N, 3) of a part.
 
     A point that is not in front of the camera gets ``NEAREST_DEPTH``, at which nothing is ever seen.
     """

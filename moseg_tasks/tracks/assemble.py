@@ -1,4 +1,4 @@
-"""Tracks of a section from the points alive in each of its frames."""
+"""Tracks of a section, assembled from the active points of each frame."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -17,7 +17,7 @@ class Tracks(NamedTuple):
     points : float32 (N, F, 2)
         xy, px; 0 where not visible.
     visible : bool (N, F)
-        One run of frames a track.
+        One run of consecutive frames per track.
     object : uint16 (N,)
         The object in which the track was sampled.
     """
@@ -28,12 +28,12 @@ class Tracks(NamedTuple):
 
 
 def assemble_tracks(fronts: Sequence[Front], num_masks: int) -> Tracks:
-    """The tracks that fronts, one a frame, are slices of.
+    """Assemble tracks from their positions in each frame.
 
     Raises
     ------
     InputError
-        Where there are fewer frames than masks.
+        There are fewer frames than masks.
     """
     if len(fronts) < num_masks:
         raise InputError("fewer frames than masks", where="frames", got=len(fronts), expected=f"at least {num_masks}")

@@ -1,4 +1,4 @@
-"""Objects of tracks that come without one."""
+"""Assignment of objects to tracks without one."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from moseg.tasks.tracks.labels_at import OUTSIDE, labels_at
 
 
 def assign_tracks(points: np.ndarray, visible: np.ndarray, masks: np.ndarray) -> np.ndarray:
-    """The object under each track in most of the frames in which it is visible.
+    """Return the object under each track in most of the frames in which it is visible.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def assign_tracks(points: np.ndarray, visible: np.ndarray, masks: np.ndarray) ->
     Raises
     ------
     InputError
-        Where there are fewer frames than masks.
+        There are fewer frames than masks.
     """
     num_tracks, num_frames = visible.shape
     if len(masks) > num_frames:

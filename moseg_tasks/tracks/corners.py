@@ -10,7 +10,7 @@ BLOCK_SIZE = 5
 
 
 def texture_strength(gray: np.ndarray) -> np.ndarray:
-    """The smaller eigenvalue of the structure tensor of a uint8 image (y, x): float32 (y, x).
+    """Return the smaller eigenvalue of the structure tensor of a uint8 image (y, x): float32 (y, x).
 
     References
     ----------
@@ -22,7 +22,7 @@ def texture_strength(gray: np.ndarray) -> np.ndarray:
 def strongest_corners(
     texture: np.ndarray, mask: np.ndarray, num_points: int, *, spacing: float, taken: np.ndarray
 ) -> np.ndarray:
-    """The strongest corners of a mask that keep their distance to each other and to points already there.
+    """Return the strongest corners of a mask that are apart from each other and from existing points.
 
     Parameters
     ----------
@@ -30,11 +30,11 @@ def strongest_corners(
         Of `texture_strength`; its local maxima are the corners.
     mask : bool (y, x)
     num_points : int
-        Most corners returned.
+        Maximal number of corners.
     spacing : float
-        Least distance between points, px.
+        Minimal distance between points, px.
     taken : float32 (M, 2)
-        xy of points already there, px.
+        xy of existing points, px.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The tracks alive in one frame, and their check against the objects' masks."""
+"""The active tracks of one frame, and their check against the objects' masks."""
 
 from typing import NamedTuple
 
@@ -15,7 +15,7 @@ BACKGROUND = 0
 
 
 class Front(NamedTuple):
-    """The tracks alive in one frame.
+    """The active tracks of one frame.
 
     Attributes
     ----------
@@ -25,7 +25,7 @@ class Front(NamedTuple):
         xy, px.
     object : uint16 (P,)
     num_tracks : int
-        Tracks begun so far, alive or not.
+        Tracks begun so far, active or not.
     """
 
     track: np.ndarray
@@ -34,7 +34,7 @@ class Front(NamedTuple):
     num_tracks: int
 
     def move(self, points: np.ndarray, found: np.ndarray) -> "Front":
-        """The front in the next frame: `points` (P, 2), of which only those found (P,) live on."""
+        """Return the front in the next frame: `points` (P, 2), only those that were `found` (P,)."""
         return Front(self.track[found], points[found], self.object[found], self.num_tracks)
 
 
@@ -50,7 +50,7 @@ def check_front(
     ----------
     front : Front
     frame_index : int
-        Names the frame in errors.
+        Index of the frame in errors.
     image : uint8 (y, x, 3)
         RGB.
     mask : uint16 (y, x)
@@ -61,12 +61,12 @@ def check_front(
     Returns
     -------
     Front
-        Tracks that lived on, then the new ones by object.
+        Continued tracks, then the new ones by object.
 
     Raises
     ------
     InputError
-        Where the frame and its mask differ in size.
+        The frame and its mask differ in size.
     """
     if mask.shape != image.shape[:2]:
         where = f"mask of frame {frame_index}"

@@ -6,7 +6,7 @@ OUTSIDE = -1
 
 
 def labels_at(mask: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Label of the pixel nearest to each point.
+    """Return the label of the pixel nearest to each point.
 
     Parameters
     ----------
@@ -20,7 +20,7 @@ def labels_at(mask: np.ndarray, points: np.ndarray) -> np.ndarray:
         -1 for points outside the frame.
     """
     height, width = mask.shape
-    # Halves go up: rounding to even would make the nearest pixel depend on the parity of the position.
+    # Halves are rounded up: with rounding to even the nearest pixel would depend on the parity of the position.
     x, y = np.floor(points + 0.5).astype(np.int64).T
     inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
     labels = np.full(len(points), OUTSIDE, dtype=np.int64)

@@ -12,9 +12,9 @@ _STOP = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 30, 0.01)
 def follow_points(
     gray0: np.ndarray, gray1: np.ndarray, points: np.ndarray, params: TrackParams
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Where points of frame 0 lie in frame 1.
+    """Track points from frame 0 to frame 1.
 
-    OpenCV's Python binding takes no pyramids, so it builds them again for the way back: about 0.4 ms a frame at 480p.
+    OpenCV's Python binding takes no pyramids, so it builds them again for tracking back: about 0.4 ms a frame at 480p.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def follow_points(
 
 
 def inside_border(points: np.ndarray, shape: tuple[int, int], border: int) -> np.ndarray:
-    """Which points (N, 2) lie at least `border` px inside the outermost pixel centres of a frame: bool (N,)."""
+    """Return which points (N, 2) lie at least `border` px inside the outermost pixel centres of a frame: bool (N,)."""
     height, width = shape
     limit = np.array([width - 1 - border, height - 1 - border])
     return ((points >= border) & (points <= limit)).all(axis=1)

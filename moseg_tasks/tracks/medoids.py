@@ -1,4 +1,4 @@
-"""k-medoids of an object's pixels: points that cover it evenly."""
+"""k-medoids of an object's pixels, which cover it evenly."""
 
 import numpy as np
 
@@ -14,19 +14,19 @@ def covering_medoids(
     taken: np.ndarray,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """Medoids of a random sample of a mask's pixels, at a distance from points already there.
+    """Return medoids of a random sample of a mask's pixels, at a distance from existing points.
 
     Parameters
     ----------
     mask : bool (y, x)
     num_points : int
-        Most medoids returned.
+        Maximal number of medoids.
     num_candidates : int
         Pixels drawn: the cost grows with their square.
     spacing : float
-        Least distance of a candidate to the points already there, px.
+        Minimal distance of a candidate to existing points, px.
     taken : float32 (M, 2)
-        xy of points already there, px.
+        xy of existing points, px.
     rng : numpy.random.Generator
 
     Returns
@@ -39,7 +39,7 @@ def covering_medoids(
     H.-S. Park and C.-H. Jun, A simple and fast algorithm for k-medoids clustering, 2009;
     E. Schubert and P. Rousseeuw, Fast and eager k-medoids clustering, 2021 (FasterPAM).
     """
-    # Here, since scikit-learn comes with it: half a second for every process, also those that only read results.
+    # Imported here, because it imports scikit-learn: half a second, also for processes that only read results.
     import kmedoids
 
     y, x = np.nonzero(mask)

@@ -1,19 +1,18 @@
 """Object-specific point tracks through one section of a video, by PIPs."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 import torch
 
-from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import TrackParams
 from moseg.schemas.parameters.pips import PipsParams
+from moseg.tasks.check_frame import check_frame
 from moseg.tasks.networks.pips import Pips, Resolution
 from moseg.tasks.tracks.assemble import Tracks, assemble_tracks
 from moseg.tasks.tracks.front import NO_TRACKS, Front, check_front
 from moseg.tasks.tracks.lucas_kanade import inside_border
-from moseg.tasks.tracks.windows import overlapping_windows
 
 
 class _EncodedFrame(NamedTuple):
@@ -32,18 +31,17 @@ def track_points_pips(
     pips_params: PipsParams,
     rng: np.random.Generator,
 ) -> Tracks:
-    """Sample points in every object and follow them window by window.
+    """Sample points in every object and track them window by window.
 
-    A window is 8 frames of the published network, and it begins with a check: points outside their object's mask are
-    dropped (their tracks stay as they were before) and new ones sampled until each object has its quota again. A window
-    begins where the one before ends, in the frame that both share, so that tracks run through: the check that the paper
-    makes every 8 frames is made every 7. `track_params.resample_every` below that makes windows begin so often, and
-    each is followed only up to where the next begins; above it, it has no effect. The last window of a section is
-    filled up by repeating the last frame.
+    A window has 8 frames for the published network, and begins with a check: points outside their object's mask are
+    dropped (their tracks end there) and new ones are sampled until each object has its quota again. A window begins in
+    the last frame of the previous one, so that tracks continue: the paper checks every 8 frames, this every 7. A
+    smaller `track_params.resample_every` makes windows begin that often, and each is used only up to the beginning of
+    the next; a larger one has no effect. The last window of a section is padded by repeating the last frame.
 
-    A track ends where the network thinks its point hidden, where it nears the frame's border, or at a check. In each
-    window the network looks for the appearance that the point had in its track's first frame, as the published code
-    does where it chains windows.
+    A track ends where the network predicts that its point is hidden, near the frame's border, or at a check. In each
+    window the network searches for the point's appearance in its track's first frame, as the published code does where
+    it chains windows.
 
     Parameters
     ----------
@@ -97,16 +95,12 @@ def track_points_pips(
 
 
 def _encode_frames(model: Pips, frames: Iterable[np.ndarray], params: PipsParams) -> Iterator[_EncodedFrame]:
-    """Each frame with its feature pyramid, one by one."""
+    """Yield each frame with its feature pyramid."""
     size = None
     for index, frame in enumerate(frames):
-        if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3 or frame.size == 0:
-            got = f"{frame.dtype} {frame.shape}"
-            raise InputError("not an RGB frame", where=f"frame {index}", got=got, expected="uint8 (y, x, 3)")
-        size = size or frame.shape[:2]
-        if frame.shape[:2] != size:
-            raise InputError("frames differ in size", where=f"frame {index}", got=frame.shape[:2], expected=size)
-        resolution = Resolution.capped(size, params.max_side, model.config.least_side)
+        check_frame(frame, f"frame {index}", size)
+        size = frame.shape[:2]
+        resolution = Resolution.capped(size, params.max_side, model.config.min_side)
         image = torch.tensor(resolution.resize(frame), device=_device(model))
         yield _EncodedFrame(frame, resolution, model.encode(image[None]))
 
@@ -114,7 +108,7 @@ def _encode_frames(model: Pips, frames: Iterable[np.ndarray], params: PipsParams
 def _follow(
     model: Pips, window: list[_EncodedFrame], points: np.ndarray, appearances: torch.Tensor, params: PipsParams
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Points (P, 2) of a window's first frame in its T other frames, float32 (T, P, 2), and if visible, bool (T, P)."""
+    """Return points (P, 2) of a window's first frame in its T others, float32 (T, P, 2), and if visible, (T, P)."""
     num_frames = len(window) - 1
     if num_frames == 0 or len(points) == 0:
         return np.zeros((num_frames, len(points), 2), np.float32), np.zeros((num_frames, len(points)), bool)
@@ -130,9 +124,39 @@ def _follow(
 
 
 def _as_tensor(points: np.ndarray, model: Pips) -> torch.Tensor:
-    # The type first: not every device knows float64.
+    # Type first, because not every device has float64.
     return torch.from_numpy(points).to(model.dtype).to(_device(model))
 
 
 def _device(model: Pips) -> torch.device:
     return next(model.parameters()).device
+
+
+Item = TypeVar("Item")
+
+
+def overlapping_windows(items: Iterable[Item], length: int, advance: int) -> Iterator[tuple[int, list[Item]]]:
+    """Yield windows of `length` items that begin at 0, `advance`, 2 `advance`, …, each with the index of its first.
+
+    Items are read one by one and kept only as long as a window needs them. Windows begin up to the end of the items, so
+    the last ones are shorter.
+
+    Parameters
+    ----------
+    items : iterable
+    length : int
+    advance : int
+        At most `length`.
+    """
+    first = 0
+    window: list[Item] = []
+    for item in items:
+        window.append(item)
+        if len(window) == length:
+            yield first, window
+            window = window[advance:]
+            first += advance
+    while window:
+        yield first, window
+        window = window[advance:]
+        first += advance

@@ -11,7 +11,7 @@ from moseg.tasks.tracks.medoids import covering_medoids
 def sample_points(
     texture: np.ndarray, mask: np.ndarray, quota: int, taken: np.ndarray, params: TrackParams, rng: np.random.Generator
 ) -> np.ndarray:
-    """Fill an object's quota of points.
+    """Sample points until an object has its quota.
 
     Parameters
     ----------
@@ -20,9 +20,9 @@ def sample_points(
     mask : bool (y, x)
         The object.
     quota : int
-        Points the object should have.
+        Number of points that the object should have.
     taken : float32 (M, 2)
-        xy of the points it has, px.
+        xy of its existing points, px.
     params : TrackParams
     rng : numpy.random.Generator
 
@@ -52,7 +52,7 @@ def sample_points(
 
 
 def interior(mask: np.ndarray, params: TrackParams) -> np.ndarray:
-    """A mask without the frame's border and, where something is left, without its own outline."""
+    """Return a mask without the frame's border and, where something is left, without its own outline."""
     height, width = mask.shape
     margin = params.border
     inside = np.zeros_like(mask)

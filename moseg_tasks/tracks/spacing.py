@@ -1,19 +1,19 @@
-"""Point sets that keep their distance."""
+"""Point sets with a minimal distance."""
 
 import numpy as np
 
 
 def spaced_subset(candidates: np.ndarray, num_points: int, spacing: float, taken: np.ndarray) -> np.ndarray:
-    """The first candidates that lie apart from each other and from points already there.
+    """Return the first candidates that are apart from each other and from existing points.
 
     Parameters
     ----------
     candidates : float32 (C, 2)
         In order of preference.
     num_points : int
-        Most points returned.
+        Maximal number of points.
     spacing : float
-        Least distance, px.
+        Minimal distance, px.
     taken : float32 (M, 2)
 
     Returns
@@ -32,7 +32,7 @@ def spaced_subset(candidates: np.ndarray, num_points: int, spacing: float, taken
 
 
 def far_from(points: np.ndarray, others: np.ndarray, spacing: float) -> np.ndarray:
-    """Which points (N, 2) lie at least `spacing` px from every one of `others` (M, 2): bool (N,)."""
+    """Return which points (N, 2) lie at least `spacing` px from every one of `others` (M, 2): bool (N,)."""
     far = np.ones(len(points), dtype=bool)
     x, y = np.ascontiguousarray(points.T)
     for other_x, other_y in others:

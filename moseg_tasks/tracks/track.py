@@ -17,14 +17,14 @@ def track_points(
     params: TrackParams,
     rng: np.random.Generator,
 ) -> Tracks:
-    """Sample points in every object and follow them.
+    """Sample points in every object and track them.
 
     At the first frame and every `params.resample_every` frames, points outside their object's mask are dropped (their
-    tracks stay as they were before) and new ones sampled until each object has its quota again, so that an object that
-    enters gets points at the next check. A point that is lost or nears the frame's border ends its track.
+    tracks end there) and new ones are sampled until each object has its quota again, so that an object that enters gets
+    points at the next check. A track ends where its point is lost or near the frame's border.
 
-    The paper follows points by PIPs (`track_points_pips`); here it is pyramidal Lucas-Kanade with a forward-backward
-    check, which needs no weights.
+    The paper tracks points by PIPs (`track_points_pips`); this is pyramidal Lucas-Kanade with a forward-backward check,
+    which needs no weights.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def track_points(
     Raises
     ------
     InputError
-        Where a frame and its mask differ in size, or there are fewer frames than masks.
+        A frame and its mask differ in size, or there are fewer frames than masks.
     """
     front = NO_TRACKS
     fronts: list[Front] = []

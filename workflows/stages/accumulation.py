@@ -19,14 +19,14 @@ PASSES = ("past", "future")
 
 def mean_of_passes(inputs: Inputs, role: str, name: str) -> np.ndarray:
     """Return the mean float32 of an array over both passes."""
-    from moseg.tasks.half_floats import widen
+    from moseg.tasks.half_floats import to_float32
 
     past, future = (inputs[f"{role}_{each}"].array(name) for each in PASSES)
-    return np.stack([(widen(before) + widen(after)) / 2 for before, after in zip(past, future, strict=True)])
+    return np.stack([(to_float32(before) + to_float32(after)) / 2 for before, after in zip(past, future, strict=True)])
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.half_floats import widen
+    from moseg.tasks.half_floats import to_float32
     from moseg.tasks.saliency import accumulate, memory_weight
 
     accumulation_params = AccumulationParams.of_recipe(params["accumulation"])
@@ -36,10 +36,10 @@ def _run(params, inputs, rng):
 
     def see(frame, agreement):
         seen = (frame.array("strict_saliency"), frame.array("saliency"), agreement[direction])
-        return widen(np.dstack(seen))
+        return to_float32(np.dstack(seen))
 
     def weigh(agreement):
-        weight = memory_weight(widen(agreement), direction, accumulation_params)
+        weight = memory_weight(to_float32(agreement), direction, accumulation_params)
         return np.dstack([weight, weight, np.full_like(weight, accumulation_params.memory)])
 
     # A frame at a time: all of a section's at once would be the run's peak of memory.
@@ -59,9 +59,9 @@ def pass_direction(origin: str) -> tuple[int, slice]:
 
 def pass_flows(frames, direction: int):
     """Yield the flow float32 (y, x, uv) of each frame in the direction of a pass."""
-    from moseg.tasks.half_floats import widen
+    from moseg.tasks.half_floats import to_float32
 
-    return (widen(frame.array("flows")[direction]) for frame in frames)
+    return (to_float32(frame.array("flows")[direction]) for frame in frames)
 
 
 def carried_row(inputs: Inputs, name: str, origin: str) -> np.ndarray | None:

@@ -10,13 +10,13 @@ from moseg.workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.half_floats import widen
+    from moseg.tasks.half_floats import to_float32
     from moseg.tasks.saliency import accumulate
 
     direction, order = pass_direction(params["from"])
     frames, misfits = inputs.all("saliency")[order], inputs["own_motion"].array("misfit")[order]
     accumulated = accumulate(
-        (widen(misfit) for misfit in misfits),
+        (to_float32(misfit) for misfit in misfits),
         pass_flows(frames, direction),
         [params["memory"]] * len(frames),
         carried_row(inputs, "misfit", params["from"]),

@@ -19,7 +19,7 @@ def join_rows(sections, name: str, num_rows: int) -> np.ndarray:
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.half_floats import widen
+    from moseg.tasks.half_floats import to_float32
     from moseg.tasks.proposals import keep_best, label_components, rejoin_components, split_touching
     from moseg.tasks.saliency import reduce_frame
 
@@ -30,7 +30,7 @@ def _run(params, inputs, rng):
     if labels.any():
         cues = inputs.all("saliency")
         flows, residual_flows = (
-            np.stack([widen(frame.array(name)) for frame in cues]) for name in ("flows", "residual_flows")
+            np.stack([to_float32(frame.array(name)) for frame in cues]) for name in ("flows", "residual_flows")
         )
         labels = split_touching(labels, residual_flows, identity)
         images = [

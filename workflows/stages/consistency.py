@@ -11,12 +11,12 @@ CONSISTENCY_PARAMS = frozenset({"consistency_relative", "consistency_absolute"})
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.half_floats import narrow, widen
+    from moseg.tasks.half_floats import to_float16, to_float32
     from moseg.tasks.saliency import flow_consistency
 
-    flows = [widen(frame.array("flows")) for frame in inputs.all("saliency")]
+    flows = [to_float32(frame.array("flows")) for frame in inputs.all("saliency")]
     consistency = flow_consistency(flows, AccumulationParams.of_recipe(params["accumulation"]))
-    return Output({"consistency": narrow(consistency[params["first"] : params["last"]])})
+    return Output({"consistency": to_float16(consistency[params["first"] : params["last"]])})
 
 
 def _params(config: PipelineConfig, first: int, last: int) -> dict:

@@ -13,7 +13,7 @@ from moseg.workflows.stages.task import Output, Task
 
 def _run(params, inputs, rng):
     from moseg.tasks.appearance import colour_ratio, pool_sections
-    from moseg.tasks.half_floats import narrow
+    from moseg.tasks.half_floats import to_float16
     from moseg.tasks.saliency import foreground_probability
 
     appearance, foreground = (
@@ -39,7 +39,7 @@ def _run(params, inputs, rng):
     for t, (bins, maps, misfit) in enumerate(zip(sections[own].array("bins"), accumulated, misfits, strict=True)):
         ratio, usual = _blend(look, centres, own, params["start"] + t)
         moves = foreground_probability(maps[..., 1], maps[..., 2], misfit, ratio[bins], usual, foreground)
-        probabilities.append(narrow(moves))
+        probabilities.append(to_float16(moves))
     return Output({"foreground": np.stack(probabilities)})
 
 

@@ -14,7 +14,7 @@ EVIDENCE_PARAMS = frozenset({"threshold", "sharpness"})
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.half_floats import narrow, widen
+    from moseg.tasks.half_floats import to_float16, to_float32
     from moseg.tasks.saliency import motion_logit, own_motion_misfit, probability
 
     own_motion_params = OwnMotionParams.of_recipe(params["own_motion"])
@@ -24,10 +24,10 @@ def _run(params, inputs, rng):
     for t, (frame, maps) in enumerate(zip(inputs.all("saliency"), accumulated, strict=True), start):
         strict, reliability = maps[..., 0], maps[..., 2]
         moves = probability(motion_logit(strict, params["threshold"], params["sharpness"]))
-        to_previous, to_next = widen(frame.array("residual_flows"))
+        to_previous, to_next = to_float32(frame.array("residual_flows"))
         flows = (to_previous if t > 0 else None, to_next if t + 1 < num_frames else None)
         weight = moves**own_motion_params.sharpness * reliability**2
-        misfits.append(narrow(own_motion_misfit(flows, weight, own_motion_params)))
+        misfits.append(to_float16(own_motion_misfit(flows, weight, own_motion_params)))
     return Output({"misfit": np.stack(misfits)})
 
 

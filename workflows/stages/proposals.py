@@ -13,7 +13,7 @@ from moseg.workflows.stages.task import Network, Output, Task
 
 
 def _run_saliency(params, inputs, rng):
-    from moseg.tasks.half_floats import widen
+    from moseg.tasks.half_floats import to_float32
     from moseg.tasks.proposals.boxes import object_boxes
     from moseg.tasks.proposals.refinement import refine_outlines
 
@@ -23,7 +23,7 @@ def _run_saliency(params, inputs, rng):
     foreground = join_rows(inputs.all("foreground"), "foreground", len(labels))
     masks = np.stack(
         [
-            refine_outlines(frame.cached("image"), objects, widen(probability), refinement)
+            refine_outlines(frame.cached("image"), objects, to_float32(probability), refinement)
             for frame, objects, probability in zip(frames, labels, foreground, strict=True)
         ]
     )

@@ -6,14 +6,13 @@ from typing import NamedTuple
 import torch
 from torch import nn
 
+from moseg.tasks.networks.deaot.attention import Window
 from moseg.tasks.networks.deaot.config import DeaotConfig
-from moseg.tasks.networks.deaot.memory import LayerMemory
-from moseg.tasks.networks.deaot.propagation import GatedPropagationModule, Projected
-from moseg.tasks.networks.deaot.window import Window
+from moseg.tasks.networks.deaot.propagation import GatedPropagationModule, LayerMemory, Projected
 
 
 class Grid(NamedTuple):
-    """The cells of a frame: their numbers (y, x), and the window around each of them."""
+    """The cells of a frame: the grid's size (y, x), and the window around each cell."""
 
     size: tuple[int, int]
     window: Window
@@ -31,7 +30,7 @@ class TokenGroupNorm(nn.Module):
 
 
 class DualBranchPropagation(nn.Module):
-    """Modules in turn, each with a memory of its own."""
+    """A sequence of modules, each with its own memory."""
 
     def __init__(self, config: DeaotConfig):
         super().__init__()
@@ -42,7 +41,7 @@ class DualBranchPropagation(nn.Module):
         self.decoder_norms = nn.ModuleList([TokenGroupNorm(2 * config.d_model, num_groups=2)])
 
     def memorize(self, visual: torch.Tensor, assigned: torch.Tensor, grid: Grid) -> list[LayerMemory]:
-        """Each module's memory of a frame whose objects are given: the frame is propagated from itself."""
+        """Return each module's memory of a frame with given objects, which is propagated from itself."""
         memories, identity = [], None
         for layer in self.layers:
             frame = layer.project(visual, identity)
@@ -54,7 +53,7 @@ class DualBranchPropagation(nn.Module):
     def forward(
         self, visual: torch.Tensor, long_term: Sequence[LayerMemory], short_term: Sequence[LayerMemory], grid: Grid
     ) -> tuple[torch.Tensor, list[Projected]]:
-        """Normalised branches side by side (batch, cell, 2 d_model), and the frame as each module sees it."""
+        """Return normalised, concatenated branches (batch, cell, 2 d_model) and the frame projected by each module."""
         frames, identity = [], None
         for layer, distant, near in zip(self.layers, long_term, short_term, strict=True):
             frame = layer.project(visual, identity)
@@ -63,5 +62,5 @@ class DualBranchPropagation(nn.Module):
         return self.decoder_norms[-1](torch.cat([visual, identity], dim=-1)), frames
 
     def remember(self, frames: Sequence[Projected], assigned: torch.Tensor) -> list[LayerMemory]:
-        """Each module's memory of a propagated frame, once its objects are known."""
+        """Return each module's memory of a propagated frame whose objects have been decided."""
         return [layer.remember(frame, assigned) for layer, frame in zip(self.layers, frames, strict=True)]

@@ -10,12 +10,12 @@ class DeaotConfig(Frozen):
 
     stem_width: int = Field(64, ge=1, description="channels of the encoder's first convolution")
     stage_widths: tuple[int, int, int] = Field(
-        (64, 128, 256), description="inner channels of the encoder's stages; they put out four times as many"
+        (64, 128, 256), description="inner channels of the encoder's stages; their outputs have four times as many"
     )
     stage_depths: tuple[int, int, int] = Field((3, 4, 6), description="bottlenecks of each stage")
     d_model: int = Field(
-        256, ge=16, multiple_of=16, description="channels of either branch; half of them are normalised in 8 groups"
+        256, ge=16, multiple_of=16, description="channels of each branch; half of them are normalised in 8 groups"
     )
     num_layers: int = Field(3, ge=1, description="gated propagation modules")
     max_objects: int = Field(10, ge=1, description="objects that one pass holds")
-    window_radius: int = Field(7, ge=1, description="reach of short-term propagation, cells of 16 px")
+    window_radius: int = Field(7, ge=1, description="radius of short-term propagation, cells of 16 px")

@@ -23,7 +23,7 @@ class ConvNorm(nn.Module):
 
 
 class FpnDecoder(nn.Module):
-    """A feature pyramid from stride 16 to stride 4, with shortcuts from the encoder.
+    """Feature pyramid from stride 16 to stride 4, with shortcuts from the encoder.
 
     References
     ----------
@@ -44,7 +44,7 @@ class FpnDecoder(nn.Module):
         self.conv_out = nn.Conv2d(narrow, 1 + config.max_objects, 1)
 
     def forward(self, propagated: torch.Tensor, pyramid: Pyramid) -> torch.Tensor:
-        """Logits (batch, 1 + max_objects, y, x), background first, from features (batch, 2 d_model, y, x)."""
+        """Return logits (batch, 1 + max_objects, y, x), background first, from features (batch, 2 d_model, y, x)."""
         x = self.conv_in(propagated)
         x = self.conv_16x(self.adapter_16x(pyramid.stride16) + x)
         x = self.conv_8x(self.adapter_8x(pyramid.stride8) + _enlarged(x, pyramid.stride8))
@@ -53,5 +53,5 @@ class FpnDecoder(nn.Module):
 
 
 def _enlarged(x: torch.Tensor, like: torch.Tensor) -> torch.Tensor:
-    """`x` at the resolution of `like`, corner cells kept in the corners."""
+    """Resize `x` to the resolution of `like` with aligned corners."""
     return F.interpolate(x, size=like.shape[-2:], mode="bilinear", align_corners=True)

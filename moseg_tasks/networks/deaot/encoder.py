@@ -9,7 +9,7 @@ from torch.nn import functional as F
 from moseg.tasks.networks.deaot.config import DeaotConfig
 
 EXPANSION = 4
-"""Channels that a bottleneck puts out, as a multiple of its inner ones."""
+"""Output channels of a bottleneck, as a multiple of its inner channels."""
 
 
 class Pyramid(NamedTuple):
@@ -35,7 +35,7 @@ class FrozenBatchNorm(nn.Module):
 
 
 class Bottleneck(nn.Module):
-    """Three convolutions around a shortcut; the middle one carries the stride."""
+    """Three convolutions beside a shortcut; the middle one has the stride."""
 
     def __init__(self, width_in: int, width: int, stride: int):
         super().__init__()
@@ -86,6 +86,6 @@ class ResNetEncoder(nn.Module):
 
 
 def _stage(width_in: int, width: int, depth: int, stride: int) -> nn.Sequential:
-    """Bottlenecks of one resolution; the first brings it there."""
+    """Return the bottlenecks of one resolution; the first one reduces the resolution."""
     first = Bottleneck(width_in, width, stride)
     return nn.Sequential(first, *(Bottleneck(EXPANSION * width, width, 1) for _ in range(depth - 1)))

@@ -1,4 +1,4 @@
-"""The gated propagation module: visual and identity features carried on from remembered frames."""
+"""The gated propagation module, which propagates visual and identity features from frames in memory."""
 
 from typing import NamedTuple
 
@@ -6,18 +6,48 @@ import torch
 from torch import nn
 from torch.nn import functional as F
 
-from moseg.tasks.networks.deaot.attention import GatedPropagation, LocalGatedPropagation, SelfGatedPropagation
-from moseg.tasks.networks.deaot.memory import LayerMemory
-from moseg.tasks.networks.deaot.window import Window
+from moseg.tasks.networks.deaot.attention import GatedPropagation, LocalGatedPropagation, SelfGatedPropagation, Window
+
+
+class LayerMemory(NamedTuple):
+    """Places of one or more frames in the memory of one propagation module.
+
+    Attributes
+    ----------
+    keys : (batch, place, d_att)
+    values : (batch, place, 2 d_model)
+        The visual branch's.
+    identities : (batch, place, 2 d_model)
+        The identity branch's: the object at each place.
+    """
+
+    keys: torch.Tensor
+    values: torch.Tensor
+    identities: torch.Tensor
+
+
+def extend_memory(memory: LayerMemory, frame: LayerMemory, max_frames: int) -> LayerMemory:
+    """Add a frame to long-term memory; keep the first frame and the newest of the others, `max_frames` in all.
+
+    The masks of the first frame were given, not predicted, so it is never dropped; of the others the oldest is dropped.
+    The published engine keeps every frame.
+    """
+    num_places = frame.keys.shape[1]
+    num_recent = (max_frames - 1) * num_places
+    kept = []
+    for old, new in zip(memory, frame, strict=True):
+        first, recent = old[:, :num_places], torch.cat([old[:, num_places:], new], dim=1)
+        kept.append(torch.cat([first, recent[:, max(recent.shape[1] - num_recent, 0) :]], dim=1))
+    return LayerMemory(*kept)
 
 
 class Projected(NamedTuple):
-    """A frame as a module sees it, before it is known which object is where.
+    """A frame projected by a module, before its objects are decided.
 
     Attributes
     ----------
     query : (batch, cell, d_att)
-        Matches against memory, and is the frame's own key when it is remembered.
+        Query to the memory, and the frame's key when it is added to the memory.
     values : (batch, cell, 2 d_model)
     gate : (batch, cell, 4 d_model)
         Of the visual and the identity values.
@@ -59,7 +89,7 @@ class GatedPropagationModule(nn.Module):
         self.self_attn = SelfGatedPropagation(d_model)
 
     def project(self, visual: torch.Tensor, identity: torch.Tensor | None) -> Projected:
-        """The frame's query, values and gates from the branches (batch, cell, d_model)."""
+        """Return the frame's query, values and gates from the branches (batch, cell, d_model)."""
         visual = self.norm1(visual)
         query, values = self.linear_QV(visual).tensor_split([self.d_att], dim=-1)
         gate = F.silu(self.linear_U(visual))
@@ -71,7 +101,7 @@ class GatedPropagationModule(nn.Module):
         return Projected(query, F.silu(values), torch.cat([gate, identity_gate], dim=-1), identity)
 
     def remember(self, frame: Projected, assigned: torch.Tensor) -> LayerMemory:
-        """The frame with its objects: `assigned` (batch, cell, d_model) embeds which object is where."""
+        """Return the frame's memory; `assigned` (batch, cell, d_model) embeds which object is where."""
         identity = assigned if frame.identity is None else torch.cat([frame.identity, assigned], dim=-1)
         return LayerMemory(frame.query, frame.values, F.silu(self.linear_ID_V(identity)))
 
@@ -85,7 +115,7 @@ class GatedPropagationModule(nn.Module):
         size: tuple[int, int],
         window: Window,
     ) -> tuple[torch.Tensor, torch.Tensor]:
-        """Both branches (batch, cell, d_model) after propagation from memory and inside the frame."""
+        """Return both branches (batch, cell, d_model) after propagation from memory and inside the frame."""
         values = torch.cat([long_term.values, long_term.identities], dim=-1)
         update = self.long_term_attn(frame.query, long_term.keys, values, frame.gate, size)
         values = torch.cat([short_term.values, short_term.identities], dim=-1)

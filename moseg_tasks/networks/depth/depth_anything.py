@@ -9,7 +9,7 @@ from moseg.tasks.networks.transformers_model import build_transformers
 
 
 def build_depth_anything(checkpoint: Checkpoint) -> DepthAnythingForDepthEstimation:
-    """The network of ``depth-anything/Depth-Anything-V2-{Small,Base,Large}-hf``.
+    """Build the network of ``depth-anything/Depth-Anything-V2-{Small,Base,Large}-hf``.
 
     Of the checkpoint's documents only ``config.json`` is read; the sizes that ``preprocessor_config.json`` gives, the
     same for all three, are `DepthAnythingParams`.

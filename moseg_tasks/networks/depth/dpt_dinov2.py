@@ -19,9 +19,9 @@ class DptDinov2(NamedTuple):
     ----------
     model : DPTForDepthEstimation
     min_depth : float
-        What the authors' head adds to its answer, m; `model` does not.
+        Offset that the authors' head adds to its output, m; `model` does not.
     max_depth : float
-        To which the authors cut the answer off, m; infinity where weights of one's own do not say it.
+        Limit to which the authors clamp the output, m; infinity if the user's weights do not give it.
     """
 
     model: DPTForDepthEstimation
@@ -29,14 +29,14 @@ class DptDinov2(NamedTuple):
     max_depth: float = float("inf")
 
     def to(self, device: torch.device | str) -> "DptDinov2":
-        """The same with its network on another device."""
+        """Return a copy with its network on another device."""
         return self._replace(model=self.model.to(device))
 
 
 def build_dpt_dinov2(checkpoint: Checkpoint) -> DptDinov2:
-    """The network of ``facebook/dpt-dinov2-{small,base,large,giant}-{nyu,kitti}``.
+    """Build the network of ``facebook/dpt-dinov2-{small,base,large,giant}-{nyu,kitti}``.
 
-    Of the checkpoint's documents only ``config.json`` is read. What ``preprocessor_config.json`` would say is the same
+    Of the checkpoint's documents only ``config.json`` is read. The content of ``preprocessor_config.json`` is the same
     for all eight and fixed in ``moseg.tasks.depth``: no resizing, ImageNet's mean and deviation, zeros around the frame
     up to multiples of 14. The range of depths, which differs, is the ``min_depth`` and ``max_depth`` of the
     checkpoint's own config: 0.001 m to 10 m on NYU, to 80 m on KITTI, as in the authors' ``dinov2/hub/depthers.py``.
@@ -44,8 +44,8 @@ def build_dpt_dinov2(checkpoint: Checkpoint) -> DptDinov2:
     Raises
     ------
     InputError
-        The checkpoint is not one of this network; another backbone under the same head would give inverse depth. Or its
-        range of depths is none.
+        The checkpoint is not one of this network (another backbone under the same head gives inverse depth), or its
+        range of depths is invalid.
 
     References
     ----------
@@ -63,7 +63,7 @@ def build_dpt_dinov2(checkpoint: Checkpoint) -> DptDinov2:
 
 
 def _read_range(config: Mapping[str, Any], name: str) -> tuple[float, float]:
-    """Least and largest depth, m."""
+    """Return minimal and maximal depth, m."""
     known = DptDinov2._field_defaults
     depths = [config.get(key, known[key]) for key in known]
     is_range = all(isinstance(depth, int | float) for depth in depths) and 0 <= depths[0] < depths[1]

@@ -1,4 +1,4 @@
-"""DINOv2's position embeddings at the size of a frame, as the network was trained with them."""
+"""DINOv2's patches, and its position embeddings resampled to the size of a frame as in its training."""
 
 from types import MethodType
 
@@ -6,15 +6,17 @@ import torch
 from torch.nn import functional
 from transformers import PreTrainedModel
 
+PATCH = 14
+"""Side of a patch of every DINOv2, px."""
 OFFSET = 0.1
-"""Cells by which the grid is stretched: with it DINOv2's authors kept the rounding of a scale from losing a cell."""
+"""Cells added to the grid: by it DINOv2's authors kept the rounding of a scale from losing a cell."""
 
 
 def resample_as_trained(model: PreTrainedModel) -> PreTrainedModel:
-    """The model with its backbone's positions resampled by the authors' factor.
+    """Make the model's backbone resample positions by the authors' factor, and return the model.
 
-    transformers resamples them to a number of cells, which puts the last ones a tenth of a cell elsewhere. On the
-    published grid of 37 x 37 cells both are the same.
+    transformers resamples them to a number of cells, which shifts the last ones by a tenth of a cell. On the published
+    grid of 37 x 37 cells both are equal.
     """
     embeddings = model.backbone.embeddings
     embeddings.interpolate_pos_encoding = MethodType(_resample, embeddings)
@@ -22,7 +24,7 @@ def resample_as_trained(model: PreTrainedModel) -> PreTrainedModel:
 
 
 def _resample(self, embeddings: torch.Tensor, height: int, width: int) -> torch.Tensor:
-    """Position embeddings (1, 1 + cells, channels) of a frame of `height` and `width` px."""
+    """Return position embeddings (1, 1 + cells, channels) of a frame of `height` and `width` px."""
     positions = self.position_embeddings
     side = round((positions.shape[1] - 1) ** 0.5)
     cells = [length // self.patch_size for length in (height, width)]

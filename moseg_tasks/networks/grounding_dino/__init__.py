@@ -1,4 +1,4 @@
-"""Grounding DINO: boxes of whatever a text names."""
+"""Grounding DINO: boxes of the objects that a text names."""
 
 from moseg.tasks.networks.grounding_dino.build import GroundingDino, build_grounding_dino
 from moseg.tasks.networks.grounding_dino.prompts import Prompt, compose_prompts

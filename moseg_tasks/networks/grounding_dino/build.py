@@ -12,7 +12,7 @@ from moseg.tasks.networks.transformers_model import build_transformers, read_jso
 VOCABULARY = "vocab.txt"
 PREPROCESSOR = "preprocessor_config.json"
 SPECIAL_TOKENS = {"[CLS]": 101, "[SEP]": 102, ".": 1012, "?": 1029}
-"""BERT's tokens that part the phrases of a prompt: the network's code looks for these numbers."""
+"""BERT's tokens that separate the phrases of a prompt: the network's code depends on these numbers."""
 
 
 class GroundingDino(NamedTuple):
@@ -32,13 +32,13 @@ class GroundingDino(NamedTuple):
     longer_side: int
 
     def to(self, device: torch.device | str) -> "GroundingDino":
-        """The detector with its network on another device."""
+        """Return a copy with its network on another device."""
         return self._replace(model=self.model.to(device))
 
     def input_size(self, height: int, width: int, input_scale: float) -> tuple[int, int]:
-        """Height and width to which a frame is resized, px; rounded as in the authors' ``datasets/transforms.py``.
+        """Return height and width of the resized frame, px, rounded as in the authors' ``datasets/transforms.py``.
 
-        transformers rounds otherwise: its longer side differs by up to 2 px for a quarter of all sizes.
+        transformers rounds differently: its longer side differs by up to 2 px for a quarter of all sizes.
 
         Parameters
         ----------
@@ -57,7 +57,7 @@ class GroundingDino(NamedTuple):
 
 
 def build_grounding_dino(checkpoint: Checkpoint) -> GroundingDino:
-    """The network of ``IDEA-Research/grounding-dino-tiny`` and ``-base``.
+    """Build the network of ``IDEA-Research/grounding-dino-tiny`` and ``-base``.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def build_grounding_dino(checkpoint: Checkpoint) -> GroundingDino:
     Raises
     ------
     InputError
-        The checkpoint is not one of this network, or a document is missing or not what it should be.
+        The checkpoint is not one of this network, or a document is missing or invalid.
 
     References
     ----------
@@ -79,7 +79,7 @@ def build_grounding_dino(checkpoint: Checkpoint) -> GroundingDino:
 
 
 def _read_sides(checkpoint: Checkpoint) -> list[int]:
-    """The shorter and the longer side to which images are resized, px."""
+    """Return the shorter and the longer side to which images are resized, px."""
     size = read_json(checkpoint, PREPROCESSOR).get("size")
     sides = [size.get(name) if isinstance(size, dict) else None for name in ("shortest_edge", "longest_edge")]
     if not all(isinstance(side, int) and side > 0 for side in sides):
@@ -88,17 +88,16 @@ def _read_sides(checkpoint: Checkpoint) -> list[int]:
     return sides
 
 
-def _build_tokenizer(checkpoint: Checkpoint, most: int) -> BertTokenizer:
-    """The uncased tokenizer of a vocabulary with one token a line, numbered from 0."""
+def _build_tokenizer(checkpoint: Checkpoint, max_tokens: int) -> BertTokenizer:
+    """Build the uncased tokenizer of a vocabulary with one token a line, numbered from 0."""
     where = f"{VOCABULARY} of weights {checkpoint.name}"
-    if VOCABULARY not in checkpoint.documents:
-        raise InputError(f"no {VOCABULARY}", where=f"weights {checkpoint.name}", got=sorted(checkpoint.documents))
     # Not `splitlines`, which would cut at the line separators that are tokens themselves.
-    tokens = checkpoint.documents[VOCABULARY].removesuffix("\n").split("\n")
+    tokens = checkpoint.document(VOCABULARY).removesuffix("\n").split("\n")
     vocabulary = {token: number for number, token in enumerate(tokens)}
     found = {token: vocabulary.get(token) for token in SPECIAL_TOKENS}
     if found != SPECIAL_TOKENS:
         raise InputError("not BERT's vocabulary", where=where, got=found, expected=SPECIAL_TOKENS)
-    if len(tokens) > most:
-        raise InputError("more tokens than the network knows", where=where, got=len(tokens), expected=f"at most {most}")
+    if len(tokens) > max_tokens:
+        expected = f"at most {max_tokens}"
+        raise InputError("more tokens than the network has", where=where, got=len(tokens), expected=expected)
     return BertTokenizer(vocab=vocabulary)

@@ -1,4 +1,4 @@
-"""Names of objects as the texts that Grounding DINO reads."""
+"""Names of objects as input texts of Grounding DINO."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -32,11 +32,11 @@ def compose_prompts(
     max_tokens: int,
     separator: Separator = "comma",
 ) -> list[Prompt]:
-    """The names, in lower case and each once, in as few texts as the limits allow.
+    """Join the names, in lower case and without repetition, into as few texts as the limits allow.
 
-    Where one text does not take them all they are spread evenly, as scores fall with the length of a text. (The
-    authors' code cuts a text off after 256 tokens.) A full stop or question mark within a name is left out: the network
-    takes it for the end of a phrase.
+    If one text cannot hold them all they are distributed evenly, because scores fall with the length of a text. (The
+    authors' code truncates a text after 256 tokens.) A full stop or question mark within a name is removed, because it
+    ends a phrase.
 
     Parameters
     ----------
@@ -45,12 +45,12 @@ def compose_prompts(
     tags_per_prompt, max_tokens : int
         Limits of one text.
     separator : "comma" or "stop"
-        What stands between two names; a full stop ends the text in any case.
+        Separator of two names; a full stop always ends the text.
 
     Raises
     ------
     InputError
-        A name has no word, one that the tokenizer does not know, or more than a text holds.
+        A name has no word, a word unknown to the tokenizer, or more words than a text holds.
     """
     names = list(dict.fromkeys(" ".join(tag.lower().split()) for tag in tags))
     ends = set(tokenizer.convert_tokens_to_ids([".", "?"]))
@@ -62,7 +62,7 @@ def compose_prompts(
         room = max_tokens - 3
         if not 0 < len(words) <= room or tokenizer.unk_token_id in words:
             raise InputError(
-                "no words that the detector knows, or too many",
+                "no known words, or too many",
                 where="tags",
                 got=repr(name),
                 expected=f"1 to {room} of BERT's tokens",

@@ -24,6 +24,6 @@ class PipsConfig(Frozen):
         return self.levels * (2 * self.radius + 1) ** 2
 
     @property
-    def least_side(self) -> int:
-        """Least side of an image of which the coarsest feature map still has one cell, px."""
+    def min_side(self) -> int:
+        """Minimal side of an image whose coarsest feature map still has one cell, px."""
         return self.stride * 2 ** (self.levels - 1)

@@ -1,4 +1,4 @@
-"""How well points' appearances agree with the feature maps around where the points are believed to be."""
+"""Correlation of points' appearances with the feature maps around the points' estimated positions."""
 
 from collections.abc import Sequence
 
@@ -7,7 +7,7 @@ import torch.nn.functional as F
 
 
 def feature_pyramid(maps: torch.Tensor, levels: int) -> tuple[torch.Tensor, ...]:
-    """Maps (B, C, y, x) at `levels` resolutions, each half the one before: (B, y, x, C), channels last."""
+    """Reduce maps (B, C, y, x) to `levels` resolutions, each half the previous one: (B, y, x, C), channels last."""
     pyramid = [maps]
     for _ in range(levels - 1):
         pyramid.append(F.avg_pool2d(pyramid[-1], 2))
@@ -15,7 +15,7 @@ def feature_pyramid(maps: torch.Tensor, levels: int) -> tuple[torch.Tensor, ...]
 
 
 def sample_appearances(maps: torch.Tensor, points: torch.Tensor) -> torch.Tensor:
-    """Bilinear samples of one frame's maps (y, x, C) at points (N, 2), cells: (N, C). Beyond the edge, the edge's."""
+    """Sample one frame's maps (y, x, C) bilinearly at points (N, 2), cells, clamped to the map: (N, C)."""
     height, width = maps.shape[:2]
     last = points.new_tensor([width - 1, height - 1])
     points = points.clamp(torch.zeros_like(last), last)
@@ -31,11 +31,11 @@ def sample_appearances(maps: torch.Tensor, points: torch.Tensor) -> torch.Tensor
 def correlate(
     pyramid: Sequence[torch.Tensor], appearances: torch.Tensor, points: torch.Tensor, radius: int
 ) -> torch.Tensor:
-    """Correlation of each point's appearance with the square of cells around it, at each level of the pyramid.
+    """Correlate each point's appearance with the square of cells around it, at each level of the pyramid.
 
     Interpolation is linear, so the maps' cells are correlated first and the correlations interpolated: all samples of
-    a square share their fraction of a cell, and the (2 radius + 2)^2 cells under it are all that is ever looked at.
-    A volume of correlations with the whole map, of which these are samples, would take a hundred times as many.
+    a square share their fraction of a cell, so only the (2 radius + 2)^2 cells under it are needed. A volume of
+    correlations with the whole map, of which these are samples, would take a hundred times as many.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def correlate(
         Over the root of C; level by level, the square's columns one after the other.
     """
     sampled = []
-    # Half precision keeps three digits of a sum over all channels: too few to tell where a correlation peaks.
+    # Half precision keeps three digits of a sum over all channels: too few to locate the peak of a correlation.
     with torch.autocast(points.device.type, enabled=False):
         for level, maps in enumerate(pyramid):
             square = _correlate_square(maps, appearances, points / 2**level, radius)
@@ -62,7 +62,7 @@ def correlate(
 
 
 def _correlate_square(maps: torch.Tensor, appearances: torch.Tensor, points: torch.Tensor, radius: int) -> torch.Tensor:
-    """Interpolated correlations (N, S, 2 radius + 1, 2 radius + 1) around points in cells, indexed [x, y]."""
+    """Return interpolated correlations (N, S, 2 radius + 1, 2 radius + 1) around points in cells, indexed [x, y]."""
     num_frames, height, width, channels = maps.shape
     corner = points.floor()
     offsets = torch.arange(-radius, radius + 2, device=points.device)

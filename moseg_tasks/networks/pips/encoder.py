@@ -25,7 +25,7 @@ class ResidualBlock(nn.Module):
 
 
 class Encoder(nn.Module):
-    """Feature maps at 1 / `stride` of an image's size, made of four stages between half and a sixteenth of it."""
+    """Feature maps at 1 / `stride` of an image's size, computed from four stages between half and a sixteenth of it."""
 
     def __init__(self, config: PipsConfig):
         super().__init__()
@@ -40,7 +40,7 @@ class Encoder(nn.Module):
         self.conv3 = nn.Conv2d(2 * config.latent, config.latent, 1)
 
     def forward(self, images: torch.Tensor) -> torch.Tensor:
-        """Images (B, 3, y, x) in -1..1 to maps (B, `latent`, y // stride, x // stride)."""
+        """Map images (B, 3, y, x) in -1..1 to maps (B, `latent`, y // stride, x // stride)."""
         height, width = images.shape[-2:]
         size = (height // self.stride, width // self.stride)
         x = F.instance_norm(self.conv1(images)).relu()

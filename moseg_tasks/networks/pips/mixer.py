@@ -1,4 +1,4 @@
-"""The MLP-Mixer that looks at a point's whole window at once and says how to move it."""
+"""The MLP-Mixer that updates a point's positions and appearances in its whole window."""
 
 from collections import OrderedDict
 
@@ -8,9 +8,9 @@ from torch import nn
 from moseg.tasks.networks.pips.config import PipsConfig
 
 EXPANSION = 4
-"""Channels inside a mixing layer to each one outside."""
+"""Hidden channels of a mixing layer, as a multiple of its input channels."""
 HIGHEST_FREQUENCY = 1000.0
-"""The frequencies of the motion's encoding rise in even steps from 0 to just below this, rad/cell."""
+"""Frequencies of the motion's encoding are spaced evenly from 0 to just below this, rad/cell."""
 
 
 class Update(nn.Module):
@@ -30,7 +30,7 @@ class Update(nn.Module):
     def forward(
         self, appearances: torch.Tensor, correlations: torch.Tensor, displacements: torch.Tensor
     ) -> tuple[torch.Tensor, torch.Tensor]:
-        """From (N, S, C), (N, S, correlations) and (N, S, 2) cells since the first frame: (N, S, 2) and (N, S, C)."""
+        """Map (N, S, C), (N, S, correlations) and (N, S, 2) cells since the first frame to (N, S, 2) and (N, S, C)."""
         motion = encode_motion(displacements, self.config.encoding)
         delta = self.to_delta(torch.cat([appearances, correlations, motion], dim=2))
         delta = delta.to(displacements.dtype).view(*displacements.shape[:2], -1)
@@ -38,9 +38,9 @@ class Update(nn.Module):
 
 
 def encode_motion(displacements: torch.Tensor, channels: int) -> torch.Tensor:
-    """Sines and cosines of displacements (N, S, 2) and of the time, then both as they are: (N, S, 3 channels + 3)."""
+    """Return sines and cosines of displacements (N, S, 2) and time, then both unchanged: (N, S, 3 channels + 3)."""
     num_points, num_frames, _ = displacements.shape
-    # As published the last frame's time is S, not S - 1: the trained weights expect it.
+    # As published, the last frame's time is S, not S - 1: the weights were trained with it.
     times = torch.linspace(0, num_frames, num_frames, dtype=displacements.dtype, device=displacements.device)
     motion = torch.cat([displacements, times[None, :, None].expand(num_points, -1, -1)], dim=2)
     steps = torch.arange(0, channels, 2, dtype=displacements.dtype, device=displacements.device)
@@ -50,7 +50,7 @@ def encode_motion(displacements: torch.Tensor, channels: int) -> torch.Tensor:
 
 
 class _Mixer(nn.Sequential):
-    """Names are the published ones: 14 is the mean over frames, which has no tensors."""
+    """The mixer, with the published names: 14 is the mean over frames, which has no tensors."""
 
     def __init__(self, config: PipsConfig, inputs: int, outputs: int):
         layers = [nn.Linear(inputs, config.hidden)]
@@ -80,13 +80,13 @@ class _Residual(nn.Module):
 
 
 def _frame_mixing(num_frames: int, channels: int) -> _Residual:
-    """Mixes frames, each channel alone: a convolution of width 1 that takes frames for its channels."""
+    """Mix frames, separately for each channel: a convolution of width 1 with frames as its channels."""
     inside = EXPANSION * num_frames
     return _Residual(channels, _two_layers(nn.Conv1d(num_frames, inside, 1), nn.Conv1d(inside, num_frames, 1)))
 
 
 def _channel_mixing(channels: int) -> _Residual:
-    """Mixes channels, each frame alone."""
+    """Mix channels, separately for each frame."""
     inside = EXPANSION * channels
     return _Residual(channels, _two_layers(nn.Linear(channels, inside), nn.Linear(inside, channels)))
 

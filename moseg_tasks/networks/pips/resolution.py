@@ -1,4 +1,4 @@
-"""The size at which the network sees a frame, and points at either size."""
+"""The size of the network's input, and points at the frame's and at the network's size."""
 
 from typing import NamedTuple
 
@@ -6,38 +6,38 @@ import cv2
 import numpy as np
 
 MULTIPLE = 8
-"""Sides the network sees are multiples of this, as those of its published evaluation (360 x 640) are, px."""
+"""Sides of the network's input are multiples of this, as in its published evaluation (360 x 640), px."""
 
 
 class Resolution(NamedTuple):
-    """A frame's size and the one the network sees it at, (height, width), px.
+    """A frame's size and that of the network's input, (height, width), px.
 
     Pixel centres lie at integers in both, and both show the same edges, which lie half a pixel outside the outermost
-    centres: x_network + 1/2 = (x_frame + 1/2) width_network / width_frame, and likewise y. The two axes have each
-    their own scale, as sides are rounded; both are undone exactly.
+    centres: x_network + 1/2 = (x_frame + 1/2) width_network / width_frame, and likewise y. Each axis has its
+    own scale, because sides are rounded; both are inverted exactly.
     """
 
     frame: tuple[int, int]
     network: tuple[int, int]
 
     @classmethod
-    def capped(cls, frame: tuple[int, int], max_side: int, least_side: int) -> "Resolution":
-        """The resolution whose longer side is at most about `max_side`; no side is below `least_side`."""
+    def capped(cls, frame: tuple[int, int], max_side: int, min_side: int) -> "Resolution":
+        """Return the resolution with the longer side at most about `max_side` and all sides at least `min_side`."""
         scale = min(1.0, max_side / max(frame))
-        height, width = (max(least_side, MULTIPLE * round(side * scale / MULTIPLE)) for side in frame)
+        height, width = (max(min_side, MULTIPLE * round(side * scale / MULTIPLE)) for side in frame)
         return cls(frame, (height, width))
 
     def resize(self, image: np.ndarray) -> np.ndarray:
-        """A frame uint8 (y, x, 3) at the network's size, float32 in [0, 255]; bilinear, as in the published code."""
+        """Resize a frame uint8 (y, x, 3) bilinearly, as published, to the network's size: float32 in [0, 255]."""
         height, width = self.network
         return cv2.resize(image.astype(np.float32), (width, height), interpolation=cv2.INTER_LINEAR)
 
     def to_network(self, points: np.ndarray) -> np.ndarray:
-        """Points (..., 2), xy px of the frame, in px of the network's image; float64."""
+        """Convert points (..., 2), xy px of the frame, to px of the network's image; float64."""
         return (points + 0.5) * self._scale() - 0.5
 
     def to_frame(self, points: np.ndarray) -> np.ndarray:
-        """Points (..., 2), xy px of the network's image, in px of the frame; float64."""
+        """Convert points (..., 2), xy px of the network's image, to px of the frame; float64."""
         return (points + 0.5) / self._scale() - 0.5
 
     def _scale(self) -> np.ndarray:

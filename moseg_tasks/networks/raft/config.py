@@ -24,7 +24,7 @@ class RaftConfig(Frozen):
     correlation_levels: int = Field(4, ge=1, description="levels of the correlation pyramid")
     correlation_radius: int = Field(4, ge=0, description="half side of a look-up window, cells")
     correlation_channels: tuple[int, ...] = Field(
-        (256, 192), min_length=1, max_length=2, description="channels of the convolutions of what was looked up"
+        (256, 192), min_length=1, max_length=2, description="channels of the convolutions of the correlations"
     )
     flow_channels: tuple[int, int] = Field((128, 64), description="channels of the convolutions of the flow")
     motion_channels: int = Field(128, ge=3, description="channels of the motion features; two of them are the flow")

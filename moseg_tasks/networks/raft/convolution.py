@@ -1,4 +1,4 @@
-"""A convolution with what follows it: the unit in which the published state dicts count."""
+"""A convolution with its normalisation and ReLU: the unit of the published state dicts."""
 
 from collections.abc import Callable
 
@@ -15,7 +15,7 @@ def conv_norm_relu(
     norm: Norm | None = None,
     has_relu: bool = True,
 ) -> nn.Sequential:
-    """Convolution that keeps the size (at stride 1), then the normalisation if there is one, then ReLU."""
+    """Return a convolution that keeps the size (at stride 1), an optional normalisation, and ReLU."""
     layers: list[nn.Module] = [nn.Conv2d(in_channels, out_channels, kernel, stride, padding=kernel // 2)]
     if norm is not None:
         layers.append(norm(out_channels))

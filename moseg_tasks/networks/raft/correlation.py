@@ -1,30 +1,30 @@
-"""All-pairs correlation of two feature maps, as a pyramid that is looked up around the current flow."""
+"""All-pairs correlation of two feature maps, as a pyramid that is sampled around the current flow."""
 
 import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-_LARGEST_BLOCK = 2**24
-"""Correlations that are held at once on demand: 64 MB in float32."""
+_MAX_BLOCK = 2**24
+"""Correlations stored at a time on demand: 64 MB in float32."""
 
 
 class CorrelationPyramid:
     """Correlation of every cell of the first frame with every cell of the second, at each level of detail.
 
-    Correlations with averaged features are the averages of correlations: so each level is one product with the pooled
-    second map, and can be computed anew, block by block, at each look-up instead of being held.
+    Correlations with averaged features are the averages of correlations. So each level is one product with the pooled
+    second map, which can be computed again at each look-up, block by block, instead of being stored.
 
     Parameters
     ----------
     features0, features1 : Tensor (B, channels, h, w)
-        Feature maps; below float32 they are correlated in float32: sums over 256 channels leave the half precision's
-        digits, and its range.
+        Feature maps; half precision is correlated in float32, because sums over 256 channels exceed the digits and the
+        range of half precision.
     levels : int
         Levels; each halves the resolution of the second frame only. The coarsest must have a cell.
     radius : int
         Half side of a look-up window, in the cells of its level.
     on_demand : bool
-        Hold no volume: its 1.33 (B, h w, h w) numbers are computed again at each look-up.
+        Store no volume: its 1.33 (B, h w, h w) numbers are computed again at each look-up.
 
     References
     ----------
@@ -41,7 +41,7 @@ class CorrelationPyramid:
         self._volumes = None if on_demand else [self._correlate(self._queries, pooled) for pooled in self._pooled]
 
     def look_up(self, positions: Tensor) -> Tensor:
-        """Correlations in the window around a position in the second frame, for each cell of the first.
+        """Return the correlations in the window around a position in the second frame, for each cell of the first.
 
         Parameters
         ----------
@@ -61,7 +61,7 @@ class CorrelationPyramid:
         pooled = self._pooled[level]
         if self._volumes is not None:
             return _read_windows(self._volumes[level], pooled.shape[2:], centres, self.radius)
-        rows = max(_LARGEST_BLOCK // (len(pooled) * pooled[0, 0].numel()), 1)
+        rows = max(_MAX_BLOCK // (len(pooled) * pooled[0, 0].numel()), 1)
         blocks = zip(self._queries.split(rows, dim=1), centres.split(rows, dim=1), strict=True)
         return torch.cat(
             [_read_windows(self._correlate(own, pooled), pooled.shape[2:], at, self.radius) for own, at in blocks],
@@ -76,16 +76,16 @@ class CorrelationPyramid:
 
 
 def _read_windows(volume: Tensor, shape: tuple[int, int], centres: Tensor, radius: int) -> Tensor:
-    """Windows (B, N, (2 radius + 1)^2) of correlations (B, N, h w) about xy centres (B, N, 2).
+    """Return windows (B, N, (2 radius + 1)^2) of correlations (B, N, h w) about xy centres (B, N, 2).
 
-    All points of a window share their fractions of a cell. So the cells under it are gathered once and blended twice.
+    All points of a window share their fractions of a cell, so the cells under it are gathered once.
     """
     height, width = shape
     corners = centres.floor()
     offsets = torch.arange(-radius, radius + 2, device=centres.device)
     x, y = (corners[..., [axis]] + offsets for axis in range(2))
     is_inside = ((x >= 0) & (x < width)).unsqueeze(-1) & ((y >= 0) & (y < height)).unsqueeze(-2)
-    # Clamped once they are integers: so that even infinite positions index a cell, to be masked out.
+    # Clamped as integers, so that even infinite positions index a cell, which is masked out.
     index = y.long().clamp(0, height - 1).unsqueeze(-2) * width + x.long().clamp(0, width - 1).unsqueeze(-1)
     cells = volume.gather(-1, index.flatten(-2)).view(index.shape).masked_fill(~is_inside, 0)
     fraction_x, fraction_y = (centres - corners)[..., None, None].unbind(-3)

@@ -19,7 +19,7 @@ class Encoder(nn.Module):
     out_channels : int
         Channels of the output.
     norm : callable or None
-        Makes the normalisation of so many channels.
+        Constructor of the normalisation of a number of channels.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class Encoder(nn.Module):
 
 
 class ResidualBlock(nn.Module):
-    """Two 3x3 convolutions, each with its ReLU before the sum, which ResNet's second has not."""
+    """Two 3x3 convolutions, each with a ReLU before the sum; in ResNet the second has none."""
 
     def __init__(self, in_channels: int, out_channels: int, stride: int, norm: Norm | None):
         super().__init__()
@@ -72,7 +72,7 @@ class BottleneckBlock(nn.Module):
 
 
 def _shortcut(in_channels: int, out_channels: int, stride: int, norm: Norm | None) -> nn.Module:
-    """What joins a block's input to its output: projected where the block changes the resolution."""
+    """Return a block's shortcut: a projection where the block changes the resolution, else the identity."""
     if stride == 1:
         return nn.Identity()
     return conv_norm_relu(in_channels, out_channels, 1, stride, norm, has_relu=False)

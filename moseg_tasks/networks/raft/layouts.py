@@ -29,12 +29,12 @@ _SHORTCUT_NORM_AGAIN = ".norm3."
 
 
 def to_own_names(tensors: Mapping[str, Tensor], name: str) -> dict[str, Tensor]:
-    """The tensors under our module's names; a name that neither layout has is kept, for the loader to refuse.
+    """Rename tensors to our module's names; a name of neither layout is kept, and the loader refuses it.
 
     Raises
     ------
     InputError
-        Princeton's layout holds the normalisation of each shortcut twice, and one copy is missing or differs.
+        A copy of a shortcut's normalisation, which princeton's layout holds twice, is missing or differs.
     """
     if not any(key.startswith(tuple(_PRINCETON_ENCODERS)) for key in tensors):
         return dict(tensors)

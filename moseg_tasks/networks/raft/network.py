@@ -3,15 +3,17 @@
 import torch
 from torch import Tensor, nn
 
-from moseg.tasks.networks.raft.config import RaftConfig
+from moseg.tasks.networks.checkpoint import Checkpoint, load_strictly
+from moseg.tasks.networks.raft.config import LARGE, SMALL, RaftConfig
 from moseg.tasks.networks.raft.correlation import CorrelationPyramid
 from moseg.tasks.networks.raft.encoder import Encoder
+from moseg.tasks.networks.raft.layouts import to_own_names
 from moseg.tasks.networks.raft.update import UpdateBlock
 from moseg.tasks.networks.raft.upsampling import STRIDE, MaskPredictor, upsample_bilinear, upsample_convex
 
 
 class Raft(nn.Module):
-    """Flow by iterated look-ups in the correlation of all pairs of cells.
+    """Network that estimates flow by iterated look-ups in the correlation of all pairs of cells.
 
     References
     ----------
@@ -33,24 +35,24 @@ class Raft(nn.Module):
         )
 
     @property
-    def smallest_side(self) -> int:
-        """Pixels that leave the coarsest level of the correlation pyramid two cells; 128 for the published sizes.
+    def min_side(self) -> int:
+        """Minimal side that leaves the coarsest level of the correlation pyramid two cells, px; 128 as published.
 
-        With a single cell the published code divides by zero. So no published network has seen smaller images.
+        With a single cell the published code divides by zero, so no published network was applied to smaller images.
         """
         return STRIDE * 2**self.config.correlation_levels
 
     def forward(self, images0: Tensor, images1: Tensor, iterations: int, on_demand: bool = False) -> Tensor:
-        """Flow from the first images to the second.
+        """Estimate the flow from the first images to the second.
 
         Parameters
         ----------
         images0, images1 : Tensor (B, 3, y, x)
-            RGB in [-1, 1]; both sides multiples of 8 and not below `smallest_side`.
+            RGB in [-1, 1]; both sides multiples of 8 and not below `min_side`.
         iterations : int
             Steps of the flow.
         on_demand : bool
-            Compute correlations at each look-up instead of holding them all.
+            Compute correlations at each look-up instead of storing them all.
 
         Returns
         -------
@@ -79,6 +81,25 @@ class Raft(nn.Module):
 
 
 def _cell_grid(features: Tensor) -> Tensor:
-    """Each cell's own xy, (1, 2, h, w)."""
+    """Return each cell's xy, (1, 2, h, w)."""
     y, x = (torch.arange(side, device=features.device) for side in features.shape[2:])
     return torch.stack(torch.meshgrid(x, y, indexing="xy"))[None]
+
+
+def build_raft(checkpoint: Checkpoint) -> Raft:
+    """Build RAFT with a checkpoint's tensors, in evaluation mode, float32 and without gradients.
+
+    Parameters
+    ----------
+    checkpoint : Checkpoint
+        Tensors in torchvision's or princeton's layout. They are of the large network if they have an upsampling head,
+        of the small one otherwise; `config` holds fields of `RaftConfig` that differ from its sizes.
+
+    Raises
+    ------
+    InputError
+        A tensor is missing, left over or of another shape; or `config` has other fields than `RaftConfig`.
+    """
+    tensors = to_own_names(checkpoint.tensors, checkpoint.name)
+    published = LARGE if any(key.startswith("mask_predictor.") for key in tensors) else SMALL
+    return load_strictly(Raft(checkpoint.sizes(published)).float(), tensors, checkpoint.name)

@@ -1,4 +1,4 @@
-"""RAFT's update block: from what was looked up at the current flow to a step of the flow."""
+"""RAFT's update block: from correlations around the current flow to an update of the flow."""
 
 import torch
 from torch import Tensor, nn
@@ -23,7 +23,7 @@ class UpdateBlock(nn.Module):
         self.flow_head = FlowHead(config.hidden_channels, config.head_channels)
 
     def forward(self, hidden: Tensor, context: Tensor, correlations: Tensor, flow: Tensor) -> tuple[Tensor, Tensor]:
-        """Advance the recurrent state; returns it and the step of the flow, (B, 2, h, w) in cells."""
+        """Advance the recurrent state; return it and the update of the flow, (B, 2, h, w) in cells."""
         motion = self.motion_encoder(flow, correlations)
         hidden = self.recurrent_block(hidden, torch.cat([context, motion], dim=1))
         return hidden, self.flow_head(hidden)
@@ -50,7 +50,7 @@ class MotionEncoder(nn.Module):
 
 
 class RecurrentBlock(nn.Module):
-    """One recurrent unit with a square kernel, or two in turn with a row's and a column's."""
+    """One recurrent unit with a square kernel, or a horizontal and a vertical one in sequence."""
 
     def __init__(self, in_channels: int, hidden_channels: int, kernels: tuple[tuple[int, int], ...]):
         super().__init__()
@@ -80,7 +80,7 @@ class ConvGru(nn.Module):
 
 
 class FlowHead(nn.Module):
-    """Step of the flow, in cells, from the recurrent state."""
+    """Head that computes the update of the flow, in cells, from the recurrent state."""
 
     def __init__(self, in_channels: int, head_channels: int):
         super().__init__()

@@ -1,4 +1,4 @@
-"""From flow on an eighth of the grid to flow of every pixel."""
+"""Upsampling of flow from an eighth of the resolution to every pixel."""
 
 import torch.nn.functional as F
 from torch import Tensor, nn
@@ -6,7 +6,7 @@ from torch import Tensor, nn
 from moseg.tasks.networks.raft.convolution import conv_norm_relu
 
 STRIDE = 8
-"""Pixels along a cell's side: the encoders halve the resolution three times."""
+"""Pixels along a cell's side, because the encoders halve the resolution three times."""
 _NEIGHBOURS = 9
 # The published weights were trained with this factor before the softmax, to weaken the branch's gradients.
 _LOGIT_SCALE = 0.25
@@ -26,7 +26,7 @@ class MaskPredictor(nn.Module):
 
 
 def upsample_convex(flow: Tensor, logits: Tensor) -> Tensor:
-    """Flow of each pixel as a convex combination of the flow of the nine cells around it.
+    """Upsample flow: each pixel's is a convex combination of the flow of the nine cells around it.
 
     Parameters
     ----------
@@ -51,5 +51,5 @@ def upsample_convex(flow: Tensor, logits: Tensor) -> Tensor:
 
 
 def upsample_bilinear(flow: Tensor) -> Tensor:
-    """Flow (B, 2, h, w) in cells to (B, 2, 8 h, 8 w) in pixels, corner on corner as the small network was trained."""
+    """Upsample flow (B, 2, h, w) in cells to (B, 2, 8 h, 8 w) in pixels, with aligned corners as in training."""
     return STRIDE * F.interpolate(flow, scale_factor=STRIDE, mode="bilinear", align_corners=True)

@@ -1,4 +1,4 @@
-"""The tagging head: tags attend to the image's tokens."""
+"""The tagging head, in which tags attend to the image's tokens."""
 
 import torch
 from torch import nn
@@ -6,12 +6,12 @@ from torch.nn import functional
 
 from moseg.tasks.networks.ram.config import RamConfig
 
-# Of BERT, whose layers the head's are.
+# Of BERT, from which the head's layers are taken.
 _NORM_EPS = 1e-12
 
 
 class _Residual(nn.Module):
-    """Linear layer, sum with what it is added to, norm."""
+    """Linear layer, sum with the shortcut, norm."""
 
     def __init__(self, inner: int, width: int):
         super().__init__()
@@ -33,7 +33,7 @@ class CrossAttention(nn.Module):
         self.output = _Residual(width, width)
 
     def forward(self, tags: torch.Tensor, tokens: torch.Tensor) -> torch.Tensor:
-        """(B, n, C) tags and (B, m, D) tokens to (B, n, C)."""
+        """Map (B, n, C) tags and (B, m, D) tokens to (B, n, C)."""
         query, key, value = (
             projection(source).unflatten(-1, (self.num_heads, -1)).transpose(1, 2)
             for projection, source in zip(self.self.values(), (tags, tokens, tokens), strict=True)
@@ -62,7 +62,7 @@ class TaggingHead(nn.Module):
     References
     ----------
     Liu et al., "Query2Label: A Simple Transformer Way to Multi-Label Classification", 2021: a tag's query is its
-    embedding, and its answer alone decides on the tag.
+    embedding, and its output alone decides on the tag.
     """
 
     def __init__(self, config: RamConfig):
@@ -71,7 +71,7 @@ class TaggingHead(nn.Module):
         self.encoder = nn.ModuleDict({"layer": layers})
 
     def forward(self, tags: torch.Tensor, tokens: torch.Tensor) -> torch.Tensor:
-        """(B, n, width) queries and (B, m, embedding_width) tokens to (B, n, width) answers."""
+        """Map (B, n, width) queries and (B, m, embedding_width) tokens to (B, n, width) outputs."""
         for layer in self.encoder["layer"]:
             tags = layer(tags, tokens)
         return tags

@@ -10,7 +10,7 @@ from moseg.tasks.networks.swin import SwinEncoder
 
 
 class Ram(nn.Module):
-    """Recognize Anything: the tags are asked for by the text embedding of each.
+    """Recognize Anything: the query of a tag is its text embedding.
 
     Parameters
     ----------
@@ -33,11 +33,11 @@ class Ram(nn.Module):
 
     @staticmethod
     def num_embeddings(config: RamConfig) -> int:
-        """Text embeddings that the checkpoint holds."""
+        """Return the number of text embeddings in the checkpoint."""
         return config.num_tags
 
     def forward(self, images: torch.Tensor) -> torch.Tensor:
-        """Logits of the tags.
+        """Return the logits of the tags.
 
         Parameters
         ----------
@@ -55,12 +55,12 @@ class Ram(nn.Module):
         return logits.to(self.label_embed.dtype)
 
     def _embed_tags(self, tokens: torch.Tensor) -> torch.Tensor:
-        """(B, num_tags, embedding_width) embeddings by which the tags are asked for."""
+        """Return the tags' queries, (B, num_tags, embedding_width)."""
         return self.label_embed.expand(len(tokens), -1, -1)
 
 
 class RamPlus(Ram):
-    """RAM++: a tag has many descriptions, weighted for each image by their likeness to it.
+    """RAM++: a tag has many descriptions, weighted for each image by their similarity to it.
 
     References
     ----------
@@ -76,10 +76,10 @@ class RamPlus(Ram):
         return config.num_tags * config.num_descriptions
 
     def _embed_tags(self, tokens: torch.Tensor) -> torch.Tensor:
-        # Likenesses are scaled by about 14 before the softmax: half precision would change the weights by percents.
+        # Similarities are scaled by about 14 before the softmax: half precision would change the weights by percents.
         with torch.autocast(tokens.device.type, enabled=False):
             image = functional.normalize(tokens[:, 0].to(self.label_embed.dtype), dim=-1)
-            likeness = self.reweight_scale.exp() * image @ self.label_embed.T
-            weights = likeness.view(len(tokens), self.config.num_tags, -1).softmax(-1)
+            similarity = self.reweight_scale.exp() * image @ self.label_embed.T
+            weights = similarity.view(len(tokens), self.config.num_tags, -1).softmax(-1)
             descriptions = self.label_embed.view(self.config.num_tags, -1, self.config.embedding_width)
             return torch.einsum("btd,tdc->btc", weights, descriptions)

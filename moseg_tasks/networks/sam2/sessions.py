@@ -1,4 +1,4 @@
-"""What SAM 2.1 remembers of the objects it tracks, kept as small as it can be."""
+"""SAM 2.1's memory of the objects that it tracks, kept as small as possible."""
 
 from collections.abc import Iterator
 
@@ -7,9 +7,9 @@ import torch
 from torch.nn import functional
 from transformers import Sam2VideoInferenceSession, Sam2VideoModel
 
-from moseg.tasks.networks.sam2.side import network_side
+from moseg.tasks.networks.sam2.build import network_side
 
-# Of an output of the network: what only the frame itself needs, and what the next few frames need.
+# Parts of an output of the network: those that only the frame itself needs, and those that the next few frames need.
 _OF_ITS_FRAME = ("pred_masks", "high_res_masks")
 _OF_MASK_MEMORY = ("maskmem_features", "maskmem_pos_enc")
 
@@ -17,9 +17,9 @@ _OF_MASK_MEMORY = ("maskmem_features", "maskmem_pos_enc")
 def start_sessions(
     model: Sam2VideoModel, seeds: np.ndarray, objects_per_session: int
 ) -> list[Sam2VideoInferenceSession]:
-    """Sessions that are ready for frame 0, with the seeds as its masks.
+    """Create sessions for frame 0, with the seeds as its masks.
 
-    The masks of all objects of a session are encoded in one pass, so their number bounds the memory that this takes.
+    The masks of all objects of a session are encoded in one pass, so their number bounds the memory needed.
     The sessions share the features of the current frame.
 
     Parameters
@@ -39,7 +39,7 @@ def start_sessions(
             inference_device=model.device,
             inference_state_device=model.device,
             video_storage_device=model.device,
-            # Its default is a string, which tensors do not take.
+            # Its default is a string, which tensors do not accept.
             dtype=torch.float32,
         )
         for label in some:
@@ -53,7 +53,7 @@ def start_sessions(
 
 
 def forget_past(session: Sam2VideoInferenceSession, index: int, num_masks: int, num_frames: int) -> None:
-    """Drop what frames after `index` do not look at. The session by itself keeps every frame and every output.
+    """Drop frames and outputs that frames after `index` do not use. By default the session keeps all of them.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def forget_past(session: Sam2VideoInferenceSession, index: int, num_masks: int, 
     index : int
         Current frame.
     num_masks, num_frames : int
-        Frames before the next one of which masks, and of which anything is kept. The first frame is always kept.
+        Frames before the next one whose masks are kept, and of which anything is kept. The first frame is always kept.
     """
     session.processed_frames.clear()
     for outputs in session.output_dict_per_obj.values():

@@ -38,15 +38,15 @@ class SwinConfig(Frozen):
         return self
 
     def side(self, stage: int) -> int:
-        """Side of the token grid of a stage, tokens."""
+        """Return the side of the token grid of a stage, tokens."""
         return self.image_size // self.patch_size // 2**stage
 
     def width(self, stage: int) -> int:
-        """Channels of a stage."""
+        """Return the number of channels of a stage."""
         return self.embed_dim * 2**stage
 
     def window(self, stage: int) -> int:
-        """Side of a stage's window: never larger than its grid."""
+        """Return the side of a stage's window, which is at most that of its grid."""
         return min(self.window_size, self.side(stage))
 
     @property

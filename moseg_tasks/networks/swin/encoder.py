@@ -1,4 +1,4 @@
-"""The Swin image encoder: patches, four stages of blocks, and a mean token."""
+"""The Swin image encoder: patches, stages of blocks, and a mean token."""
 
 import torch
 from torch import nn
@@ -16,7 +16,7 @@ class PatchEmbedding(nn.Module):
         self.norm = nn.LayerNorm(width)
 
     def forward(self, images: torch.Tensor) -> torch.Tensor:
-        """(B, 3, y, x) to (B, y / patch, x / patch, C)."""
+        """Map (B, 3, y, x) to (B, y / patch, x / patch, C)."""
         return self.norm(self.proj(images).permute(0, 2, 3, 1))
 
 
@@ -29,8 +29,8 @@ class PatchMerging(nn.Module):
         self.reduction = nn.Linear(4 * width, 2 * width, bias=False)
 
     def forward(self, grid: torch.Tensor) -> torch.Tensor:
-        """(B, y, x, C) to (B, y / 2, x / 2, 2 C)."""
-        # The trained weights expect the four in the order of columns, not of rows.
+        """Map (B, y, x, C) to (B, y / 2, x / 2, 2 C)."""
+        # The weights were trained with the four in column order, not in row order.
         corners = [grid[:, y::2, x::2] for x in (0, 1) for y in (0, 1)]
         return self.reduction(self.norm(torch.cat(corners, dim=-1)))
 
@@ -74,7 +74,7 @@ class SwinEncoder(nn.Module):
         self.norm = nn.LayerNorm(config.output_width)
 
     def forward(self, images: torch.Tensor) -> torch.Tensor:
-        """Tokens of the images.
+        """Encode images as tokens.
 
         Parameters
         ----------

@@ -32,7 +32,7 @@ def random_frame(seed: int, shape=SHAPE):
     return rng.integers(0, SIZE, shape).astype(np.uint16), maps[0], maps[1], 5 * maps[2]
 
 
-def test_what_moves_teaches_its_colours_and_what_rests_those_of_the_background():
+def test_moving_and_static_pixels_count_for_their_histograms():
     found = count(*scene())
     assert found.moving.shape == found.static.shape == (SIZE,)
     assert found.moving[OBJECT] == pytest.approx(24, rel=0.05) and found.moving[BACKGROUND] < 1e-6
@@ -63,7 +63,7 @@ def test_no_pixel_counts_more_than_once_on_a_side(seed):
 
 
 @given(st.integers(0, 1000))
-def test_where_a_pixel_lies_does_not_matter(seed):
+def test_positions_of_pixels_do_not_matter(seed):
     frame = random_frame(seed)
     order = np.random.default_rng(seed).permutation(48)
     shuffled = [each.ravel()[order].reshape(SHAPE) for each in frame]
@@ -72,7 +72,7 @@ def test_where_a_pixel_lies_does_not_matter(seed):
         np.testing.assert_allclose(getattr(there, name), getattr(here, name), rtol=1e-4, atol=1e-7)
 
 
-def test_what_moves_inconsistently_teaches_little_and_speaks_for_the_background():
+def test_inconsistent_motion_has_little_weight_and_counts_as_background():
     bins, strict = np.full(SHAPE, WATER, np.uint16), 0.99
     steady, torn = count(bins, strict, reliability=1.0), count(bins, strict, reliability=0.1)
     assert torn.moving[WATER] == pytest.approx(0.01 * steady.moving[WATER], rel=1e-3)
@@ -80,7 +80,7 @@ def test_what_moves_inconsistently_teaches_little_and_speaks_for_the_background(
     assert steady.static[WATER] < 0.1
 
 
-def test_what_moves_but_not_with_the_rest_teaches_little():
+def test_pixels_that_do_not_move_with_the_object_have_little_weight():
     bins, strict = np.full(SHAPE, WATER, np.uint16), 0.9
     own, other = count(bins, strict, misfit=0.0), count(bins, strict, misfit=5.0)
     assert other.moving[WATER] < 0.05 * own.moving[WATER] and other.static[WATER] > 10 * own.static[WATER]
@@ -97,6 +97,6 @@ def test_the_usual_reliability_is_that_of_what_is_salient_only():
 
 
 @pytest.mark.parametrize("strict", [0.0, FOREGROUND.threshold - 0.01])
-def test_nothing_salient_says_nothing_about_the_usual_reliability(strict):
+def test_frames_without_salient_pixels_do_not_count_for_the_usual_reliability(strict):
     found = count(np.zeros((1, 1), np.uint16), strict)
     assert found.reliability == found.weight == 0.0 and found.moving.sum() < 0.05 < found.static.sum()

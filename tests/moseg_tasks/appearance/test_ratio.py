@@ -95,14 +95,14 @@ def test_the_section_looked_at_counts_in_full_and_without_memory_alone():
     np.testing.assert_allclose(forever.static, sum(count.static for count in counts))
 
 
-def test_what_lies_before_counts_as_what_lies_as_far_behind():
+def test_past_and_future_sections_count_equally():
     count, other = random_count(0), random_count(1)
     before = pool_sections([count, other], [2.0, 8.0], 8.0, 0.9)
     behind = pool_sections([other, count], [8.0, 14.0], 8.0, 0.9)
     np.testing.assert_allclose(before.moving, behind.moving)
 
 
-def test_colours_of_what_hardly_moves_say_little_and_of_nothing_nothing():
+def test_the_ratio_shrinks_with_the_weight_and_is_zero_without_any():
     params = AppearanceParams(levels=6, doubt=20.0)
     sides = random_count(3)[:2]
     sure = colour_ratio(counted(*sides, weight=1e12), params)

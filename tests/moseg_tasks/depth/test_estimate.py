@@ -97,7 +97,7 @@ def test_frames_may_be_read_only(networks, params):
 
 
 @pytest.mark.parametrize("frames", [noise(4, 5, 3), noise(1, 4, 5, 4), noise(1, 4, 5, 3) / 255.0])
-def test_what_is_no_frame_is_refused(networks, frames):
+def test_an_image_that_is_not_an_rgb_frame_is_refused(networks, frames):
     with pytest.raises(InputError, match="not RGB frames"):
         estimate_inverse_depth(networks[SMALL], frames, SMALL)
 
@@ -112,7 +112,7 @@ def test_depth_that_is_not_finite_is_refused(networks):
 
 
 @pytest.mark.parametrize("max_side", [1022, 100])
-def test_dpt_depth_is_inverted_where_it_was_seen(max_side):
+def test_dpt_inverse_depth_is_aligned_with_the_frame(max_side):
     ramp = np.linspace(60, 250, 131).astype(np.uint8)
     frames = np.broadcast_to(ramp[None, None, :, None], (1, 71, 131, 3))
     inverse_depth = estimate_inverse_depth(of_brightness(), frames, DptDinov2Params(max_side=max_side))
@@ -127,7 +127,7 @@ def test_dpt_depth_has_a_floor():
     np.testing.assert_allclose(inverse_depth, 4, rtol=1e-6)
 
 
-def test_dpt_depth_ends_where_the_network_was_trained_to():
+def test_dpt_depth_is_clamped_to_the_range_of_the_training():
     frames = np.full((1, 28, 28, 3), 255, np.uint8)
     far, near = (
         estimate_inverse_depth(of_brightness(min_depth=0.25, max_depth=depth), frames, DptDinov2Params())
@@ -149,12 +149,12 @@ def test_dpt_depth_ends_where_the_network_was_trained_to():
         ((2, 2000), DepthAnythingParams(), (14, 1540)),
     ],
 )
-def test_depth_anything_sees_whole_patches(size, params, expected):
+def test_depth_anything_input_is_a_multiple_of_a_patch(size, params, expected):
     assert network_size(size, params) == expected
 
 
 @pytest.mark.parametrize("size", [(96, 170), (30, 40)])
-def test_depth_anything_sees_frames_as_its_authors_show_them(networks, size):
+def test_depth_anything_input_is_resized_as_by_its_authors(networks, size):
     y, x = np.mgrid[: size[0], : size[1]]
     frame = np.stack([x + y, 250 - x, 128 + 100 * np.sin(x / 9)], axis=2).astype(np.uint8)
     seen = []
@@ -188,7 +188,7 @@ def test_a_border_is_added_as_by_the_official_preprocessing():
     torch.testing.assert_close(seen[0], expected, rtol=0, atol=1e-5)
 
 
-def test_an_overflow_is_not_what_is_infinitely_far():
+def test_an_overflow_is_not_taken_for_infinite_depth():
     class Overflow(Brightness):
         def forward(self, pixels):
             super().forward(pixels).predicted_depth[:, 2, 2] = torch.inf

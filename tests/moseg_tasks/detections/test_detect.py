@@ -61,17 +61,17 @@ def test_detection_is_repeatable(detector, frame):
     assert_same(*(detect_objects(detector, frame, TAGS, GroundingDinoParams()) for _ in range(2)))
 
 
-def test_without_names_nothing_is_found(detector, frame):
+def test_no_names_give_no_boxes(detector, frame):
     found = detect_objects(detector, frame, [], GroundingDinoParams())
     assert found.boxes.shape == (0, 4) and found.scores.shape == (0,) and found.tags == ()
 
 
-def test_where_nothing_passes_there_are_no_boxes(detector, frame):
+def test_no_boxes_are_returned_if_none_passes_the_threshold(detector, frame):
     found = detect_objects(detector, frame, TAGS, GroundingDinoParams(box_threshold=1))
     assert found.boxes.shape == (0, 4) and found.tags == ()
 
 
-def test_a_higher_box_threshold_only_takes_boxes_away(detector, frame):
+def test_a_higher_box_threshold_only_removes_boxes(detector, frame):
     low, high = (
         detect_objects(detector, frame, TAGS, ANY.model_copy(update={"box_threshold": threshold}))
         for threshold in (0.3, 0.6)
@@ -80,7 +80,7 @@ def test_a_higher_box_threshold_only_takes_boxes_away(detector, frame):
     assert {tuple(box) for box in high.boxes.tolist()} < {tuple(box) for box in low.boxes.tolist()}
 
 
-def test_the_text_threshold_takes_words_away_and_no_boxes(detector, frame):
+def test_the_text_threshold_removes_words_but_no_boxes(detector, frame):
     found = [
         detect_objects(detector, frame, TAGS, ANY.model_copy(update={"text_threshold": threshold}))
         for threshold in (0, 0.5, 1)
@@ -131,7 +131,7 @@ def test_a_frame_may_be_read_only(detector, frame):
 
 
 @pytest.mark.parametrize("shape", [(96, 128), (96, 128, 4), (0, 128, 3), (5,)])
-def test_what_is_no_frame_is_refused(detector, shape):
+def test_an_image_that_is_not_an_rgb_frame_is_refused(detector, shape):
     with pytest.raises(InputError, match="not an RGB frame"):
         detect_objects(detector, np.zeros(shape, np.uint8), TAGS, GroundingDinoParams())
 

@@ -55,11 +55,11 @@ def test_a_full_stop_does_not_end_a_name(detector):
 
 @pytest.mark.parametrize("tag", ["", " ", "?", "...", "x " * 300, "犬", "dog \N{DOG FACE}"])
 def test_a_name_without_known_words_or_with_too_many_is_refused(detector, tag):
-    with pytest.raises(InputError, match="no words that the detector knows, or too many in tags"):
+    with pytest.raises(InputError, match="no known words, or too many in tags"):
         compose_prompts(detector.tokenizer, ["dog", tag], 40, 256)
 
 
-def test_the_tiny_network_knows_every_english_name(detector):
+def test_the_tiny_vocabulary_covers_every_english_name(detector):
     compose_prompts(detector.tokenizer, ["t-shirt", "Café", "rubik's cube", "b&b", "7 up", "a/c (unit)"], 40, 256)
 
 

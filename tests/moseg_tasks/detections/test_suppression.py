@@ -38,7 +38,7 @@ corners = st.tuples(st.integers(0, 20), st.integers(0, 20), st.integers(1, 20), 
 
 
 @given(st.lists(st.tuples(corners, st.floats(0, 1)), max_size=12), st.floats(0, 1))
-def test_what_is_kept_does_not_overlap_and_what_is_dropped_overlaps_something_better(found, limit):
+def test_kept_boxes_do_not_overlap_and_dropped_boxes_overlap_a_better_one(found, limit):
     boxes = np.array([(x, y, x + width, y + height) for (x, y, width, height), _ in found], float).reshape(-1, 4)
     scores = np.array([score for _, score in found])
     kept = suppress_boxes(boxes, scores, limit)

@@ -25,7 +25,7 @@ def tiny():
 class FirstImageAsFlow(torch.nn.Module):
     """Gives the first two channels of the first images as flow: shows what became of each pixel."""
 
-    smallest_side = 128
+    min_side = 128
 
     def __init__(self):
         super().__init__()
@@ -33,7 +33,7 @@ class FirstImageAsFlow(torch.nn.Module):
 
     def forward(self, images0, images1, iterations, on_demand=False):
         assert images0.shape == images1.shape and images0.shape[2] % 8 == images0.shape[3] % 8 == 0
-        assert min(images0.shape[2:]) >= self.smallest_side
+        assert min(images0.shape[2:]) >= self.min_side
         return images0[:, :2]
 
 

@@ -30,7 +30,7 @@ def test_shared_pixels_of_equal_areas_go_to_the_better_object():
     assert paint_instances(masks, np.array([0.9, 0.1])).labels.tolist() == [[1, 1, 2]]
 
 
-def test_what_vanishes_under_others_is_no_object():
+def test_a_mask_hidden_by_others_is_not_an_object():
     masks = np.array([[[1, 1, 1, 1]], [[1, 1, 0, 0]], [[0, 0, 1, 1]]], bool)
     labels, order = paint_instances(masks, np.array([0.9, 0.8, 0.7]))
     assert labels.tolist() == [[1, 1, 2, 2]] and order.tolist() == [1, 2]
@@ -57,7 +57,7 @@ def test_each_painted_pixel_is_in_its_objects_mask_and_none_is_left_out(masks, s
     assert (np.diff(scores[order]) <= 0).all()
 
 
-def test_what_is_left_of_a_mask_under_others_is_an_object_only_where_it_is_large_enough():
+def test_a_partly_hidden_mask_is_an_object_only_if_enough_is_left():
     masks = np.zeros((3, 4, 10), bool)
     masks[0, :, :3], masks[1, :, 4:7] = True, True
     masks[2] = masks[0] | masks[1]

@@ -86,11 +86,11 @@ def test_half_precision_changes_little(sam_hq, frame, monkeypatch, in_half_preci
 
 
 @pytest.mark.parametrize("boxes", [[0, 0, 1, 1], [[5, 5, 4, 8]], [[0, 0, np.nan, 5]], [[1, 2, 3]]])
-def test_what_are_no_boxes_is_refused(sam_hq, frame, boxes):
+def test_invalid_boxes_are_refused(sam_hq, frame, boxes):
     with pytest.raises(InputError, match="not boxes"):
         segment_boxes_sam_hq(sam_hq, frame, np.array(boxes, float), SamHqParams())
 
 
-def test_what_is_no_frame_is_refused(sam_hq, frame):
+def test_an_image_that_is_not_an_rgb_frame_is_refused(sam_hq, frame):
     with pytest.raises(InputError, match="not an RGB frame"):
         segment_boxes_sam_hq(sam_hq, frame[..., 0], BOXES, SamHqParams())

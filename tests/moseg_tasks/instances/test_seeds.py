@@ -40,7 +40,7 @@ def test_an_object_found_again_keeps_its_identity_and_gets_the_found_mask():
     assert seeds.identities.tolist() == [7] and seeds.num_identities == 7
 
 
-def test_an_object_not_found_again_goes_on():
+def test_an_object_not_found_again_is_kept():
     for refresh in (False, True):
         seeds = merge([[1, 1, 0, 2, 2]], [3, 5], [[0, 0, 0, 1, 1]], [0.9], refresh=refresh)
         assert seeds.labels.tolist() == [[1, 1, 0, 2, 2]]
@@ -63,7 +63,7 @@ def test_a_newcomer_gets_the_pixels_that_are_free():
     assert seeds.labels.tolist() == [[1, 1, 2, 2, 2, 2, 0]] and seeds.identities.tolist() == [1, 2]
 
 
-def test_what_lies_mostly_on_tracked_objects_is_no_newcomer():
+def test_a_mask_mostly_on_tracked_objects_is_not_a_newcomer():
     tracked, found = [[1, 1, 0, 0, 0, 0, 0]], [[0, 1, 1, 1, 1, 1, 0]]
     assert merge(tracked, [1], found, [0.5], newcomer_share=0.81).identities.tolist() == [1]
     assert merge(tracked, [1], found, [0.5], newcomer_share=0.8).identities.tolist() == [1, 2]
@@ -85,7 +85,7 @@ def test_labels_are_in_order_of_identity_whatever_the_tracks_order():
     assert seeds.labels.tolist() == [[2, 2, 1, 1]] and seeds.identities.tolist() == [3, 8]
 
 
-def test_the_best_newcomers_fill_what_room_there_is():
+def test_the_best_newcomers_fill_the_free_places():
     tracked, found = [[1, 0, 0, 0]], [[0, 1, 2, 3]]
     seeds = merge(tracked, [1], found, [0.2, 0.9, 0.5], max_objects=3)
     assert seeds.identities.tolist() == [1, 2, 3]
@@ -93,7 +93,7 @@ def test_the_best_newcomers_fill_what_room_there_is():
     assert merge(tracked, [1], found, [0.2, 0.9, 0.5], max_objects=1).identities.tolist() == [1]
 
 
-def test_where_nothing_is_found_and_nothing_tracked_there_are_no_seeds():
+def test_no_found_and_no_tracked_objects_give_no_seeds():
     seeds = merge(None, [], [[0, 0]], [])
     assert not seeds.labels.any() and seeds.identities.shape == seeds.scores.shape == (0,)
     assert seeds.num_identities == 0
@@ -137,7 +137,7 @@ def test_identities_last_and_are_never_given_twice(tracked, found, refresh, min_
 
 
 @given(maps)
-def test_what_is_found_just_as_tracked_changes_nothing(labels):
+def test_found_masks_equal_to_tracked_ones_change_nothing(labels):
     _, labels = np.unique(np.append(labels, 0), return_inverse=True)
     labels = labels[:-1].reshape(4, 5)
     count = int(labels.max(initial=0))
@@ -147,7 +147,7 @@ def test_what_is_found_just_as_tracked_changes_nothing(labels):
         assert seeds.num_identities == count
 
 
-def test_a_mask_that_leaked_over_the_frame_does_not_hide_what_is_found():
+def test_a_mask_that_leaked_over_the_frame_does_not_hide_found_objects():
     tracked = np.ones((10, 10))
     tracked[0, :5] = 0
     found = np.zeros((10, 10))

@@ -3,7 +3,7 @@ import pytest
 import torch
 
 from moseg.tasks.networks.deaot import Deaot, DeaotConfig, LayerMemory, extend_memory
-from moseg.tasks.networks.deaot.window import neighbourhood
+from moseg.tasks.networks.deaot.attention import neighbourhood
 
 CONFIG = DeaotConfig(
     stem_width=8, stage_widths=(4, 8, 16), stage_depths=(2, 1, 1), d_model=32, num_layers=2, max_objects=3
@@ -118,7 +118,7 @@ def test_under_autocast_logits_stay_in_float32_and_near(in_half_precision, relat
     assert relative_error(half, exact) < 0.25
 
 
-def test_short_term_propagation_sees_its_window_and_no_further():
+def test_short_term_propagation_is_limited_to_its_window():
     places, outside_mask = neighbourhood((3, 4), 1, torch.device("cpu"))
     corner, middle = 0, 1 * 4 + 2
     assert np.flatnonzero(~outside_mask[corner]).tolist() == [0, 1, 4, 5]

@@ -109,7 +109,7 @@ def test_network_is_ready_for_inference(network):
         ("depth_anything", (1, 28, 42), [2.9809755, 2.9923744, 2.995944, 3.0]),
     ],
 )
-def test_answer_of_a_seeded_network_stays(network, size, golden):
+def test_output_of_a_seeded_network_does_not_change(network, size, golden):
     maker, build = NETWORKS[network]
     ramp = torch.linspace(-1, 1, 3 * 28 * 42, dtype=torch.float64).view(1, 3, 28, 42)
     with torch.inference_mode():
@@ -146,7 +146,7 @@ def test_the_range_of_depths_is_that_of_the_weights(config, depths):
 
 
 @pytest.mark.parametrize("config", [{"max_depth": "far"}, {"min_depth": 3, "max_depth": 2}, {"maximum": 10}])
-def test_what_is_no_range_of_depths_is_refused(config):
+def test_an_invalid_range_of_depths_is_refused(config):
     with pytest.raises(InputError, match="no range of depths in config of weights tiny"):
         build_dpt_dinov2(read(make_dpt_dinov2)._replace(config=config))
 

@@ -19,7 +19,7 @@ def test_frames_are_resized_as_by_pil(frame, size, kind):
     np.testing.assert_allclose(grey_levels(frame_tensor(frame, size, CPU, Resizing(f"pil-{kind}"))), wanted, atol=1e-3)
 
 
-def test_what_torch_resizes_is_not_rounded_to_grey_levels(frame):
+def test_resizing_by_torch_does_not_round_to_grey_levels(frame):
     found = grey_levels(frame_tensor(frame, (48, 64), CPU, Resizing.TORCH_BILINEAR))
     rounded = grey_levels(frame_tensor(frame, (48, 64), CPU))
     assert np.abs(found - rounded).max() < 1.6

@@ -81,10 +81,10 @@ def test_documents_that_do_not_fit_are_named(grounding_dino_checkpoint, document
         build_grounding_dino(grounding_dino_checkpoint._replace(documents=documents))
 
 
-def test_more_words_than_the_network_knows_are_refused(grounding_dino_checkpoint):
+def test_a_vocabulary_larger_than_the_networks_is_refused(grounding_dino_checkpoint):
     longer = grounding_dino_checkpoint.documents["vocab.txt"] + "zebra\n"
     documents = {**grounding_dino_checkpoint.documents, "vocab.txt": longer}
-    with pytest.raises(InputError, match="more tokens than the network knows"):
+    with pytest.raises(InputError, match="more tokens than the network has"):
         build_grounding_dino(grounding_dino_checkpoint._replace(documents=documents))
 
 

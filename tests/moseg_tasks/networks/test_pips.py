@@ -93,7 +93,12 @@ def test_a_state_dict_that_is_not_the_networks_is_refused(change, message):
         build_pips(Checkpoint("tiny", tensors, config=SIZES))
 
 
-def test_a_point_stays_where_it_was_put_in_the_first_frame(network, images, points):
+def test_sizes_that_pips_cannot_have_are_an_input_error():
+    with pytest.raises(InputError, match="invalid sizes in config of weights tiny; got stride"):
+        build_pips(Checkpoint("tiny", seeded_tensors(), config=SIZES | {"stride": 0}))
+
+
+def test_points_of_the_first_frame_do_not_move(network, images, points):
     torch.testing.assert_close(follow(network, images, points).points[:, 0], points)
 
 

@@ -34,7 +34,7 @@ def test_on_the_published_grid_positions_are_the_trained_ones():
     assert torch.equal(_columns(SIDE, SIDE), torch.arange(SIDE, dtype=torch.float32).expand(SIDE, SIDE))
 
 
-def test_elsewhere_cells_lie_where_the_authors_factor_puts_them():
+def test_positions_of_other_grids_follow_the_authors_factor():
     width = 61
     columns = torch.arange(width) + 0.5
     # Bicubic resampling waves around a ramp and bends at its ends: a mean over the middle tells the factor.

@@ -50,7 +50,7 @@ def test_flow_is_the_official_modules(size):
 
 @pytest.mark.parametrize("size", SIZES)
 def test_correlations_on_demand_give_the_flow_of_those_held(size, monkeypatch):
-    monkeypatch.setattr("moseg.tasks.networks.raft.correlation._LARGEST_BLOCK", 5000)
+    monkeypatch.setattr("moseg.tasks.networks.raft.correlation._MAX_BLOCK", 5000)
     network, images = random_raft(size), random_images()
     held, on_demand = (network(*images, 3, is_on_demand) for is_on_demand in (False, True))
     assert held.abs().max() > 0.1
@@ -87,7 +87,7 @@ def test_a_look_up_is_the_bilinear_reading_of_averaged_correlations():
 
 
 @pytest.mark.parametrize("far", [1e4, -1e12, float("inf"), float("nan")])
-def test_nothing_correlates_outside_the_frame(far):
+def test_correlations_outside_the_frame_are_zero(far):
     features = torch.ones(1, 4, 8, 8)
     pyramid = CorrelationPyramid(features, features, levels=2, radius=1)
     found = pyramid.look_up(torch.full((1, 2, 8, 8), far))
@@ -120,6 +120,6 @@ def test_convex_weights_are_read_by_neighbour_then_row_then_column():
 
 
 @pytest.mark.parametrize(("config", "side"), [(LARGE, 128), (SMALL, 128), (RaftConfig(correlation_levels=2), 32)])
-def test_the_smallest_side_leaves_the_coarsest_level_two_cells(config, side):
+def test_the_minimal_side_leaves_the_coarsest_level_two_cells(config, side):
     with torch.device("meta"):
-        assert Raft(config).smallest_side == side
+        assert Raft(config).min_side == side

@@ -113,5 +113,5 @@ def test_the_two_copies_of_a_shortcuts_norm_must_be_there_and_equal(change):
 
 @pytest.mark.parametrize("config", [{"widths": 3}, {"feature_channels": 0}, {"block": "dense"}])
 def test_sizes_that_raft_does_not_have_are_an_input_error(config):
-    with pytest.raises(InputError, match="no sizes of RAFT in config of weights random"):
+    with pytest.raises(InputError, match="invalid sizes in config of weights random"):
         build_raft(Checkpoint("random", tensors_of("small"), config=config))

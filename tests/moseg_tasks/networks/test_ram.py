@@ -4,7 +4,7 @@ import torch
 
 from moseg.tasks.networks.ram import Ram, RamConfig, RamPlus
 from moseg.tasks.networks.swin import SwinConfig
-from moseg.tasks.networks.swin.windows import cut_windows, join_windows, relative_positions, shifted_sight
+from moseg.tasks.networks.swin.block import cut_windows, join_windows, relative_positions, shifted_sight
 
 CONFIG = RamConfig(
     image=SwinConfig(image_size=48, embed_dim=8, depths=(2, 2), num_heads=(2, 4), window_size=3, mlp_ratio=2),
@@ -122,7 +122,7 @@ def test_pairs_of_one_offset_share_their_bias():
 
 
 @pytest.mark.parametrize(("side", "window", "shift"), [(6, 3, 1), (12, 4, 2), (9, 3, 1)])
-def test_in_a_rolled_grid_only_tokens_that_touched_see_each_other(side, window, shift):
+def test_tokens_of_a_rolled_grid_attend_only_to_former_neighbours(side, window, shift):
     place = torch.arange(side)
     xy = torch.stack(torch.meshgrid(place, place, indexing="ij"), -1)
     rolled = cut_windows(torch.roll(xy, (-shift, -shift), dims=(0, 1))[None], window)

@@ -61,14 +61,14 @@ def test_a_tagger_has_the_checkpoints_weights_and_tags(build, make):
     np.testing.assert_array_equal(tagger.thresholds, [0.65, 0.8, 0.65])
 
 
-def test_without_a_scale_ram_plus_takes_clips_initial_one():
+def test_ram_plus_without_a_scale_uses_clips_initial_scale():
     scale = assemble(build_ram_plus, plus_tensors()).network.reweight_scale.exp()
     assert float(scale) == pytest.approx(1 / 0.07, rel=1e-6)
     given = assemble(build_ram_plus, plus_tensors() | {"reweight_scale": torch.tensor(1.5)})
     assert float(given.network.reweight_scale) == 1.5
 
 
-def test_what_only_training_needs_is_left_out():
+def test_tensors_for_training_only_are_dropped():
     beside = {
         "text_decoder.cls.predictions.bias": torch.zeros(2),
         "tag_encoder.embeddings.position_ids": torch.zeros(1, 2, dtype=torch.int64),
@@ -106,12 +106,12 @@ def test_tensors_of_another_network_are_refused(change, message):
     ("change", "message"),
     [
         ({"tags.txt": "person\ncar"}, "number of lines.*tags.txt.*got 2.*expected 3"),
-        ({"tags.txt": "person\n\ndog"}, "empty or doubled"),
-        ({"tags.txt": "person\ndog\ndog"}, "empty or doubled"),
+        ({"tags.txt": "person\n\ndog"}, "empty or repeated"),
+        ({"tags.txt": "person\ndog\ndog"}, "empty or repeated"),
         ({"thresholds.txt": "0.5\n0.5\n"}, "number of lines.*thresholds.txt"),
-        ({"thresholds.txt": "0.5\nhigh\n0.5"}, "no number.*high"),
-        ({"thresholds.txt": "0.5\n1.5\n0.5"}, "beyond"),
-        ({"thresholds.txt": "0.5\nnan\n0.5"}, "beyond"),
+        ({"thresholds.txt": "0.5\nhigh\n0.5"}, "not a number.*high"),
+        ({"thresholds.txt": "0.5\n1.5\n0.5"}, "outside"),
+        ({"thresholds.txt": "0.5\nnan\n0.5"}, "outside"),
     ],
 )
 def test_lists_that_do_not_fit_are_refused(change, message):
@@ -127,5 +127,5 @@ def test_a_missing_list_is_named(document):
 
 @pytest.mark.parametrize("change", [{"width": 7}, {"height": 3}, {"image": {"image_size": 15}}])
 def test_sizes_of_no_network_are_refused(change):
-    with pytest.raises(InputError, match="sizes of no network in config of weights tiny"):
+    with pytest.raises(InputError, match="invalid sizes in config of weights tiny"):
         assemble(build_ram, ram_tensors(), sizes=SIZES | change)

@@ -99,7 +99,7 @@ def test_network_is_ready_for_inference(build, checkpoint):
     assert not any(tensor.requires_grad for tensor in model.parameters())
 
 
-def test_answer_of_a_seeded_network_stays(checkpoint):
+def test_output_of_a_seeded_network_does_not_change(checkpoint):
     ramp = torch.linspace(-1, 1, 3 * 128 * 128, dtype=torch.float64).view(1, 3, 128, 128)
     box = torch.tensor([[[30.0, 20.0, 90.0, 70.0]]], dtype=torch.float64)
     with torch.inference_mode():
@@ -134,7 +134,7 @@ def test_boxes_get_masks_of_their_own(model, image):
         assert iou(mask, fill_box(box)) > 0.65
 
 
-def test_masks_do_not_depend_on_the_boxes_beside(model, image):
+def test_masks_do_not_depend_on_other_boxes(model, image):
     together, quality = segment_boxes_sam2(model, image, BOXES, PARAMS)
     alone, quality_alone = segment_boxes_sam2(model, image, BOXES, Sam2Params(boxes_per_pass=1))
     assert (together == alone).mean() > 0.999
@@ -169,11 +169,11 @@ def test_half_precision_is_near_full(model, image, in_half_precision, relative_e
 
 
 @pytest.mark.parametrize("boxes", [BOXES[0], BOXES[:, :3], BOXES[:, [2, 1, 0, 3]], BOXES * np.nan])
-def test_what_is_no_box_is_refused(model, image, boxes):
+def test_an_invalid_box_is_refused(model, image, boxes):
     with pytest.raises(InputError, match="not boxes"):
         segment_boxes_sam2(model, image, boxes, PARAMS)
 
 
-def test_what_is_no_frame_is_refused(model, image):
+def test_an_image_that_is_not_an_rgb_frame_is_refused(model, image):
     with pytest.raises(InputError, match="not an RGB frame"):
         segment_boxes_sam2(model, image[..., 0], BOXES, PARAMS)

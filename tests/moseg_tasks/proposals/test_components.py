@@ -107,7 +107,7 @@ def test_only_the_best_objects_are_kept_when_there_are_many():
 
 
 @pytest.mark.parametrize("level", [0.0, 0.5])
-def test_nothing_above_a_half_is_no_object(level):
+def test_a_map_below_a_half_has_no_objects(level):
     components = find_components(empty(level), PARAMS)
     assert components.labels.shape == (FRAMES, HEIGHT, WIDTH) and not components.labels.any()
     assert components.scores.shape == (0,)

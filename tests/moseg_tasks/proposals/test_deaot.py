@@ -65,7 +65,7 @@ def test_more_objects_than_a_pass_holds_are_tracked_in_groups(model):
     assert np.mean([overlap(masks[-1], seeds, label) for label in range(1, 13)]) > 0.4
 
 
-def test_the_background_of_several_groups_is_what_is_background_in_each(model):
+def test_the_background_of_several_groups_is_background_in_each(model):
     frames, seeds = make_video(num_frames=2, num_objects=7, size=(97, 129))
     raw = []
     hook = model.decoder.register_forward_hook(lambda _, __, output: raw.append(output))
@@ -77,7 +77,7 @@ def test_the_background_of_several_groups_is_what_is_background_in_each(model):
     np.testing.assert_allclose(merged.sigmoid()[:, ::4, ::4], expected, atol=1e-5)
 
 
-def test_without_objects_masks_are_empty_and_the_network_rests(model):
+def test_without_objects_masks_are_empty_and_the_network_is_not_run(model):
     calls = []
     hook = model.encoder.register_forward_hook(lambda *_: calls.append(True))
     masks = track_masks_deaot(model, make_video()[0], np.zeros(SIZE, np.uint16), PARAMS)
@@ -97,7 +97,7 @@ def test_memory_grows_up_to_its_bound(model, memory_frames):
     assert [size / num_cells for size in sizes] == [min(1 + t // 2, memory_frames) for t in range(12)]
 
 
-def test_a_longer_memory_changes_what_is_seen(model):
+def test_a_longer_memory_changes_the_logits(model):
     frames, seeds = make_video(num_frames=8)
     last = [
         list(propagate_masks(model, frames, seeds, DeaotParams(memory_every=2, memory_frames=number)))[-1].logits
@@ -148,7 +148,7 @@ def test_under_autocast_logits_stay_in_float32_and_near(model, in_half_precision
     assert np.unique(half[-1].labels).tolist() == list(range(8))
 
 
-def test_what_is_no_video_or_no_labels_is_refused(model):
+def test_invalid_frames_or_labels_are_refused(model):
     frames, seeds = make_video(num_frames=2)
     with pytest.raises(InputError, match=r"seeds.*int32"):
         track_masks_deaot(model, frames, seeds.astype(np.int32), PARAMS)

@@ -99,7 +99,7 @@ def test_coefficients_change_without_steps_when_they_are_enlarged():
         np.testing.assert_allclose(found, np.tile((1 + guide[0, 0].sum()) * along, (16, 1)), atol=1e-5)
 
 
-def test_nothing_but_the_result_is_written():
+def test_inputs_are_not_modified():
     guide, wanted = coloured(5), coloured(6)[..., 0].copy()
     before = guide.copy(), wanted.copy()
     filtered(guide, wanted)

@@ -50,12 +50,12 @@ def test_identities_last_through_all_sections():
     assert identity.tolist() == [[0, 1, 2], [0, 2, 1], [0, 1, 2]]
 
 
-def test_a_late_object_gets_an_identity_of_its_own():
+def test_a_late_object_gets_a_new_identity():
     identity = link((frames(o1=A), frames(o1=C, o2=A)), num_objects=[1, 2])
     assert identity.tolist() == [[0, 1, 0], [0, 2, 1]]
 
 
-def test_an_object_that_ends_leaves_an_identity_nobody_takes():
+def test_the_identity_of_an_ended_object_is_not_reused():
     identity = link((frames(o1=A, o2=B), frames(o1=B)), (frames(o1=B), frames(o1=B, o2=A)), num_objects=[2, 1, 2])
     assert identity.tolist() == [[0, 1, 2], [0, 2, 0], [0, 2, 3]]
 

@@ -129,7 +129,7 @@ def test_any_sizes_give_only_the_labels_there_are(seed, height, width, full_heig
     assert all(np.array_equal(*each) for each in zip(before, (labels, foreground, frame), strict=True))
 
 
-def test_what_lies_far_from_the_objects_is_not_looked_at():
+def test_pixels_far_from_the_objects_are_not_processed():
     frame, labels, foreground = scene([(12, 30, 20, 34)])
     other = frame.copy()
     other[:, 4 * 48 :] = np.random.default_rng(0).integers(0, 256, other[:, 4 * 48 :].shape)

@@ -55,7 +55,7 @@ def hidden(camera=(0.0, 0.0), **after) -> Scene:
     return scene.add(2, **{"path": line(20, 4.5), "frames": range(16, 27), **after})
 
 
-def test_what_comes_out_again_is_what_went_behind():
+def test_an_object_that_reappears_keeps_its_label():
     result = hidden().rejoin()
     assert set(np.unique(result)) == {0, 5}
     assert ((result > 0) == (hidden().labels > 0)).all()
@@ -103,14 +103,14 @@ def test_an_object_that_moves_otherwise_is_another():
     assert set(np.unique(meeting(1.0, 3.5))) == {0, 2, 5}
 
 
-def test_what_leaves_over_the_border_does_not_come_back():
+def test_an_object_that_left_across_the_border_is_not_rejoined():
     scene = Scene().add(5, line(60, -6), range(12))
     scene.add(2, line(-90, 6), range(16, 25))
     assert (scene.rejoin() == scene.labels).all()
 
 
 @pytest.mark.parametrize("rows", [slice(25, None), slice(45)])
-def test_what_ends_at_the_border_may_have_left(rows):
+def test_a_component_that_ends_at_the_border_is_not_rejoined(rows):
     scene = hidden()
     cut = (array[:, rows] for array in (scene.labels, scene.images))
     flows = (array[:, :, rows] for array in (scene.flows, scene.residual))
@@ -146,7 +146,7 @@ def test_one_object_has_one_continuation_and_that_is_the_nearest():
     assert (result[both.labels == 7] == 7).all()
 
 
-def test_what_hides_twice_keeps_its_first_label():
+def test_an_object_hidden_twice_keeps_its_first_label():
     scene = Scene().add(9, line(10, 5), range(1, 27), size=16)
     scene.labels[5:8] = 0
     scene.labels[8:][scene.labels[8:] == 9] = 4
@@ -164,7 +164,7 @@ def test_same_input_gives_same_labels_and_input_stays():
     assert (scene.labels == before).all()
 
 
-def test_nothing_labelled_gives_nothing():
+def test_no_labels_give_no_labels():
     assert not Scene().rejoin().any()
 
 

@@ -180,7 +180,7 @@ def test_no_frames_are_refused(model, seeds):
 
 
 def test_seeds_that_are_no_labels_are_refused(model, seeds):
-    with pytest.raises(InputError, match="no labels in seeds"):
+    with pytest.raises(InputError, match="not labels in seeds"):
         track_masks_sam2(model, watch(1), seeds.astype(np.int64), PARAMS)
 
 

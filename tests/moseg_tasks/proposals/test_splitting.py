@@ -186,7 +186,7 @@ def test_same_input_gives_same_labels_and_input_stays():
     assert (labels == before).all()
 
 
-def test_nothing_labelled_gives_nothing():
+def test_no_labels_give_no_labels():
     scene = Scene(num_frames=3)
     assert not scene.split().any()
 

@@ -129,7 +129,7 @@ def test_the_memory_counts_its_full_weight_where_the_flow_is_consistent_both_way
     np.testing.assert_allclose(weight, PARAMS.memory, rtol=1e-6)
 
 
-def test_where_the_flow_is_consistent_neither_way_the_frame_itself_hardly_counts():
+def test_a_frame_without_consistent_flow_has_little_weight():
     own_share = 1 - memory_weight(np.zeros((2, 1, 1), np.float32), 0, PARAMS)
     np.testing.assert_allclose(
         own_share, PARAMS.reliability_floor * (1 - PARAMS.memory * PARAMS.consistency_floor), rtol=1e-5

@@ -41,12 +41,12 @@ def test_an_object_that_fills_three_fifths_of_the_middle_does_not_become_the_bac
 
 
 @pytest.mark.parametrize("even", [{"centre_thinning": 1}, {"border_band": 0.5, "centre_thinning": 1}])
-def test_where_the_border_counts_no_more_than_the_middle_that_object_is_the_background(even):
+def test_without_a_higher_weight_of_the_border_that_object_is_the_background(even):
     followed = affine_flow(fit_background(fills_most(), PARAMS.model_copy(update=even)), SHAPE)
     assert np.abs(followed - affine_field()).min() > 2.5
 
 
-def test_what_is_fitted_among_given_pixels_reads_them_all():
+def test_a_fit_among_given_pixels_uses_all_of_them():
     flow = fills_most()
     followed = affine_flow(fit_background(flow, PARAMS, np.ones(SHAPE, bool)), SHAPE)
     np.testing.assert_allclose(followed[14:106, 22:178], flow[14:106, 22:178], atol=1e-2)

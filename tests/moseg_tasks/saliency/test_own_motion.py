@@ -40,7 +40,7 @@ def test_an_object_that_shifts_turns_and_grows_has_no_misfit(rotation, expansion
     assert misfit[OBJECT].max() < 0.25
 
 
-def test_what_does_not_move_with_the_object_misfits():
+def test_pixels_that_do_not_move_with_the_object_misfit():
     misfit = own_motion_misfit((None, moved(0.02, 0, (5, 0))), weight_of_object(), PARAMS)
     outside = np.ones(SHAPE, bool)
     outside[OBJECT] = False
@@ -109,7 +109,7 @@ def test_the_direction_that_fits_better_counts(swapped):
         ((noise(0, 3), None), np.full(SHAPE, 1e-3, np.float32)),
     ],
 )
-def test_where_nothing_is_salient_or_there_is_no_flow_there_is_no_misfit(flows, weight):
+def test_no_salient_pixels_or_no_flow_give_no_misfit(flows, weight):
     misfit = own_motion_misfit(flows, weight, PARAMS)
     assert misfit.shape == SHAPE and misfit.dtype == np.float32 and not misfit.any()
 

@@ -12,7 +12,7 @@ def uniform(x: float, y: float) -> np.ndarray:
     return np.tile(np.float32([x, y]), (*SHAPE, 1))
 
 
-def test_what_the_flow_explains_has_no_error_but_where_it_leaves_the_frame():
+def test_the_correct_flow_gives_no_error_inside_the_frame():
     moved = np.roll(FRAME, (2, 3), axis=(0, 1))
     error = colour_error(FRAME, moved, uniform(3, 2))
     assert error.shape == SHAPE and error.dtype == np.float32

@@ -47,7 +47,7 @@ def test_motion_across_the_epipolar_lines_is_left_whole():
     assert left[:, :60].max() < 0.05
 
 
-def test_what_floats_in_front_of_the_ground_moves_along_its_epipolar_line():
+def test_a_floating_thing_moves_along_its_epipolar_line():
     parallax = world()
     parallax[BOX] = 5.0
     left = residual(parallax)
@@ -56,7 +56,7 @@ def test_what_floats_in_front_of_the_ground_moves_along_its_epipolar_line():
     assert left.max() < 0.05
 
 
-def test_what_lies_under_the_ground_moves_along_its_epipolar_line():
+def test_a_thing_under_the_ground_moves_along_its_epipolar_line():
     parallax = world()
     parallax[60:90, 80:120] = -1.0
     left = residual(parallax)
@@ -64,7 +64,7 @@ def test_what_lies_under_the_ground_moves_along_its_epipolar_line():
     assert left[:, :60].max() < 0.05
 
 
-def test_what_a_nearer_thing_hides_the_foot_of_may_be_static():
+def test_a_thing_whose_foot_is_hidden_may_be_static():
     parallax = on_the_ground()
     parallax[20:50, 85:115] = 1.0  # nearer than the wall, seen above the box
     assert residual(parallax).max() < 0.05

@@ -60,7 +60,7 @@ def test_hits_lie_on_the_ellipsoid_facing_the_ray(targets):
     assert ((outward * (np.asarray(targets, float)[met] - origin)).sum(axis=1) <= 1e-9).all()
 
 
-def test_nothing_behind_the_camera_is_met():
+def test_surfaces_behind_the_camera_are_not_hit():
     for shape in (Plane(), Billboard(size=(1, 1)), Box(size=(1, 1, 1)), Ellipsoid(size=(1, 1, 1))):
         assert not hit_points(shape, (0, 0, 5), [(0, 0, 9)])[0].any()
 

@@ -33,7 +33,7 @@ def test_positions_are_rounded_to_the_nearest_pixel(halves):
     assert assign_tracks(along(9.5, 9.5), np.ones((1, 2), bool), halves[:2]) == [2]
 
 
-def test_outside_the_frame_nothing_votes(halves):
+def test_points_outside_the_frame_do_not_vote(halves):
     assert assign_tracks(along(25, 25, 12), np.ones((1, 3), bool), halves[:3]) == [2]
     np.testing.assert_array_equal(
         labels_at(halves[0], np.array([[-0.6, 0], [-0.5, 0], [19.4, 9.4], [19.5, 0]])), [-1, 0, 2, -1]

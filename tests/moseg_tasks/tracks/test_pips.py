@@ -10,8 +10,7 @@ from moseg.schemas.parameters.pips import PipsParams
 from moseg.tasks.networks.checkpoint import Checkpoint, unwrap_state
 from moseg.tasks.networks.pips import Pips, PipsConfig, build_pips
 from moseg.tasks.networks.pips.model import Trajectories
-from moseg.tasks.tracks.pips import track_points_pips
-from moseg.tasks.tracks.windows import overlapping_windows
+from moseg.tasks.tracks.pips import overlapping_windows, track_points_pips
 from moseg.workflows.weights.tiny.pips import CONFIG, make_pips
 
 PARAMS = TrackParams(points_per_object=20, background_points=40)
@@ -61,7 +60,7 @@ def still(square, num_frames, **where):
 
 
 @pytest.mark.parametrize("pips_params", [FULL, SMALL])
-def test_points_go_where_the_network_says_at_the_frames_own_size(drift, pips_params):
+def test_points_are_at_the_networks_positions_in_frame_pixels(drift, pips_params):
     scale = SCALE if pips_params is SMALL else np.array([176 / 180, 1.0])
     tracks = track(Guide(step=(1.5, -0.5)), drift(17), background(17), pips_params=pips_params)
     both = tracks.visible[:, :-1] & tracks.visible[:, 1:]
@@ -124,7 +123,7 @@ def test_a_hidden_point_ends_its_track_for_good(drift):
     assert (tracks.points[~tracks.visible] == 0).all()
 
 
-def test_the_networks_word_on_the_first_frame_ends_nothing(drift):
+def test_visibility_in_the_first_frame_ends_no_track(drift):
     def hidden(points):
         return (torch.arange(8) == 0).expand(points.shape[:2])
 
@@ -198,7 +197,7 @@ def test_sections_of_any_length(drift, num_frames):
     assert tracks.points.dtype == np.float32 and tracks.visible.dtype == bool and tracks.object.dtype == np.uint16
 
 
-def test_nothing_to_follow(drift):
+def test_no_points_to_track(drift):
     nothing = track(Guide(), [], background(0))
     assert nothing.points.shape == (0, 0, 2) and nothing.object.shape == (0,)
     assert track(Guide(), drift(3), background(0)).points.shape == (0, 3, 2)
@@ -234,7 +233,7 @@ def test_the_tiny_networks_points_are_seen_and_stay_near_without_standing_still(
     assert 0.05 < np.median(moved) < 2 and moved.max() < 8
 
 
-def test_a_tiny_checkpoint_is_small_and_made_of_its_seed_alone():
+def test_a_tiny_checkpoint_is_small_and_depends_only_on_its_seed():
     state = torch.random.get_rng_state()
     first, again, other = make_pips(0), make_pips(0), make_pips(1)
     assert torch.equal(state, torch.random.get_rng_state())
@@ -247,7 +246,7 @@ def test_wrong_frames_and_masks_are_refused(drift):
         track(Guide(), drift(2), background(3))
     with pytest.raises(InputError, match=r"mask of frame 0; got \(60, 90\); expected \(120, 180\)"):
         track(Guide(), drift(2), np.zeros((2, 60, 90), np.uint16))
-    with pytest.raises(InputError, match=r"differ in size in frame 1; got \(60, 180\); expected \(120, 180\)"):
+    with pytest.raises(InputError, match=r"frame 1; got uint8 \(60, 180, 3\); expected uint8 \(120, 180, 3\)"):
         track(Guide(), [drift(1)[0], drift(1)[0][:60]], background(1))
     with pytest.raises(InputError, match=r"not an RGB frame in frame 0; got float64 \(120, 180\)"):
         track(Guide(), [np.zeros(SIZE)], background(1))

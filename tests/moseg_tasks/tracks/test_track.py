@@ -135,7 +135,7 @@ def test_a_background_alone(drift):
     assert len(tracks.object) == 40 and (tracks.object == 0).all()
 
 
-def test_nothing_to_follow(drift, square):
+def test_no_points_to_track(drift, square):
     no_masks = track(drift(3), np.zeros((0, 120, 180), np.uint16))
     assert no_masks.points.shape == (0, 3, 2) and no_masks.visible.shape == (0, 3)
     nothing = track([], np.zeros((0, 120, 180), np.uint16))

@@ -108,6 +108,6 @@ def test_under_autocast_scores_stay_near(in_half_precision, relative_error):
 
 
 @pytest.mark.parametrize("image", [IMAGE[..., 0], IMAGE.astype(np.float32), IMAGE[:0]])
-def test_what_is_no_rgb_frame_is_refused(image):
+def test_an_array_that_is_not_an_rgb_frame_is_refused(image):
     with pytest.raises(InputError, match="RGB"):
         recognise_tags(fixed_tagger(), image, RamParams())

@@ -13,7 +13,7 @@ from moseg.tasks.networks.ram import Tagger
 
 
 class Tags(NamedTuple):
-    """What a frame shows.
+    """Tags of a frame.
 
     Attributes
     ----------
@@ -28,20 +28,20 @@ class Tags(NamedTuple):
 
 
 def recognise_tags(tagger: Tagger, image: np.ndarray, params: RamParams) -> Tags:
-    """Tags whose probability exceeds their own threshold.
+    """Return the tags whose probability exceeds their own threshold.
 
     Parameters
     ----------
     tagger : Tagger
         RAM or RAM++.
     image : uint8 (y, x, 3)
-        RGB; squeezed to the network's square, as in its training.
+        RGB; resized to the network's square, as in its training.
     params : RamParams
 
     Returns
     -------
     Tags
-        None, where no tag exceeds its threshold.
+        Empty if no tag exceeds its threshold.
 
     Raises
     ------

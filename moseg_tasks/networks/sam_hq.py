@@ -1,26 +1,46 @@
-"""How SAM-HQ's modules make masks of an image and boxes.
+"""SAM-HQ: masks of high quality from an image and boxes.
 
-The ``forward`` of transformers' mask decoder (read in 5.23) drops what its two-way transformer makes of the image and
-goes on with the image's bare features, rows and columns exchanged, so that its masks have little to do with the boxes.
-Here its modules are run as in the paper and the authors' code; ``benchmarks/agreement/sam_hq.py`` compares.
+The ``forward`` of transformers' mask decoder (read in 5.23) drops the image features of its two-way transformer and
+uses the encoder's features with rows and columns exchanged, so that its masks hardly depend on the boxes. Here its
+modules are run as in the paper and the authors' code; ``benchmarks/agreement/sam_hq.py`` compares.
 """
 
 from typing import NamedTuple
 
 import torch
 from torch.nn import functional
-from transformers import SamHQModel
+from transformers import SamHQConfig, SamHQModel
+
+from moseg.tasks.networks.checkpoint import Checkpoint
+from moseg.tasks.networks.transformers_model import build_transformers
+
+
+def build_sam_hq(checkpoint: Checkpoint) -> SamHQModel:
+    """Build the network of ``syscv-community/sam-hq-vit-base``, ``-large`` and ``-huge``.
+
+    It is run by `encode_image` and `decode_boxes`, not by its own ``forward``.
+
+    Raises
+    ------
+    InputError
+        The checkpoint is not one of this network.
+
+    References
+    ----------
+    Ke et al., "Segment Anything in High Quality", NeurIPS 2023.
+    """
+    return build_transformers(SamHQModel, SamHQConfig, checkpoint)
 
 
 class ImageFeatures(NamedTuple):
-    """What is computed once for an image.
+    """Features that are computed once for an image.
 
     Attributes
     ----------
     embedding : torch.Tensor
         float32 (1, channel, y, x), of the last layer.
     detail : torch.Tensor
-        float32 (1, channel, 4 y, 4 x), of the last layer and of an early one, where edges are still sharp.
+        float32 (1, channel, 4 y, 4 x), of the last layer and of an early one, which has sharp edges.
     """
 
     embedding: torch.Tensor
@@ -28,9 +48,9 @@ class ImageFeatures(NamedTuple):
 
 
 def encode_image(model: SamHQModel, pixels: torch.Tensor) -> ImageFeatures:
-    """Features of an image.
+    """Compute the features of an image.
 
-    Under autocast only the vision transformer works in half precision.
+    Under autocast only the vision transformer runs in half precision.
 
     Parameters
     ----------
@@ -42,7 +62,7 @@ def encode_image(model: SamHQModel, pixels: torch.Tensor) -> ImageFeatures:
     embedding, layers = model.get_image_embeddings(pixels)
     with torch.autocast(pixels.device.type, enabled=False):
         embedding = embedding.to(model.dtype)
-        # Of the layers with global attention the first.
+        # The first of the layers with global attention.
         early = layers[0].to(model.dtype).permute(0, 3, 1, 2)
         late = functional.gelu(decoder.encoder_norm(decoder.encoder_conv1(embedding)))
         early = functional.gelu(decoder.compress_vit_norm(decoder.compress_vit_conv1(early)))
@@ -52,7 +72,7 @@ def encode_image(model: SamHQModel, pixels: torch.Tensor) -> ImageFeatures:
 def decode_boxes(
     model: SamHQModel, features: ImageFeatures, boxes: torch.Tensor, hq_token_only: bool
 ) -> tuple[torch.Tensor, torch.Tensor]:
-    """One mask for each box.
+    """Decode one mask for each box.
 
     Parameters
     ----------
@@ -68,7 +88,7 @@ def decode_boxes(
     logits : torch.Tensor
         float32 (n, 4 y, 4 x), over 0 inside.
     quality : torch.Tensor
-        float32 (n,), the overlap (IoU) with the true mask that the network expects of SAM's.
+        float32 (n,), the network's estimate of the IoU of SAM's mask with the true one.
     """
     decoder = model.mask_decoder
     num_boxes = len(boxes)
