@@ -36,7 +36,7 @@ def test_a_gpu_that_is_too_small_is_told_with_what_helps(execute):
 
 
 def test_a_worker_without_the_networks_libraries_is_told_how_to_get_them(execute, monkeypatch):
-    monkeypatch.setattr("moseg.workflows.weights.packages.find_spec", lambda name: None)
+    monkeypatch.setattr("moseg.workflows.weights.reading.find_spec", lambda name: None)
     with pytest.raises(InputError, match="networks need torch"):
         execute(ModuleNotFoundError("No module named 'torch'", name="torch"))
 

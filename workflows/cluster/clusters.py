@@ -18,7 +18,7 @@ from moseg.workflows.cluster.remote_calls import Setup, prepare_worker
 from moseg.workflows.process.interrupts import defer_interrupts
 from moseg.workflows.process.memory import allocation_environ
 from moseg.workflows.process.threads import thread_environ
-from moseg.workflows.weights.packages import PACKAGES
+from moseg.workflows.weights.reading import PACKAGES
 
 
 class Cluster(Protocol):

@@ -19,7 +19,7 @@ from moseg.workflows.stages.array_cache import ARRAYS
 from moseg.workflows.stages.inputs import Inputs
 from moseg.workflows.stages.registry import find_task
 from moseg.workflows.stages.task import Output
-from moseg.workflows.weights.packages import require_network_packages
+from moseg.workflows.weights.reading import require_network_packages
 
 
 class TaskReport(NamedTuple):

@@ -13,8 +13,7 @@ from moseg.workflows.engine.planning import make_plan
 from moseg.workflows.engine.session import StageUse
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.leaves import ingest_jobs, make_leaves
-from moseg.workflows.weights.folder import Weights
-from moseg.workflows.weights.leaf import weights_leaf
+from moseg.workflows.weights.folder import Weights, weights_leaf
 from moseg.workflows.weights.needed import needed_items
 
 

@@ -16,9 +16,8 @@ from typing import NamedTuple
 from urllib.error import HTTPError
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.weights.connection import open_url
-from moseg.workflows.weights.hashing import sha256_of
-from moseg.workflows.weights.refusals import PASSING, asked_wait_sec, explain
+from moseg.workflows.weights.connection import PASSING, asked_wait_sec, explain, open_url
+from moseg.workflows.weights.pins import sha256_of
 
 CHUNK_BYTES = 2**20
 PARTIAL_SUFFIX = ".partial"

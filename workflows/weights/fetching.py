@@ -11,10 +11,9 @@ from filelock import FileLock, Timeout
 from moseg.schemas.weights import WeightsFile
 from moseg.workflows.process.atomic_write import blame_output
 from moseg.workflows.weights.download import Downloaded, Source, download
-from moseg.workflows.weights.hashing import sha256_of
 from moseg.workflows.weights.hub import HubFile, parse_hub_url, read_pointer, resolve_commit, token_for
 from moseg.workflows.weights.item_folder import ItemFolder
-from moseg.workflows.weights.pins import FilePin, Pins, read_pins, write_pins
+from moseg.workflows.weights.pins import FilePin, Pins, read_pins, sha256_of, write_pins
 from moseg.workflows.weights.progress import DownloadProgress
 
 LOCK = ".lock"

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.schemas.weights import WeightsFile, WeightsItem
 from moseg.workflows.weights.fetch_command import fetch_command
-from moseg.workflows.weights.hashing import remembered_sha256, sha256_of
-from moseg.workflows.weights.pins import read_pins
+from moseg.workflows.weights.pins import read_pins, remembered_sha256, sha256_of
 from moseg.workflows.weights.reading import file_state, read_checkpoint
 
 if TYPE_CHECKING:

@@ -1,5 +1,6 @@
 """What the first download of a file without a published checksum was found to be, enforced from then on."""
 
+import hashlib
 from pathlib import Path
 
 from pydantic import Field, ValidationError
@@ -65,3 +66,21 @@ def write_pins(folder: Path, pins: Pins) -> None:
     """Put pins in place of those of the item in a folder."""
     with atomic_path(folder / PINS) as temporary, blame_output(folder / PINS):
         temporary.write_text(pins.model_dump_json(indent=2) + "\n", encoding="utf-8")
+
+
+_KNOWN: dict[tuple[str, int, int], str] = {}
+
+
+def sha256_of(path: Path) -> str:
+    """Hexadecimal SHA-256 of a file's bytes, read now."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def remembered_sha256(path: Path) -> str:
+    """The same, read once in this process as long as size and time of change stay."""
+    stat = path.stat()
+    state = (str(path.resolve()), stat.st_size, stat.st_mtime_ns)
+    if state not in _KNOWN:
+        _KNOWN[state] = sha256_of(path)
+    return _KNOWN[state]

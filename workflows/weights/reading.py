@@ -2,24 +2,34 @@
 
 import os
 import re
+import struct
 import warnings
 import zipfile
 from collections.abc import Mapping
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.weights import TENSOR_SUFFIXES, WeightsItem
-from moseg.workflows.weights.numpy_numbers import STAND_INS
 
 if TYPE_CHECKING:
     import torch
 
     from moseg.tasks.networks import Checkpoint
 
-
+PACKAGES = ("torch", "transformers", "safetensors")
+"""The libraries that networks run on; nothing else needs them."""
 ARCHIVE = b"PK\x03\x04"
 """The beginning of a zip file, which torch saves."""
+
+
+def require_network_packages() -> None:
+    """Raise InputError, with the command that installs them, where a library that networks need is missing here."""
+    missing = [name for name in PACKAGES if find_spec(name) is None]
+    if missing:
+        expected = "pip install 'moseg[models]'"
+        raise InputError(f"networks need {' and '.join(missing)}", got="not installed", expected=expected)
 
 
 def read_checkpoint(item: WeightsItem, folder: Path) -> "Checkpoint":
@@ -106,3 +116,50 @@ def file_state(path: Path) -> tuple[int, int, int]:
     """What changes when a file is written to or another one takes its place."""
     stat = os.stat(path)
     return stat.st_ino, stat.st_size, stat.st_mtime_ns
+
+
+_FORMATS = {"f8": "d", "f4": "f", "i8": "q"}
+_ORDERS = ("<", ">", "=", "|")
+
+
+class NumberKind:
+    """Stands for a dtype of float64, float32 or int64."""
+
+    def __init__(self, code: str):
+        self.code = code
+        self.order = "<"
+
+    def __setstate__(self, state: tuple) -> None:
+        # Version, byte order, then what only dtypes with parts or fields have.
+        if type(state) is not tuple or len(state) < 5 or state[1] not in _ORDERS or state[2:5] != (None, None, None):
+            raise ValueError("not a plain number")
+        self.order = ">" if state[1] == ">" else "<"
+
+
+def make_kind(code: object, *_flags: object) -> NumberKind:
+    """Stands for ``numpy.dtype``."""
+    if type(code) is not str or code not in _FORMATS:
+        raise ValueError("not a plain number")
+    return NumberKind(code)
+
+
+def make_number(kind: object, content: object) -> float | int:
+    """Stands for ``numpy.core.multiarray.scalar``."""
+    if type(kind) is not NumberKind or type(content) is not bytes:
+        raise ValueError("not a plain number")
+    (number,) = struct.unpack(kind.order + _FORMATS[kind.code], content)
+    return number
+
+
+STAND_INS = [
+    (make_number, "numpy.core.multiarray.scalar"),
+    (make_number, "numpy._core.multiarray.scalar"),
+    (make_kind, "numpy.dtype"),
+    NumberKind,
+]
+"""Stand-ins for what NumPy's numbers are pickled as, for `torch.serialization.safe_globals`.
+
+A file makes plain numbers by them, and nothing else. An optimiser's learning rate is such a number if it was computed
+from NumPy's integers, as DeAOT's training code does after a restart. NumPy's own constructors are not given to a file:
+its dtypes can be made to hold objects, and bytes are then taken for addresses. NumPy 1 and 2 differ in names.
+"""

@@ -235,7 +235,7 @@ def test_a_file_that_cannot_be_read_is_named(describe, open_folder, folder, monk
     def refuse(*arguments):
         raise PermissionError(errno.EACCES, "Permission denied")
 
-    monkeypatch.setattr("moseg.workflows.weights.hashing.open", refuse, raising=False)
+    monkeypatch.setattr("moseg.workflows.weights.pins.open", refuse, raising=False)
     line = f"unreadable weights file in {folder}/net/model.pth; got Permission denied"
     with pytest.raises(InputError, match=line):
         use(weights, item)

@@ -10,8 +10,7 @@ from moseg.tasks.networks.pips import build_pips
 from moseg.tasks.networks.raft import build_raft
 from moseg.workflows.process.devices import set_device
 from moseg.workflows.stages.resident import open_network
-from moseg.workflows.weights.folder import open_weights
-from moseg.workflows.weights.leaf import weights_leaf
+from moseg.workflows.weights.folder import open_weights, weights_leaf
 from moseg.workflows.weights.tiny.make_tiny import make_tiny
 
 

@@ -176,7 +176,7 @@ def test_tiny_checkpoints_never_take_the_place_of_fetched_weights(tmp_path, mose
 
 
 def test_tiny_checkpoints_without_the_libraries_of_networks_are_exit_code_two(tmp_path, moseg, monkeypatch):
-    monkeypatch.setattr("moseg.workflows.weights.packages.find_spec", lambda name: None)
+    monkeypatch.setattr("moseg.workflows.weights.reading.find_spec", lambda name: None)
     ran = moseg("weights", "tiny", tmp_path / "tiny", "--only", "raft-large")
     assert ran.code == 2 and "pip install 'moseg[models]'" in ran.err
     assert not (tmp_path / "tiny").exists()

@@ -4,9 +4,8 @@ import torch
 from torch.nn import init
 from transformers import DepthAnythingConfig, DepthAnythingForDepthEstimation, Dinov2Config
 
-from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
+from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint, save_to_bytes
 from moseg.workflows.weights.tiny.dpt_dinov2 import give_unit_gain
-from moseg.workflows.weights.tiny.saved_model import save_to_bytes
 
 # Inverse depth about which the network's answers scatter.
 _TYPICAL_INVERSE_DEPTH = 3.0

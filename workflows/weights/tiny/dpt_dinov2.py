@@ -7,8 +7,7 @@ from safetensors.torch import load
 from torch.nn import init
 from transformers import Dinov2Config, DPTConfig, DPTForDepthEstimation, PreTrainedModel
 
-from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
-from moseg.workflows.weights.tiny.saved_model import save_to_bytes
+from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint, save_to_bytes
 
 # Depth about which the network's answers scatter, m.
 _TYPICAL_DEPTH = 3.0

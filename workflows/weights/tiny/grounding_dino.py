@@ -7,8 +7,7 @@ import torch
 from transformers import GroundingDinoConfig, GroundingDinoForObjectDetection
 
 from moseg.tasks.networks.grounding_dino.build import SPECIAL_TOKENS
-from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
-from moseg.workflows.weights.tiny.saved_model import save_to_bytes
+from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint, save_to_bytes
 
 _WIDTH = 32
 _NUM_QUERIES = 10

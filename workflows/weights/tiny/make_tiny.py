@@ -8,7 +8,7 @@ from moseg.schemas.errors import InputError
 from moseg.schemas.weights import WeightsFile, WeightsItem, WeightsList
 from moseg.workflows.process.atomic_write import atomic_path, blame_output
 from moseg.workflows.weights.own_items import OWN_ITEMS, read_own_items
-from moseg.workflows.weights.packages import require_network_packages
+from moseg.workflows.weights.reading import require_network_packages
 from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
 
 TINY_LICENCE = "none: random numbers"

@@ -11,8 +11,7 @@ import torch
 from torch.nn import init
 from transformers import Sam2VideoConfig, Sam2VideoModel
 
-from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
-from moseg.workflows.weights.tiny.saved_model import save_to_bytes
+from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint, save_to_bytes
 
 # Object pointers are cut into pieces of a memory's 64 channels, and two is the least that works.
 _WIDTH, _MEMORY = 128, 64

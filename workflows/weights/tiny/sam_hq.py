@@ -5,8 +5,7 @@ import json
 import torch
 from transformers import SamHQConfig, SamHQModel
 
-from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
-from moseg.workflows.weights.tiny.saved_model import save_to_bytes
+from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint, save_to_bytes
 
 _SIDE = 128
 _PATCH = 8
