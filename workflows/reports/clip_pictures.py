@@ -16,7 +16,7 @@ from moseg.workflows.reports.picture_content import Layer, LayerKind, LegendEntr
 from moseg.workflows.reports.planned_layer import PlannedLayer, SequencePictures, make_layers
 from moseg.workflows.reports.sequence_view import as_hex
 from moseg.workflows.results.shown_frames import spread
-from moseg.workflows.sources.frames import working_size
+from moseg.workflows.sources.resize import working_size
 
 CLIP_SIDE = 960
 """Longer side of a clip's pictures, px: hundreds of points lie on one car, and blank pictures are small files."""

@@ -20,7 +20,7 @@ from moseg.workflows.reports.encode_picture import encode_opaque, encode_transpa
 from moseg.workflows.reports.picture_content import Layer, LayerKind, Picture
 from moseg.workflows.reports.planned_layer import PlannedLayer
 from moseg.workflows.reports.sequence_view import SequenceView
-from moseg.workflows.sources.frames import shrink_to
+from moseg.workflows.sources.resize import shrink_to
 
 WHEEL_SIDE = 96
 BAR_SHAPE = (24, 220)

@@ -13,7 +13,7 @@ from moseg.workflows.exports.palette import identity_colours
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.reports.picture_content import LegendEntry
 from moseg.workflows.results.found_objects import FoundObjects
-from moseg.workflows.sources.frames import working_size
+from moseg.workflows.sources.resize import working_size
 
 PICTURE_SIDE = 480
 """Longer side of a picture, px."""

@@ -8,9 +8,9 @@ import numpy as np
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.files import digest_file, read_bytes
-from moseg.workflows.sources.frames import shrink_to, working_size
 from moseg.workflows.sources.numpy_file import decode_array
 from moseg.workflows.sources.png_file import decode_png
+from moseg.workflows.sources.resize import shrink_to, working_size
 
 DEPTH_SUFFIXES = (".npy", ".png")
 DECODING_VERSION = 1

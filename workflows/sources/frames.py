@@ -1,10 +1,16 @@
-"""What every source of frames offers, and the size at which frames are analysed."""
+"""What every source of frames offers, and the frame rate that counts."""
 
 from collections.abc import Iterator
 from typing import NamedTuple, Protocol
 
-import cv2
 import numpy as np
+
+from moseg.schemas.errors import InputError
+
+DEFAULT_FPS = 24.0
+"""Frames per second of frames that come without a rate: a folder of images, arrays."""
+SLOWEST_FPS, FASTEST_FPS = 0.1, 1000.0
+"""Frames per second: a time lapse of ten seconds a frame, and a high-speed camera."""
 
 
 class FrameDescription(NamedTuple):
@@ -33,16 +39,13 @@ class FrameSource(Protocol):
         """Sources of at most `size` frames that can be read in parallel; one source where that cannot be."""
 
 
-def working_size(size: tuple[int, int], max_side: int) -> tuple[int, int]:
-    """(height, width) px of frames of `size` once their longer side is at most `max_side`."""
-    longer = max(size)
-    if longer <= max_side:
-        return size
-    return max(1, round(size[0] * max_side / longer)), max(1, round(size[1] * max_side / longer))
+def check_fps(fps: float, where: str) -> None:
+    """Raise InputError, naming the argument `where`, on a rate beyond what an overlay is made for; also on NaN."""
+    if not SLOWEST_FPS <= fps <= FASTEST_FPS:
+        expected = f"{SLOWEST_FPS:g}..{FASTEST_FPS:g} frames per second"
+        raise InputError("not a frame rate", where=where, got=fps, expected=expected)
 
 
-def shrink_to(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """The image area-averaged to (height, width) `size`; itself where that is its size."""
-    if image.shape[:2] == size:
-        return image
-    return cv2.resize(image, (size[1], size[0]), interpolation=cv2.INTER_AREA)
+def choose_fps(asked: float | None, own: float | None) -> float:
+    """Frames per second of the results: the rate asked for, else the video's own, else `DEFAULT_FPS`."""
+    return float(asked or own or DEFAULT_FPS)

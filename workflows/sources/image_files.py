@@ -10,10 +10,11 @@ import numpy as np
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.files import digest_file, read_bytes
-from moseg.workflows.sources.frames import FrameDescription, shrink_to, working_size
-from moseg.workflows.sources.image_header import MOST_PIXELS, check_image_header
+from moseg.workflows.sources.frames import FrameDescription
+from moseg.workflows.sources.pillow_image import MOST_PIXELS, check_image_header
 from moseg.workflows.sources.png_file import check_png_data, check_png_size
 from moseg.workflows.sources.quiet_decoding import decode_quietly
+from moseg.workflows.sources.resize import shrink_to, working_size
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 DECODING_VERSION = 2

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.sources.image_header import MOST_PIXELS
+from moseg.workflows.sources.pillow_image import MOST_PIXELS
 from moseg.workflows.sources.quiet_decoding import decode_quietly
 
 MOST_BYTES = 2**28

@@ -7,8 +7,8 @@ import numpy as np
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.files import digest_file, read_bytes
-from moseg.workflows.sources.frames import working_size
 from moseg.workflows.sources.numpy_file import decode_arrays
+from moseg.workflows.sources.resize import working_size
 
 TRACK_SUFFIXES = (".npz",)
 DECODING_VERSION = 1

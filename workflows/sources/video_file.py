@@ -1,6 +1,7 @@
 """Frames from a video file."""
 
 import os
+import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -13,10 +14,10 @@ from av.video.stream import VideoStream
 
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError, MissingInputError
-from moseg.workflows.sources.display_matrix import upright
 from moseg.workflows.sources.files import digest_file
-from moseg.workflows.sources.frames import FrameDescription, shrink_to, working_size
-from moseg.workflows.sources.image_header import MOST_PIXELS
+from moseg.workflows.sources.frames import FrameDescription
+from moseg.workflows.sources.pillow_image import MOST_PIXELS
+from moseg.workflows.sources.resize import shrink_to, working_size
 from moseg.workflows.sources.truncation import missing_bytes
 
 DECODING_VERSION = 1
@@ -155,3 +156,30 @@ def _video_stream(container: InputContainer, path: str) -> VideoStream:
 
 def _broken(path: str, number: int, reason: str) -> InputError:
     return InputError(f"decoding failed at frame {number}", where=path, got=reason, expected=REPAIR)
+
+
+def upright(image: np.ndarray, matrix: bytes) -> np.ndarray:
+    """Apply a display matrix's quarter turns and mirrorings.
+
+    Parameters
+    ----------
+    image : (y, x, channel)
+    matrix : bytes
+        Nine native int32, rows (a, b, u), (c, d, v), (x, y, w): a point goes to x' = a x + c y, y' = b x + d y, axes
+        right and down (FFmpeg's `libavutil/display.h`). Scale and translation are ignored, and an angle between two
+        quarter turns goes to the nearer one.
+
+    Returns
+    -------
+    (y', x', channel), contiguous
+    """
+    a, b, _, c, d, _, _, _, _ = struct.unpack("=9i", matrix)
+    if abs(b) + abs(c) > abs(a) + abs(d):
+        image, from_x, from_y = image.swapaxes(0, 1), c, b
+    else:
+        from_x, from_y = a, d
+    if from_y < 0:
+        image = image[::-1]
+    if from_x < 0:
+        image = image[:, ::-1]
+    return np.ascontiguousarray(image)

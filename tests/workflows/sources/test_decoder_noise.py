@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from moseg.workflows.sources.decoder_noise import listen_to
+from moseg.workflows.sources.quiet_decoding import listen_to
 
 
 @pytest.fixture
