@@ -8,8 +8,7 @@ from moseg.schemas.errors import InputError
 from moseg.schemas.spelling import unknown_name
 from moseg.workflows.datasets.dataset import DatasetLayout
 from moseg.workflows.datasets.registry import DATASETS
-from moseg.workflows.datasets.roots import default_root
-from moseg.workflows.datasets.selection import select_sequences
+from moseg.workflows.datasets.selection import default_root, select_sequences
 
 
 class DatasetRow(NamedTuple):

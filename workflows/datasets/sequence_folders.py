@@ -2,8 +2,12 @@
 
 import os
 
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.datasets.dataset import SequenceSource
+from moseg.workflows.sources import MaskKind, open_frames, open_masks
 from moseg.workflows.sources.files import natural_key, unreadable
 from moseg.workflows.sources.image_files import IMAGE_SUFFIXES
+from moseg.workflows.sources.mask_files import find_mask_kind
 
 
 def list_sequences(root: str, subfolders: tuple[str, ...]) -> tuple[str, ...]:
@@ -34,3 +38,25 @@ def holds_images(folder: str) -> bool:
             return any(name.lower().endswith(IMAGE_SUFFIXES) and not name.startswith(".") for name in names)
     except OSError as error:
         raise unreadable(folder, error) from error
+
+
+def annotated_sequence(
+    name: str, frames_folder: str, masks_folder: str, kind: MaskKind, void: int | None, max_side: int
+) -> SequenceSource:
+    """A sequence of a benchmark.
+
+    Raises
+    ------
+    MissingInputError
+        No annotations: a benchmark means nothing without.
+    InputError
+        Binary masks, 0 and 255, where 255 would be void: nothing would be left to score.
+    """
+    if not os.path.isdir(masks_folder):
+        raise MissingInputError(f"sequence {name} has no annotations", expected=masks_folder)
+    frames = open_frames(frames_folder, max_side)
+    annotations = open_masks(masks_folder, frames, kind)
+    if void is not None and find_mask_kind(tuple(path for _, path in annotations.items)) == "binary":
+        expected = "a label for each object"
+        raise InputError("masks without object ids", where=masks_folder, got="only 0 and 255", expected=expected)
+    return SequenceSource(name, frames, annotations, void)

@@ -8,7 +8,7 @@ from scipy.io import savemat
 
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.datasets import describe_dataset, find_ground_truth, open_dataset
-from moseg.workflows.datasets.kt3dinsmoseg import find_tracks
+from moseg.workflows.datasets.kt3dmoseg import find_tracks
 
 CLIP = "Seq028_clip03"
 NAME = f"{CLIP}_Tracks.mat"
