@@ -11,15 +11,15 @@ from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.files import digest_file, read_bytes
 from moseg.workflows.sources.frames import FrameDescription
-from moseg.workflows.sources.pillow_image import MOST_PIXELS, check_image_header
-from moseg.workflows.sources.png_file import check_png_data, check_png_size
+from moseg.workflows.sources.pillow_image import MAX_PIXELS, check_image_header
+from moseg.workflows.sources.png_file import check_png
 from moseg.workflows.sources.quiet_decoding import decode_quietly
 from moseg.workflows.sources.resize import shrink_to, working_size
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 DECODING_VERSION = 2
 """Raised when `ImageFiles.read` starts to yield other pixels for the same bytes, or to refuse them."""
-MOST_SAMPLE_BYTES = 8 * MOST_PIXELS
+MAX_SAMPLE_BYTES = 8 * MAX_PIXELS
 """Of one frame: four channels of 16 bits."""
 EXPANSION_OF_PICTURES = 20
 """Pictures rarely have so many pixels a byte of their files: only such a one is unpacked twice."""
@@ -98,11 +98,10 @@ def decode_image(content: bytes, path: str) -> np.ndarray:
     Raises
     ------
     InputError
-        The bytes are no image, are damaged or cut short, hold several frames, more than `MOST_PIXELS`, or samples
+        The bytes are no image, are damaged or cut short, hold several frames, more than `MAX_PIXELS`, or samples
         other than 8- or 16-bit integers.
     """
-    check_png_size(content, path, "image", MOST_SAMPLE_BYTES)
-    check_png_data(content, path, "image", EXPANSION_OF_PICTURES)
+    check_png(content, path, "image", MAX_SAMPLE_BYTES, EXPANSION_OF_PICTURES)
     check_image_header(content, path)
     image, damage = _decode_and_listen(content)
     if damage is not None:

@@ -1,18 +1,17 @@
 """Masks from PNG files."""
 
-import io
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import reduce
 from typing import Literal, Protocol
 
 import numpy as np
+from PIL import ImageMode
 
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.files import digest_file, read_bytes
-from moseg.workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
-from moseg.workflows.sources.png_file import check_png_data, check_png_size
+from moseg.workflows.sources.png_file import decode_label_png
 
 MaskKind = Literal["binary", "instance"]
 MASK_SUFFIXES = (".png",)
@@ -88,14 +87,9 @@ def decode_mask(content: bytes, path: str, kind: MaskKind) -> np.ndarray:
     InputError
         Not an image, cut short, colours instead of ids, or ids beyond 65535.
     """
-    check_png_size(content, path, "mask")
-    check_png_data(content, path, "mask")
-    try:
-        with open_quietly(io.BytesIO(content)) as image:
-            values = np.atleast_3d(np.asarray(image))
-            channels = [values[..., i] for i, band in enumerate(image.getbands()) if band != "A"]
-    except PILLOW_ERRORS as error:
-        raise InputError("mask cannot be decoded", where=path, got=f"{len(content)} bytes") from error
+    mode, values = decode_label_png(content, path, "mask")
+    values = np.atleast_3d(values)
+    channels = [values[..., i] for i, band in enumerate(ImageMode.getmode(mode).bands) if band != "A"]
     if kind == "binary":
         return reduce(np.logical_or, channels).astype(bool).astype(np.uint16)
     labels = channels[0]

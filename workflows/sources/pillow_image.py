@@ -46,7 +46,7 @@ def open_quietly(source: BinaryIO | Path) -> Iterator[Image.Image]:
             yield image
 
 
-MOST_PIXELS = 2**27
+MAX_PIXELS = 2**27
 """Of one frame: 16384 x 8192. What claims more is a damaged or malicious file."""
 _SEQUENCES = ("PNG", "WEBP", "TIFF")
 """Formats that may hold several frames; of a JPEG's second image (a depth map, a preview) nobody speaks as a frame."""
@@ -63,12 +63,12 @@ def check_image_header(content: bytes, path: str) -> None:
             kind, (width, height) = image.format, image.size
             num_frames = getattr(image, "n_frames", 1) if kind in _SEQUENCES else 1
     except Image.DecompressionBombError as error:
-        expected = f"at most {MOST_PIXELS} px"
+        expected = f"at most {MAX_PIXELS} px"
         raise InputError("image of too many pixels", where=path, got=error, expected=expected) from error
     except PILLOW_ERRORS:
         return
-    if width * height > MOST_PIXELS:
-        got, expected = f"{width}x{height} px", f"at most {MOST_PIXELS} px"
+    if width * height > MAX_PIXELS:
+        got, expected = f"{width}x{height} px", f"at most {MAX_PIXELS} px"
         raise InputError("image of too many pixels", where=path, got=got, expected=expected)
     if num_frames > 1:
         expected = "one a file (a GIF or a video file may hold many)"

@@ -16,7 +16,7 @@ from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.sources.files import digest_file
 from moseg.workflows.sources.frames import FrameDescription
-from moseg.workflows.sources.pillow_image import MOST_PIXELS
+from moseg.workflows.sources.pillow_image import MAX_PIXELS
 from moseg.workflows.sources.resize import shrink_to, working_size
 from moseg.workflows.sources.truncation import missing_bytes
 
@@ -146,11 +146,11 @@ def _video_stream(container: InputContainer, path: str) -> VideoStream:
     if stream.codec_context is None:
         raise InputError("no decoder for the video stream", where=path)
     codec = stream.codec_context
-    if codec.width * codec.height > MOST_PIXELS:
-        got, expected = f"{codec.width}x{codec.height} px", f"at most {MOST_PIXELS} px"
+    if codec.width * codec.height > MAX_PIXELS:
+        got, expected = f"{codec.width}x{codec.height} px", f"at most {MAX_PIXELS} px"
         raise InputError("video of too many pixels", where=path, got=got, expected=expected)
     # What it may claim later, in its data, is the decoder's to refuse.
-    codec.options = {"max_pixels": str(MOST_PIXELS)}
+    codec.options = {"max_pixels": str(MAX_PIXELS)}
     return stream
 
 

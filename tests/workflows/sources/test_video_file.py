@@ -148,9 +148,9 @@ def test_a_missing_file_is_named(tmp_path):
 
 def test_a_video_of_too_many_pixels_is_refused_before_it_is_decoded(write_video, picture, tmp_path, monkeypatch):
     path = write_video(tmp_path / "a.mp4", [picture] * 3)
-    monkeypatch.setattr(video_file, "MOST_PIXELS", 48 * 64)
+    monkeypatch.setattr(video_file, "MAX_PIXELS", 48 * 64)
     assert VideoFile(path, 1000).num_frames() == 3
-    monkeypatch.setattr(video_file, "MOST_PIXELS", 48 * 64 - 1)
+    monkeypatch.setattr(video_file, "MAX_PIXELS", 48 * 64 - 1)
     with pytest.raises(InputError, match=r"video of too many pixels in .*a\.mp4; got 64x48 px; expected at most 3071"):
         list(VideoFile(path, 1000).read())
 
@@ -160,7 +160,7 @@ def test_a_video_that_grows_beyond_all_bounds_names_the_frame(write_video, pictu
     parts = [write_video(tmp_path / f"{image.shape[0]}.h264", [image] * 3) for image in (picture, large)]
     path = tmp_path / "joined.h264"
     path.write_bytes(b"".join(Path(part).read_bytes() for part in parts))
-    monkeypatch.setattr(video_file, "MOST_PIXELS", 48 * 64)
+    monkeypatch.setattr(video_file, "MAX_PIXELS", 48 * 64)
     with pytest.raises(InputError, match=r"decoding failed at frame [0-3] in .*joined\.h264"):
         list(VideoFile(str(path), 1000).read())
 
