@@ -1,7 +1,6 @@
 """Which frames of a sequence are worth a look, and what is true in them."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -9,6 +8,7 @@ from moseg.store import ArtifactStore
 from moseg.tasks.metrics import sample_points
 from moseg.workflows.exports.draw_point_errors import PointLabels
 from moseg.workflows.graph import SequenceLeaves
+from moseg.workflows.sources import LabelledPoints
 from moseg.workflows.sources.resize import resize_labels
 
 
@@ -30,26 +30,6 @@ def scored_frames(store: ArtifactStore, leaves: SequenceLeaves) -> Sequence[int]
 def annotated_frames(store: ArtifactStore, annotation: str) -> list[int]:
     """Frames that have ground truth."""
     return store.attributes(annotation)["indices"]
-
-
-class LabelledPoints(NamedTuple):
-    """The labelled points of all frames of a sequence, as they are stored.
-
-    Attributes
-    ----------
-    points : float64 (N, frame, xy)
-        px of a frame of `size`.
-    visible : bool (N, frame)
-    labels : uint16 (N,)
-        0 = static.
-    size : (int, int)
-        Height and width of the frames in which the points were labelled, px.
-    """
-
-    points: np.ndarray
-    visible: np.ndarray
-    labels: np.ndarray
-    size: tuple[int, int]
 
 
 def read_labelled_points(store: ArtifactStore, labelled_points: str) -> LabelledPoints:

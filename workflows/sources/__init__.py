@@ -9,7 +9,7 @@ from moseg.workflows.sources.opening import open_depth, open_flow, open_frames, 
 from moseg.workflows.sources.resize import working_size
 from moseg.workflows.sources.scenes import SceneDepth, SceneFlow, SceneFrames, SceneMasks, SceneTracks
 from moseg.workflows.sources.track_files import TrackFile
-from moseg.workflows.sources.trajectory_files import LabelledPointFile, TrajectoryFile, TrajectoryLabels
+from moseg.workflows.sources.trajectory_files import LabelledPointFile, LabelledPoints, TrajectoryFile, TrajectoryLabels
 from moseg.workflows.sources.video_file import VideoFile
 
 __all__ = [
@@ -19,6 +19,7 @@ __all__ = [
     "FrameSource",
     "ImageFiles",
     "LabelledPointFile",
+    "LabelledPoints",
     "MaskFiles",
     "MaskKind",
     "MaskSource",

@@ -65,21 +65,24 @@ class TrajectoryLabels:
 
 
 class LabelledPoints(NamedTuple):
-    """Points of N trajectories in F frames, and what moves.
+    """Points of N trajectories in F frames, and which of them move.
 
     Attributes
     ----------
     points : float64 (N, F, 2)
-        xy, px of the original frames, pixel centres at integers; 0 where not visible.
+        xy, px of frames of `size`, pixel centres at integers; 0 where not visible.
     visible : bool (N, F)
         Seen, and inside the frame.
     labels : uint16 (N,)
         0 = static, else the file's label of what moves on its own.
+    size : (int, int)
+        Original height and width of the frames, px.
     """
 
     points: np.ndarray
     visible: np.ndarray
     labels: np.ndarray
+    size: tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -130,4 +133,4 @@ class LabelledPointFile:
                 expected=f"xy in px of the clip's images, {width}x{height} px",
             )
         moving = np.where(labels == BACKGROUND_LABEL, 0, labels).astype(np.uint16)
-        return LabelledPoints(np.where(inside[..., None], points, 0), inside, moving)
+        return LabelledPoints(np.where(inside[..., None], points, 0), inside, moving, self.size)
