@@ -1,4 +1,4 @@
-"""Asking a server: over https only, and with a token that no other host sees."""
+"""Requests to a server, over https only and with a token for one host, and what their failures mean to the user."""
 
 import re
 import ssl
@@ -15,31 +15,31 @@ from moseg.schemas.errors import InputError
 from moseg.schemas.weights import LOOPBACK, is_trusted_url
 
 TIMEOUT_SEC = 30.0
-"""Longest silence of a server that is waited for."""
+"""Time after which a request to a server that sends nothing fails."""
 USER_AGENT = "moseg"
 
 
 def open_url(url: str, headers: Mapping[str, str], token: str | None) -> HTTPResponse:
-    """The answer to a GET; raises as `urllib.request` does (HTTPError, URLError), or HTTPException."""
+    """Return the response to a GET; raise as `urllib.request` does (HTTPError, URLError), or HTTPException."""
     request = urllib.request.Request(url, headers={"User-Agent": USER_AGENT, **headers})
     if token:
         request.add_unredirected_header("Authorization", f"Bearer {token}")
-    # A proxy is for what lies outside.
+    # A proxy is for other machines only.
     local = [urllib.request.ProxyHandler({})] if urlsplit(url).hostname in LOOPBACK else []
     try:
         return urllib.request.build_opener(_Redirects, *local).open(request, timeout=TIMEOUT_SEC)
-    # An address that is none, of a redirect or of a proxy: it is parsed in many places, each with an error of its own.
+    # A malformed address, of a redirect or of a proxy: it is parsed in many places, each with its own error.
     except ValueError as error:
         raise InvalidURL(str(error)) from error
 
 
 def read_url(url: str, limit: int, token: str | None) -> bytes:
-    """The first `limit` bytes of what an address answers.
+    """Return the first `limit` bytes of the response of an address.
 
     Raises
     ------
     InputError
-        It cannot be had; says why.
+        The request failed; the message gives the reason.
     """
     try:
         with open_url(url, {}, token) as response:
@@ -53,7 +53,7 @@ def _is_loopback(url: str) -> bool:
 
 
 class _Redirects(urllib.request.HTTPRedirectHandler):
-    """Follows to trusted addresses; the token stays with the host that it was meant for."""
+    """A handler that follows redirects to trusted addresses only, and sends the token to its own host only."""
 
     def redirect_request(self, req, fp, code, msg, headers, newurl):
         if not is_trusted_url(newurl) or (_is_loopback(newurl) and not _is_loopback(req.full_url)):
@@ -67,12 +67,12 @@ class _Redirects(urllib.request.HTTPRedirectHandler):
 
 
 FORBIDDEN, GONE, BUSY = (401, 403), (404, 410), (425, 429, 503)
-PASSING = (*BUSY, 408, 500, 502, 504)
-"""Answers that another try may not get."""
+TRANSIENT = (*BUSY, 408, 500, 502, 504)
+"""Status codes after which another try may succeed."""
 
 
 def explain(error: Exception, url: str, homepage: str = "") -> InputError:
-    """What a failed request means to the user; `homepage` tells more about what was asked for."""
+    """Return the user's error for a failed request; `homepage` is a page about the file."""
     if isinstance(error, HTTPError):
         error.close()
         return _explain_answer(error, url, homepage or url)
@@ -90,8 +90,8 @@ def explain(error: Exception, url: str, homepage: str = "") -> InputError:
     return InputError("the server's answer cannot be read", where=url, got=repr(reason))
 
 
-def asked_wait_sec(answer: HTTPError) -> float:
-    """Seconds that a busy server asks to wait; 0 where it does not say."""
+def retry_after_sec(answer: HTTPError) -> float:
+    """Return how long a busy server asks to wait, s; 0 if it does not say."""
     text = answer.headers.get("Retry-After", "")
     if re.fullmatch(r"\d{1,9}", text):
         return float(text)
@@ -109,16 +109,16 @@ def _explain_answer(error: HTTPError, url: str, page: str) -> InputError:
     if error.code in GONE:
         expected = f"the file; it may have moved, see {page}"
         return InputError("the server has no such file", where=url, got=got, expected=expected)
-    if error.code in PASSING:
+    if error.code in TRANSIENT:
         what = "the server is busy" if error.code in BUSY else "the server fails"
-        wait_sec = asked_wait_sec(error)
+        wait_sec = retry_after_sec(error)
         expected = f"another try {f'in {wait_sec:.0f} s' if wait_sec else 'later'}"
         return InputError(what, where=url, got=got, expected=expected)
     return InputError("the server refuses", where=url, got=got)
 
 
 def _proxy(url: str) -> str:
-    """Host and port of the proxy through which an address is asked; empty where none is. No word of its password."""
+    """Return host and port of the proxy for an address, without its password; empty if there is none."""
     parts = urlsplit(url)
     proxy = getproxies().get(parts.scheme, "")
     if not proxy or parts.hostname in LOOPBACK or proxy_bypass(parts.netloc):

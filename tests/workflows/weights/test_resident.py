@@ -1,4 +1,4 @@
-"""One network in a process, whoever asks."""
+"""One network in a process, shared by all tasks."""
 
 import threading
 from typing import NamedTuple
@@ -15,7 +15,7 @@ from moseg.workflows.weights.tiny.make_tiny import make_tiny
 
 
 class Leaf(NamedTuple):
-    """What a task reads of a stored leaf."""
+    """The part of a stored leaf that a task reads."""
 
     ref: str
     attributes: dict
@@ -23,7 +23,7 @@ class Leaf(NamedTuple):
 
 @pytest.fixture
 def leaves(tmp_path, monkeypatch):
-    """Leaves of a tiny RAFT and a tiny PIPs."""
+    """Return leaves of a tiny RAFT and a tiny PIPs."""
     monkeypatch.setenv("MOSEG_WEIGHTS", str(tmp_path))
     set_device("cpu")
     environment = {"MOSEG_WEIGHTS": str(tmp_path)}
@@ -34,7 +34,7 @@ def leaves(tmp_path, monkeypatch):
     return [Leaf(leaf.recipe.ref, leaf.attributes) for leaf in made]
 
 
-def test_a_network_is_loaded_once_and_given_up_for_another(leaves):
+def test_a_network_is_loaded_once_and_replaced_by_another(leaves):
     raft, pips = leaves
     with open_network(build_raft, raft) as first, open_network(build_raft, raft) as again:
         assert first is again

@@ -9,14 +9,14 @@ if TYPE_CHECKING:
 
 
 class TinyCheckpoint(NamedTuple):
-    """Files by name, in the published network's format, and the sizes in which an own module differs from it."""
+    """Files by name, in the published network's format, and the sizes in which our module differs from it."""
 
     files: dict[str, bytes]
     config: dict[str, Any] = {}
 
 
 def save_to_bytes(model: "PreTrainedModel") -> dict[str, bytes]:
-    """``config.json`` and ``model.safetensors`` as transformers writes them, with the published names of tensors."""
+    """Return ``config.json`` and ``model.safetensors`` as transformers writes them, with published tensor names."""
     from moseg.tasks.networks.transformers_model import quiet_transformers
 
     with TemporaryDirectory() as folder, quiet_transformers():

@@ -12,7 +12,7 @@ _TYPICAL_INVERSE_DEPTH = 3.0
 
 
 def make_depth_anything(seed: int) -> TinyCheckpoint:
-    """The published network with few channels and two layers, for it sees even small frames at 518 px."""
+    """Return the published network with few channels and two layers, as it processes even small frames at 518 px."""
     backbone = Dinov2Config(
         hidden_size=16,
         num_hidden_layers=2,
