@@ -1,4 +1,4 @@
-"""Sources: small picklable values that say which files or scene to read, and read them."""
+"""Sources: small picklable values that name files or a scene, and read them."""
 
 from moseg.workflows.sources.depth_files import DepthFiles
 from moseg.workflows.sources.flow_files import FlowFiles

@@ -23,10 +23,10 @@ class MaskSource(Protocol):
     """Labels of some frames of a sequence."""
 
     def fingerprint(self) -> str:
-        """Digest of everything that decides what `read` yields."""
+        """Return the digest of everything on which `read` depends."""
 
     def read(self) -> Iterator[tuple[int, np.ndarray]]:
-        """Index of a frame and its uint16 (y, x) labels, 0 = background."""
+        """Yield the index of a frame and its uint16 (y, x) labels, 0 = background."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class MaskFiles:
     items : tuple of (int, str)
         Index of the frame and path of its mask, in order of the frames.
     kind : 'binary' or 'instance'
-        Any non-zero value is label 1, or values are labels as they stand (255 stays 255, the usual void label).
+        Any non-zero value is label 1, or values are labels unchanged (255 stays 255, the usual void label).
     size : (int, int), optional
         (height, width) px that every mask must have, that of the original frames; the first mask's where None.
     """
@@ -52,12 +52,12 @@ class MaskFiles:
             raise InputError("no masks", got="an empty list of mask files")
 
     def fingerprint(self) -> str:
-        """Digest of the files' bytes, the frames they belong to and the decode parameters."""
+        """Return the digest of the files' bytes, the frames they belong to and the decode parameters."""
         files = [[index, digest_file(path)] for index, path in self.items]
         return digest_json("source", ["masks", DECODING_VERSION, self.kind, self.size, files])
 
     def read(self) -> Iterator[tuple[int, np.ndarray]]:
-        """Frame index and uint16 (y, x) labels; raises InputError that names the file which cannot be a mask."""
+        """Yield frame index and uint16 (y, x) labels; raise InputError for a file that cannot be a mask."""
         size = self.size
         for index, path in self.items:
             labels = decode_mask(read_bytes(path), path, self.kind)
@@ -73,10 +73,10 @@ class MaskFiles:
 
 
 def decode_mask(content: bytes, path: str, kind: MaskKind) -> np.ndarray:
-    """Labels of one mask file.
+    """Return the labels of one mask file.
 
-    A palette image gives its indices, not its colours; alpha is ignored. A colour image counts as its grey values where
-    the three channels agree; where they differ it can still be a binary mask, but holds no object ids.
+    A palette image gives its indices, not its colours; alpha is ignored. A colour image gives its grey values if the
+    three channels agree; if they differ it can still be a binary mask, but holds no object ids.
 
     Returns
     -------
@@ -101,9 +101,9 @@ def decode_mask(content: bytes, path: str, kind: MaskKind) -> np.ndarray:
 
 
 def find_mask_kind(paths: tuple[str, ...]) -> MaskKind:
-    """'binary' where no mask holds anything but 0 and 255, else 'instance'.
+    """Return 'binary' if all masks hold only 0 and 255, else 'instance'.
 
-    A lone 255 is what editors write for "object"; beside other ids it is the void label.
+    Editors write 255 alone for "object"; together with other ids it is the void label.
     """
     for path in paths:
         content = read_bytes(path)

@@ -1,4 +1,4 @@
-"""Pillow's images, of whose damage not a word goes to standard error."""
+"""Images opened with Pillow without output on standard error, and checks of their headers before decoding."""
 
 import io
 import logging
@@ -14,6 +14,8 @@ from PIL import Image
 
 from moseg.schemas.errors import InputError
 
+MAX_PIXELS = 2**27
+"""Of one frame: 16384 x 8192. A file that claims more is damaged or malicious."""
 PILLOW_ERRORS = (
     OSError,
     ValueError,
@@ -22,23 +24,25 @@ PILLOW_ERRORS = (
     SyntaxError,
     # Of a TIFF without its size.
     TypeError,
-    # Of chunks shorter than what they should hold.
+    # Of chunks shorter than their content.
     LookupError,
     struct.error,
     zlib.error,
     Image.DecompressionBombError,
 )
-"""What Pillow raises where an image is damaged."""
+"""Exceptions of Pillow for a damaged image."""
+_SEQUENCES = ("PNG", "WEBP", "TIFF")
+"""Formats that may hold several frames; a JPEG's second image (a depth map, a preview) is not a frame."""
 
-# What Pillow logs of a damaged image it raises as well; without any handler Python would print it.
+# Pillow logs damage that it also raises; without any handler Python would print it.
 logging.getLogger("PIL").addHandler(logging.NullHandler())
 
 
 @contextmanager
 def open_quietly(source: BinaryIO | Path) -> Iterator[Image.Image]:
-    """An image whose header was read, without Pillow's warnings of odd ones until the block ends.
+    """Open an image and read its header, without Pillow's warnings until the block ends.
 
-    Raises one of `PILLOW_ERRORS` where it is damaged or none.
+    Raises one of `PILLOW_ERRORS` if it is damaged or not an image.
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -46,19 +50,13 @@ def open_quietly(source: BinaryIO | Path) -> Iterator[Image.Image]:
             yield image
 
 
-MAX_PIXELS = 2**27
-"""Of one frame: 16384 x 8192. What claims more is a damaged or malicious file."""
-_SEQUENCES = ("PNG", "WEBP", "TIFF")
-"""Formats that may hold several frames; of a JPEG's second image (a depth map, a preview) nobody speaks as a frame."""
-
-
 def check_image_header(content: bytes, path: str) -> None:
-    """Raises InputError on more pixels than can be a frame, several frames in one file, or a damaged PNG.
+    """Raise InputError for more pixels than a frame can have, several frames in one file, or a damaged PNG.
 
     Bytes in which Pillow finds no image are left to the decoder.
     """
     try:
-        # Sizes are judged here, and damage by the decoder.
+        # Only the header is checked here; the decoder reports damage.
         with open_quietly(io.BytesIO(content)) as image:
             kind, (width, height) = image.format, image.size
             num_frames = getattr(image, "n_frames", 1) if kind in _SEQUENCES else 1
@@ -78,7 +76,7 @@ def check_image_header(content: bytes, path: str) -> None:
 
 
 def _check_png(content: bytes, path: str) -> None:
-    """Checksums of all chunks, which the decoder would complain of on standard error."""
+    """Raise InputError for a wrong checksum of a chunk, about which the decoder would print on standard error."""
     try:
         with open_quietly(io.BytesIO(content)) as image:
             image.verify()

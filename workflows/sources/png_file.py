@@ -1,4 +1,4 @@
-"""PNG files of samples that are no colours, and what their headers may claim."""
+"""PNG files whose samples are not colours, and checks of all PNG files before they are decoded."""
 
 import io
 import struct
@@ -15,7 +15,7 @@ from moseg.workflows.sources.quiet_decoding import decode_quietly
 MAX_BYTES = 2**28
 """Of the samples of a mask, a depth map or a flow: 16384 x 8192 px of 16 bits, or 8K in three channels."""
 PNG_HEADER = struct.Struct(">8s4x4sIIBB")
-"""Signature, length and name of the first chunk, width, height, bits a sample, colour type (PNG, 11.2.1)."""
+"""Signature, length and name of the first chunk, width, height, bits per sample, colour type (PNG, 11.2.1)."""
 _SIGNATURE, _FIRST_CHUNK = b"\x89PNG\r\n\x1a\n", b"IHDR"
 _CHANNELS = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
 _CHUNK, _PIXELS, _CHECKSUM_BYTES = struct.Struct(">I4s"), b"IDAT", 4
@@ -49,12 +49,12 @@ def check_png(content: bytes, path: object, what: str, max_bytes: int = MAX_BYTE
 
 
 def decode_png(content: bytes, path: object, what: str) -> np.ndarray:
-    """Samples of a PNG as they stand, (y, x) or (y, x, channel), colours in OpenCV's order.
+    """Return the samples of a PNG unchanged, (y, x) or (y, x, channel), colours in OpenCV's order.
 
     Raises
     ------
     InputError
-        No image, or one that is cut short or claims another size than it can have.
+        Not an image, or one that is cut short or claims a size that it cannot have.
     """
     check_png(content, path, what)
     image, _ = decode_quietly(content, cv2.IMREAD_UNCHANGED)
@@ -82,7 +82,7 @@ def decode_label_png(content: bytes, path: object, what: str) -> tuple[str, np.n
 
 
 def _read_header(content: bytes) -> tuple[int, int, int] | None:
-    """Width, height, and bytes that the samples take at least; None where the bytes are no PNG."""
+    """Return width, height, and the minimum bytes of the samples; None if the bytes are not a PNG."""
     if len(content) < PNG_HEADER.size:
         return None
     signature, chunk, width, height, bits, colour = PNG_HEADER.unpack_from(content)
@@ -99,7 +99,7 @@ def _refuse_other_first_chunk(content: bytes, path: object, what: str) -> None:
 
 
 def _check_chunk_lengths(content: bytes, path: object, what: str) -> None:
-    """Raises InputError where a chunk claims more bytes than follow: decoders take memory for all of them."""
+    """Raise InputError if a chunk claims more bytes than follow: decoders allocate memory for all of them."""
     start = len(_SIGNATURE)
     while start + _CHUNK.size <= len(content):
         length, kind = _CHUNK.unpack_from(content, start)

@@ -1,4 +1,7 @@
-"""OpenCV's decoding of images, of which not a word goes to standard error."""
+"""OpenCV's decoding of images, with what image decoders in C print on standard error captured.
+
+These lines are the only report of damage that the decoders decode nevertheless.
+"""
 
 import atexit
 import fcntl
@@ -15,9 +18,19 @@ from typing import TypeVar
 import cv2
 import numpy as np
 
+Result = TypeVar("Result")
+
+_STDERR = 2
+_READ_BYTES = 1 << 16
+_COMPLAINT = re.compile(
+    rb"(?:libpng error|libpng warning|Corrupt JPEG data|Inconsistent progression sequence|Invalid SOS parameters"
+    rb"|Premature end of JPEG file|Unknown Adobe color transform|Warning: unknown JFIF revision)[^\n]*\n?"
+)
+"""A line of libpng or libjpeg, to its end. It may follow the unfinished line of another thread."""
+
 
 def decode_quietly(content: bytes, flags: int) -> tuple[np.ndarray | None, list[str]]:
-    """What OpenCV decodes, and what the decoders below it have to complain of.
+    """Decode an image with OpenCV.
 
     Parameters
     ----------
@@ -29,11 +42,11 @@ def decode_quietly(content: bytes, flags: int) -> tuple[np.ndarray | None, list[
     Returns
     -------
     image : (y, x) or (y, x, channel), or None
-        Colours in OpenCV's order; None where OpenCV cannot decode the bytes.
+        Colours in OpenCV's order; None if OpenCV cannot decode the bytes.
     complaints : list of str
         Lines of libpng and libjpeg.
     """
-    return listen_to(partial(_decode, content, flags))
+    return capture_stderr(partial(_decode, content, flags))
 
 
 def _decode(content: bytes, flags: int) -> np.ndarray | None:
@@ -46,22 +59,11 @@ def _decode(content: bytes, flags: int) -> np.ndarray | None:
         cv2.utils.logging.setLogLevel(level)
 
 
-Result = TypeVar("Result")
+class _Capture:
+    """A file that replaces standard error, and how much of it was read.
 
-_STDERR = 2
-_READ_BYTES = 1 << 16
-_COMPLAINT = re.compile(
-    rb"(?:libpng error|libpng warning|Corrupt JPEG data|Inconsistent progression sequence|Invalid SOS parameters"
-    rb"|Premature end of JPEG file|Unknown Adobe color transform|Warning: unknown JFIF revision)[^\n]*\n?"
-)
-"""What libpng or libjpeg say, to the end of the line. The line may begin with what another thread left unfinished."""
-
-
-class _Ear:
-    """A file that takes the place of standard error, and what of it was read.
-
-    There is one for all decoding of a process: a write that another thread began before standard error was put back may
-    end after that, and is found in the file later.
+    All decoding of a process uses the same file: a write that another thread began before standard error was restored
+    may end later, and is then found in the file.
     """
 
     def __init__(self):
@@ -70,50 +72,50 @@ class _Ear:
         self._num_read = 0
 
     def open(self) -> int:
-        """Descriptor of the file: in memory where there is such a thing, for a machine may have no temporary folder."""
+        """Return the file's descriptor; the file is in memory if possible, as there may be no temporary folder."""
         if self._file is None:
             if hasattr(os, "memfd_create"):
                 self._file = os.memfd_create("decoder", os.MFD_CLOEXEC)
             else:
                 with tempfile.TemporaryFile() as file:
                     self._file = os.dup(file.fileno())
-            # Threads that print at the same time must not write over each other.
+            # Threads that print at the same time must not overwrite each other.
             fcntl.fcntl(self._file, fcntl.F_SETFL, fcntl.fcntl(self._file, fcntl.F_GETFL) | os.O_APPEND)
         return self._file
 
     def read(self) -> bytes:
-        """What was printed and not read yet."""
+        """Return what was printed since the last call."""
         if self._file is None:
             return b""
         pieces = []
-        # By position: reading on would move the place at which other threads write.
+        # By position: read would move the offset at which other threads write.
         while piece := os.pread(self._file, _READ_BYTES, self._num_read):
             pieces.append(piece)
             self._num_read += len(piece)
         return b"".join(pieces)
 
 
-_EAR = _Ear()
+_CAPTURE = _Capture()
 
 
-def listen_to(decode: Callable[[], Result]) -> tuple[Result, list[str]]:
-    """What `decode` returns, and the lines that it made libpng or libjpeg print.
+def capture_stderr(decode: Callable[[], Result]) -> tuple[Result, list[str]]:
+    """Return the result of `decode`, and the lines that libpng or libjpeg printed meanwhile.
 
-    These are kept from standard error, also where `decode` raises. What another thread prints meanwhile is passed on a
-    little later, and what it decodes by other means is taken for `decode`'s. What a process prints that another thread
-    starts meanwhile, which inherits the file, is passed on with the next call or at the end of this process.
+    Standard error does not get these lines, even if `decode` raises. What other threads print meanwhile is passed on
+    a little later; lines of their decoders count as `decode`'s. What a process prints that another thread starts
+    meanwhile, which inherits the file, is passed on with the next call or at the end of this process.
     """
-    with _EAR.lock:
-        heard = _EAR.open()
+    with _CAPTURE.lock:
+        file = _CAPTURE.open()
         pass_on_late()
         _flush()
         try:
             saved = os.dup(_STDERR)
         except OSError:
-            # A process may run without any standard error.
+            # A process may have no standard error.
             saved = None
         try:
-            os.dup2(heard, _STDERR)
+            os.dup2(file, _STDERR)
             result = decode()
         finally:
             _flush()
@@ -122,20 +124,20 @@ def listen_to(decode: Callable[[], Result]) -> tuple[Result, list[str]]:
             else:
                 os.dup2(saved, _STDERR)
                 os.close(saved)
-            printed = _EAR.read()
+            printed = _CAPTURE.read()
             _pass_on(_COMPLAINT.sub(b"", printed))
     return result, [line.decode("utf-8", "replace").strip() for line in _COMPLAINT.findall(printed)]
 
 
 def pass_on_late() -> None:
-    """Print what came after standard error was put back."""
-    _pass_on(_EAR.read())
+    """Print what was captured after standard error was restored."""
+    _pass_on(_CAPTURE.read())
 
 
 def _pass_on(printed: bytes) -> None:
-    # Whoever printed it would not have been told either where nothing can be printed.
+    # If nothing can be printed, the original print would have failed too.
     with suppress(OSError):
-        # A line at a time: what is longer than a pipe takes at once can be torn by what others print.
+        # One line at a time: output of other threads can interrupt a write that is longer than a pipe's buffer.
         for line in printed.splitlines(keepends=True):
             while line:
                 line = line[os.write(_STDERR, line) :]
@@ -147,9 +149,9 @@ def _flush() -> None:
 
 
 def _forget() -> None:
-    """Have a forked process open a file of its own: what is in this one is its parent's to print."""
-    global _EAR
-    _EAR = _Ear()
+    """Make a forked process open its own file: what is in this one is printed by its parent."""
+    global _CAPTURE
+    _CAPTURE = _Capture()
 
 
 atexit.register(pass_on_late)

@@ -1,11 +1,11 @@
-"""The size at which frames are analysed, and images and labels at another size."""
+"""The size at which frames are analysed, and resizing of images and labels."""
 
 import cv2
 import numpy as np
 
 
 def working_size(size: tuple[int, int], max_side: int) -> tuple[int, int]:
-    """(height, width) px of frames of `size` once their longer side is at most `max_side`."""
+    """Return (height, width) of frames of `size` after reduction of their longer side to `max_side`, px."""
     longer = max(size)
     if longer <= max_side:
         return size
@@ -13,16 +13,16 @@ def working_size(size: tuple[int, int], max_side: int) -> tuple[int, int]:
 
 
 def shrink_to(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """The image area-averaged to (height, width) `size`; itself where that is its size."""
+    """Return the image area-averaged to (height, width) `size`; the image itself if it has that size."""
     if image.shape[:2] == size:
         return image
     return cv2.resize(image, (size[1], size[0]), interpolation=cv2.INTER_AREA)
 
 
 def resize_labels(labels: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """uint16 (y, x) labels at `shape` (height, width); unchanged where that is their size.
+    """Return uint16 (y, x) labels at `shape` (height, width); the labels themselves if they have that size.
 
-    The nearest pixel counts, so that no label is invented.
+    Each pixel takes the nearest label, so that no label is new.
     """
     if labels.shape == tuple(shape):
         return labels

@@ -12,7 +12,7 @@ from moseg.workflows.sources.png_file import check_png, decode_png
 LENGTH_OF_SECOND_CHUNK = 33
 
 
-def test_a_chunk_of_two_gigabytes_is_refused_before_memory_is_taken():
+def test_a_chunk_of_two_gigabytes_is_refused_before_memory_is_allocated():
     image = np.random.default_rng(0).integers(0, 256, (24, 32, 3), dtype=np.uint8)
     content = bytearray(cv2.imencode(".png", image)[1].tobytes())
     check_png(bytes(content), "a.png", "image")
@@ -22,7 +22,7 @@ def test_a_chunk_of_two_gigabytes_is_refused_before_memory_is_taken():
             read(bytes(content), "a.png", "image")
 
 
-def test_a_png_that_begins_with_another_chunk_is_refused_before_memory_is_taken():
+def test_a_png_that_begins_with_another_chunk_is_refused_before_memory_is_allocated():
     image = np.zeros((24, 32, 3), np.uint8)
     content = bytearray(cv2.imencode(".png", image)[1].tobytes())
     content[12:16] = b"sBIT"

@@ -33,8 +33,8 @@ _LEVEL = 4.0
 def make_deaot(seed: int) -> TinyCheckpoint:
     """Return random weights in the official format, with one path that carries the masks of the frame before.
 
-    On this path, each class (background, object 1, …) has a channel of its own, from the share of a cell that it covers to its
-    logit: identity bank, memory, short-term attention to the same place, decoder. Everything else is small noise.
+    On this path, each class (background, object 1, …) has its own channel, from the share of a cell that it covers to
+    its logit: identity bank, memory, short-term attention to the same place, decoder. Everything else is small noise.
     """
     rng = np.random.default_rng(seed)
     state = {}
