@@ -1,7 +1,7 @@
 """KT3DMoSeg (Xu et al. 2018), clips of KITTI as labelled trajectories, and KT3DInsMoSeg, the same clips as frames.
 
 KT3DInsMoSeg has a mask for every moving instance. The masks are not public, the labelled trajectories of the clips are.
-A clip that has these and no masks is scored at the labelled points.
+A clip that has them and no masks is scored at the labelled points.
 """
 
 import os
@@ -14,32 +14,32 @@ from moseg.workflows.sources import LabelledPointFile, TrajectoryFile, Trajector
 from moseg.workflows.sources.files import natural_key, unreadable
 
 FRAME_FOLDERS = ("images", "image_02/data", "image_02", "frames")
-"""Where a clip's frames may lie, first found first; ``image_02/data`` is KITTI raw's own."""
+"""Folders of a clip's frames, of which the first that exists is used; ``image_02/data`` is KITTI raw's."""
 TRACKS_SUFFIX = "_Tracks.mat"
-"""Of a clip's labelled trajectories; the release differs from itself in letter case, so that case does not matter."""
+"""Suffix of a clip's labelled trajectories; letter case does not matter, as it varies in the release."""
 CLIPS = """
 Seq005_Clip01 Seq005_Clip02 Seq009_Clip01 Seq009_Clip02 Seq009_Clip03 Seq011_Clip01 Seq013_Clip01 Seq013_Clip02
 Seq020_Clip01 Seq028_Clip01 Seq028_Clip02 Seq028_clip03 Seq037_Clip01 Seq038_Clip01 Seq038_Clip02 Seq045_Clip01
 Seq059_Clip01 Seq070_Clip01 Seq071_Clip01 Seq084_Clip01 Seq095_Clip01 Seq113_Clip01
 """
-"""As named in KT3DMoSeg's release, spelling included."""
+"""Names in KT3DMoSeg's release, with its spelling."""
 
 
 @dataclass(frozen=True)
 class Kt3dInsMoSeg:
-    """A folder of frames for each clip, and its ground truth in one of two layouts.
+    """A folder of frames for each clip, with ground truth in one of two layouts.
 
-    Masks, ``<root>/<clip>/masks/*.png``, are matched to frames by stem. Where there are none, labelled trajectories
-    are ``<root>/<clip>/<clip>_Tracks.mat``, the only ``*_Tracks.mat`` of ``<root>/<clip>``, or
-    ``<root>/<clip>_Tracks.mat``, first found first. They follow points through all frames of the clip: its folder must
-    hold these images and no others, whatever number the first bears.
+    Masks, ``<root>/<clip>/masks/*.png``, are matched to frames by stem. If there are none, labelled trajectories are
+    the first found of ``<root>/<clip>/<clip>_Tracks.mat``, the only ``*_Tracks.mat`` of ``<root>/<clip>``, and
+    ``<root>/<clip>_Tracks.mat``. They follow points through all frames of the clip: its folder must hold these images
+    and no others, whatever the number of the first.
     """
 
     name: str = "kt3dinsmoseg"
     needs_root: bool = True
     official: tuple[str, ...] = tuple(CLIPS.split())
     list_name: None = None
-    ground_truth: str = "instance masks, annotated frames (255 is void); or labelled points, where a clip has no masks"
+    ground_truth: str = "instance masks, annotated frames (255 is void); or labelled points, if a clip has no masks"
     tree: str = (
         "<clip>/images/*.png (or <clip>/image_02) and <clip>/masks/*.png; "
         "or <clip>/images/*.png (or <clip>/image_02) and <clip>/<clip>_Tracks.mat (or <clip>_Tracks.mat)"
@@ -50,11 +50,11 @@ class Kt3dInsMoSeg:
     )
 
     def on_disk(self, root: str) -> tuple[str, ...]:
-        """Clips with frames."""
+        """Return the clips with frames."""
         return list_sequences(root, FRAME_FOLDERS)
 
     def open_sequence(self, root: str, name: str, max_side: int) -> SequenceSource:
-        """The sources of one clip: with its masks, else with its labelled points.
+        """Return the sources of one clip: with its masks, else with its labelled points.
 
         Raises
         ------
@@ -75,7 +75,7 @@ class Kt3dInsMoSeg:
 
 
 def find_tracks(root: str, clip: str) -> str | None:
-    """Path of a clip's labelled trajectories; None where there are none.
+    """Return the path of a clip's labelled trajectories; None if there are none.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def find_tracks(root: str, clip: str) -> str | None:
 
 
 def _tracks_in(folder: str) -> dict[str, str]:
-    """Paths of a folder's files of trajectories by their name in lower case."""
+    """Return the paths of a folder's files of trajectories by their name in lower case."""
     try:
         names = [name for name in sorted(os.listdir(folder)) if not name.startswith(".")]
     except OSError as error:
@@ -105,7 +105,7 @@ def _tracks_in(folder: str) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Kt3dMoSeg:
-    """``<root>/<clip>_Tracks.mat``."""
+    """A file ``<root>/<clip>_Tracks.mat`` for each clip."""
 
     name: str = "kt3dmoseg"
     needs_root: bool = True
@@ -119,7 +119,7 @@ class Kt3dMoSeg:
     source: str = "the folder Data of https://github.com/alex-xun-xu/MultiViewMoSeg"
 
     def on_disk(self, root: str) -> tuple[str, ...]:
-        """Clips with trajectories."""
+        """Return the clips with trajectories."""
         try:
             files = [name for name in os.listdir(root) if name.endswith(TRACKS_SUFFIX) and not name.startswith(".")]
         except OSError as error:
@@ -127,7 +127,7 @@ class Kt3dMoSeg:
         return tuple(name.removesuffix(TRACKS_SUFFIX) for name in sorted(files, key=natural_key))
 
     def open_trajectories(self, root: str, name: str) -> TrajectorySource:
-        """The sources of one clip."""
+        """Return the sources of one clip."""
         path = os.path.join(root, name + TRACKS_SUFFIX)
         return TrajectorySource(name, TrajectoryFile(path), TrajectoryLabels(path))
 

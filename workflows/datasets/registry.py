@@ -30,11 +30,11 @@ def open_dataset(
     name : str
         One of `DATASETS`.
     root : str, optional
-        Folder of the data set; ``$MOSEG_DATA/<name>`` where None.
+        Folder of the data set; ``$MOSEG_DATA/<name>`` by default.
     sequences : tuple of str, optional
-        Names to choose; the official list, or all that are on disk, where None.
+        Names to choose; by default those of the official list, or all that are on disk.
     list_file : str, optional
-        File of sequence names, one a line, that stands in for the official list.
+        File of sequence names, one per line, that replaces the official list.
     max_side : int
         Frames whose longer side exceeds it are area-resized to it, px.
 

@@ -1,4 +1,4 @@
-"""Folders of sequences, and where the frames lie in each."""
+"""Folders of sequences: their frames, and sequences with annotations in another folder."""
 
 import os
 
@@ -11,7 +11,7 @@ from moseg.workflows.sources.mask_files import find_mask_kind
 
 
 def list_sequences(root: str, subfolders: tuple[str, ...]) -> tuple[str, ...]:
-    """Names of the folders below `root` in which `find_frames` finds frames, in natural order, none hidden."""
+    """Return the folders below `root` in which `find_frames` finds frames, by name in natural order, none hidden."""
     try:
         names = sorted((name for name in os.listdir(root) if not name.startswith(".")), key=natural_key)
     except OSError as error:
@@ -20,7 +20,7 @@ def list_sequences(root: str, subfolders: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def find_frames(sequence_folder: str, subfolders: tuple[str, ...]) -> str | None:
-    """The first of the subfolders that holds images; None where none does."""
+    """Return the first of the subfolders that holds images; None if none does."""
     for subfolder in subfolders:
         folder = os.path.join(sequence_folder, subfolder)
         if holds_images(folder):
@@ -29,7 +29,7 @@ def find_frames(sequence_folder: str, subfolders: tuple[str, ...]) -> str | None
 
 
 def holds_images(folder: str) -> bool:
-    """True when `folder` is one and has an image in it; what is wrong with it is said when it is opened."""
+    """Return whether `folder` is a folder with an image; errors in it are reported when it is opened."""
     if not os.path.isdir(folder):
         return False
     try:
@@ -43,14 +43,14 @@ def holds_images(folder: str) -> bool:
 def annotated_sequence(
     name: str, frames_folder: str, masks_folder: str, kind: MaskKind, void: int | None, max_side: int
 ) -> SequenceSource:
-    """A sequence of a benchmark.
+    """Open a sequence of a benchmark.
 
     Raises
     ------
     MissingInputError
-        No annotations: a benchmark means nothing without.
+        There are no annotations, which a benchmark needs.
     InputError
-        Binary masks, 0 and 255, where 255 would be void: nothing would be left to score.
+        Binary masks, 0 and 255, although 255 is void: nothing would be left to score.
     """
     if not os.path.isdir(masks_folder):
         raise MissingInputError(f"sequence {name} has no annotations", expected=masks_folder)

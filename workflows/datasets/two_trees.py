@@ -26,19 +26,19 @@ class TwoTrees:
 
     @property
     def tree(self) -> str:
-        """The expected files below the root."""
-        listing = f", and {self.list_name} with one sequence a line" if self.list_name else ""
+        """Return the expected files below the root."""
+        listing = f", and {self.list_name} with one sequence per line" if self.list_name else ""
         return f"{self.frames}/<sequence>/*.jpg and {self.masks}/<sequence>/*.png{listing}"
 
     def on_disk(self, root: str) -> tuple[str, ...]:
-        """Folders of the tree of frames that hold images."""
+        """Return the folders of the tree of frames that hold images."""
         tree = os.path.join(root, self.frames)
         if not os.path.isdir(tree):
             raise MissingInputError(f"no {self.name} below its root", where=tree, expected=self.tree)
         return list_sequences(tree, ("",))
 
     def open_sequence(self, root: str, name: str, max_side: int) -> SequenceSource:
-        """The sources of one sequence."""
+        """Return the sources of one sequence."""
         frames, masks = os.path.join(root, self.frames, name), os.path.join(root, self.masks, name)
         return annotated_sequence(name, frames, masks, self.kind, self.void, max_side)
 
@@ -65,7 +65,7 @@ DAVIS16 = TwoTrees(
     ground_truth="binary masks, every frame",
     source="DAVIS 2016, 480p, from https://davischallenge.org/davis2016/code.html",
 )
-"""DAVIS-2016 (Perazzi et al. 2016): one foreground a sequence, binary."""
+"""DAVIS-2016 (Perazzi et al. 2016): one foreground per sequence, binary."""
 
 DAVIS_MOVING = TwoTrees(
     name="davis-moving",
@@ -96,6 +96,6 @@ YTVOS_MOVING = TwoTrees(
 )
 """YTVOS-Moving (Dave et al. 2019): sequences of YouTube-VOS in which every labelled object moves and no other does.
 
-The 101 validation sequences are drawn from YouTube-VOS's training part. Their list belongs to its authors and is given
-by the user.
+The 101 validation sequences are drawn from YouTube-VOS's training part. Their list belongs to its authors; the user
+provides it.
 """
