@@ -5,10 +5,12 @@ These lines are the only report of damage that the decoders decode nevertheless.
 
 import atexit
 import fcntl
+import mmap
 import os
 import re
 import sys
 import tempfile
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
@@ -22,6 +24,7 @@ Result = TypeVar("Result")
 
 _STDERR = 2
 _READ_BYTES = 1 << 16
+_MAX_WAITS, _WAIT_SEC = 20, 1e-3  # for the rest of a line that another thread is writing
 _COMPLAINT = re.compile(
     rb"(?:libpng error|libpng warning|Corrupt JPEG data|Inconsistent progression sequence|Invalid SOS parameters"
     rb"|Premature end of JPEG file|Unknown Adobe color transform|Warning: unknown JFIF revision)[^\n]*\n?"
@@ -87,6 +90,16 @@ class _Capture:
         """Return what was printed since the last call."""
         if self._file is None:
             return b""
+        printed = self._read_available()
+        for _ in range(_MAX_WAITS):
+            # The bytes of one write appear page by page: the rest of this line may follow.
+            if not printed or printed.endswith(b"\n") or self._num_read % mmap.PAGESIZE:
+                break
+            time.sleep(_WAIT_SEC)
+            printed += self._read_available()
+        return printed
+
+    def _read_available(self) -> bytes:
         pieces = []
         # By position: read would move the offset at which other threads write.
         while piece := os.pread(self._file, _READ_BYTES, self._num_read):

@@ -1,5 +1,6 @@
 """Complaints of decoders are captured whatever else is printed, and everything else reaches standard error."""
 
+import mmap
 import os
 import subprocess
 import sys
@@ -9,6 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
+from moseg.workflows.sources import quiet_decoding
 from moseg.workflows.sources.quiet_decoding import capture_stderr
 
 
@@ -84,3 +86,12 @@ def test_later_output_of_a_process_is_passed_on_with_the_next_call(capfd):
     assert process.returncode == 0
     capture_stderr(lambda: None)
     assert capfd.readouterr().err == "from below\n"
+
+
+def test_a_write_of_which_only_whole_pages_have_arrived_is_awaited(monkeypatch):
+    capture = quiet_decoding._Capture()
+    file = capture.open()
+    monkeypatch.setattr(quiet_decoding.time, "sleep", lambda seconds: os.write(file, b"rest\n"))
+    os.write(file, b"x" * mmap.PAGESIZE)
+    assert capture.read() == b"x" * mmap.PAGESIZE + b"rest\n"
+    os.close(file)
