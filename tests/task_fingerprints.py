@@ -31,7 +31,7 @@ LEAF_READERS = (
     ("ingest:masks", "moseg.workflows.sources.mask_files", "MaskFiles", "DECODING_VERSION"),
     ("ingest:depth", "moseg.workflows.sources.depth_files", "DepthFiles", "DECODING_VERSION"),
     ("ingest:flow", "moseg.workflows.sources.flow_files", "FlowFiles", "DECODING_VERSION"),
-    ("ingest:labelled_points", "moseg.workflows.sources.labelled_points", "LabelledPointFile", "DECODING_VERSION"),
+    ("ingest:labelled_points", "moseg.workflows.sources.trajectory_files", "LabelledPointFile", "DECODING_VERSION"),
     ("ingest:tracks", "moseg.workflows.sources.track_files", "TrackFile", "DECODING_VERSION"),
     ("ingest:trajectories", "moseg.workflows.sources.trajectory_files", "TrajectoryFile", "DECODING_VERSION"),
     ("ingest:trajectory_labels", "moseg.workflows.sources.trajectory_files", "TrajectoryLabels", "DECODING_VERSION"),

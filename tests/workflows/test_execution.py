@@ -36,7 +36,7 @@ def test_a_gpu_with_too_little_memory_is_reported_with_a_remedy(execute):
 
 
 def test_missing_libraries_of_networks_are_reported_with_a_remedy(execute, monkeypatch):
-    monkeypatch.setattr("moseg.workflows.weights.packages.find_spec", lambda name: None)
+    monkeypatch.setattr("moseg.workflows.weights.reading.find_spec", lambda name: None)
     with pytest.raises(InputError, match="networks need torch"):
         execute(ModuleNotFoundError("No module named 'torch'", name="torch"))
 

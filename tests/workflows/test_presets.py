@@ -249,7 +249,7 @@ def test_what_was_made_with_other_weights_is_explained_by_the_file(segment, mose
 
 
 def test_networks_without_their_libraries_are_one_line(segment, monkeypatch):
-    monkeypatch.setattr("moseg.workflows.weights.packages.find_spec", lambda name: None if name == "torch" else name)
+    monkeypatch.setattr("moseg.workflows.weights.reading.find_spec", lambda name: None if name == "torch" else name)
     assert segment()[1].code == 0
     _, ran = segment("--flow", "raft")
     assert ran.code == 2

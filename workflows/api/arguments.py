@@ -11,7 +11,7 @@ import numpy as np
 
 from moseg.schemas.errors import InputError, MosegError
 from moseg.workflows.exports import OverlayStyle
-from moseg.workflows.sources import frame_rate
+from moseg.workflows.sources.frames import check_fps as check_rate
 
 MOST_NAME_BYTES = 200
 """Of a name in UTF-8: files are called after it, with a suffix."""
@@ -59,7 +59,7 @@ def check_fps(fps: float | None) -> None:
     """Raise InputError where frames cannot be shown at such a rate."""
     check_kinds(Kind.NUMBER, optional=True, fps=fps)
     if fps is not None:
-        frame_rate.check_fps(fps, "fps")
+        check_rate(fps, "fps")
 
 
 def check_name(name: str | None) -> None:

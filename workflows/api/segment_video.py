@@ -28,7 +28,7 @@ from moseg.workflows.exports.motion_json import frame_names
 from moseg.workflows.pipelines.purpose import Purpose
 from moseg.workflows.pipelines.segment import StoredSegmentation, segment
 from moseg.workflows.reports.run_report import RunReport
-from moseg.workflows.sources.frame_rate import choose_fps
+from moseg.workflows.sources.frames import choose_fps
 
 
 @named_as_arguments()

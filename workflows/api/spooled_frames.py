@@ -10,7 +10,8 @@ import numpy as np
 
 from moseg.schemas.digests import digest_json, hash_array
 from moseg.schemas.errors import InputError, StoreError
-from moseg.workflows.sources.frames import FrameDescription, shrink_to, working_size
+from moseg.workflows.sources.frames import FrameDescription
+from moseg.workflows.sources.resize import shrink_to, working_size
 
 READING_VERSION = 1
 """Raised when `SpooledFrames.read` starts to yield other pixels for the same arrays."""

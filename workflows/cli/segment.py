@@ -13,7 +13,7 @@ from moseg.workflows.cli.options import ReportOption, RunOptions
 from moseg.workflows.cli.overlay_options import OverlayOptions
 from moseg.workflows.cli.pipeline_options import PipelineOptions
 from moseg.workflows.config.notes import motions_note
-from moseg.workflows.sources.frame_rate import FASTEST_FPS, SLOWEST_FPS, check_fps, choose_fps
+from moseg.workflows.sources.frames import MAX_FPS, MIN_FPS, check_fps, choose_fps
 
 
 @with_option_groups
@@ -35,8 +35,8 @@ def segment(
         float | None,
         typer.Option(
             "--fps",
-            min=SLOWEST_FPS,
-            max=FASTEST_FPS,
+            min=MIN_FPS,
+            max=MAX_FPS,
             help="Frames per second of overlay.mp4 and motion.json (default: the video's own; 24 for a folder).",
         ),
     ] = None,

@@ -19,7 +19,7 @@ from moseg.workflows.plugins.loading import match_plugins
 from moseg.workflows.plugins.registered import PluginSet, plugins_of_process
 from moseg.workflows.process.devices import set_device
 from moseg.workflows.process.resources import pin_threads
-from moseg.workflows.weights.packages import PACKAGES
+from moseg.workflows.weights.reading import PACKAGES
 
 
 class Setup(NamedTuple):

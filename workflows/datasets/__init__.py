@@ -1,7 +1,6 @@
 """Data sets: named sequences with their frames, ground truth and cues."""
 
-from moseg.workflows.datasets.dataset import Dataset, SequenceSource, TrajectorySource
-from moseg.workflows.datasets.ground_truth import find_ground_truth
+from moseg.workflows.datasets.dataset import Dataset, SequenceSource, TrajectorySource, find_ground_truth
 from moseg.workflows.datasets.overview import DatasetRow, describe_dataset, describe_datasets
 from moseg.workflows.datasets.registry import DATASETS, open_dataset
 

@@ -1,9 +1,11 @@
-"""What a data set is: a layout on disk, the sequences chosen from it, and how each is read."""
+"""Data sets: a layout on disk, the sequences chosen from it, and their sources."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, runtime_checkable
 
 from moseg.schemas.errors import InputError
+from moseg.schemas.scores import GroundTruth
 from moseg.schemas.spelling import unknown_name
 from moseg.workflows.sources import (
     DepthFiles,
@@ -21,7 +23,7 @@ from moseg.workflows.sources import (
 
 
 class SequenceSource(NamedTuple):
-    """Where the content of one sequence comes from.
+    """Sources of the content of one sequence.
 
     Attributes
     ----------
@@ -32,9 +34,9 @@ class SequenceSource(NamedTuple):
     void : int or None
         Annotated label that counts for neither side.
     num_motions : int or None
-        True number of motions, the background's included; None where it must be counted in the annotations.
+        True number of motions, the background's included; None if it must be counted in the annotations.
     labelled_points : LabelledPointFile or None
-        Ground truth at points, where there are no annotations.
+        Ground truth at points, if there are no annotations.
     objects : MaskSource or None
         All prominent objects, static ones included.
     objects_void : int or None
@@ -58,7 +60,7 @@ class SequenceSource(NamedTuple):
 
 
 class TrajectorySource(NamedTuple):
-    """Where the content of a clip without images comes from: its trajectories and their labels."""
+    """Sources of a clip without images: its trajectories and their labels."""
 
     name: str
     trajectories: TrajectoryFile
@@ -66,19 +68,19 @@ class TrajectorySource(NamedTuple):
 
 
 class DatasetLayout(Protocol):
-    """How the files of a data set lie below its root.
+    """Layout of the files of a data set below its root.
 
     Attributes
     ----------
     name : str
     needs_root : bool
-        False for what is rendered.
+        False for rendered sequences.
     official : tuple of str, or None
-        Sequences of the published benchmark; None: those of the list file, or all that are on disk.
+        Sequences of the published benchmark; None for those of the list file, or all that are on disk.
     list_name : str or None
-        File below the root that lists the sequences where `official` cannot.
+        File below the root that lists the sequences if `official` is None.
     ground_truth, tree, source : str
-        What is annotated, the expected files below the root, and where to get them: one line each.
+        What is annotated, the expected files below the root, and where to get them, in one line each.
     """
 
     name: str
@@ -90,7 +92,7 @@ class DatasetLayout(Protocol):
     source: str
 
     def on_disk(self, root: str | None) -> tuple[str, ...]:
-        """Names of the sequences whose frames, or trajectories, are below the root."""
+        """Return the names of the sequences whose frames, or trajectories, are below the root."""
 
 
 @runtime_checkable
@@ -98,7 +100,7 @@ class FrameLayout(DatasetLayout, Protocol):
     """A data set of frames."""
 
     def open_sequence(self, root: str | None, name: str, max_side: int) -> SequenceSource:
-        """The sources of one sequence; raises InputError where its files are not as expected."""
+        """Return the sources of one sequence; raise InputError if its files are not as expected."""
 
 
 @runtime_checkable
@@ -106,7 +108,7 @@ class TrajectoryLayout(DatasetLayout, Protocol):
     """A data set of labelled trajectories, without frames."""
 
     def open_trajectories(self, root: str | None, name: str) -> TrajectorySource:
-        """The sources of one clip."""
+        """Return the sources of one clip."""
 
 
 @dataclass(frozen=True)
@@ -118,9 +120,9 @@ class Dataset:
     layout : DatasetLayout
     root : str or None
     names : tuple of str
-        Sequences that were asked for and are on disk.
+        Requested sequences that are on disk.
     absent : tuple of str
-        Sequences that were asked for, by name or by being in the official list, and are not on disk.
+        Sequences requested by name or by the official list that are not on disk.
     max_side : int
         Frames whose longer side exceeds it are area-resized to it, px.
     """
@@ -133,17 +135,19 @@ class Dataset:
 
     @property
     def name(self) -> str:
-        """Name of the data set."""
+        """Return the name of the data set."""
         return self.layout.name
 
     @property
     def has_frames(self) -> bool:
-        """False for labelled trajectories alone."""
+        """Return False for a data set of labelled trajectories only."""
         return isinstance(self.layout, FrameLayout)
 
     def sequence(self, name: str) -> SequenceSource:
-        """The sources of one of `names`; raises InputError on another name or where files are not as expected, and
-        where the data set has no frames."""
+        """Return the sources of one of `names`.
+
+        Raises InputError for another name, files that are not as expected, or a data set without frames.
+        """
         self._check_name(name)
         if not isinstance(self.layout, FrameLayout):
             expected = "a data set of frames; trajectories run by moseg eval, ablate and plan"
@@ -151,7 +155,7 @@ class Dataset:
         return self.layout.open_sequence(self.root, name, self.max_side)
 
     def trajectories(self, name: str) -> TrajectorySource:
-        """The sources of one of `names`; raises InputError on another name, and where the data set has frames."""
+        """Return the sources of one of `names`; raise InputError for another name or a data set of frames."""
         self._check_name(name)
         if not isinstance(self.layout, TrajectoryLayout):
             raise InputError("no labelled trajectories", where=f"data set {self.name}", expected="kt3dmoseg")
@@ -160,3 +164,31 @@ class Dataset:
     def _check_name(self, name: str) -> None:
         if name not in self.names:
             raise unknown_name(f"sequence of {self.name}", name, self.names)
+
+
+def find_ground_truth(sources: Sequence[SequenceSource]) -> GroundTruth:
+    """Return 'pixels' if every sequence has annotated masks, 'points' if every one has labelled points instead.
+
+    Raises
+    ------
+    InputError
+        A sequence without ground truth; or sequences of both kinds, whose scores have no common mean.
+    """
+    over = {source.name: _kind(source) for source in sources}
+    points = [name for name, kind in over.items() if kind == "points"]
+    if points and len(points) < len(over):
+        masks = [name for name, kind in over.items() if kind == "pixels"]
+        raise InputError(
+            "ground truth of two kinds, which have no common mean",
+            got=f"masks for {', '.join(masks)} and only labelled points for {', '.join(points)}",
+            expected="sequences of one kind (--sequences)",
+        )
+    return "points" if points else "pixels"
+
+
+def _kind(source: SequenceSource) -> GroundTruth:
+    if source.annotations is not None:
+        return "pixels"
+    if source.labelled_points is not None:
+        return "points"
+    raise InputError("no ground truth to score against", where=f"sequence {source.name}")

@@ -1,4 +1,4 @@
-"""Anybody's own sequences."""
+"""The user's own sequences."""
 
 import os
 from dataclasses import dataclass
@@ -16,19 +16,19 @@ class FolderOfSequences:
     """``<root>/<sequence>/frames`` with optional ``<root>/<sequence>/masks``, matched by stem.
 
     A root that itself holds ``frames``, or images, is a single sequence with the name of its folder. Masks that hold
-    nothing but 0 and 255 are binary; in others values are instances and 255 is void.
+    only 0 and 255 are binary; in others values are instances and 255 is void.
     """
 
     name: str = "folder"
     needs_root: bool = True
     official: None = None
     list_name: None = None
-    ground_truth: str = "instance or binary masks, where there are any"
+    ground_truth: str = "instance or binary masks, if there are any"
     tree: str = "<sequence>/frames/* and, for scores, <sequence>/masks/*.png; or the frames of a single sequence"
     source: str = "your own frames"
 
     def on_disk(self, root: str) -> tuple[str, ...]:
-        """The sequences, or the single one that the root is."""
+        """Return the sequences, or the single one at the root."""
         if _single_frames(root):
             return (_folder_name(root),)
         names = list_sequences(root, FRAME_FOLDERS)
@@ -37,7 +37,7 @@ class FolderOfSequences:
         return names
 
     def open_sequence(self, root: str, name: str, max_side: int) -> SequenceSource:
-        """The sources of one sequence; without masks it can be segmented and not scored."""
+        """Return the sources of one sequence; without masks it can be segmented but not scored."""
         single = _single_frames(root)
         folder = root if single else os.path.join(root, name)
         frames = open_frames(single or find_frames(folder, FRAME_FOLDERS), max_side)
@@ -49,7 +49,7 @@ class FolderOfSequences:
 
 
 def _single_frames(root: str) -> str | None:
-    """Folder of the frames when the root is a single sequence."""
+    """Return the folder of the frames if the root is a single sequence, else None."""
     return find_frames(root, FRAME_FOLDERS) or (root if holds_images(root) else None)
 
 

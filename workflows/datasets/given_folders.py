@@ -8,15 +8,15 @@ from moseg.workflows.sources import FlowFiles, open_depth, open_flow, open_masks
 
 
 def with_given_folders(source: SequenceSource, folders: dict[str, str], max_side: int) -> SequenceSource:
-    """The sequence with its `proposals`, `depth`, `flow` and `tracks` read from folders.
+    """Return the sequence with its `proposals`, `depth`, `flow` and `tracks` read from folders.
 
-    A folder is looked for under the sequence's name below the path given; where there is none the path itself is taken.
-    Tracks are one file: see `open_tracks`.
+    A folder of the sequence's name below the given path is used; if there is none, the path itself. Tracks are one
+    file: see `open_tracks`.
     """
     if "proposals" in folders:
         path = _folder_of(source, "proposals", folders["proposals"])
         masks = open_masks(path, source.frames)
-        # Beside other ids 255 is what DAVIS and YouTube-VOS call void; alone it is an object.
+        # Together with other ids 255 is void, as in DAVIS and YouTube-VOS; alone it is an object.
         source = source._replace(objects=masks, objects_void=255 if masks.kind == "instance" else None)
     if not folders.keys() & {"depth", "flow", "tracks"}:
         return source
@@ -37,7 +37,7 @@ def with_given_folders(source: SequenceSource, folders: dict[str, str], max_side
 def _open_both_flows(
     path: str, source: SequenceSource, num_frames: int, max_side: int
 ) -> tuple[FlowFiles, FlowFiles | None]:
-    """Flow of the folders ``forward`` and ``backward``; without the first, the files of `path` itself are forward."""
+    """Open the flow of the folders ``forward`` and ``backward``; without the first, the files of `path` are forward."""
     forward, backward = (os.path.join(path, direction) for direction in ("forward", "backward"))
     return (
         open_flow(forward if os.path.isdir(forward) else path, source.frames, num_frames, max_side),

@@ -1,4 +1,4 @@
-"""Which data sets are there, which are not, and how to get them."""
+"""Overview of the data sets: which are on disk, which are not, and how to get them."""
 
 import os
 from collections.abc import Mapping
@@ -8,8 +8,7 @@ from moseg.schemas.errors import InputError
 from moseg.schemas.spelling import unknown_name
 from moseg.workflows.datasets.dataset import DatasetLayout
 from moseg.workflows.datasets.registry import DATASETS
-from moseg.workflows.datasets.roots import default_root
-from moseg.workflows.datasets.selection import select_sequences
+from moseg.workflows.datasets.selection import default_root, select_sequences
 
 
 class DatasetRow(NamedTuple):
@@ -21,13 +20,13 @@ class DatasetRow(NamedTuple):
     is_present : bool
         At least one sequence can be run.
     root : str or None
-        Where it was looked for; None where no place is known or none is needed.
+        Folder that was searched; None if none is known or needed.
     names, absent : tuple of str
-        Sequences found, and those of the official list that were not.
+        Sequences found, and those of the official list that were not found.
     ground_truth, tree, source : str
         What is annotated, the files expected below the root, and where to get them.
     problem : str
-        Why it cannot be run; empty where it can.
+        Reason why it cannot be run; empty if it can.
     """
 
     name: str
@@ -42,12 +41,12 @@ class DatasetRow(NamedTuple):
 
 
 def describe_datasets(env: Mapping[str, str]) -> tuple[DatasetRow, ...]:
-    """A row for each data set, looked for below ``$MOSEG_DATA`` of the environment `env`."""
+    """Return a row for each data set, searched below ``$MOSEG_DATA`` of the environment `env`."""
     return tuple(_describe(layout, default_root(layout, env)) for layout in DATASETS.values())
 
 
 def describe_dataset(name: str, root: str | None, env: Mapping[str, str]) -> DatasetRow:
-    """The row of one data set, looked for at `root`, else below ``$MOSEG_DATA``; raises InputError on another name."""
+    """Return the row of one data set at `root`, else below ``$MOSEG_DATA``; raise InputError for an unknown name."""
     if name not in DATASETS:
         raise unknown_name("data set", name, DATASETS)
     layout = DATASETS[name]

@@ -4,15 +4,11 @@ import os
 
 from moseg.schemas.spelling import unknown_name
 from moseg.workflows.datasets.dataset import Dataset, DatasetLayout
-from moseg.workflows.datasets.davis16 import DAVIS16
-from moseg.workflows.datasets.davis_moving import DAVIS_MOVING
 from moseg.workflows.datasets.folder import FOLDER
-from moseg.workflows.datasets.kt3dinsmoseg import KT3DINSMOSEG
-from moseg.workflows.datasets.kt3dmoseg import KT3DMOSEG
-from moseg.workflows.datasets.roots import find_root
-from moseg.workflows.datasets.selection import select_sequences
+from moseg.workflows.datasets.kt3dmoseg import KT3DINSMOSEG, KT3DMOSEG
+from moseg.workflows.datasets.selection import find_root, select_sequences
 from moseg.workflows.datasets.synthetic import SYNTHETIC
-from moseg.workflows.datasets.ytvos_moving import YTVOS_MOVING
+from moseg.workflows.datasets.two_trees import DAVIS16, DAVIS_MOVING, YTVOS_MOVING
 
 DATASETS: dict[str, DatasetLayout] = {
     layout.name: layout for layout in (SYNTHETIC, DAVIS_MOVING, DAVIS16, YTVOS_MOVING, KT3DINSMOSEG, KT3DMOSEG, FOLDER)
@@ -34,11 +30,11 @@ def open_dataset(
     name : str
         One of `DATASETS`.
     root : str, optional
-        Folder of the data set; ``$MOSEG_DATA/<name>`` where None.
+        Folder of the data set; ``$MOSEG_DATA/<name>`` by default.
     sequences : tuple of str, optional
-        Names to choose; the official list, or all that are on disk, where None.
+        Names to choose; by default those of the official list, or all that are on disk.
     list_file : str, optional
-        File of sequence names, one a line, that stands in for the official list.
+        File of sequence names, one per line, that replaces the official list.
     max_side : int
         Frames whose longer side exceeds it are area-resized to it, px.
 

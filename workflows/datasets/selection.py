@@ -1,6 +1,7 @@
-"""Which sequences of a data set a run is about."""
+"""The root of a data set, and the choice of its sequences."""
 
 import os
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from moseg.schemas.errors import InputError, MissingInputError
@@ -8,9 +9,43 @@ from moseg.schemas.spelling import unknown_name
 from moseg.workflows.datasets.dataset import DatasetLayout
 from moseg.workflows.sources.files import read_bytes
 
+DATA_VARIABLE = "MOSEG_DATA"
+"""Environment variable: folder of all data sets, each in a subfolder of its name."""
+
+
+def default_root(layout: DatasetLayout, env: Mapping[str, str]) -> str | None:
+    """Return ``$MOSEG_DATA/<dataset>``; None if the variable is not set."""
+    data = env.get(DATA_VARIABLE)
+    return os.path.abspath(os.path.join(data, layout.name)) if data else None
+
+
+def find_root(layout: DatasetLayout, root: str | None, env: Mapping[str, str]) -> str | None:
+    """Return the root given, else the default one; None for a data set without files.
+
+    Raises
+    ------
+    MissingInputError
+        There is no such folder; the message says what to download and which files are expected.
+    InputError
+        A root for a data set that has no files.
+    """
+    if not layout.needs_root:
+        if root is not None:
+            raise InputError(f"data set {layout.name} has no files", got=f"root {root}", expected="no root")
+        return None
+    found = os.path.abspath(root) if root else default_root(layout, env)
+    if found is None or not os.path.isdir(found):
+        raise MissingInputError(
+            f"data set {layout.name} is not there",
+            where=found,
+            got=None if found else f"no root and no ${DATA_VARIABLE}",
+            expected=f"a root (--root or ${DATA_VARIABLE}/{layout.name}) with {layout.tree}. Get it: {layout.source}",
+        )
+    return found
+
 
 class Selection(NamedTuple):
-    """Sequences to run, and those asked for that are not on disk."""
+    """Sequences to run, and requested ones that are not on disk."""
 
     names: tuple[str, ...]
     absent: tuple[str, ...]
@@ -21,14 +56,14 @@ def select_sequences(
 ) -> Selection:
     """Choose the `sequences` named, else those listed, else all that are on disk.
 
-    A sequence outside the list may be named. Letter case does not matter: releases differ in it.
+    A sequence outside the list may be named. Letter case does not matter, as it differs between releases.
 
     Raises
     ------
     InputError
         A name that is neither on disk nor listed.
     MissingInputError
-        No sequence is left, or the data set needs a list file and has none.
+        No requested sequence is on disk, or the data set needs a list file and has none.
     """
     on_disk = layout.on_disk(root)
     if sequences is None or list_file:
@@ -57,20 +92,20 @@ def select_sequences(
 
 
 def read_list(path: str) -> tuple[str, ...]:
-    """Names of a list file: one a line, blank lines and what follows ``#`` left out."""
+    """Return the names of a list file, one per line; blank lines and text after ``#`` are ignored."""
     try:
         text = read_bytes(path).decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError("list of sequences is not text", where=path, expected="UTF-8, one name a line") from error
+        raise InputError("list of sequences is not text", where=path, expected="UTF-8, one name per line") from error
     names = [line.split("#")[0].strip() for line in text.splitlines()]
     names = tuple(dict.fromkeys(name for name in names if name))
     if not names:
-        raise InputError("list of sequences is empty", where=path, expected="one name a line")
+        raise InputError("list of sequences is empty", where=path, expected="one name per line")
     return names
 
 
 def _listed(layout: DatasetLayout, root: str | None, list_file: str | None) -> tuple[str, ...] | None:
-    """The list in force: the user's, the official one, or the one below the root."""
+    """Return the list to use: the user's, the official one, or the one below the root."""
     if list_file:
         return read_list(list_file)
     if layout.official is not None or layout.list_name is None:
@@ -79,6 +114,6 @@ def _listed(layout: DatasetLayout, root: str | None, list_file: str | None) -> t
     if not os.path.isfile(path):
         raise MissingInputError(
             f"data set {layout.name} has no list of sequences",
-            expected=f"{path} or a list file given, one sequence a line. Get it: {layout.source}",
+            expected=f"{path} or a list file given, one sequence per line. Get it: {layout.source}",
         )
     return read_list(path)

@@ -1,13 +1,17 @@
-"""Folders of sequences, and where the frames lie in each."""
+"""Folders of sequences: their frames, and sequences with annotations in another folder."""
 
 import os
 
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.datasets.dataset import SequenceSource
+from moseg.workflows.sources import MaskKind, open_frames, open_masks
 from moseg.workflows.sources.files import natural_key, unreadable
 from moseg.workflows.sources.image_files import IMAGE_SUFFIXES
+from moseg.workflows.sources.mask_files import find_mask_kind
 
 
 def list_sequences(root: str, subfolders: tuple[str, ...]) -> tuple[str, ...]:
-    """Names of the folders below `root` in which `find_frames` finds frames, in natural order, none hidden."""
+    """Return the folders below `root` in which `find_frames` finds frames, by name in natural order, none hidden."""
     try:
         names = sorted((name for name in os.listdir(root) if not name.startswith(".")), key=natural_key)
     except OSError as error:
@@ -16,7 +20,7 @@ def list_sequences(root: str, subfolders: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def find_frames(sequence_folder: str, subfolders: tuple[str, ...]) -> str | None:
-    """The first of the subfolders that holds images; None where none does."""
+    """Return the first of the subfolders that holds images; None if none does."""
     for subfolder in subfolders:
         folder = os.path.join(sequence_folder, subfolder)
         if holds_images(folder):
@@ -25,7 +29,7 @@ def find_frames(sequence_folder: str, subfolders: tuple[str, ...]) -> str | None
 
 
 def holds_images(folder: str) -> bool:
-    """True when `folder` is one and has an image in it; what is wrong with it is said when it is opened."""
+    """Return whether `folder` is a folder with an image; errors in it are reported when it is opened."""
     if not os.path.isdir(folder):
         return False
     try:
@@ -34,3 +38,25 @@ def holds_images(folder: str) -> bool:
             return any(name.lower().endswith(IMAGE_SUFFIXES) and not name.startswith(".") for name in names)
     except OSError as error:
         raise unreadable(folder, error) from error
+
+
+def annotated_sequence(
+    name: str, frames_folder: str, masks_folder: str, kind: MaskKind, void: int | None, max_side: int
+) -> SequenceSource:
+    """Open a sequence of a benchmark.
+
+    Raises
+    ------
+    MissingInputError
+        There are no annotations, which a benchmark needs.
+    InputError
+        Binary masks, 0 and 255, although 255 is void: nothing would be left to score.
+    """
+    if not os.path.isdir(masks_folder):
+        raise MissingInputError(f"sequence {name} has no annotations", expected=masks_folder)
+    frames = open_frames(frames_folder, max_side)
+    annotations = open_masks(masks_folder, frames, kind)
+    if void is not None and find_mask_kind(tuple(path for _, path in annotations.items)) == "binary":
+        expected = "a label for each object"
+        raise InputError("masks without object ids", where=masks_folder, got="only 0 and 255", expected=expected)
+    return SequenceSource(name, frames, annotations, void)

@@ -1,4 +1,4 @@
-"""Rendered scenes with exact ground truth and cues: the default, without any download."""
+"""Rendered scenes with exact ground truth and cues: the default data set, without any download."""
 
 from dataclasses import dataclass
 
@@ -21,11 +21,11 @@ class RenderedScenes:
     source: str = "rendered, no download"
 
     def on_disk(self, root: None) -> tuple[str, ...]:
-        """All scenes."""
+        """Return all scenes."""
         return tuple(SCENES)
 
     def open_sequence(self, root: None, name: str, max_side: int) -> SequenceSource:
-        """The sources of one scene."""
+        """Return the sources of one scene."""
         return SequenceSource(
             name,
             frames=SceneFrames(name),

@@ -18,7 +18,7 @@ from moseg.workflows.runlog.events import EventLog, failed_event, note_written, 
 from moseg.workflows.stages.array_cache import ARRAYS
 from moseg.workflows.stages.inputs import Inputs
 from moseg.workflows.stages.registry import find_task
-from moseg.workflows.weights.packages import require_network_packages
+from moseg.workflows.weights.reading import require_network_packages
 
 
 class TaskReport(NamedTuple):

@@ -115,9 +115,10 @@ def _tracks(leaf: LeafWriter, source) -> dict:
 
 def _labelled_points(leaf: LeafWriter, source) -> dict:
     """Store one leaf for the labelled points of a sequence, with the size of the labelled frames."""
-    found = source.read()
-    labels = sorted({int(label) for label in found.labels} - {0})
-    return {"leaves": [leaf(found._asdict(), {"size": list(source.size)})], "labels": labels}
+    arrays = source.read()._asdict()
+    size = list(arrays.pop("size"))
+    labels = sorted({int(label) for label in arrays["labels"]} - {0})
+    return {"leaves": [leaf(arrays, {"size": size})], "labels": labels}
 
 
 def _labels(leaf: LeafWriter, source) -> dict:

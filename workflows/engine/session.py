@@ -23,9 +23,8 @@ from moseg.workflows.engine.run_pins import RunPins
 from moseg.workflows.process.progress import PATIENCE_SEC, StageProgress
 from moseg.workflows.runlog.events import new_run_id
 from moseg.workflows.runlog.run_log import RunLog
-from moseg.workflows.weights.folder import Weights, open_weights
-from moseg.workflows.weights.leaf import WeightsLeaf, weights_leaf
-from moseg.workflows.weights.packages import require_network_packages
+from moseg.workflows.weights.folder import Weights, WeightsLeaf, open_weights, weights_leaf
+from moseg.workflows.weights.reading import require_network_packages
 
 MAX_REPAIRS = 1000
 """Corrupt artifacts that one run repairs before it gives up: a disk that fails everywhere cannot be repaired so."""

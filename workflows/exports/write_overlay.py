@@ -16,9 +16,8 @@ from moseg.workflows.exports.draw_overlay import draw_overlay
 from moseg.workflows.exports.overlay_style import DEFAULT_STYLE, OverlayStyle
 from moseg.workflows.exports.ownership import MARK
 from moseg.workflows.process.atomic_write import atomic_path, blame_output
-from moseg.workflows.sources.frame_rate import FASTEST_FPS
-from moseg.workflows.sources.frames import shrink_to, working_size
-from moseg.workflows.sources.resize import resize_labels
+from moseg.workflows.sources.frames import MAX_FPS
+from moseg.workflows.sources.resize import resize_labels, shrink_to, working_size
 
 _ENCODER = "libx264"
 VISUALLY_LOSSLESS = 18
@@ -116,7 +115,7 @@ def encode_overlay(
 
 
 def _add_stream(container: av.container.OutputContainer, shape: tuple[int, ...], fps: float | Fraction, crf: int):
-    rate = max(_SLOWEST, min(Fraction(fps), Fraction(FASTEST_FPS))).limit_denominator(_LARGEST_DENOMINATOR)
+    rate = max(_SLOWEST, min(Fraction(fps), Fraction(MAX_FPS))).limit_denominator(_LARGEST_DENOMINATOR)
     stream = container.add_stream(_ENCODER, rate=rate, options={"crf": str(crf)})
     stream.height, stream.width = shape[:2]
     stream.pix_fmt = "yuv420p"

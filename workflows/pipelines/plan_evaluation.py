@@ -14,8 +14,7 @@ from moseg.workflows.engine.session import StageUse
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.leaves import ingest_jobs, make_leaves
 from moseg.workflows.stages.needed_weights import needed_items
-from moseg.workflows.weights.folder import Weights
-from moseg.workflows.weights.leaf import weights_leaf
+from moseg.workflows.weights.folder import Weights, weights_leaf
 
 
 class EmptyStore:

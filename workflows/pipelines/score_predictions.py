@@ -80,7 +80,7 @@ def _saved_points(
     source: SequenceSource, saved: SequencePredictions, scored: set[int]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Saved and true labels of the visible points of every frame in which there are any, added to `scored`."""
-    points, visible, truth = source.labelled_points.read()
+    points, visible, truth, _ = source.labelled_points.read()
     for index in np.flatnonzero(visible.any(axis=0)):
         scored.add(int(index))
         yield sample_points(saved.frame(int(index)), points[:, index], visible[:, index], truth)

@@ -1,16 +1,16 @@
-"""The formats that masks are saved in, by name, and how a folder shows which one it is in."""
+"""A folder of saved masks: the formats that it may be in, and how its format is found."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from moseg.schemas.errors import InputError
-from moseg.workflows.predictions.em_layers import open_em_layers
-from moseg.workflows.predictions.frame_list import FrameList
-from moseg.workflows.predictions.label_images import open_label_images
-from moseg.workflows.predictions.rigidmask import open_rigidmask
+from moseg.schemas.errors import InputError, MissingInputError
+from moseg.schemas.spelling import unknown_name
+from moseg.workflows.predictions.frame_files import FrameList
+from moseg.workflows.predictions.image_formats import open_em_layers, open_label_images, open_rigidmask
 from moseg.workflows.predictions.volumes import open_volume
 from moseg.workflows.sources.frame_matching import Matching
 
@@ -23,14 +23,15 @@ class SequencePredictions(Protocol):
     matching : Matching
         How they were matched to the sequence's frames.
     repeats_last : bool
-        The last frame has none, as of a method that looks at a frame and its next; that of the one before counts.
+        True if the last frame has none, as of a method that uses a frame and the next one; that of the frame before is
+        used.
     """
 
     matching: Matching
     repeats_last: bool
 
     def frame(self, index: int) -> np.ndarray:
-        """Labels of the sequence's frame `index`, counted from 0: uint16 (y, x), 0 = not moving, in a new array."""
+        """Return the labels of frame `index`, counted from 0: uint16 (y, x), 0 = not moving, in a new array."""
         ...
 
 
@@ -39,12 +40,12 @@ class PredictionFormat(NamedTuple):
 
     Attributes
     ----------
-    description : str
-        Who writes it and what it looks like.
+    name, description : str
+        Value of ``--format``; who writes it and what it looks like.
     patterns : tuple of str
-        Paths, relative to the folder, at which its files lie.
+        Paths of its files, relative to the folder.
     open_sequence : callable
-        Of folder, sequence name, its frames and (height, width) to an object with ``frame(index)``.
+        Takes a folder, a sequence's name, its frames and its (height, width).
     """
 
     name: str
@@ -83,16 +84,62 @@ _IN_ORDER_OF_DETECTION = (
 FORMATS = {entry.name: entry for entry in _IN_ORDER_OF_DETECTION}
 
 
-def detect_format(folder: Path) -> PredictionFormat:
-    """The first format, from the most to the least particular, whose files a folder holds.
+@dataclass(frozen=True)
+class Predictions:
+    """A folder of saved masks and the format they are in."""
+
+    folder: Path
+    format: PredictionFormat
+
+    def sequence(self, name: str, frames: FrameList, shape: tuple[int, int]) -> SequencePredictions:
+        """Find the masks of one sequence; each frame is read on request.
+
+        Parameters
+        ----------
+        name : str
+            The sequence's name in the data set.
+        frames : FrameList
+            Frames of the sequence, annotated or not.
+        shape : (int, int)
+            Height and width of the ground truth, px.
+
+        Raises
+        ------
+        MissingInputError
+            Nothing is saved for the sequence; by ``frame``, nothing is saved for that frame.
+        InputError
+            Masks have another size, are damaged or are not labels, or their frames cannot be determined.
+        """
+        return self.format.open_sequence(self.folder, name, frames, shape)
+
+
+def open_predictions(folder: Path, format: str | None = None) -> Predictions:
+    """Open a folder of saved masks.
+
+    Parameters
+    ----------
+    folder : Path
+        Holds one folder or file per sequence.
+    format : str, optional
+        A name in `FORMATS`; found from the names of the files if it is not given: the first format, from the most to
+        the least particular, that has files there.
 
     Raises
     ------
+    MissingInputError
+        There is no such folder.
     InputError
-        Where it holds files of none.
+        The format is not known, or the folder holds no files of any format.
     """
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise MissingInputError("no such folder of predictions", where=folder)
+    if format is not None:
+        if format not in FORMATS:
+            raise unknown_name("format of predictions", format, FORMATS, where="--format")
+        return Predictions(folder, FORMATS[format])
     for entry in _IN_ORDER_OF_DETECTION:
         if any(True for pattern in entry.patterns for _ in folder.glob(pattern)):
-            return entry
+            return Predictions(folder, entry)
     patterns = [pattern for entry in _IN_ORDER_OF_DETECTION for pattern in entry.patterns]
     raise InputError("no predictions", where=folder, expected=f"files {', '.join(patterns)}")

@@ -1,4 +1,4 @@
-"""Volumes of labels (frame, y, x) in .npy and .npz files, read a frame at a time and never unpickled."""
+"""Volumes of labels (frame, y, x) in .npy and .npz files, read one frame at a time and never unpickled."""
 
 import os
 import zipfile
@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from moseg.schemas.errors import InputError, MissingInputError
-from moseg.workflows.predictions.as_labels import as_labels
-from moseg.workflows.predictions.frame_list import FrameList
+from moseg.workflows.predictions.frame_files import FrameList, as_labels
 from moseg.workflows.sources.files import unreadable
 from moseg.workflows.sources.frame_matching import Matching
 from moseg.workflows.sources.numpy_file import ARCHIVE_ERRORS, HEADER_BYTES, read_header, undecodable
@@ -19,7 +18,7 @@ _WHAT = "volume of labels"
 
 
 class Volume:
-    """A volume of labels in an open file; its entries are the frames in order, which have no names there."""
+    """A volume of labels in an open file; its entries are the frames in order, without names."""
 
     matching = Matching.ORDER
     repeats_last = False
@@ -29,14 +28,14 @@ class Volume:
         self.frames = frames
 
     def frame(self, index: int) -> np.ndarray:
-        """Labels of one frame, uint16 (y, x)."""
+        """Return the labels of one frame, uint16 (y, x)."""
         return as_labels(self.frames[index], self.frames.shape[1:], self.path)
 
 
 def open_volume(folder: Path, name: str, frames: FrameList, shape: tuple[int, int]) -> Volume:
-    """The volume ``<sequence>.npz`` or ``<sequence>.npy``, with one entry per frame of the sequence.
+    """Open the volume ``<sequence>.npz`` or ``<sequence>.npy``, with one entry per frame of the sequence.
 
-    Of an archive the array ``segmentation`` is taken (MoSeg), ``labels`` (`moseg export`), or its only one.
+    From an archive, the array ``segmentation`` (MoSeg) is read, or ``labels`` (`moseg export`), or its only array.
     """
     paths = [folder / f"{name}.npz", folder / f"{name}.npy"]
     path = next((path for path in paths if path.is_file()), None)
@@ -54,7 +53,7 @@ def open_volume(folder: Path, name: str, frames: FrameList, shape: tuple[int, in
 class CompressedFrames:
     """The frames of a volume in an archive, decompressed one after the other.
 
-    A frame before the last one read starts again at the beginning.
+    Reading a frame before the last one read starts again at the beginning.
     """
 
     def __init__(self, path: Path):
@@ -96,7 +95,7 @@ class CompressedFrames:
 
 
 def _map_frames(path: Path) -> np.ndarray:
-    """The array of a ``.npy`` file, mapped rather than read."""
+    """Map the array of a ``.npy`` file into memory."""
     try:
         with path.open("rb") as file:
             start = file.read(HEADER_BYTES)
@@ -110,13 +109,13 @@ def _map_frames(path: Path) -> np.ndarray:
     try:
         order = "F" if header.is_fortran else "C"
         return np.memmap(path, header.dtype, "r", header.offset, header.shape, order)
-    # Sides that no array can have, beside one of 0, and types without a size.
+    # Sides too large for any array, next to one of 0, and types without a size.
     except (OSError, ValueError, TypeError, OverflowError) as error:
         raise undecodable(path, _WHAT, error) from error
 
 
 def _volume_member(names: list[str], path: Path) -> str:
-    """Name of the archive's member that holds the volume; InputError where it cannot be told."""
+    """Return the name of the archive's member that holds the volume; raise InputError if it is not clear."""
     for key in _KEYS:
         if f"{key}.npy" in names:
             return f"{key}.npy"

@@ -14,7 +14,7 @@ from moseg.workflows.reports.content import Layer, LayerKind, LegendEntry, Seque
 from moseg.workflows.reports.layers import PlannedLayer, as_hex, encode_opaque, encode_transparent, make_layers
 from moseg.workflows.reports.missing import WhyAbsent, format_missing, name_absent
 from moseg.workflows.results.shown_frames import spread
-from moseg.workflows.sources.frames import working_size
+from moseg.workflows.sources.resize import working_size
 
 CLIP_SIDE = 960
 """Longer side of a clip's pictures, px: hundreds of points can lie on one car, and blank pictures are small files."""

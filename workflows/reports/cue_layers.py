@@ -18,7 +18,7 @@ from moseg.workflows.exports.draw_flow import colour_flow, draw_flow_wheel
 from moseg.workflows.graph import GIVEN_SOURCES
 from moseg.workflows.reports.content import Layer, LayerKind, Picture
 from moseg.workflows.reports.layers import PlannedLayer, SequenceView, encode_opaque, encode_transparent
-from moseg.workflows.sources.frames import shrink_to
+from moseg.workflows.sources.resize import shrink_to
 
 WHEEL_SIDE = 96
 BAR_SHAPE = (24, 220)

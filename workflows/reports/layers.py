@@ -16,7 +16,7 @@ from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.reports.content import Layer, LegendEntry, Picture
 from moseg.workflows.reports.missing import AbsentPart, name_absent
 from moseg.workflows.results.found_objects import FoundObjects
-from moseg.workflows.sources.frames import working_size
+from moseg.workflows.sources.resize import working_size
 
 PICTURE_SIDE = 480
 """Longer side of a picture, px."""

@@ -1,7 +1,6 @@
 """Frames of a sequence that pictures show, and their labelled points."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -9,7 +8,7 @@ from moseg.store import ArtifactStore
 from moseg.tasks.metrics import sample_points
 from moseg.workflows.exports.draw_errors import PointLabels
 from moseg.workflows.graph import SequenceLeaves
-from moseg.workflows.sources.labelled_points import LabelledPoints
+from moseg.workflows.sources import LabelledPoints
 from moseg.workflows.sources.resize import resize_labels
 
 
@@ -33,22 +32,14 @@ def annotated_frames(store: ArtifactStore, annotation: str) -> list[int]:
     return store.attributes(annotation)["indices"]
 
 
-class SizedPoints(NamedTuple):
-    """Labelled points, and height and width of the frames in which they were labelled, px."""
-
-    labelled: LabelledPoints
-    size: tuple[int, int]
-
-
-def read_labelled_points(store: ArtifactStore, labelled_points: str) -> SizedPoints:
+def read_labelled_points(store: ArtifactStore, labelled_points: str) -> LabelledPoints:
     """Return all labelled points of a sequence: an array is read whole, so once for all frames."""
     arrays = (store.read(labelled_points, name) for name in ("points", "visible", "labels"))
-    return SizedPoints(LabelledPoints(*arrays), tuple(store.attributes(labelled_points)["size"]))
+    return LabelledPoints(*arrays, tuple(store.attributes(labelled_points)["size"]))
 
 
-def label_points(sized: SizedPoints, frame: int, labels: np.ndarray) -> PointLabels:
+def label_points(labelled: LabelledPoints, frame: int, labels: np.ndarray) -> PointLabels:
     """Return the points visible in a frame, with their predicted and true labels."""
-    labelled, size = sized
     points, visible = labelled.points[:, frame], labelled.visible[:, frame]
-    found = sample_points(resize_labels(labels, size), points, visible, labelled.labels)
-    return PointLabels(points[visible], *found, size)
+    found = sample_points(resize_labels(labels, labelled.size), points, visible, labelled.labels)
+    return PointLabels(points[visible], *found, labelled.size)

@@ -1,4 +1,4 @@
-"""Relative inverse depth from files, one a frame."""
+"""Relative inverse depth from files, one per frame."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,9 +8,9 @@ import numpy as np
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.files import digest_file, read_bytes
-from moseg.workflows.sources.frames import shrink_to, working_size
 from moseg.workflows.sources.numpy_file import decode_array
 from moseg.workflows.sources.png_file import decode_png
+from moseg.workflows.sources.resize import shrink_to, working_size
 
 DEPTH_SUFFIXES = (".npy", ".png")
 DECODING_VERSION = 1
@@ -19,7 +19,7 @@ DECODING_VERSION = 1
 
 @dataclass(frozen=True)
 class DepthFiles:
-    """Maps of relative inverse depth (larger is nearer), one a frame, in order.
+    """Maps of relative inverse depth (larger is nearer), one per frame, in order.
 
     Attributes
     ----------
@@ -36,12 +36,12 @@ class DepthFiles:
     max_side: int
 
     def fingerprint(self) -> str:
-        """Digest of the files' bytes and the decode parameters."""
+        """Return the digest of the files' bytes and the decode parameters."""
         files = [digest_file(path) for path in self.paths]
         return digest_json("source", ["depth", DECODING_VERSION, self.size, self.max_side, files])
 
     def read(self) -> Iterator[np.ndarray]:
-        """Each map as float32 (y, x) at the frames' working size; raises InputError that names an unusable file."""
+        """Yield each map as float32 (y, x) at the frames' working size; raise InputError for an unusable file."""
         reduced = working_size(self.size, self.max_side)
         for path in self.paths:
             depth = decode_depth(read_bytes(path), path)
@@ -56,7 +56,7 @@ class DepthFiles:
 
 
 def decode_depth(content: bytes, path: str) -> np.ndarray:
-    """float32 (y, x) of a ``.npy`` or 16-bit PNG file; raises InputError unless it is a finite map."""
+    """Return float32 (y, x) of a ``.npy`` or 16-bit PNG file; raise InputError unless it is a finite map."""
     if path.lower().endswith(".npy"):
         depth = _decode_npy(content, path)
     else:
@@ -71,7 +71,7 @@ def _decode_npy(content: bytes, path: str) -> np.ndarray:
     if depth.ndim != 2 or depth.dtype.kind != "f":
         got = f"{depth.dtype} of shape {depth.shape}"
         raise InputError("not a depth map", where=path, got=got, expected="floats (y, x)")
-    # What overflows float32 becomes infinite here and is reported as such, like every NaN.
+    # Values beyond float32 become infinite here and are reported like NaN.
     with np.errstate(over="ignore", invalid="ignore"):
         return depth.astype(np.float32)
 

@@ -9,7 +9,7 @@ from moseg.schemas.errors import InputError, MissingInputError
 
 
 def read_bytes(path: str) -> bytes:
-    """All bytes of a file; raises MissingInputError or InputError where it cannot be read."""
+    """Return all bytes of a file; raise MissingInputError or InputError if it cannot be read."""
     try:
         with open(path, "rb") as file:
             return file.read()
@@ -18,7 +18,7 @@ def read_bytes(path: str) -> bytes:
 
 
 def digest_file(path: str) -> str:
-    """Digest of a file's bytes, which are mapped rather than read so that long videos fit."""
+    """Return the digest of a file's bytes, which are mapped rather than read so that long videos fit."""
     try:
         with open(path, "rb") as file:
             if os.fstat(file.fileno()).st_size == 0:
@@ -30,21 +30,21 @@ def digest_file(path: str) -> str:
 
 
 def unreadable(path: str, error: OSError) -> InputError:
-    """The error of a file that the operating system does not let us read."""
+    """Return the error of a file that the operating system cannot read."""
     if isinstance(error, FileNotFoundError):
         return MissingInputError("file does not exist", where=path)
     return InputError("file cannot be read", where=path, got=error.strerror or error)
 
 
 def list_files(folder: str, suffixes: tuple[str, ...]) -> tuple[str, ...]:
-    """Paths of a folder's files with one of the lower-case `suffixes`, in natural order; hidden files are left out.
+    """Return a folder's files with one of the lower-case `suffixes` as paths, in natural order; none is hidden.
 
     Raises
     ------
     MissingInputError
         The folder does not exist.
     InputError
-        Two files share a stem (``7.jpg`` and ``7.png``): which of them is frame 7 cannot be told.
+        Two files share a stem (``7.jpg`` and ``7.png``): either may be frame 7.
     """
     try:
         names = [name for name in os.listdir(folder) if name.lower().endswith(suffixes) and not name.startswith(".")]
@@ -61,11 +61,11 @@ def list_files(folder: str, suffixes: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def stem(path: str) -> str:
-    """File name without folder and last suffix."""
+    """Return a file's name without folder and last suffix."""
     return os.path.splitext(os.path.basename(path))[0]
 
 
 def natural_key(name: str) -> tuple[list[int | str], str]:
-    """Sorting key under which ``2`` comes before ``10``; ties (``1``, ``01``) are broken by the name itself."""
+    """Return a sorting key by which ``2`` comes before ``10``; the name itself breaks ties (``1``, ``01``)."""
     parts = re.split(r"([0-9]+)", name)
     return [int(part) if index % 2 else part.casefold() for index, part in enumerate(parts)], name

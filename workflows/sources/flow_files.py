@@ -1,4 +1,4 @@
-"""Optical flow from files, one a frame pair."""
+"""Optical flow from files, one per frame pair."""
 
 import struct
 from collections.abc import Iterator
@@ -9,9 +9,9 @@ import numpy as np
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.files import digest_file, read_bytes
-from moseg.workflows.sources.frames import shrink_to, working_size
 from moseg.workflows.sources.numpy_file import decode_array
 from moseg.workflows.sources.png_file import decode_png
+from moseg.workflows.sources.resize import shrink_to, working_size
 
 FLOW_SUFFIXES = (".flo", ".npy", ".png")
 DECODING_VERSION = 1
@@ -20,8 +20,8 @@ DECODING_VERSION = 1
 _FLO_HEADER = struct.Struct("<4sii")  # tag, width, height
 _FLO_TAG = b"PIEH"
 _FLO_UNKNOWN = 1e9  # px/frame; Middlebury calls longer vectors unknown
-_KITTI_ZERO, _KITTI_STEPS = 2**15, 64  # stored value of no motion; steps a px/frame
-_LEAST_KNOWN = 0.5  # share of the area under a reduced pixel that must be known
+_KITTI_ZERO, _KITTI_STEPS = 2**15, 64  # stored value of no motion; steps per px/frame
+_MIN_KNOWN = 0.5  # share of the area under a reduced pixel that must be known
 
 
 @dataclass(frozen=True)
@@ -43,17 +43,17 @@ class FlowFiles:
     max_side: int
 
     def fingerprint(self) -> str:
-        """Digest of the files' bytes and the decode parameters."""
+        """Return the digest of the files' bytes and the decode parameters."""
         files = [digest_file(path) for path in self.paths]
         return digest_json("source", ["flow", DECODING_VERSION, self.size, self.max_side, files])
 
     def read(self) -> Iterator[np.ndarray]:
-        """Each field as float32 (y, x, 2) at the frames' working size, px/frame of it; NaN where a file knows none.
+        """Yield each field as float32 (y, x, 2) at the frames' working size, px/frame of it; NaN where unknown.
 
         Raises
         ------
         InputError
-            Names the file that cannot be used.
+            A file cannot be used; the message names it.
         """
         reduced = working_size(self.size, self.max_side)
         for path in self.paths:
@@ -69,21 +69,21 @@ class FlowFiles:
 
 
 def shrink_flow(flow: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """Flow area-averaged over its known pixels to (height, width) `size`, in px/frame of that size.
+    """Return flow averaged over the known pixels of each new pixel's area, at (height, width) `size`, px/frame of it.
 
-    A pixel stays unknown (NaN) where less than half of what it covers is known.
+    A pixel is unknown (NaN) if less than half of its area is known.
     """
     if flow.shape[:2] == size:
         return flow
     known = np.isfinite(flow).all(axis=-1)
     share = shrink_to(known.astype(np.float32), size)
-    average = shrink_to(np.where(known[..., None], flow, 0), size) / np.maximum(share, _LEAST_KNOWN)[..., None]
+    average = shrink_to(np.where(known[..., None], flow, 0), size) / np.maximum(share, _MIN_KNOWN)[..., None]
     average *= np.array([size[1] / flow.shape[1], size[0] / flow.shape[0]], np.float32)
-    return _without(average, share < _LEAST_KNOWN)
+    return _without(average, share < _MIN_KNOWN)
 
 
 def decode_flow(content: bytes, path: str) -> np.ndarray:
-    """Flow of one file, whose format its suffix tells.
+    """Return the flow of one file, whose suffix gives the format.
 
     Returns
     -------
@@ -119,7 +119,7 @@ def _decode_kitti(content: bytes, path: str) -> np.ndarray:
     if image.ndim != 3 or image.shape[2] != 3 or image.dtype != np.uint16:
         got = f"{image.dtype} of shape {image.shape}"
         raise InputError("not a flow", where=path, got=got, expected="KITTI's 16-bit PNG of u, v and valid")
-    # OpenCV turns the file's channels u, v, valid round.
+    # OpenCV reverses the file's channels u, v, valid.
     flow = (image[..., :0:-1].astype(np.float32) - _KITTI_ZERO) / _KITTI_STEPS
     return _without(flow, image[..., 0] == 0)
 
@@ -129,7 +129,7 @@ def _decode_npy(content: bytes, path: str) -> np.ndarray:
     if flow.ndim != 3 or flow.shape[2] != 2 or flow.dtype.kind != "f":
         got = f"{flow.dtype} of shape {flow.shape}"
         raise InputError("not a flow", where=path, got=got, expected="floats (y, x, 2)")
-    # What overflows float32 becomes infinite here and is reported as such, like every NaN.
+    # Values beyond float32 become infinite here and are reported like NaN.
     with np.errstate(over="ignore", invalid="ignore"):
         flow = np.array(flow, np.float32, order="C")
     if num_bad := int(np.count_nonzero(~np.isfinite(flow))):
@@ -138,5 +138,5 @@ def _decode_npy(content: bytes, path: str) -> np.ndarray:
 
 
 def _without(flow: np.ndarray, unknown: np.ndarray) -> np.ndarray:
-    # One NaN of all that there are, because leaves are named by their bytes.
+    # The same NaN everywhere, because leaves are named by their bytes.
     return np.where(unknown[..., None], np.float32(np.nan), flow)

@@ -1,4 +1,4 @@
-"""Which frame a file belongs to, told by its name."""
+"""Frames of files, and frame pairs of files, found from their names."""
 
 import re
 from collections.abc import Collection, Sequence
@@ -23,14 +23,14 @@ class Matching(StrEnum):
 
 
 class MatchedNames(NamedTuple):
-    """The frame of each name, counted from 0, and how it was found."""
+    """The frame of each name, counted from 0, and the rule by which it was found."""
 
     matching: Matching
     frames: tuple[int, ...]
 
 
 def frame_stems(frames: FrameSource) -> tuple[str, ...] | None:
-    """Names of the frames without suffix; None where frames are no files of their own (a video, a rendered scene)."""
+    """Return the frames' names without suffix; None if frames are not files (a video, a rendered scene)."""
     return tuple(map(stem, frames.paths)) if isinstance(frames, ImageFiles) else None
 
 
@@ -40,28 +40,28 @@ def match_names(
     """Find the frame of each file of a sequence by one of three rules, the first that applies.
 
     1. By name: every name is that of a frame.
-    2. In order: there are as many files as frames, and none has the name of a frame, or their numbers run on from 0
+    2. In order: there are as many files as frames, and none has the name of a frame, or their numbers count up from 0
        or 1. Files in natural order are the frames in order. All of them have a number, or none has.
     3. By number: no name is that of a frame. The last number in a name is its frame, counted from 0.
 
     Parameters
     ----------
     names : sequence of str
-        Names of the files, without suffix and without what their format adds.
+        Names of the files, without suffix and without the format's additions.
     stems : tuple of str or None
-        Names of the frames without suffix, where they have any.
+        Names of the frames without suffix, if they have any.
     num_frames : int
         Frames of the sequence.
     where : object
         Folder of the files, for the error.
     by_pairs : bool
-        One file fewer than frames counts as many as frames too, where their numbers run on: the last frame has none.
+        One file fewer than frames is enough too, if the files' numbers count up: the last frame has none.
 
     Raises
     ------
     InputError
-        Some names are those of frames and others are not; numbers that are no frame's, that are another frame's by the
-        frames' own names, or that two files share.
+        Some names are those of frames and others are not; a number is not a frame's, is another frame's by the frames'
+        own names, or is shared by two files.
     """
     index_of = {name: index for index, name in enumerate(stems or ())}
     if all(name in index_of for name in names):
@@ -75,7 +75,7 @@ def match_names(
 
 
 def check_not_mixed(names: Sequence[str], stems: Collection[str], otherwise: str, where: object) -> None:
-    """Raise InputError where some names are those of frames and others are not; `otherwise` is what may be instead."""
+    """Raise InputError if some names are those of frames and others are not; `otherwise` is an alternative."""
     own = [name for name in names if name in stems]
     if 0 < len(own) < len(names):
         other = next(name for name in names if name not in stems)
@@ -88,13 +88,13 @@ def check_not_mixed(names: Sequence[str], stems: Collection[str], otherwise: str
 
 
 def file_number(name: str) -> int | None:
-    """The last number in a name."""
+    """Return the last number in a name; None if there is none."""
     numbers = _NUMBER.findall(name)
     return int(numbers[-1]) if numbers else None
 
 
 def counts_up(names: Sequence[str], starts: Collection[int] | None = None) -> bool:
-    """True where the number of each name is one more than that of the name before, and the first is one of `starts`."""
+    """Return whether names are numbered without a gap, the first number being one of `starts`."""
     numbers = [file_number(name) for name in names]
     if None in numbers or (starts is not None and numbers[0] not in starts):
         return False
@@ -102,7 +102,7 @@ def counts_up(names: Sequence[str], starts: Collection[int] | None = None) -> bo
 
 
 def _are_all_frames(in_order: Sequence[str], stems: Collection[str], num_frames: int, by_pairs: bool) -> bool:
-    """True where names in natural order stand for the frames in order."""
+    """Return whether names in natural order are the frames in order."""
     is_one_short = by_pairs and len(in_order) == num_frames - 1
     if len(in_order) != num_frames and not is_one_short:
         return False
@@ -110,13 +110,13 @@ def _are_all_frames(in_order: Sequence[str], stems: Collection[str], num_frames:
         return counts_up(in_order, starts=(0, 1))
     if is_one_short:
         return counts_up(in_order)
-    # Beside numbers a name without one is of something else; 7 and 007 may be the same frame.
+    # A name without a number among numbered ones is not a frame; 7 and 007 may be the same frame.
     are_alike = len({file_number(name) is None for name in in_order}) == 1
     return are_alike and all(natural_key(name0)[0] != natural_key(name1)[0] for name0, name1 in pairwise(in_order))
 
 
 def _by_number(names: Sequence[str], stems: tuple[str, ...] | None, num_frames: int, where: object) -> tuple[int, ...]:
-    """The last number of each name; InputError where it cannot be that of its frame."""
+    """Return the last number of each name; raise InputError if it cannot be that of its frame."""
     named = {file_number(name): (index, name) for index, name in enumerate(stems or ())}
     found: dict[int, str] = {}
     for name in names:
@@ -135,3 +135,46 @@ def _by_number(names: Sequence[str], stems: tuple[str, ...] | None, num_frames: 
             )
         found[number] = name
     return tuple(found)
+
+
+def check_pairs(names: Sequence[str], stems: tuple[str, ...] | None, where: object) -> None:
+    """Raise InputError if names show that the file of a pair of neighbouring frames is missing.
+
+    Files may be named as the first frame of each pair or each as the second, or be numbered from 0 or 1. Other names
+    show nothing, unless they are numbered in equal steps except for a gap.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of the files without suffix, in natural order, one fewer than frames.
+    stems : tuple of str or None
+        Names of the frames without suffix, if they have any.
+    where : object
+        Folder of the files, for the error.
+    """
+    if not names:
+        return
+    own = stems or ()
+    absent = set(own) - set(names)
+    if len(own) - len(absent) == len(names):
+        if absent.isdisjoint((own[0], own[-1])):
+            expected = "one for each pair of neighbouring frames, named as its first"
+            got = f"none named {absent.pop()}"
+            raise InputError("a gap in the flow fields", where=where, got=got, expected=expected)
+        return
+    has_own = len(absent) < len(own)
+    if counts_up(names, starts=(0, 1) if has_own else None):
+        return
+    check_not_mixed(names, own, f"{len(names)} files numbered from 0 or 1", where)
+    steps = _steps(names)
+    # If the frames' own numbers have gaps, those of the flow may have them too.
+    if len(set(steps)) > 1 and len(set(_steps(own))) < 2:
+        before, after = list(pairwise(names))[steps.index(max(steps))]
+        expected = "one for each pair of neighbouring frames"
+        raise InputError("a gap in the flow fields", where=where, got=f"{before}, then {after}", expected=expected)
+
+
+def _steps(names: Sequence[str]) -> list[int]:
+    """Return the differences between successive names' numbers; none if a name has no number."""
+    numbers = [file_number(name) for name in names]
+    return [] if None in numbers else [after - before for before, after in pairwise(numbers)]

@@ -1,10 +1,16 @@
-"""What every source of frames offers, and the size at which frames are analysed."""
+"""The interface of every source of frames, and the choice of the frame rate."""
 
 from collections.abc import Iterator
 from typing import NamedTuple, Protocol
 
-import cv2
 import numpy as np
+
+from moseg.schemas.errors import InputError
+
+DEFAULT_FPS = 24.0
+"""Frames per second of frames without a rate: a folder of images, arrays."""
+MIN_FPS, MAX_FPS = 0.1, 1000.0
+"""Frames per second: a time lapse of ten seconds a frame, and a high-speed camera."""
 
 
 class FrameDescription(NamedTuple):
@@ -18,31 +24,28 @@ class FrameSource(Protocol):
     """Frames of one sequence, all of one size."""
 
     def fingerprint(self) -> str:
-        """Digest of everything that decides what `read` yields; file names and times are no part of it."""
+        """Return the digest of everything on which `read` depends; file names and times do not count."""
 
     def read(self) -> Iterator[np.ndarray]:
-        """Each frame as uint8 (y, x, 3) RGB, in order."""
+        """Yield each frame as uint8 (y, x, 3) RGB, in order."""
 
     def describe(self) -> FrameDescription:
-        """Original size and frame rate."""
+        """Return the original size and the frame rate."""
 
     def num_frames(self) -> int:
-        """How many frames `read` yields; a video is decoded for it, since its header may be wrong."""
+        """Return how many frames `read` yields; a video is decoded for it, since its header may be wrong."""
 
     def chunks(self, size: int) -> tuple["FrameSource", ...]:
-        """Sources of at most `size` frames that can be read in parallel; one source where that cannot be."""
+        """Return sources of at most `size` frames that can be read in parallel; one source if that is impossible."""
 
 
-def working_size(size: tuple[int, int], max_side: int) -> tuple[int, int]:
-    """(height, width) px of frames of `size` once their longer side is at most `max_side`."""
-    longer = max(size)
-    if longer <= max_side:
-        return size
-    return max(1, round(size[0] * max_side / longer)), max(1, round(size[1] * max_side / longer))
+def check_fps(fps: float, where: str) -> None:
+    """Raise InputError, naming the argument `where`, for NaN or a rate that overlays do not support."""
+    if not MIN_FPS <= fps <= MAX_FPS:
+        expected = f"{MIN_FPS:g}..{MAX_FPS:g} frames per second"
+        raise InputError("not a frame rate", where=where, got=fps, expected=expected)
 
 
-def shrink_to(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """The image area-averaged to (height, width) `size`; itself where that is its size."""
-    if image.shape[:2] == size:
-        return image
-    return cv2.resize(image, (size[1], size[0]), interpolation=cv2.INTER_AREA)
+def choose_fps(asked: float | None, own: float | None) -> float:
+    """Return the results' frames per second: those requested, else the video's own, else `DEFAULT_FPS`."""
+    return float(asked or own or DEFAULT_FPS)

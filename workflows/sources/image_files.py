@@ -10,27 +10,28 @@ import numpy as np
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.files import digest_file, read_bytes
-from moseg.workflows.sources.frames import FrameDescription, shrink_to, working_size
-from moseg.workflows.sources.image_header import MOST_PIXELS, check_image_header
-from moseg.workflows.sources.png_file import check_png_data, check_png_size
+from moseg.workflows.sources.frames import FrameDescription
+from moseg.workflows.sources.pillow_image import MAX_PIXELS, check_image_header
+from moseg.workflows.sources.png_file import check_png
 from moseg.workflows.sources.quiet_decoding import decode_quietly
+from moseg.workflows.sources.resize import shrink_to, working_size
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 DECODING_VERSION = 2
 """Raised when `ImageFiles.read` starts to yield other pixels for the same bytes, or to refuse them."""
-MOST_SAMPLE_BYTES = 8 * MOST_PIXELS
+MAX_SAMPLE_BYTES = 8 * MAX_PIXELS
 """Of one frame: four channels of 16 bits."""
 EXPANSION_OF_PICTURES = 20
-"""Pictures rarely have so many pixels a byte of their files: only such a one is unpacked twice."""
+"""Pixels per byte of a file; pictures rarely have more, and only those that do are unpacked twice."""
 _DAMAGE = ("Corrupt JPEG data", "Premature end of JPEG file")
 _PADDING = re.compile(r"Corrupt JPEG data: ([1-9]) extraneous bytes before marker 0x(?!d[0-7])([0-9a-f]{2})")
-"""Some cameras fill up the last bytes. More of them, or any before a restart, are data that found no place."""
+"""Some cameras add padding bytes. More of them, or any before a restart, are misplaced data."""
 _END = "d9"
 
 
 @dataclass(frozen=True)
 class ImageFiles:
-    """Image files, one a frame, in order.
+    """Image files, one per frame, in order.
 
     Attributes
     ----------
@@ -50,12 +51,12 @@ class ImageFiles:
             raise InputError("no frames", got="an empty list of image files")
 
     def fingerprint(self) -> str:
-        """Digest of the files' bytes and the decode parameters."""
+        """Return the digest of the files' bytes and the decode parameters."""
         files = [digest_file(path) for path in self.paths]
         return digest_json("source", ["images", DECODING_VERSION, self.max_side, self.size, files])
 
     def read(self) -> Iterator[np.ndarray]:
-        """Each image as uint8 (y, x, 3) RGB; raises InputError that names the file which cannot be a frame."""
+        """Yield each image as uint8 (y, x, 3) RGB; raise InputError for a file that cannot be a frame."""
         size = self.size
         for path in self.paths:
             image = decode_image(read_bytes(path), path)
@@ -70,15 +71,15 @@ class ImageFiles:
             yield shrink_to(image, working_size(size, self.max_side))
 
     def describe(self) -> FrameDescription:
-        """Size of the first image; images have no frame rate."""
+        """Return the size of the first image; images have no frame rate."""
         return FrameDescription(self.size or decode_image(read_bytes(self.paths[0]), self.paths[0]).shape[:2], None)
 
     def num_frames(self) -> int:
-        """One a file."""
+        """Return the number of files."""
         return len(self.paths)
 
     def chunks(self, size: int) -> tuple["ImageFiles", ...]:
-        """Runs of at most `size` images, each bound to the size of the first image of all."""
+        """Return runs of at most `size` images, which must have the size of the first image of all."""
         first = self.describe().size
         starts = range(0, len(self.paths), size)
         return tuple(ImageFiles(self.paths[start : start + size], self.max_side, first) for start in starts)
@@ -97,13 +98,12 @@ def decode_image(content: bytes, path: str) -> np.ndarray:
     Raises
     ------
     InputError
-        The bytes are no image, are damaged or cut short, hold several frames, more than `MOST_PIXELS`, or samples
+        The bytes are not an image, are damaged or cut short, hold several frames, more than `MAX_PIXELS`, or samples
         other than 8- or 16-bit integers.
     """
-    check_png_size(content, path, "image", MOST_SAMPLE_BYTES)
-    check_png_data(content, path, "image", EXPANSION_OF_PICTURES)
+    check_png(content, path, "image", MAX_SAMPLE_BYTES, EXPANSION_OF_PICTURES)
     check_image_header(content, path)
-    image, damage = _decode_and_listen(content)
+    image, damage = _decode_with_damage(content)
     if damage is not None:
         raise InputError("image is damaged", where=path, got=damage, expected="an intact image (re-encode it)")
     if image is None:
@@ -115,8 +115,8 @@ def decode_image(content: bytes, path: str) -> np.ndarray:
     return cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
 
 
-def _decode_and_listen(content: bytes) -> tuple[np.ndarray | None, str | None]:
-    """Samples as OpenCV gives them, and what is damaged: such a JPEG decodes, grey from some row on."""
+def _decode_with_damage(content: bytes) -> tuple[np.ndarray | None, str | None]:
+    """Return OpenCV's samples and the damage: a damaged JPEG decodes, grey from some row on."""
     while True:
         image, complaints = decode_quietly(content, cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH)
         damage = next((line for line in complaints if line.startswith(_DAMAGE)), None)
@@ -125,7 +125,7 @@ def _decode_and_listen(content: bytes) -> tuple[np.ndarray | None, str | None]:
             return image, damage
         if padding[2] == _END:
             return image, None
-        # libjpeg tells of one fault only: without zeros before a segment it tells of what comes after.
+        # libjpeg reports one fault only: without the zeros before a segment it reports the next one.
         marker = bytes.fromhex(f"ff{padding[2]}")
         shorter = content.replace(bytes(int(padding[1])) + marker, marker, 1)
         if shorter == content:

@@ -1,18 +1,17 @@
 """Masks from PNG files."""
 
-import io
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import reduce
 from typing import Literal, Protocol
 
 import numpy as np
+from PIL import ImageMode
 
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.files import digest_file, read_bytes
-from moseg.workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
-from moseg.workflows.sources.png_file import check_png_data, check_png_size
+from moseg.workflows.sources.png_file import decode_label_png
 
 MaskKind = Literal["binary", "instance"]
 MASK_SUFFIXES = (".png",)
@@ -24,10 +23,10 @@ class MaskSource(Protocol):
     """Labels of some frames of a sequence."""
 
     def fingerprint(self) -> str:
-        """Digest of everything that decides what `read` yields."""
+        """Return the digest of everything on which `read` depends."""
 
     def read(self) -> Iterator[tuple[int, np.ndarray]]:
-        """Index of a frame and its uint16 (y, x) labels, 0 = background."""
+        """Yield the index of a frame and its uint16 (y, x) labels, 0 = background."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +38,7 @@ class MaskFiles:
     items : tuple of (int, str)
         Index of the frame and path of its mask, in order of the frames.
     kind : 'binary' or 'instance'
-        Any non-zero value is label 1, or values are labels as they stand (255 stays 255, the usual void label).
+        Any non-zero value is label 1, or values are labels unchanged (255 stays 255, the usual void label).
     size : (int, int), optional
         (height, width) px that every mask must have, that of the original frames; the first mask's where None.
     """
@@ -53,12 +52,12 @@ class MaskFiles:
             raise InputError("no masks", got="an empty list of mask files")
 
     def fingerprint(self) -> str:
-        """Digest of the files' bytes, the frames they belong to and the decode parameters."""
+        """Return the digest of the files' bytes, the frames they belong to and the decode parameters."""
         files = [[index, digest_file(path)] for index, path in self.items]
         return digest_json("source", ["masks", DECODING_VERSION, self.kind, self.size, files])
 
     def read(self) -> Iterator[tuple[int, np.ndarray]]:
-        """Frame index and uint16 (y, x) labels; raises InputError that names the file which cannot be a mask."""
+        """Yield frame index and uint16 (y, x) labels; raise InputError for a file that cannot be a mask."""
         size = self.size
         for index, path in self.items:
             labels = decode_mask(read_bytes(path), path, self.kind)
@@ -74,10 +73,10 @@ class MaskFiles:
 
 
 def decode_mask(content: bytes, path: str, kind: MaskKind) -> np.ndarray:
-    """Labels of one mask file.
+    """Return the labels of one mask file.
 
-    A palette image gives its indices, not its colours; alpha is ignored. A colour image counts as its grey values where
-    the three channels agree; where they differ it can still be a binary mask, but holds no object ids.
+    A palette image gives its indices, not its colours; alpha is ignored. A colour image gives its grey values if the
+    three channels agree; if they differ it can still be a binary mask, but holds no object ids.
 
     Returns
     -------
@@ -88,14 +87,9 @@ def decode_mask(content: bytes, path: str, kind: MaskKind) -> np.ndarray:
     InputError
         Not an image, cut short, colours instead of ids, or ids beyond 65535.
     """
-    check_png_size(content, path, "mask")
-    check_png_data(content, path, "mask")
-    try:
-        with open_quietly(io.BytesIO(content)) as image:
-            values = np.atleast_3d(np.asarray(image))
-            channels = [values[..., i] for i, band in enumerate(image.getbands()) if band != "A"]
-    except PILLOW_ERRORS as error:
-        raise InputError("mask cannot be decoded", where=path, got=f"{len(content)} bytes") from error
+    mode, values = decode_label_png(content, path, "mask")
+    values = np.atleast_3d(values)
+    channels = [values[..., i] for i, band in enumerate(ImageMode.getmode(mode).bands) if band != "A"]
     if kind == "binary":
         return reduce(np.logical_or, channels).astype(bool).astype(np.uint16)
     labels = channels[0]
@@ -107,9 +101,9 @@ def decode_mask(content: bytes, path: str, kind: MaskKind) -> np.ndarray:
 
 
 def find_mask_kind(paths: tuple[str, ...]) -> MaskKind:
-    """'binary' where no mask holds anything but 0 and 255, else 'instance'.
+    """Return 'binary' if all masks hold only 0 and 255, else 'instance'.
 
-    A lone 255 is what editors write for "object"; beside other ids it is the void label.
+    Editors write 255 alone for "object"; together with other ids it is the void label.
     """
     for path in paths:
         content = read_bytes(path)

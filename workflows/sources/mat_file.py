@@ -1,7 +1,7 @@
-"""Structs of numbers out of the bytes of MATLAB files of version 5 to 7.2.
+"""Structs of numbers from the bytes of MATLAB files of version 5 to 7.2.
 
-Read here rather than by ``scipy.io.loadmat``, because that follows what a damaged file claims until the process dies.
-Every length is compared with the bytes that are there, and whatever is wrong is an InputError that names the file.
+They are not read by ``scipy.io.loadmat``, because it trusts the lengths in a damaged file until the process dies. Here
+every length is compared with the bytes that are there, and any damage is an InputError that names the file.
 
 References
 ----------
@@ -22,25 +22,25 @@ _BYTE_ORDERS = {b"IM": "<", b"MI": ">"}
 _MATRIX, _COMPRESSED = 14, 15
 _NUMBER_TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 _STRUCT_CLASS, _NUMBER_CLASSES, _COMPLEX_FLAG = 2, range(6, 16), 0x0800
-# Of compressed variables more is taken only up to so many times the file: 1,000 zeros compress to one byte.
-_ALWAYS_TAKEN_BYTES, _MOST_EXPANSION = 2**28, 100
+# Compressed variables larger than the first may unpack to at most so many times the file (1,000 zeros take one byte).
+_ALWAYS_ALLOWED_BYTES, _MAX_EXPANSION = 2**28, 100
 
 _EXPECTED = "a MATLAB file of version 5 to 7.2"
 
 
 class _DamagedError(ValueError):
-    """What is wrong with the bytes."""
+    """Damage of the bytes."""
 
 
 class _Element(NamedTuple):
-    """A piece of a file: its type and its bytes."""
+    """An element of a file: its type and its bytes."""
 
     kind: int
     data: memoryview
 
 
 class _Matrix(NamedTuple):
-    """A variable or field: class, whether complex, shape, name, and the pieces of its values."""
+    """A variable or field: class, whether complex, shape, name, and the elements of its values."""
 
     kind: int
     is_complex: bool
@@ -50,7 +50,7 @@ class _Matrix(NamedTuple):
 
 
 def read_struct(content: bytes, name: str, path: str) -> dict[str, np.ndarray | None] | None:
-    """The fields of a variable that is a single struct.
+    """Return the fields of a variable that is a single struct.
 
     Parameters
     ----------
@@ -64,20 +64,20 @@ def read_struct(content: bytes, name: str, path: str) -> dict[str, np.ndarray | 
     Returns
     -------
     dict of str to array, or None
-        Real numbers in the type in which they are stored, at the shape of the field; None for a field that holds
-        anything else. None where the file has no such variable or it is no single struct.
+        Real numbers in their stored type and the shape of the field; None for a field that holds anything else. None
+        if the file has no such variable or it is not a single struct.
 
     Raises
     ------
     InputError
-        Not such a file, or a damaged one.
+        The file is not of these versions, or damaged.
     """
     order = _BYTE_ORDERS.get(content[_HEADER_BYTES - 2 : _HEADER_BYTES])
     if order is None or content[_HEADER_BYTES - 4 : _HEADER_BYTES - 2] not in (b"\x00\x01", b"\x01\x00"):
         raise InputError("not MATLAB's", where=path, got=f"{len(content)} bytes", expected=_EXPECTED)
-    most = max(_ALWAYS_TAKEN_BYTES, _MOST_EXPANSION * len(content))
+    max_bytes = max(_ALWAYS_ALLOWED_BYTES, _MAX_EXPANSION * len(content))
     try:
-        for element in _elements(memoryview(content)[_HEADER_BYTES:], order, most):
+        for element in _elements(memoryview(content)[_HEADER_BYTES:], order, max_bytes):
             if element.kind != _MATRIX:
                 continue
             matrix = _open_matrix(element, order)
@@ -88,40 +88,40 @@ def read_struct(content: bytes, name: str, path: str) -> dict[str, np.ndarray | 
     return None
 
 
-def _elements(data: memoryview, order: str, most: int = 0) -> Iterator[_Element]:
-    """The pieces one after the other; compressed ones, which are not nested, unpacked to at most `most` bytes."""
+def _elements(data: memoryview, order: str, max_bytes: int = 0) -> Iterator[_Element]:
+    """Yield the elements in order; unpack compressed ones, which are not nested, to at most `max_bytes`."""
     while len(data):
         if len(data) < _TAG_BYTES:
             raise _DamagedError("a file that is cut short")
         kind, length = np.frombuffer(data[:_TAG_BYTES], order + "u4").tolist()
         start, stop = _TAG_BYTES, _TAG_BYTES + length
         if kind >> 16:
-            # Four bytes or fewer stand in the tag itself.
+            # Four bytes or fewer are in the tag itself.
             kind, length = kind & 0xFFFF, kind >> 16
             start, stop = 4, 4 + length
             end = _TAG_BYTES
         else:
             end = stop if kind == _COMPRESSED else stop + -stop % _ALIGNMENT
-        # The last piece may lack its padding.
+        # The last element may lack its padding.
         if stop > min(end, len(data)):
             raise _DamagedError(f"{len(data)} bytes where {stop} are announced")
-        if kind == _COMPRESSED and most:
-            yield from _elements(_unpack(data[start:stop], most), order)
+        if kind == _COMPRESSED and max_bytes:
+            yield from _elements(_unpack(data[start:stop], max_bytes), order)
         else:
             yield _Element(kind, data[start:stop])
         data = data[end:]
 
 
-def _unpack(data: memoryview, most: int) -> memoryview:
+def _unpack(data: memoryview, max_bytes: int) -> memoryview:
     packed = zlib.decompressobj()
-    content = packed.decompress(data, most)
+    content = packed.decompress(data, max_bytes)
     if not packed.eof:
-        raise _DamagedError(f"a compressed variable that is cut short or larger than {most} bytes")
+        raise _DamagedError(f"a compressed variable that is cut short or larger than {max_bytes} bytes")
     return memoryview(content)
 
 
 def _open_matrix(element: _Element, order: str) -> _Matrix:
-    """A variable up to its values; one of no bytes is empty."""
+    """Return a variable up to its values; one without bytes is empty."""
     if not len(element.data):
         return _Matrix(_NUMBER_CLASSES[0], False, (0, 0), "", iter((_Element(9, element.data),)))
     parts = _elements(element.data, order)
@@ -147,7 +147,7 @@ def _fields(struct: _Matrix, order: str) -> dict[str, np.ndarray | None]:
 
 
 def _array(element: _Element, order: str) -> np.ndarray | None:
-    """Real numbers of a field; None where it holds anything else."""
+    """Return the real numbers of a field; None if it holds anything else."""
     if element.kind != _MATRIX:
         raise _DamagedError(f"a field of type {element.kind}")
     matrix = _open_matrix(element, order)
@@ -156,7 +156,7 @@ def _array(element: _Element, order: str) -> np.ndarray | None:
     values = _numbers(_next(matrix.values), order)
     if len(values) != math.prod(matrix.shape):
         raise _DamagedError(f"{len(values)} values where {matrix.shape} are announced")
-    # MATLAB's first axis runs fastest.
+    # MATLAB's first axis varies fastest.
     return values.reshape(matrix.shape, order="F")
 
 

@@ -1,9 +1,9 @@
-"""Labelled trajectories out of the bytes of a MATLAB file, as KT3DMoSeg (Xu et al. 2018) publishes them.
+"""Labelled trajectories from the bytes of a MATLAB file, as KT3DMoSeg (Xu et al. 2018) publishes them.
 
-A file ``<clip>_Tracks.mat`` holds one struct ``Data``. Read of it are ``ySparse`` (3, N, F), homogeneous xy in px;
-``visibleSparse`` (N, F); and ``GtLabel`` (N), the motion of each trajectory, counted from 1. In the release pixels are
-counted from 0 with their centres at integers, as everywhere here: visible coordinates of 1242x375 px frames span
--0.5 to 1241.2 and -0.5 to 374.4, and points start at multiples of 4.
+A file ``<clip>_Tracks.mat`` holds one struct ``Data``. Three of its fields are read: ``ySparse`` (3, N, F), homogeneous
+xy in px; ``visibleSparse`` (N, F); and ``GtLabel`` (N), the motion of each trajectory, counted from 1. In the release
+pixels are counted from 0 with their centres at integers, as everywhere here: visible coordinates of 1242x375 px frames
+span -0.5 to 1241.2 and -0.5 to 374.4, and points start at multiples of 4.
 """
 
 from typing import NamedTuple
@@ -15,9 +15,9 @@ from moseg.workflows.sources.mat_file import read_struct
 
 STRUCT = "Data"
 FIELDS = ("ySparse", "visibleSparse", "GtLabel")
-FARTHEST = 1e6
-"""px from the origin; what lies beyond is no point of an image."""
-MOST_LABELS = np.iinfo(np.uint16).max
+MAX_COORDINATE = 1e6
+"""Largest coordinate of a point of an image, px."""
+MAX_LABEL = np.iinfo(np.uint16).max
 
 _LAYOUT = "a struct Data with ySparse (3, N, F), visibleSparse (N, F) and GtLabel (N)"
 
@@ -40,7 +40,7 @@ class MatTracks(NamedTuple):
 
 
 def decode_mat_tracks(content: bytes, path: str) -> MatTracks:
-    """The labelled trajectories of one file.
+    """Return the labelled trajectories of one file.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def decode_mat_tracks(content: bytes, path: str) -> MatTracks:
     ------
     InputError
         Not a MATLAB file of version 5 to 7.2 or a damaged one, other variables or shapes, no trajectory, visible points
-        that are not finite, a visibility that is neither 0 nor 1, or labels that are no whole numbers of 1 to 65535.
+        that are not finite, a visibility that is neither 0 nor 1, or labels that are not whole numbers of 1 to 65535.
 
     References
     ----------
@@ -69,8 +69,8 @@ def decode_mat_tracks(content: bytes, path: str) -> MatTracks:
         raise InputError("no labelled trajectories", where=path, got=f"ySparse {homogeneous.shape}")
     if not np.isin(seen, (0, 1)).all():
         raise InputError("visibility that is neither 0 nor 1", where=f"visibleSparse of {path}")
-    if not (np.isfinite(labels) & (labels == np.floor(labels)) & (labels >= 1) & (labels <= MOST_LABELS)).all():
-        expected = f"whole numbers of 1 to {MOST_LABELS}"
+    if not (np.isfinite(labels) & (labels == np.floor(labels)) & (labels >= 1) & (labels <= MAX_LABEL)).all():
+        expected = f"whole numbers of 1 to {MAX_LABEL}"
         raise InputError("unusable labels", where=f"GtLabel of {path}", got=np.unique(labels)[:8], expected=expected)
     visible = seen.astype(bool)
     points = np.zeros((*shape, 2))
@@ -79,13 +79,13 @@ def decode_mat_tracks(content: bytes, path: str) -> MatTracks:
     if num_bad := int(np.count_nonzero(~np.isfinite(points).all(axis=-1))):
         got = f"{num_bad} visible points with NaN, infinity or a third coordinate of 0"
         raise InputError("trajectories are not finite", where=path, got=got)
-    if (farthest := np.abs(points).max(initial=0)) > FARTHEST:
+    if (farthest := np.abs(points).max(initial=0)) > MAX_COORDINATE:
         raise InputError("points far outside any image", where=path, got=f"{farthest:.3g} px", expected="px")
     return MatTracks(points, visible, labels.astype(np.int64))
 
 
 def _fields(content: bytes, path: str) -> dict[str, np.ndarray]:
-    """The struct's fields that are read, float64, by name."""
+    """Return the struct's fields that are read, float64, by name."""
     data = read_struct(content, STRUCT, path)
     missing = FIELDS if data is None else [name for name in FIELDS if name not in data]
     if missing:

@@ -1,7 +1,7 @@
-"""Arrays out of the bytes of `.npy` and `.npz` files.
+"""Arrays from the bytes of `.npy` and `.npz` files.
 
-What a header claims is compared with the bytes that are there before memory is taken for it, and whatever a damaged
-file causes is an InputError that names it. Nothing is ever unpickled.
+The size in a header is compared with the bytes that are there before memory is allocated, and any damage is an
+InputError that names the file. Nothing is ever unpickled.
 """
 
 import io
@@ -19,7 +19,7 @@ from numpy.lib import format as npy_format
 from moseg.schemas.errors import InputError
 
 HEADER_BYTES = 2**14
-"""The start of a file that is read for its header; numpy itself refuses headers beyond 10,000 characters."""
+"""Number of bytes that are read for a header; numpy itself refuses headers beyond 10,000 characters."""
 ARCHIVE_ERRORS = (
     OSError,
     ValueError,
@@ -32,15 +32,15 @@ ARCHIVE_ERRORS = (
     zlib.error,
     lzma.LZMAError,
 )
-"""What zipfile raises where an archive or one of its members is damaged."""
+"""Exceptions of zipfile for a damaged archive or member."""
 
 _VERSIONS = ((1, 0), (2, 0), (3, 0))
-# Beyond the first, an array must not be more than so many times its archive: 1,000 zeros compress to one byte.
-_ALWAYS_TAKEN_BYTES, _MOST_EXPANSION = 2**28, 100
+# Arrays larger than the first may have at most so many times the bytes of their archive (1,000 zeros take one byte).
+_ALWAYS_ALLOWED_BYTES, _MAX_EXPANSION = 2**28, 100
 
 
 class ArrayHeader(NamedTuple):
-    """What stands before an array's values, and in `offset` how many bytes it takes."""
+    """The header of an array, of `offset` bytes."""
 
     shape: tuple[int, ...]
     dtype: np.dtype
@@ -49,12 +49,12 @@ class ArrayHeader(NamedTuple):
 
     @property
     def end(self) -> int:
-        """Bytes of header and values."""
+        """Return the bytes of header and values."""
         return self.offset + math.prod(self.shape) * self.dtype.itemsize
 
 
 def read_header(start: bytes, path: object, what: str) -> ArrayHeader:
-    """The header at the beginning of a ``.npy`` file.
+    """Return the header at the beginning of a ``.npy`` file.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def read_header(start: bytes, path: object, what: str) -> ArrayHeader:
     stream = io.BytesIO(start[:HEADER_BYTES])
     try:
         with warnings.catch_warnings():
-            # Python's of a damaged header, numpy's of an old one.
+            # Python warns about a damaged header, numpy about an old one.
             warnings.simplefilter("ignore")
             version = npy_format.read_magic(stream)
             if version not in _VERSIONS:
@@ -81,8 +81,8 @@ def read_header(start: bytes, path: object, what: str) -> ArrayHeader:
             is_first = version == (1, 0)
             read = npy_format.read_array_header_1_0 if is_first else npy_format.read_array_header_2_0
             shape, is_fortran, dtype = read(stream)
-    # numpy parses the header as Python and makes a type of what it finds: damaged, both fail in ways that are nowhere
-    # listed (TokenError, RecursionError, KeyError ...). Only bytes in memory are read here.
+    # numpy parses the header as Python and converts it to a type: for a damaged header both raise undocumented
+    # exceptions (TokenError, RecursionError, KeyError ...). Only bytes in memory are read here.
     except Exception as error:
         raise undecodable(path, what, error) from error
     shape = tuple(map(int, shape))
@@ -94,7 +94,7 @@ def read_header(start: bytes, path: object, what: str) -> ArrayHeader:
 
 
 def decode_array(content: bytes, path: object, what: str) -> np.ndarray:
-    """The array of a ``.npy`` file, as a view of its bytes that cannot be written to.
+    """Return the array of a ``.npy`` file, as a read-only view of its bytes.
 
     Raises
     ------
@@ -108,19 +108,19 @@ def decode_array(content: bytes, path: object, what: str) -> np.ndarray:
     order = "F" if header.is_fortran else "C"
     try:
         return np.ndarray(header.shape, header.dtype, content, header.offset, order=order)
-    # Sides that no array can have, beside one of 0, and types without a size.
+    # Sides too large for any array, next to one of 0, and types without a size.
     except (ValueError, TypeError, OverflowError) as error:
         raise undecodable(path, what, error) from error
 
 
 def decode_arrays(content: bytes, names: tuple[str, ...], path: object, what: str) -> tuple[np.ndarray, ...]:
-    """The arrays called `names` of a ``.npz`` file, as `decode_array` gives each.
+    """Return the arrays called `names` of a ``.npz`` file, each as by `decode_array`.
 
     Raises
     ------
     InputError
-        No archive, a damaged one, an array that is absent, damaged, or of Python objects, or one that its archive
-        expands to out of all proportion.
+        No archive, a damaged one, an array that is absent, damaged, or of Python objects, or one that expands to far
+        more than its archive.
     """
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
@@ -132,21 +132,21 @@ def decode_arrays(content: bytes, names: tuple[str, ...], path: object, what: st
 
 
 def undecodable(path: object, what: str, got: object, expected: object = None) -> InputError:
-    """The error of a file whose bytes are not what they should be."""
+    """Return the error of a file whose bytes are not what they should be."""
     # numpy repeats the whole of a header that it cannot read.
     return InputError(f"{what} cannot be decoded", where=path, got=f"{got!s:.200}", expected=expected)
 
 
 def _decode_member(archive: zipfile.ZipFile, name: str, num_bytes: int, path: object, what: str) -> np.ndarray:
-    """One array of an archive of `num_bytes`."""
+    """Return one array of an archive of `num_bytes`."""
     members = archive.namelist()
-    # numpy takes a member of just that name for the array too.
+    # numpy accepts a member without the suffix too.
     member = name if name in members else f"{name}.npy"
     if member not in members:
         raise undecodable(path, what, f"arrays {', '.join(sorted(members))}", f"an array {name}")
     with archive.open(member) as stream:
         header = read_header(stream.read(HEADER_BYTES), path, f"{what}: array {name}")
-        if header.end > max(_ALWAYS_TAKEN_BYTES, _MOST_EXPANSION * num_bytes):
+        if header.end > max(_ALWAYS_ALLOWED_BYTES, _MAX_EXPANSION * num_bytes):
             got = f"array {name} of {header.end} bytes in an archive of {num_bytes}"
             raise undecodable(path, what, got, "arrays saved by numpy.savez, uncompressed")
         stream.seek(0)

@@ -1,4 +1,4 @@
-"""From a path that a user gave to a source."""
+"""Sources for paths that a user gives."""
 
 import os
 
@@ -6,22 +6,21 @@ from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.sources.depth_files import DEPTH_SUFFIXES, DepthFiles
 from moseg.workflows.sources.files import list_files, stem
 from moseg.workflows.sources.flow_files import FLOW_SUFFIXES, FlowFiles
-from moseg.workflows.sources.frame_matching import frame_stems, match_names
+from moseg.workflows.sources.frame_matching import check_pairs, frame_stems, match_names
 from moseg.workflows.sources.frames import FrameSource
 from moseg.workflows.sources.image_files import IMAGE_SUFFIXES, ImageFiles
 from moseg.workflows.sources.mask_files import MASK_SUFFIXES, MaskFiles, MaskKind, find_mask_kind
-from moseg.workflows.sources.pair_matching import check_pairs
 from moseg.workflows.sources.track_files import TRACK_SUFFIXES, TrackFile
 from moseg.workflows.sources.video_file import VideoFile
 
 
 def open_frames(path: str, max_side: int) -> ImageFiles | VideoFile:
-    """Frames of a video file, or of a folder of images in natural order.
+    """Open the frames of a video file, or of a folder of images in natural order.
 
     Raises
     ------
     MissingInputError
-        Nothing lies at `path`, or no image in that folder.
+        `path` does not exist, or the folder holds no image.
     """
     path = os.path.abspath(path)
     if os.path.isdir(path):
@@ -37,16 +36,16 @@ def open_frames(path: str, max_side: int) -> ImageFiles | VideoFile:
 
 
 def open_masks(folder: str, frames: FrameSource, kind: MaskKind | None = None) -> MaskFiles:
-    """Masks of a folder, matched to frames by file stem; frames without a mask are left out.
+    """Open the masks of a folder, matched to frames by file stem; frames may lack a mask.
 
     Parameters
     ----------
     folder : str
     frames : FrameSource
         For images a mask's stem is its frame's. Frames of a video have no names: as many masks as frames are the frames
-        in order, of fewer the last number in a mask's name is its frame, counted from 0.
+        in order; with fewer, the last number in a mask's name is its frame, counted from 0.
     kind : 'binary', 'instance' or None
-        None: found from the values (`find_mask_kind`).
+        Found from the values if None (`find_mask_kind`).
 
     Raises
     ------
@@ -70,12 +69,12 @@ def open_masks(folder: str, frames: FrameSource, kind: MaskKind | None = None) -
 
 
 def open_depth(folder: str, frames: FrameSource, num_frames: int, max_side: int) -> DepthFiles:
-    """Depth maps of a folder, one a frame, matched to the frames by `match_names`.
+    """Open the depth maps of a folder, one per frame, matched to the frames by `match_names`.
 
     Raises
     ------
     InputError
-        They are not `num_frames`, or only some have the name of a frame.
+        Their number is not `num_frames`, or only some have the name of a frame.
     """
     folder = os.path.abspath(folder)
     paths = list_files(folder, DEPTH_SUFFIXES)
@@ -88,12 +87,12 @@ def open_depth(folder: str, frames: FrameSource, num_frames: int, max_side: int)
 
 
 def open_flow(folder: str, frames: FrameSource, num_frames: int, max_side: int) -> FlowFiles:
-    """Flow fields of a folder in natural order, one a frame pair.
+    """Open the flow fields of a folder in natural order, one per frame pair.
 
     Raises
     ------
     InputError
-        They are not one fewer than `num_frames`, or their names say that one of them is missing: see `check_pairs`.
+        Their number is not `num_frames` - 1, or their names show that one of them is missing: see `check_pairs`.
     """
     folder = os.path.abspath(folder)
     paths = list_files(folder, FLOW_SUFFIXES)
@@ -105,14 +104,14 @@ def open_flow(folder: str, frames: FrameSource, num_frames: int, max_side: int) 
 
 
 def open_tracks(path: str, name: str, frames: FrameSource, num_frames: int, max_side: int) -> TrackFile:
-    """Point tracks of the sequence `name`: the file `path` itself, or in that folder ``<name>.npz`` or the only .npz.
+    """Open the point tracks of the sequence `name`: the file `path`, or in that folder ``<name>.npz`` or the only .npz.
 
     Raises
     ------
     MissingInputError
         The folder holds no .npz.
     InputError
-        Several files of which none is named as the sequence, or a file that is no .npz.
+        Several files of which none is named as the sequence, or a file that is not .npz.
     """
     path = os.path.abspath(path)
     if not os.path.isdir(path):

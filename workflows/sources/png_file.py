@@ -1,5 +1,6 @@
-"""PNG files of samples that are no colours, and what their headers may claim."""
+"""PNG files whose samples are not colours, and checks of all PNG files before they are decoded."""
 
+import io
 import struct
 import zlib
 from collections.abc import Iterator
@@ -8,24 +9,26 @@ import cv2
 import numpy as np
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.sources.image_header import MOST_PIXELS
+from moseg.workflows.sources.pillow_image import MAX_PIXELS, PILLOW_ERRORS, open_quietly
 from moseg.workflows.sources.quiet_decoding import decode_quietly
 
-MOST_BYTES = 2**28
+MAX_BYTES = 2**28
 """Of the samples of a mask, a depth map or a flow: 16384 x 8192 px of 16 bits, or 8K in three channels."""
 PNG_HEADER = struct.Struct(">8s4x4sIIBB")
-"""Signature, length and name of the first chunk, width, height, bits a sample, colour type (PNG, 11.2.1)."""
+"""Signature, length and name of the first chunk, width, height, bits per sample, colour type (PNG, 11.2.1)."""
 _SIGNATURE, _FIRST_CHUNK = b"\x89PNG\r\n\x1a\n", b"IHDR"
 _CHANNELS = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
 _CHUNK, _PIXELS, _CHECKSUM_BYTES = struct.Struct(">I4s"), b"IDAT", 4
 _FEW_PIXELS, _PIECE_BYTES = 2**22, 2**20
-_MOST_EXPANSION = 1032  # of deflate: 258 bytes from two bits
+_MAX_EXPANSION = 1032  # of deflate: 258 bytes from two bits
 
 
-def check_png_size(content: bytes, path: object, what: str, most_bytes: int = MOST_BYTES) -> None:
-    """Raises InputError where the header of a PNG claims more than its bytes can hold, or more than `most_bytes`.
+def check_png(content: bytes, path: object, what: str, max_bytes: int = MAX_BYTES, expansion: int = 0) -> None:
+    """Raise InputError if a PNG claims more than its bytes can hold, more than `max_bytes`, or more than it holds.
 
-    Decoders take memory for all of it first. Bytes that are no PNG are left to them.
+    Decoders allocate memory for all of it first. For missing samples Pillow reports nothing and leaves 0, OpenCV
+    refuses the file; both take seconds and gigabytes before. Only a large PNG, of more pixels than `expansion` times
+    its bytes, is unpacked for that. Bytes that are not a PNG are left to the decoders.
     """
     header = _read_header(content)
     if header is None:
@@ -34,55 +37,52 @@ def check_png_size(content: bytes, path: object, what: str, most_bytes: int = MO
     _check_chunk_lengths(content, path, what)
     width, height, num_bytes = header
     got = f"{len(content)} bytes for {width}x{height} px"
-    if num_bytes > _MOST_EXPANSION * len(content):
+    if num_bytes > _MAX_EXPANSION * len(content):
         raise InputError(f"{what} cannot be decoded", where=path, got=got)
-    if width * height > MOST_PIXELS:
-        got, expected = f"{width}x{height} px", f"at most {MOST_PIXELS} px"
+    if width * height > MAX_PIXELS:
+        got, expected = f"{width}x{height} px", f"at most {MAX_PIXELS} px"
         raise InputError(f"{what} of too many pixels", where=path, got=got, expected=expected)
-    if num_bytes > most_bytes:
-        raise InputError(f"{what} is too large", where=path, got=got, expected=f"at most {most_bytes} bytes unpacked")
-
-
-def check_png_data(content: bytes, path: object, what: str, expansion: int = 0) -> None:
-    """Raises InputError where a large PNG, of more pixels than `expansion` times its bytes, holds less than it claims.
-
-    Pillow leaves the others 0 without a word, OpenCV refuses it; both take seconds and gigabytes for them first.
-    """
-    header = _read_header(content)
-    if header is None or header[0] * header[1] <= max(_FEW_PIXELS, expansion * len(content)):
-        return
-    unpacked, num_bytes = zlib.decompressobj(), 0
-    try:
-        for data in _pixel_chunks(content):
-            while data and not unpacked.eof:
-                num_bytes += len(unpacked.decompress(data, _PIECE_BYTES))
-                data = unpacked.unconsumed_tail
-        num_bytes += len(unpacked.flush())
-    except zlib.error as error:
-        raise InputError(f"{what} cannot be decoded", where=path, got=error) from error
-    if num_bytes < header[2]:
-        got, expected = f"{num_bytes} bytes of samples", f"{header[2]} for {header[0]}x{header[1]} px"
-        raise InputError(f"{what} cannot be decoded", where=path, got=got, expected=expected)
+    if num_bytes > max_bytes:
+        raise InputError(f"{what} is too large", where=path, got=got, expected=f"at most {max_bytes} bytes unpacked")
+    if width * height > max(_FEW_PIXELS, expansion * len(content)):
+        _check_samples(content, num_bytes, f"{width}x{height} px", path, what)
 
 
 def decode_png(content: bytes, path: object, what: str) -> np.ndarray:
-    """Samples of a PNG as they stand, (y, x) or (y, x, channel), colours in OpenCV's order.
+    """Return the samples of a PNG unchanged, (y, x) or (y, x, channel), colours in OpenCV's order.
 
     Raises
     ------
     InputError
-        No image, or one that is cut short or claims another size than it can have.
+        Not an image, or one that is cut short or claims a size that it cannot have.
     """
-    check_png_size(content, path, what)
-    check_png_data(content, path, what)
+    check_png(content, path, what)
     image, _ = decode_quietly(content, cv2.IMREAD_UNCHANGED)
     if image is None:
         raise InputError(f"{what} cannot be decoded", where=path, got=f"{len(content)} bytes")
     return image
 
 
+def decode_label_png(content: bytes, path: object, what: str) -> tuple[str, np.ndarray]:
+    """Return Pillow's mode of a PNG and its samples as stored, (y, x) or (y, x, channel); a palette gives indices.
+
+    Raises
+    ------
+    InputError
+        Not an image, or one that is cut short or claims a size that it cannot have.
+    """
+    check_png(content, path, what)
+    try:
+        with open_quietly(io.BytesIO(content)) as image:
+            image.load()
+            return image.mode, np.asarray(image)
+    except PILLOW_ERRORS as error:
+        # Pillow names the stream if it cannot identify an image.
+        raise InputError(f"{what} cannot be decoded", where=path, got=f"{len(content)} bytes") from error
+
+
 def _read_header(content: bytes) -> tuple[int, int, int] | None:
-    """Width, height, and bytes that the samples take at least; None where the bytes are no PNG."""
+    """Return width, height, and the minimum bytes of the samples; None if the bytes are not a PNG."""
     if len(content) < PNG_HEADER.size:
         return None
     signature, chunk, width, height, bits, colour = PNG_HEADER.unpack_from(content)
@@ -99,7 +99,7 @@ def _refuse_other_first_chunk(content: bytes, path: object, what: str) -> None:
 
 
 def _check_chunk_lengths(content: bytes, path: object, what: str) -> None:
-    """Raises InputError where a chunk claims more bytes than follow: decoders take memory for all of them."""
+    """Raise InputError if a chunk claims more bytes than follow: decoders allocate memory for all of them."""
     start = len(_SIGNATURE)
     while start + _CHUNK.size <= len(content):
         length, kind = _CHUNK.unpack_from(content, start)
@@ -108,6 +108,22 @@ def _check_chunk_lengths(content: bytes, path: object, what: str) -> None:
             raise InputError(f"{what} cannot be decoded", where=path, got=f"a chunk of {length} bytes beyond its end")
         if kind == b"IEND":
             return
+
+
+def _check_samples(content: bytes, expected_bytes: int, size: str, path: object, what: str) -> None:
+    """Raise InputError if the pixels unpack to fewer bytes than expected."""
+    unpacked, num_bytes = zlib.decompressobj(), 0
+    try:
+        for data in _pixel_chunks(content):
+            while data and not unpacked.eof:
+                num_bytes += len(unpacked.decompress(data, _PIECE_BYTES))
+                data = unpacked.unconsumed_tail
+        num_bytes += len(unpacked.flush())
+    except zlib.error as error:
+        raise InputError(f"{what} cannot be decoded", where=path, got=error) from error
+    if num_bytes < expected_bytes:
+        got, expected = f"{num_bytes} bytes of samples", f"{expected_bytes} for {size}"
+        raise InputError(f"{what} cannot be decoded", where=path, got=got, expected=expected)
 
 
 def _pixel_chunks(content: bytes) -> Iterator[bytes]:

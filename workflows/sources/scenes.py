@@ -23,24 +23,24 @@ class SceneFrames:
     name: str
 
     def fingerprint(self) -> str:
-        """Digest of the scene's declaration and the renderer's version."""
+        """Return the digest of the scene's declaration and the renderer's version."""
         return _fingerprint("frames", self.name)
 
     def read(self) -> Iterator[np.ndarray]:
-        """Each frame as uint8 (y, x, 3) RGB."""
+        """Yield each frame as uint8 (y, x, 3) RGB."""
         yield from _rendered(find_scene(self.name)).images
 
     def describe(self) -> FrameDescription:
-        """The declared size; a scene has no frame rate."""
+        """Return the declared size; a scene has no frame rate."""
         scene = find_scene(self.name)
         return FrameDescription((scene.height, scene.width), None)
 
     def num_frames(self) -> int:
-        """The declared number."""
+        """Return the declared number."""
         return find_scene(self.name).num_frames
 
     def chunks(self, size: int) -> tuple["SceneFrames", ...]:
-        """Itself: a scene is rendered whole."""
+        """Return the source itself: a scene is rendered as a whole."""
         return (self,)
 
 
@@ -52,11 +52,11 @@ class SceneMasks:
     which: Literal["moving", "objects"] = "moving"
 
     def fingerprint(self) -> str:
-        """Digest of the scene's declaration and the renderer's version."""
+        """Return the digest of the scene's declaration and the renderer's version."""
         return _fingerprint(self.which, self.name)
 
     def read(self) -> Iterator[tuple[int, np.ndarray]]:
-        """Index and uint16 (y, x) labels of every frame."""
+        """Yield index and uint16 (y, x) labels of every frame."""
         yield from enumerate(getattr(_rendered(find_scene(self.name)), self.which))
 
 
@@ -67,11 +67,11 @@ class SceneDepth:
     name: str
 
     def fingerprint(self) -> str:
-        """Digest of the scene's declaration and the renderer's version."""
+        """Return the digest of the scene's declaration and the renderer's version."""
         return _fingerprint("inverse_depth", self.name)
 
     def read(self) -> Iterator[np.ndarray]:
-        """float32 (y, x) of every frame, 1/m."""
+        """Yield float32 (y, x) of every frame, 1/m."""
         yield from _rendered(find_scene(self.name)).inverse_depth
 
 
@@ -83,11 +83,11 @@ class SceneFlow:
     direction: Literal["forward", "backward"]
 
     def fingerprint(self) -> str:
-        """Digest of the scene's declaration and the renderer's version."""
+        """Return the digest of the scene's declaration and the renderer's version."""
         return _fingerprint(f"flow_{self.direction}", self.name)
 
     def read(self) -> Iterator[np.ndarray]:
-        """float32 (y, x, uv) of every frame pair, px/frame."""
+        """Yield float32 (y, x, uv) of every frame pair, px/frame."""
         yield from getattr(_rendered(find_scene(self.name)), f"flow_{self.direction}")
 
 
@@ -98,17 +98,17 @@ class SceneTracks:
     name: str
 
     def fingerprint(self) -> str:
-        """Digest of the scene's declaration and the renderer's version."""
+        """Return the digest of the scene's declaration and the renderer's version."""
         return _fingerprint("tracks", self.name)
 
     def read(self) -> tuple[np.ndarray, np.ndarray]:
-        """`points` float32 (track, frame, xy) px and `visible` bool (track, frame)."""
+        """Return `points` float32 (track, frame, xy) px and `visible` bool (track, frame)."""
         scene = _rendered(find_scene(self.name))
         return scene.points, scene.visible
 
 
 def find_scene(name: str) -> Scene:
-    """The declaration of a scene; raises InputError on an unknown name."""
+    """Return the declaration of a scene; raise InputError for an unknown name."""
     if name not in SCENES:
         raise unknown_name("scene", name, SCENES)
     return SCENES[name]
@@ -116,7 +116,7 @@ def find_scene(name: str) -> Scene:
 
 @lru_cache(maxsize=1)
 def _rendered(scene: Scene) -> RenderedScene:
-    """Kept because the sources of one scene are read after one another and rendering takes seconds."""
+    """Render a scene, or return the last one: the sources of a scene are read in turn and rendering takes seconds."""
     return render_scene(scene)
 
 

@@ -7,14 +7,14 @@ import numpy as np
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.files import digest_file, read_bytes
-from moseg.workflows.sources.frames import working_size
 from moseg.workflows.sources.numpy_file import decode_arrays
+from moseg.workflows.sources.resize import working_size
 
 TRACK_SUFFIXES = (".npz",)
 DECODING_VERSION = 1
 """Raised when `TrackFile.read` starts to yield other values for the same bytes."""
 
-_LEAST_INSIDE = 0.5  # share of the visible points; fewer come from frames of another size
+_MIN_INSIDE = 0.5  # share of the visible points; fewer come from frames of another size
 _LAYOUT = "points float (N, F, 2) and visible bool (N, F)"
 
 
@@ -41,14 +41,14 @@ class TrackFile:
     max_side: int
 
     def fingerprint(self) -> str:
-        """Digest of the file's bytes and the decode parameters."""
+        """Return the digest of the file's bytes and the decode parameters."""
         params = [self.num_frames, self.size, self.max_side]
         return digest_json("source", ["tracks", DECODING_VERSION, *params, digest_file(self.path)])
 
     def read(self) -> tuple[np.ndarray, np.ndarray]:
-        """Points and where they are seen, at the frames' working size.
+        """Return points and their visibility, at the frames' working size.
 
-        A point outside its frame is not seen there, whatever the file says: trackers follow points over the border.
+        A point outside its frame is not visible, whatever the file says: trackers follow points over the border.
 
         Returns
         -------
@@ -60,7 +60,7 @@ class TrackFile:
         ------
         InputError
             Not such a file, another number of frames, a visible point that is not finite, or most visible points
-            outside the frame, as those of frames of another size are.
+            outside the frame, as for frames of another size.
         """
         points, visible = decode_tracks(read_bytes(self.path), self.path)
         if points.shape[1] != self.num_frames:
@@ -68,7 +68,7 @@ class TrackFile:
             raise InputError("tracks of another sequence", where=self.path, got=got, expected=f"{self.num_frames}")
         height, width = self.size
         inside = visible & ((points >= -0.5) & (points < (width - 0.5, height - 0.5))).all(axis=-1)
-        if np.count_nonzero(inside) < _LEAST_INSIDE * np.count_nonzero(visible):
+        if np.count_nonzero(inside) < _MIN_INSIDE * np.count_nonzero(visible):
             raise InputError(
                 "most points outside the frame",
                 where=self.path,
@@ -81,7 +81,7 @@ class TrackFile:
 
 
 def decode_tracks(content: bytes, path: str) -> tuple[np.ndarray, np.ndarray]:
-    """Points float64 (N, F, 2), 0 where not visible, and visible bool (N, F); raises InputError unless these are."""
+    """Return points float64 (N, F, 2), 0 if not visible, and visible bool (N, F); raise InputError for other arrays."""
     points, visible = decode_arrays(content, ("points", "visible"), path, "tracks")
     is_pair = points.ndim == 3 and points.shape[2:] == (2,) and visible.shape == points.shape[:2]
     if not is_pair or points.dtype.kind != "f" or visible.dtype != bool:
@@ -89,6 +89,6 @@ def decode_tracks(content: bytes, path: str) -> tuple[np.ndarray, np.ndarray]:
         raise InputError("not tracks", where=path, got=got, expected=_LAYOUT)
     if num_bad := int(np.count_nonzero(visible & ~np.isfinite(points).all(axis=-1))):
         raise InputError("tracks are not finite", where=path, got=f"{num_bad} visible points with NaN or infinity")
-    # What overflows float64 becomes infinite here, and so lies outside every frame.
+    # Values beyond float64 become infinite here, and so lie outside every frame.
     with np.errstate(over="ignore"):
         return np.where(visible[..., None], points, 0).astype(np.float64), visible

@@ -1,6 +1,6 @@
-"""Video files that end before their container says so.
+"""Check for video files that are shorter than their container says.
 
-Decoders conceal this: a Matroska file cut in half decodes without a complaint, with half of its frames.
+Decoders do not report this: a Matroska file cut in half decodes without an error, with half of its frames.
 """
 
 import os
@@ -12,10 +12,10 @@ MATROSKA_SEGMENT = 0x18538067
 
 
 def missing_bytes(path: str) -> int:
-    """Bytes that the container promises beyond the end of the file; 0 where it promises none or is another format.
+    """Return the bytes that the container announces beyond the end of the file; 0 if none, or for other formats.
 
-    ISO base media (mp4, mov: ISO/IEC 14496-12, 4.2) and Matroska (mkv, webm: RFC 9559, RFC 8794) say how long their
-    payload is; transport streams do not.
+    ISO base media (mp4, mov: ISO/IEC 14496-12, 4.2) and Matroska (mkv, webm: RFC 9559, RFC 8794) give the length of
+    their payload; transport streams do not.
     """
     length = os.path.getsize(path)
     with open(path, "rb") as file:
@@ -27,7 +27,7 @@ def missing_bytes(path: str) -> int:
 
 
 def _media_data_end(file: BinaryIO, length: int) -> int:
-    """Position at which the last box of samples, or of a fragment's index, should end."""
+    """Return the position at which the last box of samples, or of a fragment's index, should end."""
     position = end = 0
     while position + 8 <= length:
         file.seek(position)
@@ -36,7 +36,7 @@ def _media_data_end(file: BinaryIO, length: int) -> int:
             large = file.read(8)
             size = int.from_bytes(large, "big") if len(large) == 8 else 0
         if size < 8:
-            # 0 means "to the end of the file"; 2..7 is no box.
+            # 0 means "to the end of the file"; 2..7 are invalid.
             break
         position += size
         if kind in (b"mdat", b"moof"):
@@ -45,7 +45,7 @@ def _media_data_end(file: BinaryIO, length: int) -> int:
 
 
 def _segment_end(file: BinaryIO, length: int) -> int:
-    """Position at which the segment should end, or the header if it alone is longer than the file of `length` bytes.
+    """Return where the segment should end, or the header if it alone is longer than the file of `length` bytes.
 
     0 for an unknown (streamed) size and for other formats.
     """
@@ -64,7 +64,7 @@ def _segment_end(file: BinaryIO, length: int) -> int:
 
 
 def _read_vint(file: BinaryIO, keep_marker: bool = False) -> int:
-    """An EBML variable-size integer (RFC 8794, 4); 0 where malformed or 'unknown' (all ones)."""
+    """Return an EBML variable-size integer (RFC 8794, 4); 0 if it is malformed or 'unknown' (all ones)."""
     first = file.read(1)
     if not first or not first[0]:
         return 0

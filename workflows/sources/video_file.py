@@ -1,6 +1,7 @@
 """Frames from a video file."""
 
 import os
+import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -13,18 +14,18 @@ from av.video.stream import VideoStream
 
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError, MissingInputError
-from moseg.workflows.sources.display_matrix import upright
 from moseg.workflows.sources.files import digest_file
-from moseg.workflows.sources.frames import FrameDescription, shrink_to, working_size
-from moseg.workflows.sources.image_header import MOST_PIXELS
+from moseg.workflows.sources.frames import FrameDescription
+from moseg.workflows.sources.pillow_image import MAX_PIXELS
+from moseg.workflows.sources.resize import shrink_to, working_size
 from moseg.workflows.sources.truncation import missing_bytes
 
 DECODING_VERSION = 1
 """Raised when `VideoFile.read` starts to yield other pixels for the same bytes."""
 NOT_VIDEOS = frozenset(("tty", "hls", "dash", "concat", "sdp", "rtp", "rtsp", "imf"))
-"""FFmpeg's demuxers that make 'video' of a text file, or read other files and addresses that a text names."""
+"""FFmpeg's demuxers that turn a text file into 'video', or read other files and addresses named in a text."""
 METADATA_ERRORS = "replace"
-"""What becomes of bytes of titles and comments that are no UTF-8: many programs write Latin-1."""
+"""Handling of titles and comments that are not UTF-8: many programs write Latin-1."""
 VIDEOS = "a video file, or a folder of images"
 REPAIR = "an intact video (ffmpeg -i IN OUT.mp4 re-encodes what can be read)"
 
@@ -34,7 +35,7 @@ class VideoFile:
     """The first video stream of a file.
 
     Every decoded frame is yielded once whatever its time stamp, so a variable frame rate neither repeats nor drops any.
-    Non-square pixels are left as coded.
+    Non-square pixels are not resampled.
 
     Attributes
     ----------
@@ -47,16 +48,16 @@ class VideoFile:
     max_side: int
 
     def fingerprint(self) -> str:
-        """Digest of the file's bytes and the decode parameters."""
+        """Return the digest of the file's bytes and the decode parameters."""
         return digest_json("source", ["video", DECODING_VERSION, self.max_side, digest_file(self.path)])
 
     def read(self) -> Iterator[np.ndarray]:
-        """Each frame as uint8 (y, x, 3) RGB, turned upright.
+        """Yield each frame as uint8 (y, x, 3) RGB, upright.
 
         Raises
         ------
         InputError
-            No video, no frame in it, or a video that cannot be decoded to its end: frames are never lost in silence.
+            Not a video, no frame in it, or a video that cannot be decoded to its end: no frame is lost unreported.
         """
         size = None
         for number, frame in enumerate(self._decode()):
@@ -69,7 +70,7 @@ class VideoFile:
             raise InputError("no frame in the video", where=self.path)
 
     def describe(self) -> FrameDescription:
-        """Size of the first frame, upright, and the average frame rate."""
+        """Return the size of the first frame, upright, and the average frame rate."""
         frames = self._decode()
         first = next(frames, None)
         frames.close()
@@ -81,11 +82,11 @@ class VideoFile:
         return FrameDescription(_to_array(first).shape[:2], float(rate) if rate else None)
 
     def num_frames(self) -> int:
-        """Frames that decode; the count in a file's header is not always true, so all are decoded."""
+        """Return the number of frames that decode; the count in a file's header may be wrong, so all are decoded."""
         return sum(1 for _ in self._decode())
 
     def chunks(self, size: int) -> tuple["VideoFile", ...]:
-        """Itself: a video decodes from its beginning."""
+        """Return the source itself: a video decodes from its beginning."""
         return (self,)
 
     def _decode(self) -> Iterator[av.VideoFrame]:
@@ -109,7 +110,7 @@ class VideoFile:
 
 def _to_array(frame: av.VideoFrame) -> np.ndarray:
     image = frame.to_ndarray(format="rgb24")
-    # `frame.side_data` would be kept by the frame that it refers to: each decoded frame would stay in memory, and its
+    # `frame.side_data` and its frame would refer to each other: each decoded frame would stay in memory, and its
     # decoder's threads alive, until garbage is collected.
     matrix = SideDataContainer(frame).get("DISPLAYMATRIX")
     return image if matrix is None else upright(image, bytes(matrix))
@@ -122,10 +123,10 @@ def _open(path: str) -> InputContainer:
         raise InputError("not a file", where=path, expected=VIDEOS)
     if os.path.getsize(path) == 0:
         raise InputError("not a video", where=path, got="an empty file", expected=VIDEOS)
-    # Refused before they are opened: a playlist may make FFmpeg wait for a stream that never comes.
+    # Refused before they are opened: for a playlist FFmpeg may wait for a stream that never comes.
     formats = ",".join(sorted(av.formats_available - NOT_VIDEOS))
     try:
-        # The prefix keeps FFmpeg from taking "a:b.mp4" for a URL of protocol "a".
+        # The prefix prevents FFmpeg from taking "a:b.mp4" for a URL of protocol "a".
         return av.open(
             f"file:{path}",
             options={"format_whitelist": formats, "protocol_whitelist": "file"},
@@ -145,13 +146,40 @@ def _video_stream(container: InputContainer, path: str) -> VideoStream:
     if stream.codec_context is None:
         raise InputError("no decoder for the video stream", where=path)
     codec = stream.codec_context
-    if codec.width * codec.height > MOST_PIXELS:
-        got, expected = f"{codec.width}x{codec.height} px", f"at most {MOST_PIXELS} px"
+    if codec.width * codec.height > MAX_PIXELS:
+        got, expected = f"{codec.width}x{codec.height} px", f"at most {MAX_PIXELS} px"
         raise InputError("video of too many pixels", where=path, got=got, expected=expected)
-    # What it may claim later, in its data, is the decoder's to refuse.
-    codec.options = {"max_pixels": str(MOST_PIXELS)}
+    # The decoder refuses larger sizes later in the data.
+    codec.options = {"max_pixels": str(MAX_PIXELS)}
     return stream
 
 
 def _broken(path: str, number: int, reason: str) -> InputError:
     return InputError(f"decoding failed at frame {number}", where=path, got=reason, expected=REPAIR)
+
+
+def upright(image: np.ndarray, matrix: bytes) -> np.ndarray:
+    """Apply a display matrix's quarter turns and mirrorings.
+
+    Parameters
+    ----------
+    image : (y, x, channel)
+    matrix : bytes
+        Nine native int32, rows (a, b, u), (c, d, v), (x, y, w): a point goes to x' = a x + c y, y' = b x + d y, axes
+        right and down (FFmpeg's `libavutil/display.h`). Scale and translation are ignored, and an angle between two
+        quarter turns goes to the nearer one.
+
+    Returns
+    -------
+    (y', x', channel), contiguous
+    """
+    a, b, _, c, d, _, _, _, _ = struct.unpack("=9i", matrix)
+    if abs(b) + abs(c) > abs(a) + abs(d):
+        image, from_x, from_y = image.swapaxes(0, 1), c, b
+    else:
+        from_x, from_y = a, d
+    if from_y < 0:
+        image = image[::-1]
+    if from_x < 0:
+        image = image[:, ::-1]
+    return np.ascontiguousarray(image)

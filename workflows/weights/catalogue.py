@@ -1,8 +1,8 @@
 """The weights items that this project knows.
 
 Sizes and SHA-256 are given where public material states them; the files themselves were not at hand when this was
-written. Where there is no digest the address names a commit, and what Git LFS records at that commit says what the file
-must be. Where there is no commit either (``main``) the one found at the first download is recorded and kept.
+written. If there is no digest, the address names a commit, and Git LFS records the file's digest at that commit. If
+there is no commit either (``main``), the one found at the first download is recorded and kept.
 """
 
 from collections.abc import Mapping
@@ -38,7 +38,7 @@ DPT_DINOV2_RANGES = {
     "nyu": {"min_depth": 0.001, "max_depth": 10.0},
     "kitti": {"min_depth": 0.001, "max_depth": 80.0},
 }
-"""Depths at which the authors' code cuts the answer off, m (``_get_depth_range`` in ``dinov2/hub/depthers.py``)."""
+"""Depths to which the authors' code limits its answer, m (``_get_depth_range`` in ``dinov2/hub/depthers.py``)."""
 GROUNDING_DINO_IMAGES = (457, "8454179ba95e2ad22947835aad7b45862a601fc0055ab88bf1ee70892d3aea60")
 
 Known = tuple[int | None, str | None]
@@ -58,16 +58,16 @@ def _hub_item(
     others: tuple[WeightsFile, ...] = (),
     config: Mapping[str, Any] = MappingProxyType({}),
 ) -> WeightsItem:
-    """An item from one repository of the hub; `remote` gives the names that files have there, where they differ."""
+    """Return an item from one repository of the hub; `remote` gives the files' names there if they differ."""
     base = f"{HUB}/{repository}/resolve/{commit}"
-    there = remote or {}
+    remote_names = remote or {}
     return WeightsItem(
         name=name,
         architecture=architecture,
         licence=licence,
         is_non_commercial=licence == CC_BY_NC,
         files=tuple(
-            WeightsFile(name=file, url=f"{base}/{there.get(file, file)}", size=size, sha256=sha256)
+            WeightsFile(name=file, url=f"{base}/{remote_names.get(file, file)}", size=size, sha256=sha256)
             for file, (size, sha256) in files.items()
         )
         + others,

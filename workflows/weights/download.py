@@ -1,8 +1,12 @@
-"""Downloading one file: resumed where it was cut, checked, and then in place at once.
+"""Download of one file: resumed after an interruption, checked, and then renamed to its place.
 
-The bytes go to ``<file>.partial``. A download that is interrupted leaves it there, and the next one asks only for the
-rest. What is whole is compared with the size and digest that it must have: a wrong file is deleted, a right one is
+The bytes go to ``<file>.partial``. A download that is interrupted leaves it there, and the next one requests only the
+rest. A complete file is compared with the size and digest that it must have: a wrong file is deleted, a right one is
 renamed.
+
+huggingface_hub (2.4) is not used for the hub's items: it accepts bytes of the right length with another SHA-256, starts
+again after a killed process, only warns of a full disk, and comes with torch (extra ``models``), without which weights
+can be fetched here. RAFT, DeAOT, RAM's tags and a user's own addresses would need this module beside it.
 """
 
 import os
@@ -16,23 +20,22 @@ from typing import NamedTuple
 from urllib.error import HTTPError
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.weights.connection import open_url
-from moseg.workflows.weights.hashing import sha256_of
-from moseg.workflows.weights.refusals import PASSING, asked_wait_sec, explain
+from moseg.workflows.weights.connection import TRANSIENT, explain, open_url, retry_after_sec
+from moseg.workflows.weights.pins import sha256_of
 
 CHUNK_BYTES = 2**20
 PARTIAL_SUFFIX = ".partial"
 NO_SUCH_RANGE = 416
-LONGEST_WAIT_SEC = 60.0
-"""Servers that ask for more are not waited for."""
+MAX_WAIT_SEC = 60.0
+"""The download ends if a server asks for a longer wait."""
 _RANGE = re.compile(r"bytes (?:(?P<start>\d{1,18})-\d+|\*)/(?P<total>\d{1,18})")
 
 Report = Callable[[int, int | None], None]
-"""Told how many bytes are here, and of how many if that is known."""
+"""Takes how many bytes were received, and of how many if that is known."""
 
 
 class Source(NamedTuple):
-    """Where a file comes from and what it must be; None where that is not known beforehand."""
+    """Address of a file and what the file must be; None if that is not known beforehand."""
 
     url: str
     sha256: str | None = None
@@ -42,21 +45,21 @@ class Source(NamedTuple):
 
 
 class Retries(NamedTuple):
-    """How often a request is repeated after one that brought nothing new, and the wait before the first repetition."""
+    """How often a request is repeated after one that yielded no new bytes, and the wait before the first repetition."""
 
     count: int = 4
     wait_sec: float = 1.0
 
 
 class Downloaded(NamedTuple):
-    """What the file was found to be."""
+    """Digest and size of the file that was received."""
 
     sha256: str
     size: int
 
 
 class _Cut(Exception):
-    """The connection ended before the file did, or `answer` puts the request off."""
+    """The connection ended before the file did, or `answer` says to try later."""
 
     def __init__(self, reason: object, answer: HTTPError | None = None):
         super().__init__(reason)
@@ -64,16 +67,16 @@ class _Cut(Exception):
 
 
 def download(source: Source, target: Path, report: Report, retries: Retries | None = None) -> Downloaded:
-    """Fetch a file to `target`, whose folder exists.
+    """Download a file to `target`, whose folder exists.
 
     Raises
     ------
     InputError
         The server cannot be reached, gives no access, has no such file or sends another one; the connection is cut
-        time and again; the disk is full or cannot be written. `target` is then as it was before.
+        repeatedly; the disk is full or cannot be written. `target` is then as it was before.
     """
     partial = target.with_name(target.name + PARTIAL_SUFFIX)
-    # What an earlier download left may be damaged: then the file is fetched once more from its beginning.
+    # The rest of an earlier download may be damaged: then the file is downloaded once more from its beginning.
     for is_last in (not partial.exists(), True):
         _Transfer(source, partial, report, retries or Retries()).receive()
         found = Downloaded(sha256_of(partial), partial.stat().st_size)
@@ -104,7 +107,7 @@ class _Transfer:
         self._etag: str | None = None
 
     def receive(self) -> None:
-        """Request what is missing until the file is whole."""
+        """Request what is missing until the file is complete."""
         furthest = failures = 0
         is_first = True
         while True:
@@ -116,13 +119,13 @@ class _Transfer:
                 reached = self._reached()
                 failures = 1 if reached > furthest else failures + 1
                 furthest = max(reached, furthest)
-                asked_sec = 0.0 if cut.answer is None else asked_wait_sec(cut.answer)
-                if failures > self._retries.count or asked_sec > LONGEST_WAIT_SEC:
+                asked_sec = 0.0 if cut.answer is None else retry_after_sec(cut.answer)
+                if failures > self._retries.count or asked_sec > MAX_WAIT_SEC:
                     raise self._failure(cut, reached) from cut
                 time.sleep(max(asked_sec, self._retries.wait_sec * 2 ** (failures - 1)))
 
     def _failure(self, cut: _Cut, reached: int) -> InputError:
-        """That the file cannot be had now, though perhaps later."""
+        """Return the error of a file that cannot be downloaded now, but perhaps later."""
         if cut.answer is not None:
             return explain(cut.answer, self._source.url, self._source.homepage)
         got = f"{reached} of {self._source.size or 'unknown'} bytes ({cut})"
@@ -130,9 +133,9 @@ class _Transfer:
         return InputError("the download was cut off", where=self._source.url, got=got, expected=expected)
 
     def _request(self, is_first: bool) -> None:
-        """One request for the rest of the file; raises _Cut where another one may get further."""
+        """Request the rest of the file once; raise _Cut if another request may get further."""
         if self._source.sha256 is None and self._etag is None:
-            # Parts of two files would be joined unnoticed.
+            # Parts of two versions of the file could be joined unnoticed.
             self._partial.unlink(missing_ok=True)
         start = self._reached()
         if self._source.size is not None and start >= self._source.size:
@@ -145,29 +148,29 @@ class _Transfer:
         except HTTPError as error:
             if error.code == NO_SUCH_RANGE and start:
                 self._end_range(error, start)
-            elif error.code in PASSING:
+            elif error.code in TRANSIENT:
                 error.close()
-                raise _Cut("the server puts the request off", error) from error
+                raise _Cut("the server asks to try later", error) from error
             else:
                 raise explain(error, self._source.url, self._source.homepage) from error
         except (OSError, HTTPException) as error:
-            # What cannot be reached at first is not there; what was reached before may come back.
+            # A server that was reached before may come back; one that never was is not there.
             if is_first:
                 raise explain(error, self._source.url, self._source.homepage) from error
             raise _Cut(error) from error
         else:
             with response:
-                self._take(response, start)
+                self._receive_body(response, start)
 
     def _end_range(self, error: HTTPError, start: int) -> None:
-        """Nothing lies behind what is here: that is all, or it is not the file's beginning."""
+        """Accept that the server has no more bytes; delete what is here if the file has another length."""
         error.close()
         match = _RANGE.fullmatch(error.headers.get("Content-Range", ""))
         if match is None or int(match["total"]) != start:
             self._partial.unlink()
             raise _Cut("the server has no such range") from error
 
-    def _take(self, response: HTTPResponse, start: int) -> None:
+    def _receive_body(self, response: HTTPResponse, start: int) -> None:
         tag = response.headers.get("ETag", "")
         self._etag = tag if tag.startswith('"') else None
         start = _accepted_start(response, start)
@@ -191,7 +194,7 @@ class _Transfer:
                 os.fsync(file.fileno())
         except OSError as error:
             raise InputError("cannot write", where=self._partial, got=error.strerror) from error
-        # A server that does not say how long the file is ends a whole one and a cut one alike.
+        # A server that does not send the length ends a complete and a cut response alike.
         whole = self._source.size if total is None else total
         if whole is not None and done < whole:
             raise _Cut("the server closed the connection")
@@ -200,11 +203,11 @@ class _Transfer:
             raise InputError("the server sent an empty file", where=self._source.url, got="0 bytes")
 
     def _check_answer(self, response: HTTPResponse, total: int | None) -> None:
-        """Refuse what cannot be the file before it is downloaded."""
+        """Raise InputError for a response that cannot be the file, before it is downloaded."""
         url, size = self._source.url, self._source.size
         if response.headers.get_content_type() == "text/html":
             page = self._source.homepage or url
-            expected = f"the file; where this lasts (a quota, a login) get it by hand, see {page}"
+            expected = f"the file; if this lasts (a quota, a login) get it by hand, see {page}"
             raise InputError("the server sent a web page", where=url, got="text/html", expected=expected)
         if total is not None and size not in (None, total):
             raise InputError("a wrong file is offered", where=url, got=f"{total} bytes", expected=f"{size} bytes")
@@ -218,7 +221,7 @@ class _Transfer:
 
 
 def _accepted_start(response: HTTPResponse, start: int) -> int:
-    """Where the answer begins: at 0 where the server knows no ranges or has another file by now."""
+    """Return where the response begins: at 0 if the server ignores ranges or has another file by now."""
     if response.status != 206:
         return 0
     match = _RANGE.fullmatch(response.headers.get("Content-Range", ""))

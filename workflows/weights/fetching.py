@@ -1,4 +1,4 @@
-"""Fetching what is missing of a weights item, one process at a time."""
+"""Download of the missing files of a weights item, by one process at a time."""
 
 import sys
 from collections.abc import Iterator
@@ -11,10 +11,9 @@ from filelock import FileLock, Timeout
 from moseg.schemas.weights import WeightsFile
 from moseg.workflows.process.atomic_write import blame_output
 from moseg.workflows.weights.download import Downloaded, Source, download
-from moseg.workflows.weights.hashing import sha256_of
 from moseg.workflows.weights.hub import HubFile, parse_hub_url, read_pointer, resolve_commit, token_for
 from moseg.workflows.weights.item_folder import ItemFolder
-from moseg.workflows.weights.pins import FilePin, Pins, read_pins, write_pins
+from moseg.workflows.weights.pins import FilePin, Pins, read_pins, sha256_of, write_pins
 from moseg.workflows.weights.progress import DownloadProgress
 
 LOCK = ".lock"
@@ -31,29 +30,29 @@ def fetch_item(files: ItemFolder, token: str | None, quiet: bool) -> None:
     Raises
     ------
     InputError
-        A file cannot be had, is not what it must be, or cannot be written.
+        A file cannot be downloaded, is not what it must be, or cannot be written.
     """
-    with _alone(files.path, files.item.name, quiet):
-        # Looked up under the lock: another process may have fetched them meanwhile.
+    with _locked(files.path, files.item.name, quiet):
+        # Listed under the lock: another process may have fetched them meanwhile.
         for file in files.missing():
             _fetch_file(files, file, token, quiet)
 
 
 def fetch_again(files: ItemFolder, token: str | None, quiet: bool) -> None:
-    """Download the files that only their first download vouches for once more, and pin what they are now.
+    """Download again the files that only their first download fixes, and pin what they are now.
 
-    Those whose record on the hub says that they are right stay as they are. The branch's commit stays the same.
+    Files that match the hub's record are kept. The branch's commit stays the same.
 
-    Raises as `fetch_item` does; a file that cannot be had is then as it was.
+    Raises as `fetch_item` does; a file that cannot be downloaded is then as it was.
     """
-    with _alone(files.path, files.item.name, quiet):
+    with _locked(files.path, files.item.name, quiet):
         for file in files.item.files:
             if file.is_fixed_by_download:
                 _fetch_file(files, file, token, quiet, again=True)
 
 
 def _fetch_file(files: ItemFolder, file: WeightsFile, token: str | None, quiet: bool, again: bool = False) -> None:
-    """Download one file; what is not known of it beforehand is pinned."""
+    """Download one file; pin what is not known of it beforehand."""
     label = f"{files.item.name}/{file.name}"
     pins = read_pins(files.path)
     if again:
@@ -76,7 +75,7 @@ def _fetch_file(files: ItemFolder, file: WeightsFile, token: str | None, quiet: 
 def _find_pin(
     file: WeightsFile, source: Source, folder: Path, pins: Pins, token: str | None, label: str
 ) -> tuple[Pins, Source]:
-    """What a file must be by an earlier download or by the hub, where the item does not say it."""
+    """Return what an earlier download or the hub says that a file must be, for an item that does not say it."""
     hub = parse_hub_url(file.url)
     if hub is not None and not hub.is_pinned:
         pins, hub = _pin_commit(hub, folder, pins, token, label)
@@ -90,7 +89,7 @@ def _find_pin(
 
 
 def _pin_commit(hub: HubFile, folder: Path, pins: Pins, token: str | None, label: str) -> tuple[Pins, HubFile]:
-    """The file at the commit that was recorded for its branch; recorded now where none was."""
+    """Return the file at the commit that is recorded for its branch; record the commit if there is none."""
     branch = f"{hub.repository}@{hub.revision}"
     if branch not in pins.commits:
         commit = resolve_commit(hub, token)
@@ -101,13 +100,13 @@ def _pin_commit(hub: HubFile, folder: Path, pins: Pins, token: str | None, label
 
 
 def _note(line: str) -> None:
-    """Said however quiet the run is: nobody vouches for the file."""
+    """Print a note even if the run is quiet: nothing else warns that the file is not verified."""
     print(f"note: {line}", file=sys.stderr, flush=True)
 
 
 @contextmanager
-def _alone(folder: Path, name: str, quiet: bool) -> Iterator[None]:
-    """The folder, made where there is none, while no other process fetches into it."""
+def _locked(folder: Path, name: str, quiet: bool) -> Iterator[None]:
+    """Create the folder if there is none, and lock it against other processes that fetch into it."""
     lock = FileLock(folder / LOCK)
     with blame_output(folder):
         folder.mkdir(parents=True, exist_ok=True)

@@ -1,11 +1,12 @@
-"""The folder of weights: every item that there is, what of it is here, and how the rest gets there."""
+"""The folder of weights: all items, which of their files are here, and how the others are fetched."""
 
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from moseg.schemas.errors import InputError
+from moseg.schemas.recipes import Recipe
 from moseg.schemas.spelling import unknown_name
 from moseg.schemas.weights import WeightsItem
 from moseg.workflows.weights.catalogue import CATALOGUE
@@ -25,9 +26,9 @@ _NO = ("", "0", "false", "no", "off")
 def open_weights(
     env: Mapping[str, str], offline: bool = False, allow_non_commercial: bool = False, quiet: bool = False
 ) -> "Weights":
-    """The folder that the environment names, with the catalogue's items and the user's own.
+    """Open the folder that the environment names, with the catalogue's items and the user's own.
 
-    `offline` and `allow_non_commercial` hold too where ``MOSEG_OFFLINE`` or ``MOSEG_NON_COMMERCIAL`` is set.
+    ``MOSEG_OFFLINE`` and ``MOSEG_NON_COMMERCIAL`` set `offline` and `allow_non_commercial` too.
     """
     return Weights(
         weights_folder(env),
@@ -65,9 +66,9 @@ class Weights:
 
     @cached_property
     def items(self) -> Mapping[str, WeightsItem]:
-        """Items by name: those that were given, else the catalogue's and the user's.
+        """Return items by name: those that were given, else the catalogue's and the user's.
 
-        Read when first asked for: what runs no network is not stopped by a ``weights.json`` that cannot be read.
+        They are read on first use: a run without networks does not fail on an unreadable ``weights.json``.
 
         Raises
         ------
@@ -79,29 +80,30 @@ class Weights:
         return {item.name: item for item in (*CATALOGUE, *read_own_items(self.folder))}
 
     def item(self, name: str) -> WeightsItem:
-        """The item of a name; raises InputError where there is none."""
+        """Return the item of a name; raise InputError if there is none."""
         if name not in self.items:
             expected = f"one that `moseg backends` lists, or that {OWN_ITEMS} describes"
             raise unknown_name("weights item", name, self.items, where=self.folder, expected=expected)
         return self.items[name]
 
     def is_present(self, item: WeightsItem) -> bool:
-        """Whether all files of an item are here; their bytes are not looked at."""
+        """Return whether all files of an item are here, without reading them."""
         return not self._open(item).missing()
 
     def size(self, item: WeightsItem) -> int | None:
-        """Bytes of an item's files: those on disk where all are here, else as far as they are known beforehand."""
+        """Return the bytes of an item's files: on disk if all are here, else as far as known beforehand."""
         return self._open(item).num_bytes() if self.is_present(item) else item.size
 
     def ensure(self, item: WeightsItem) -> None:
-        """Have all files of an item here: what is missing is fetched.
+        """Fetch the missing files of an item.
 
         Raises
         ------
         MissingInputError
-            A file is missing, and there is no address or no network is to be used; names the command that gets it.
+            A file is missing, and it has no address or no network may be used; the message names the command that
+            fetches it.
         InputError
-            The licence was not agreed to, a file has a wrong size, or the download failed.
+            The licence was not accepted, a file has a wrong size, or the download failed.
         """
         self._check_licence(item)
         files = self._open(item)
@@ -113,9 +115,9 @@ class Weights:
             fetch_item(files, self._token, self._quiet)
 
     def digests(self, item: WeightsItem) -> dict[str, str]:
-        """SHA-256 of every file by its name; from the bytes where nothing says beforehand what it must be.
+        """Return the SHA-256 of every file by its name; of its bytes if it is not known beforehand.
 
-        Those files are fetched where they are missing. Raises as `ensure` does.
+        Such files are fetched if they are missing. Raises as `ensure` does.
         """
         self._check_licence(item)
         files = self._open(item)
@@ -124,30 +126,30 @@ class Weights:
         return {file.name: files.digest(file) for file in item.files}
 
     def read(self, item: WeightsItem, digests: Mapping[str, str]) -> "Checkpoint":
-        """What a network is built from; every file is compared with `digests` before it is used.
+        """Return what a network is built from; compare every file with `digests` before it is used.
 
         Raises
         ------
         MissingInputError
-            A file is missing; names the command that gets it.
+            A file is missing; the message names the command that fetches it.
         InputError
-            A file is another one than `digests` say, is unreadable, or is written to meanwhile. One that is not what
-            it must be and can be fetched anew is moved aside.
+            A file differs from `digests`, is unreadable, or is written to meanwhile. A wrong file that can be fetched
+            anew is renamed.
         """
         return self._open(item).read(digests)
 
     def verify(self, item: WeightsItem) -> list[Verdict]:
-        """Every file of an item, hashed now, beside what it must be."""
+        """Hash every file of an item and compare it with what it must be."""
         return self._open(item).verify()
 
     def repair(self, item: WeightsItem, again: bool = False) -> None:
-        """Have all files of an item here and right: what is wrong is moved aside and fetched anew.
+        """Fetch the missing files of an item, and replace wrong ones.
 
         Parameters
         ----------
         again : bool
-            Whether files that only their first download vouches for are fetched anew too, and what they are then is
-            recorded in place of what they were: the first download may have been a bad one.
+            Whether files that only their first download fixes are fetched anew too, and recorded anew: the first
+            download may have been damaged.
 
         Raises as `ensure` does.
         """
@@ -166,5 +168,33 @@ class Weights:
     def _check_licence(self, item: WeightsItem) -> None:
         if item.is_non_commercial and not self._allow_non_commercial:
             got = f"licence {item.licence}"
-            expected = f"--non-commercial, or {NON_COMMERCIAL_VARIABLE}=1, where your use is none"
+            expected = f"--non-commercial, or {NON_COMMERCIAL_VARIABLE}=1, if your use is non-commercial"
             raise InputError("weights for non-commercial use only", where=item.name, got=got, expected=expected)
+
+
+class WeightsLeaf(NamedTuple):
+    """The leaf of a weights item: its recipe, and attributes that name the item and the SHA-256 of each file."""
+
+    recipe: Recipe
+    attributes: dict[str, Any]
+
+
+def weights_leaf(weights: Weights, name: str, architecture: str) -> WeightsLeaf:
+    """Return the leaf of a weights item: its files' digests name it, so that other weights give other results.
+
+    Raises
+    ------
+    InputError
+        There is no such item, it is of another architecture, or its digests are unknown and it cannot be fetched.
+    """
+    item = weights.item(name)
+    if item.architecture != architecture:
+        raise InputError("weights of another network", where=name, got=item.architecture, expected=architecture)
+    params = {
+        "item": item.name,
+        "architecture": item.architecture,
+        "config": dict(item.config),
+        "files": weights.digests(item),
+    }
+    # Not one digest for all files: `moseg store why` then names the file that differs.
+    return WeightsLeaf(Recipe(task="weights", version=1, params=params), {**params, "licence": item.licence})

@@ -1,4 +1,4 @@
-"""Addresses of files on a model hub: which commit they name, and what the hub's Git says of a file's bytes."""
+"""Addresses of files on a model hub: their commit, and the hub's record of a file's digest and size."""
 
 import json
 import re
@@ -21,7 +21,7 @@ ANSWER_BYTES = 16 * 2**20
 
 
 class HubFile(NamedTuple):
-    """A file of a repository of the hub at a revision: a commit, or a branch that moves on."""
+    """A file of a repository of the hub at a revision: a commit, or a branch, whose commit changes."""
 
     origin: str
     repository: str
@@ -30,12 +30,12 @@ class HubFile(NamedTuple):
 
     @property
     def is_pinned(self) -> bool:
-        """Whether the revision is a commit."""
+        """Return whether the revision is a commit."""
         return _COMMIT.fullmatch(self.revision) is not None
 
     @property
     def url(self) -> str:
-        """Where the file is downloaded."""
+        """Return the address from which the file is downloaded."""
         return f"{self.origin}/{self.repository}/resolve/{self.revision}/{self.path}"
 
 
@@ -47,14 +47,14 @@ class Pointer(NamedTuple):
 
 
 def parse_hub_url(url: str) -> HubFile | None:
-    """The file that an address of the hub's form names; None for any other address."""
+    """Return the file that an address of the hub's form names; None for any other address."""
     parts = urlsplit(url)
     match = _PATH.fullmatch(parts.path)
     return HubFile(f"{parts.scheme}://{parts.netloc}", **match.groupdict()) if match else None
 
 
 def resolve_commit(file: HubFile, token: str | None) -> str:
-    """The commit that the file's branch is at now.
+    """Return the current commit of the file's branch.
 
     Raises
     ------
@@ -73,16 +73,16 @@ def resolve_commit(file: HubFile, token: str | None) -> str:
 
 
 def read_pointer(file: HubFile, token: str | None) -> Pointer | None:
-    """Digest and size of a file that Git LFS keeps; None for one that lies in Git itself, as small files do."""
+    """Return digest and size of a file in Git LFS; None for one in Git itself, as small files are."""
     url = f"{file.origin}/{file.repository}/raw/{file.revision}/{file.path}"
     match = _POINTER.fullmatch(read_url(url, POINTER_BYTES, token_for(url, token)).decode("utf-8", "replace"))
     return Pointer(match["sha256"], int(match["size"])) if match else None
 
 
 def token_for(url: str, token: str | None) -> str | None:
-    """The user's token for the hub where the address is the hub's; it is nobody else's business.
+    """Return the user's token if the address is the hub's; no other host may see it.
 
-    Raises InputError, which does not tell it, where it cannot be one.
+    Raises InputError, without the token in its message, if it cannot be a token.
     """
     parts = urlsplit(url)
     if token is None or (parts.scheme, parts.hostname) != ("https", HUB):

@@ -1,4 +1,4 @@
-"""The files of one weights item: which are here, what they are, and that they are what they must be."""
+"""The files of one weights item: which of them are here, and whether they are what they must be."""
 
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.schemas.weights import WeightsFile, WeightsItem
 from moseg.workflows.weights.fetch_command import fetch_command
-from moseg.workflows.weights.hashing import remembered_sha256, sha256_of
-from moseg.workflows.weights.pins import read_pins
+from moseg.workflows.weights.pins import cached_sha256, read_pins, sha256_of
 from moseg.workflows.weights.reading import file_state, read_checkpoint
 
 if TYPE_CHECKING:
@@ -19,7 +18,7 @@ REFUSED_SUFFIX = ".refused"
 
 
 class Verdict(NamedTuple):
-    """A file beside what it must be: `expected` is None where nothing says that, `got` where the file is missing."""
+    """Digests of a file: `expected` is None if it is not known, `got` if the file is missing."""
 
     path: Path
     expected: str | None
@@ -27,28 +26,28 @@ class Verdict(NamedTuple):
 
     @property
     def is_wrong(self) -> bool:
-        """Whether the file is there and another one."""
+        """Return whether the file is there and differs."""
         return None not in (self.expected, self.got) and self.expected != self.got
 
 
 class ItemFolder:
-    """One item and the folder of its files; looks at the folder anew each time it is asked."""
+    """One item and the folder of its files, which each method reads anew."""
 
     def __init__(self, item: WeightsItem, path: Path):
         self.item = item
         self.path = path
 
     def missing(self) -> list[WeightsFile]:
-        """Files that are not here, or came from an address that is no longer the item's."""
+        """Return the files that are not here, or that came from an address that is no longer the item's."""
         pins = read_pins(self.path)
         return [file for file in self.item.files if pins.is_outdated(file) or not (self.path / file.name).is_file()]
 
     def num_bytes(self) -> int:
-        """Bytes of the files that are here."""
+        """Return the bytes of the files that are here."""
         return sum(path.stat().st_size for _, path in self._paths() if path.is_file())
 
     def check_sizes(self) -> None:
-        """Raise InputError for a file that is here in another size than it must have."""
+        """Raise InputError for a file that is here and has a wrong size."""
         pins = read_pins(self.path)
         for file in self.item.files:
             path, pin = self.path / file.name, pins.of(file)
@@ -57,24 +56,24 @@ class ItemFolder:
                 raise self._refusal(file, f"{path.stat().st_size} bytes", f"{size} bytes")
 
     def digest(self, file: WeightsFile) -> str | None:
-        """SHA-256 that a file must have, else that of its bytes; None where it is not here either."""
+        """Return the SHA-256 that a file must have, else that of its bytes; None if it is not here either."""
         path, pinned = self.path / file.name, self._pinned(file)
         if pinned is None and path.is_file() and file not in self.missing():
-            return _hash(path, remembered_sha256)
+            return _hash(path, cached_sha256)
         return pinned
 
     def verify(self) -> list[Verdict]:
-        """Every file, hashed now, beside what it must be."""
+        """Hash every file and compare it with what it must be."""
         return [Verdict(path, self._pinned(file), _hash(path)) for file, path in self._paths()]
 
     def refuse_wrong(self) -> None:
-        """Move aside every file that is not what it must be and can be fetched anew."""
+        """Rename every wrong file that can be fetched anew."""
         for file, verdict in zip(self.item.files, self.verify(), strict=True):
             if verdict.is_wrong and file.url is not None:
                 _move_aside(verdict.path)
 
     def read(self, digests: Mapping[str, str]) -> "Checkpoint":
-        """What a network is built from; see `Weights.read`."""
+        """Return what a network is built from; see `Weights.read`."""
         names = [file.name for file in self.item.files]
         if set(digests) != set(names):
             got, expected = ", ".join(sorted(names)), ", ".join(sorted(digests))
@@ -104,7 +103,7 @@ class ItemFolder:
         return checkpoint
 
     def absence(self, file: WeightsFile) -> MissingInputError:
-        """That a file is not here, and how to get it."""
+        """Return the error of a missing file, with the command that fetches it."""
         expected = f"`{fetch_command(self.item)}`, with a network"
         if file.url is None:
             expected = "your file: its item names no address"
@@ -116,18 +115,18 @@ class ItemFolder:
         return [(file, self.path / file.name) for file in self.item.files]
 
     def _pinned(self, file: WeightsFile) -> str | None:
-        """The digest that the item gives, else what the first download was found to have."""
+        """Return the digest that the item gives, else that of the first download."""
         if file.sha256 is not None:
             return file.sha256
         pin = read_pins(self.path).of(file)
         return pin.sha256 if pin is not None else None
 
     def _concerned(self, error: InputError) -> Sequence[WeightsFile]:
-        """The file that an error of reading names; all of them where it names none."""
+        """Return the file that an error of reading names; all of them if it names none."""
         return [file for file, path in self._paths() if path == error.parts[1]] or self.item.files
 
     def _refusal(self, file: WeightsFile, got: str, expected: str) -> InputError:
-        """That a file is a wrong one; it is moved aside where it can be fetched anew."""
+        """Return the error of a wrong file; rename the file if it can be fetched anew."""
         path = self.path / file.name
         if file.url is not None:
             expected = f"{expected}; {_move_aside(path)}, `{fetch_command(self.item)}` gets the right one"
@@ -135,17 +134,17 @@ class ItemFolder:
 
 
 def _move_aside(path: Path) -> str:
-    """Take a file out of service; says in what way."""
+    """Rename a file so that it is not used; return what was done, for a message."""
     aside = path.with_name(path.name + REFUSED_SUFFIX)
     try:
         os.replace(path, aside)
     except OSError as error:
-        return f"it could not be moved aside ({error.strerror})"
-    return f"it is moved to {aside.name}"
+        return f"it could not be renamed ({error.strerror})"
+    return f"it is renamed to {aside.name}"
 
 
 def _hash(path: Path, hash_file: Callable[[Path], str] = sha256_of) -> str | None:
-    """SHA-256 of a file; None where there is none."""
+    """Return the SHA-256 of a file; None if there is no file."""
     try:
         return hash_file(path) if path.is_file() else None
     except OSError as error:

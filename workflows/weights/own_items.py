@@ -1,4 +1,4 @@
-"""Where weights lie, and the items that a user adds there."""
+"""The folder of weights, and the items that a user adds there."""
 
 import os
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ OWN_ITEMS = "weights.json"
 
 
 def weights_folder(env: Mapping[str, str]) -> Path:
-    """``$MOSEG_WEIGHTS``, else ``moseg/weights`` in the user's cache."""
+    """Return ``$MOSEG_WEIGHTS``, else ``moseg/weights`` in the user's cache."""
     if env.get(FOLDER_VARIABLE):
         return Path(os.path.abspath(os.path.expanduser(env[FOLDER_VARIABLE])))
     cache = env.get("XDG_CACHE_HOME") or os.path.join(env.get("HOME") or os.path.expanduser("~"), ".cache")
@@ -22,12 +22,12 @@ def weights_folder(env: Mapping[str, str]) -> Path:
 
 
 def read_own_items(folder: Path) -> tuple[WeightsItem, ...]:
-    """The items that ``weights.json`` in the folder of weights describes; none where there is no such file.
+    """Return the items that ``weights.json`` in the folder of weights describes; none if there is no such file.
 
     Raises
     ------
     InputError
-        The file cannot be read, or an item in it is not one.
+        The file cannot be read, or an item in it is not valid.
     """
     path = folder / OWN_ITEMS
     try:

@@ -1,5 +1,6 @@
-"""What the first download of a file without a published checksum was found to be, enforced from then on."""
+"""Digests of files; pins: those of the first download of a file without a published checksum, enforced afterwards."""
 
+import hashlib
 from pathlib import Path
 
 from pydantic import Field, ValidationError
@@ -11,7 +12,7 @@ from moseg.workflows.process.atomic_write import atomic_path, blame_output
 
 
 class FilePin(Frozen):
-    """Digest and size of what an address gave."""
+    """Digest and size of what an address returned."""
 
     source: str
     sha256: Sha256
@@ -33,23 +34,23 @@ class Pins(Frozen):
     files: dict[str, FilePin] = {}
 
     def of(self, file: WeightsFile) -> FilePin | None:
-        """The pin of a file; None where there is none, or the file comes from elsewhere by now."""
+        """Return the pin of a file; None if there is none or if it is of another address."""
         pin = self.files.get(file.name)
         return pin if pin is not None and pin.source == file.url else None
 
     def is_outdated(self, file: WeightsFile) -> bool:
-        """Whether what was downloaded came from an address that is no longer the file's, and nothing else tells."""
+        """Return whether a file that only its download fixes came from an address that is no longer its own."""
         return file.is_fixed_by_download and file.name in self.files and self.of(file) is None
 
     def without(self, file: WeightsFile) -> "Pins":
-        """The same but for a file's pin."""
+        """Return the pins without that of a file."""
         return self.model_copy(update={"files": {name: pin for name, pin in self.files.items() if name != file.name}})
 
 
 def read_pins(folder: Path) -> Pins:
-    """The pins of the item in a folder; none where nothing was pinned.
+    """Return the pins of the item in a folder; none if nothing was pinned.
 
-    Raises InputError where they cannot be read.
+    Raises InputError if they cannot be read.
     """
     path = folder / PINS
     try:
@@ -62,6 +63,24 @@ def read_pins(folder: Path) -> Pins:
 
 
 def write_pins(folder: Path, pins: Pins) -> None:
-    """Put pins in place of those of the item in a folder."""
+    """Write the pins of the item in a folder."""
     with atomic_path(folder / PINS) as temporary, blame_output(folder / PINS):
         temporary.write_text(pins.model_dump_json(indent=2) + "\n", encoding="utf-8")
+
+
+_KNOWN: dict[tuple[str, int, int], str] = {}
+
+
+def sha256_of(path: Path) -> str:
+    """Return the hexadecimal SHA-256 of a file's bytes."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def cached_sha256(path: Path) -> str:
+    """Return the same; read again in this process only if size or modification time changed."""
+    stat = path.stat()
+    state = (str(path.resolve()), stat.st_size, stat.st_mtime_ns)
+    if state not in _KNOWN:
+        _KNOWN[state] = sha256_of(path)
+    return _KNOWN[state]

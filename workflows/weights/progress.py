@@ -12,7 +12,7 @@ PLAIN_INTERVAL_SEC = 15.0
 
 
 class DownloadProgress(AbstractContextManager):
-    """Counts the bytes of one file."""
+    """Display of the bytes received of one file."""
 
     def __init__(self, label: str, source: str, quiet: bool):
         self._label, self._source = label, source
@@ -39,7 +39,7 @@ class DownloadProgress(AbstractContextManager):
         return self
 
     def advance(self, done: int, total: int | None) -> None:
-        """So many of the file's bytes are here, of so many if that is known."""
+        """Show that `done` bytes were received, of `total` if that is known."""
         self._done, self._total = done, total
         if self._bar is not None:
             self._bar.update(self._row, completed=done, total=total)
@@ -59,7 +59,7 @@ class DownloadProgress(AbstractContextManager):
 
 
 def describe_size(num_bytes: int | None) -> str:
-    """A size in decimal units, as download pages give it."""
+    """Return a size in decimal units, as download pages give it."""
     if num_bytes is None:
         return "unknown size"
     size = float(num_bytes)

@@ -7,7 +7,7 @@ import pytest
 
 @pytest.fixture
 def write_png():
-    """Writes a 6x4 px PNG, or one of another (height, width), filled with a value; ``.jpg`` names get a JPEG."""
+    """Return a function that writes a PNG or, by its name, a JPEG of one value, 6x4 px by default."""
 
     def write(path, value=0, size=(4, 6)):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -18,7 +18,7 @@ def write_png():
 
 @pytest.fixture
 def write_sequence(write_png):
-    """Writes frames and, for those annotated, masks whose values are given by frame number."""
+    """Return a function that writes frames, and masks of some frames with values by frame number."""
 
     def write(frames, masks, values, num_frames=3, suffix=".jpg"):
         for number in range(num_frames):

@@ -1,4 +1,4 @@
-"""Labelled trajectories as a data set: what is there, what is not, and what they decode to."""
+"""Labelled trajectories as a data set: found and missing clips, and their content."""
 
 import os
 import pickle
@@ -47,12 +47,12 @@ def test_clips_outside_the_release_can_be_named(tmp_path):
     assert pickle.loads(pickle.dumps(source)) == source
 
 
-def test_a_root_without_clips_says_what_to_fetch_from_where(tmp_path):
+def test_a_root_without_clips_names_the_download(tmp_path):
     with pytest.raises(MissingInputError, match=r"_Tracks\.mat.*github\.com/alex-xun-xu/MultiViewMoSeg"):
         open_clips(tmp_path)
 
 
-def test_there_are_no_frames_where_there_are_trajectories_and_no_trajectories_where_there_are_frames(tmp_path):
+def test_a_data_set_has_either_frames_or_trajectories(tmp_path):
     write(tmp_path / "Seq005_Clip01_Tracks.mat")
     with pytest.raises(InputError, match="no frames in data set kt3dmoseg"):
         open_clips(tmp_path).sequence("Seq005_Clip01")

@@ -8,7 +8,7 @@ from scipy.io import savemat
 
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.datasets import describe_dataset, find_ground_truth, open_dataset
-from moseg.workflows.datasets.kt3dinsmoseg import find_tracks
+from moseg.workflows.datasets.kt3dmoseg import find_tracks
 
 CLIP = "Seq028_clip03"
 NAME = f"{CLIP}_Tracks.mat"
@@ -22,7 +22,7 @@ def write_tracks(path, num_frames=3):
 
 @pytest.fixture
 def clip(tmp_path, write_sequence):
-    """Folder of a clip with three frames that do not begin at 0."""
+    """Return the folder of a clip with three frames whose numbers do not begin at 0."""
     write_sequence(tmp_path / CLIP / "images", tmp_path / CLIP / "masks", {}, suffix=".png")
     for number in (2, 1, 0):
         image = tmp_path / CLIP / "images" / f"{number:05d}.png"
@@ -37,7 +37,7 @@ def open_clip(root, max_side=100):
 @pytest.mark.parametrize(
     "place", [f"{CLIP}/{NAME}", f"{CLIP}/any_tracks.MAT", NAME, NAME.upper(), f"{CLIP}/{NAME.lower()}"]
 )
-def test_trajectories_are_found_in_the_clip_or_beside_it_whatever_their_letter_case(clip, place):
+def test_trajectories_are_found_in_the_clip_or_beside_it_in_any_letter_case(clip, place):
     write_tracks(clip.parent / place)
     source = open_clip(clip.parent)
     assert source.annotations is None
@@ -51,7 +51,7 @@ def test_points_keep_the_frames_own_size(clip):
     assert open_clip(clip.parent, max_side=3).labelled_points.size == (4, 6)
 
 
-def test_masks_win_where_both_are(clip, write_png):
+def test_masks_are_used_rather_than_trajectories(clip, write_png):
     write_tracks(clip / NAME)
     write_png(clip / "masks" / f"{105:010d}.png", 4)
     source = open_clip(clip.parent)
@@ -59,7 +59,7 @@ def test_masks_win_where_both_are(clip, write_png):
     assert [(index, int(labels.max())) for index, labels in source.annotations.read()] == [(0, 4)]
 
 
-def test_the_file_of_the_clips_name_wins_and_others_are_ambiguous(clip):
+def test_the_file_of_the_clips_name_is_used_and_others_are_ambiguous(clip):
     write_tracks(clip / "a_Tracks.mat")
     write_tracks(clip / "b_Tracks.mat")
     with pytest.raises(InputError, match=rf"no trajectories of this clip .*got a_Tracks.mat, b_Tracks.mat.*{NAME}"):

@@ -38,7 +38,7 @@ def test_davis_moving_has_instances_and_void(davis):
 
 
 def test_binary_masks_are_not_taken_for_void(davis):
-    """DAVIS-2016's annotations below the root of DAVIS-Moving would leave nothing to score."""
+    """Check that DAVIS-2016's annotations below DAVIS-Moving's root, which leave nothing to score, are refused."""
     with pytest.raises(InputError, match="without object ids"):
         open_only("davis-moving", davis("dog", {0: 255, 1: 0}), "dog")
 
@@ -63,7 +63,7 @@ def test_kitti_clips_keep_frames_and_masks_together(tmp_path, write_sequence, fr
 @pytest.mark.parametrize(
     ("values", "expected", "void"), [({0: 1, 1: 255}, {0: 1, 1: 255}, 255), ({0: 255, 1: 0}, {0: 1, 1: 0}, None)]
 )
-def test_a_folder_tells_instances_from_binary_masks(tmp_path, write_sequence, values, expected, void):
+def test_a_folder_distinguishes_instances_and_binary_masks(tmp_path, write_sequence, values, expected, void):
     write_sequence(tmp_path / "a" / "frames", tmp_path / "a" / "masks", values)
     source = open_only("folder", tmp_path, "a")
     assert annotated(source) == expected
@@ -87,7 +87,7 @@ def test_a_folder_may_be_a_single_sequence(tmp_path, write_sequence, frames):
     assert annotated(dataset.sequence("car")) == {2: 1}
 
 
-def test_a_sequence_without_annotations_is_no_benchmark(davis):
+def test_a_benchmark_needs_annotations(davis):
     with pytest.raises(MissingInputError, match="sequence dog has no annotations"):
         open_only("davis16", davis("dog", {}), "dog")
 
@@ -104,13 +104,13 @@ def test_ground_truth_of_another_size_is_named(davis, write_png):
         annotated(open_only("davis16", root, "dog"))
 
 
-def test_ground_truth_stays_whole_where_frames_are_reduced(davis):
+def test_ground_truth_is_not_reduced_with_the_frames(davis):
     source = open_dataset("davis16", str(davis("dog", {0: 1})), ("dog",), max_side=3).sequence("dog")
     assert next(source.frames.read()).shape == (2, 3, 3)
     assert next(source.annotations.read())[1].shape == (4, 6)
 
 
-def test_scenes_come_with_every_cue():
+def test_scenes_have_every_cue():
     source = open_dataset("synthetic", sequences=("two-motions",), max_side=100).sequence("two-motions")
     cues = (source.objects, source.depth, source.flow_forward, source.flow_backward, source.tracks)
     assert all(cue is not None for cue in cues)
@@ -119,7 +119,7 @@ def test_scenes_come_with_every_cue():
     assert source.num_motions >= 2
 
 
-def test_sources_and_data_sets_travel_to_workers(davis):
+def test_sources_and_data_sets_can_be_sent_to_workers(davis):
     dataset = open_dataset("davis16", str(davis("dog", {0: 1})), ("dog",), max_side=100)
     assert pickle.loads(pickle.dumps(dataset)) == dataset
     assert pickle.loads(pickle.dumps(dataset.sequence("dog"))) == dataset.sequence("dog")
@@ -131,7 +131,7 @@ def test_official_lists_have_their_published_sizes():
     assert all(len(set(layout.official)) == len(layout.official) for layout in DATASETS.values() if layout.official)
 
 
-def test_a_broken_sequence_does_not_hinder_the_others(davis, write_png):
+def test_a_broken_sequence_does_not_affect_the_others(davis, write_png):
     root = davis("dog", {0: 255})
     davis("cows", {0: 255})
     write_png(root / "JPEGImages" / "480p" / "cows" / "00000.png")

@@ -1,4 +1,4 @@
-"""Real sequences and videos, where they are."""
+"""Real sequences and videos, if they are on this machine."""
 
 import os
 from pathlib import Path

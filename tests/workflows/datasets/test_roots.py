@@ -8,7 +8,7 @@ ON_DISK = [name for name, layout in DATASETS.items() if layout.needs_root]
 
 @pytest.fixture
 def data(tmp_path, write_sequence, monkeypatch):
-    """A folder of data sets that holds one sequence of davis16 and an empty davis-moving."""
+    """Return a folder of data sets with one sequence of davis16 and an empty davis-moving."""
     for tree in ("JPEGImages", "Annotations"):
         write_sequence(tmp_path / "davis16" / tree / "480p" / "dog", None, {}, num_frames=1)
     (tmp_path / "davis-moving").mkdir()
@@ -20,19 +20,19 @@ def test_the_environment_gives_the_root(data):
     assert open_dataset("davis16", max_side=100).root == str(data / "davis16")
 
 
-def test_a_root_given_goes_first(data, tmp_path_factory):
+def test_a_given_root_is_used_rather_than_the_environment_s(data, tmp_path_factory):
     other = tmp_path_factory.mktemp("other")
     with pytest.raises(MissingInputError, match=f"{other}"):
         open_dataset("davis16", str(other), max_side=100)
 
 
-def test_a_relative_root_holds_wherever_it_is_read(data, monkeypatch):
+def test_a_relative_root_does_not_depend_on_the_working_folder(data, monkeypatch):
     monkeypatch.chdir(data)
     assert open_dataset("davis16", "davis16", max_side=100).root == str(data / "davis16")
 
 
 @pytest.mark.parametrize("name", ON_DISK)
-def test_what_is_missing_says_what_to_fetch(tmp_path, monkeypatch, name):
+def test_a_missing_data_set_names_its_download(tmp_path, monkeypatch, name):
     monkeypatch.delenv("MOSEG_DATA", raising=False)
     for root in (None, str(tmp_path / "gone")):
         with pytest.raises(MissingInputError) as caught:
@@ -54,7 +54,7 @@ def test_scenes_take_no_root(tmp_path):
         open_dataset("synthetic", str(tmp_path), max_side=100)
 
 
-def test_the_overview_says_what_is_there(data):
+def test_the_overview_lists_present_and_missing_data_sets(data):
     rows = {row.name: row for row in describe_datasets({"MOSEG_DATA": str(data)})}
     assert list(rows) == list(DATASETS)
     assert rows["synthetic"].is_present

@@ -7,7 +7,7 @@ from moseg.workflows.datasets import open_dataset
 
 @pytest.fixture
 def davis16(tmp_path, write_sequence):
-    """Two sequences of the official list and one beside it."""
+    """Return a root with two sequences of the official list and one outside it."""
     for name in ("dog", "cows", "bear"):
         trees = [tmp_path / tree / "480p" / name for tree in ("JPEGImages", "Annotations")]
         write_sequence(*trees, {0: 255}, num_frames=1)
@@ -29,7 +29,7 @@ def test_the_official_list_is_the_default_and_what_is_absent_is_named(davis16):
     assert "bear" not in dataset.names + dataset.absent
 
 
-def test_sequences_beside_the_list_can_be_named(davis16):
+def test_sequences_outside_the_list_can_be_named(davis16):
     dataset = open_dataset("davis16", davis16, ("bear", "dog", "bear"), max_side=100)
     assert (dataset.names, dataset.absent) == (("bear", "dog"), ())
 
@@ -43,7 +43,7 @@ def test_letter_case_does_not_matter(davis16):
     assert open_dataset("davis16", davis16, ("Dog",), max_side=100).names == ("dog",)
 
 
-def test_an_unknown_sequence_suggests_the_one_meant(davis16):
+def test_an_unknown_sequence_gets_the_nearest_name(davis16):
     with pytest.raises(InputError, match=r"unknown sequence of davis16 'dgo': did you mean 'dog'\?"):
         open_dataset("davis16", davis16, ("dgo",), max_side=100)
     with pytest.raises(InputError, match="did you mean 'dog'"):
@@ -52,7 +52,7 @@ def test_an_unknown_sequence_suggests_the_one_meant(davis16):
         open_dataset("davis16", davis16, ("zzzzzz",), max_side=100)
 
 
-def test_an_unknown_data_set_suggests_the_one_meant():
+def test_an_unknown_data_set_gets_the_nearest_name():
     with pytest.raises(InputError, match=r"unknown data set 'davis-17': did you mean 'davis16'\?"):
         open_dataset("davis-17", max_side=100)
 
@@ -71,7 +71,7 @@ def test_youtube_vos_needs_its_list(ytvos):
     assert (dataset.names, dataset.absent) == (("bb", "aa"), ("zz",))
 
 
-def test_a_list_given_stands_in_for_any_other(ytvos, davis16):
+def test_a_given_list_replaces_any_other(ytvos, davis16):
     path = ytvos / "mine.txt"
     path.write_text("cc\n")
     (ytvos / "moving_val.txt").write_text("aa\n")
@@ -87,7 +87,7 @@ def test_a_list_without_names_is_refused(ytvos, content, what):
         open_dataset("ytvos-moving", str(ytvos), max_side=100)
 
 
-def test_a_list_that_is_not_there_is_named(ytvos):
+def test_a_missing_list_is_named(ytvos):
     with pytest.raises(MissingInputError, match=r"gone\.txt"):
         open_dataset("ytvos-moving", str(ytvos), None, str(ytvos / "gone.txt"), max_side=100)
 

@@ -1,4 +1,4 @@
-"""Whatever bytes a file of saved masks holds, it is read or refused by its name."""
+"""A file of saved masks with any bytes is read or refused by its name."""
 
 import io
 import struct

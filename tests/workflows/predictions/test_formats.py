@@ -1,4 +1,4 @@
-"""Masks saved by any method come back as the labels that were written."""
+"""Masks saved by any method are read as the labels that were written."""
 
 import zipfile
 
@@ -110,7 +110,7 @@ def test_rigidmask_rows_run_from_the_bottom_up_and_labels_become_one_object(tmp_
     np.testing.assert_array_equal(read(tmp_path), labels > 0)
 
 
-def test_a_method_that_looks_at_pairs_repeats_its_last_frame(tmp_path, labels):
+def test_a_method_of_pairs_repeats_its_last_frame(tmp_path, labels):
     (tmp_path / "dog").mkdir()
     for index, frame in enumerate(labels[:3]):
         save_pfm(tmp_path / "dog" / f"pm-{index:05d}.pfm", frame)
@@ -182,7 +182,7 @@ def test_pickles_are_refused(tmp_path, labels):
         read(tmp_path / "em")
 
 
-def test_values_that_are_no_labels_are_refused(tmp_path):
+def test_values_that_are_not_labels_are_refused(tmp_path):
     for name, value in (("half", 0.5), ("negative", -1.0), ("large", 65536.0), ("nan", np.nan)):
         np.save(tmp_path / f"{name}.npy", np.full((1, *SHAPE), value))
         with pytest.raises(InputError, match=rf"no labels in .*{name}.npy; got {value}; expected integers 0..65535"):

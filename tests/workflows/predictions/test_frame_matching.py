@@ -1,4 +1,4 @@
-"""Saved masks are scored against the frames that their names say, and what is not matched by name is told."""
+"""Saved masks are scored against the frames of their names, and other matching is reported."""
 
 import json
 
@@ -14,7 +14,7 @@ REPEATED = "note: no mask of the last frame, which is scored with that of the fr
 
 
 def _mask(index):
-    """A square that no other frame has in this place."""
+    """Return a mask with a square at a position of this frame only."""
     mask = np.zeros(SHAPE, np.uint8)
     mask[4:10, 3 * index : 3 * index + 3] = 1
     return mask
@@ -42,7 +42,7 @@ FORMATS = {
 
 @pytest.fixture
 def dataset(tmp_path):
-    """Writes a sequence `dog` with frames of these names and ground truth of some of them; returns the root."""
+    """Return a function that writes a sequence `dog` with ground truth of some frames, and returns its root."""
 
     def write(annotated, stems=STEMS):
         root = tmp_path / "data"
@@ -59,7 +59,7 @@ def dataset(tmp_path):
 
 @pytest.fixture
 def predictions(tmp_path):
-    """Writes perfect masks of frames, by their name and index; returns the folder."""
+    """Return a function that writes perfect masks by name and index of the frame, and returns their folder."""
 
     def write(index_of, format="png"):
         names, save = FORMATS[format]
@@ -73,7 +73,7 @@ def predictions(tmp_path):
 
 @pytest.fixture
 def score(moseg, tmp_path):
-    """Scores predictions; returns the score J, the way that the report names, and what was printed."""
+    """Return a function that scores predictions and returns J, the matching in the report, and the output."""
 
     def call(root, saved):
         data = ("--dataset", "folder", "--root", root, "--predictions", saved)
@@ -87,7 +87,7 @@ def score(moseg, tmp_path):
 
 @pytest.fixture
 def refused(moseg):
-    """Scores what cannot be scored; returns the one line that says why."""
+    """Return a function that scores unusable predictions and returns the error's line."""
 
     def call(root, saved):
         ran = moseg("score", "--dataset", "folder", "--root", root, "--predictions", saved, "--quiet")
@@ -103,7 +103,7 @@ def _own(*stems):
 
 
 @pytest.mark.parametrize("format", FORMATS)
-def test_masks_of_some_frames_are_scored_against_the_frames_they_are_named_as(dataset, predictions, score, format):
+def test_masks_of_some_frames_are_scored_against_the_frames_of_their_names(dataset, predictions, score, format):
     saved = predictions(_own("00010", "00015", "00020"), format)
     found, way, out = score(dataset({"00015"}), saved)
     assert (found, way) == (100, "name")
@@ -125,7 +125,7 @@ def test_one_mask_for_each_frame_may_be_numbered_from_0_or_1(dataset, prediction
     assert IN_ORDER in out
 
 
-def test_one_mask_for_each_frame_may_have_names_of_its_own(dataset, predictions, score):
+def test_one_mask_for_each_frame_may_have_other_names(dataset, predictions, score):
     saved = predictions({f"result_{10 * index}": index for index in range(NUM_FRAMES)})
     found, way, out = score(dataset(STEMS), saved)
     assert (found, way) == (100, "order")
@@ -140,7 +140,7 @@ def test_a_few_masks_without_names_of_frames_are_numbered_from_0(dataset, predic
     assert BY_NUMBER in out
 
 
-def test_masks_that_are_named_only_in_part_as_frames_are_refused_with_both(dataset, predictions, refused):
+def test_masks_of_which_only_some_have_frame_names_are_refused_with_both(dataset, predictions, refused):
     line = refused(dataset({"00015"}), predictions({**_own("00010", "00015"), "00002": 2}))
     assert "only some have the name of a frame" in line
     assert "00010, which is a frame, and 00002, which is none" in line
@@ -165,7 +165,7 @@ def test_a_number_that_may_mean_two_frames_is_refused_with_both(dataset, predict
         ({"a_0": 0, "b_0": 1}, "two files of frame 0"),
     ],
 )
-def test_names_that_tell_no_frame_are_refused(dataset, predictions, refused, names, words):
+def test_names_without_a_frame_are_refused(dataset, predictions, refused, names, words):
     stems = tuple(f"frame{letter}" for letter in "abcdefghijklmnopqrst")
     assert words in refused(dataset({"framea"}, stems), predictions(names))
 
@@ -178,7 +178,7 @@ def test_a_missing_mask_of_an_annotated_frame_is_refused_by_the_frame_s_name(dat
 
 @pytest.mark.parametrize("format", ["rigidmask", "em", "em-binary"])
 @pytest.mark.parametrize("start", [0, FIRST])
-def test_a_method_of_pairs_repeats_its_last_mask_and_that_is_told(dataset, predictions, score, format, start):
+def test_a_method_of_pairs_repeats_its_last_mask_and_reports_it(dataset, predictions, score, format, start):
     saved = predictions({f"{start + index:05d}": index for index in range(NUM_FRAMES - 1)}, format)
     found, way, out = score(dataset(STEMS), saved)
     assert found == 95

@@ -8,14 +8,14 @@ import pytest
 
 @pytest.fixture(scope="session")
 def picture() -> np.ndarray:
-    """uint8 (48, 64, 3) RGB without any symmetry: smooth enough to survive lossy coding."""
+    """Return uint8 (48, 64, 3) RGB without any symmetry, smooth enough for lossy coding."""
     y, x = np.mgrid[:48, :64]
     return np.stack([x * 3, y * 5, (x + y) * 2], axis=-1).astype(np.uint8)
 
 
 @pytest.fixture
 def write_image():
-    """Writes an RGB or grey array to a path of any name by its suffix."""
+    """Return a function that writes an RGB or grey array to a path by its suffix."""
 
     def write(path, image):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -28,7 +28,7 @@ def write_image():
 
 @pytest.fixture
 def write_video():
-    """Writes RGB frames as H.264; `times` are their time stamps in 1/25 s."""
+    """Return a function that writes RGB frames as H.264; `times` are their time stamps in 1/25 s."""
 
     def write(path, frames, times=None, codec="libx264", **options):
         with av.open(str(path), "w", options={"movflags": "faststart"} if path.suffix == ".mp4" else {}) as container:

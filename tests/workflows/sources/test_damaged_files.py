@@ -62,7 +62,7 @@ damages = st.lists(st.tuples(st.integers(0, 200), st.integers(0, 7)), min_size=1
 
 
 def _mend_checksums(png):
-    """The PNG with the checksum of each chunk made right, so that decoders get to see what is in it."""
+    """Return the PNG with right checksums, so that decoders read its chunks."""
     png, start = bytearray(png), 8
     while start + 12 <= len(png):
         end = start + 8 + int.from_bytes(png[start : start + 4], "big")
@@ -110,7 +110,7 @@ def test_files_cut_short_are_read_or_refused_by_name(name, kept, more):
 
 @pytest.mark.parametrize("side", [9_000, 30_000, 100_000, 2**31 - 1])
 @pytest.mark.parametrize("name", [name for name in FILES if name.endswith("png")])
-def test_an_image_that_claims_to_be_huge_is_named_before_memory_is_taken(name, side):
+def test_an_image_that_claims_to_be_huge_is_refused_before_memory_is_allocated(name, side):
     decode, content = FILES[name]
     claimed = _mend_checksums(content[:16] + struct.pack(">II", side, side) + content[24:])
     with pytest.raises(InputError, match=rf"cannot be decoded in {name}; got \d+ bytes for {side}x{side} px"):
@@ -118,7 +118,7 @@ def test_an_image_that_claims_to_be_huge_is_named_before_memory_is_taken(name, s
 
 
 def _grey_png(width, height, num_rows, bits=8):
-    """A PNG of small values that holds only so many bytes: those of `num_rows` rows of 8 bits."""
+    """Return a PNG of small values that holds only the bytes of `num_rows` rows of 8 bits."""
     rows = np.random.default_rng(0).integers(0, 2, (num_rows, width + 1), np.uint8)
     rows[:, 0] = 0
     pixels = zlib.compress(rows, 1)
@@ -154,7 +154,7 @@ def test_a_png_of_one_bit_that_holds_less_than_it_claims_is_refused_before_it_is
 
 @pytest.mark.parametrize("damage", ["checksum", "pixels", "header"])
 @pytest.mark.parametrize("name", [name for name in FILES if name.endswith("png")])
-def test_of_a_damaged_png_nothing_else_is_said(name, damage, capfd):
+def test_a_damaged_png_prints_nothing(name, damage, capfd):
     decode, content = FILES[name]
     if damage == "header":
         content = content[:24] + b"\x03" + content[25:]
@@ -166,13 +166,13 @@ def test_of_a_damaged_png_nothing_else_is_said(name, damage, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_mask_with_parts_of_an_animation_is_read_without_a_word():
+def test_a_mask_with_parts_of_an_animation_is_read_without_output():
     png = _png(IDS.astype(np.uint16))
     odd = _mend_checksums(png[:33] + struct.pack(">I4sIII", 8, b"acTL", 0, 0, 0) + png[33:])
     np.testing.assert_array_equal(decode_mask(odd, "a.png", "instance"), IDS)
 
 
-def test_a_header_that_is_almost_python_is_refused_without_a_word():
+def test_a_header_that_is_almost_python_is_refused_without_output():
     content = FILES["depth.npy"][1]
     shape = content[content.index(b"'shape'") : content.index(b"}")]
     with warnings.catch_warnings(record=True) as said:

@@ -26,7 +26,7 @@ def test_sixteen_bit_images_span_0_to_1(tmp_path, write_image):
     assert (depth == 1).all()
 
 
-def test_depth_follows_the_frames_to_their_working_size(tmp_path):
+def test_depth_is_reduced_to_the_frames_working_size(tmp_path):
     np.save(tmp_path / "0.npy", np.repeat([[1.0, 3.0]], 4, axis=0).repeat(3, axis=1))
     np.testing.assert_allclose(read_one(tmp_path / "0.npy", max_side=3), [[1, 2, 3]] * 2)
     np.save(tmp_path / "1.npy", np.ones((2, 3)))
@@ -51,13 +51,13 @@ def test_a_map_of_the_wrong_size_is_named(tmp_path):
 @pytest.mark.parametrize(
     "array", [np.zeros(SIZE, int), np.zeros((*SIZE, 3)), np.array([{"a": 1}], object)], ids=["int", "3d", "pickle"]
 )
-def test_other_arrays_are_no_depth(tmp_path, array):
+def test_other_arrays_are_refused_as_depth(tmp_path, array):
     np.save(tmp_path / "0.npy", array)
     with pytest.raises(InputError, match=r"0\.npy"):
         read_one(tmp_path / "0.npy")
 
 
-def test_archives_and_other_bytes_are_no_depth(tmp_path):
+def test_archives_and_other_bytes_are_refused_as_depth(tmp_path):
     np.savez(tmp_path / "a.npz", DEPTH)
     (tmp_path / "a.npz").rename(tmp_path / "a.npy")
     for name, content in (("b.npy", b""), ("c.npy", b"text"), ("d.png", b""), ("e.png", b"text")):
@@ -68,7 +68,7 @@ def test_archives_and_other_bytes_are_no_depth(tmp_path):
 
 
 @pytest.mark.parametrize("image", [np.zeros(SIZE, np.uint8), np.zeros((*SIZE, 3), np.uint16)], ids=["8-bit", "colour"])
-def test_other_images_are_no_depth(tmp_path, write_image, image):
+def test_other_images_are_refused_as_depth(tmp_path, write_image, image):
     path = write_image(tmp_path / "0.png", image)
     with pytest.raises(InputError, match="expected 16-bit grey PNG"):
         read_one(path)

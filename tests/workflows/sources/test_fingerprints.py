@@ -13,7 +13,7 @@ from moseg.workflows.sources import DepthFiles, ImageFiles, MaskFiles, SceneFram
 
 @pytest.fixture(params=["images", "video", "masks", "depth"])
 def source_of(request, write_image, write_video, picture):
-    """Makes the source of one kind from files written below a folder."""
+    """Return a function that makes the source of one kind from files written below a folder."""
 
     def images(folder):
         paths = [write_image(folder / f"{i}.png", np.roll(picture, i, 1)) for i in range(2)]
@@ -83,6 +83,6 @@ def test_an_empty_file_has_a_fingerprint(tmp_path):
     assert len(VideoFile(str(tmp_path / "a.mp4"), 9).fingerprint()) == 64
 
 
-def test_scenes_differ_by_declaration_and_by_what_is_read():
+def test_fingerprints_of_scenes_differ_by_declaration_and_content():
     sources = [SceneFrames("pan"), SceneFrames("zoom"), SceneMasks("pan"), SceneMasks("pan", "objects")]
     assert len({source.fingerprint() for source in sources}) == 4

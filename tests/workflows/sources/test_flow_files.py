@@ -17,7 +17,7 @@ def read_one(path, size=SIZE, max_side=100):
 
 @pytest.fixture
 def write_kitti(write_image):
-    """Writes u, v and valid as KITTI does; the flow comes to stand on KITTI's steps of 1/64 px."""
+    """Return a function that writes u, v and valid as KITTI does, with the flow rounded to steps of 1/64 px."""
 
     def write(path, flow, valid):
         stored = np.dstack([np.rint(flow * 64 + 2**15), valid]).astype(np.uint16)
@@ -78,12 +78,12 @@ def test_vectors_shrink_with_the_frames(tmp_path):
     np.testing.assert_allclose(flow, np.full((2, 3, 2), (3, -2)), rtol=1e-6)
 
 
-def test_a_field_of_the_working_size_is_taken_as_it_is(tmp_path):
+def test_a_field_of_the_working_size_is_not_changed(tmp_path):
     np.save(tmp_path / "0.npy", FLOW[:2, :3])
     np.testing.assert_array_equal(read_one(tmp_path / "0.npy", max_side=3), FLOW[:2, :3])
 
 
-def test_unknown_pixels_have_no_part_in_the_average(tmp_path):
+def test_unknown_pixels_do_not_enter_the_average(tmp_path):
     written = np.full((*SIZE, 2), (6.0, -4.0), np.float32)
     written[0, 0] = written[:2, 2:4] = 1e10
     flow = read_one(write_flo(tmp_path / "0.flo", written), max_side=3)
@@ -111,7 +111,7 @@ def test_arrays_must_be_finite(tmp_path, bad):
         read_one(tmp_path / "0.npy")
 
 
-def test_a_field_of_which_nothing_is_known_is_refused(tmp_path, write_kitti):
+def test_a_field_without_known_pixels_is_refused(tmp_path, write_kitti):
     path = write_kitti(tmp_path / "0.png", FLOW, np.zeros(SIZE))
     with pytest.raises(InputError, match=r"without a known pixel in .*0\.png"):
         read_one(path)
@@ -128,7 +128,7 @@ def test_a_field_of_the_wrong_size_is_named(tmp_path):
     [np.zeros((*SIZE, 2), int), np.zeros(SIZE), np.zeros((2, *SIZE)), np.array([{"a": 1}], object)],
     ids=["int", "2d", "channels-first", "pickle"],
 )
-def test_other_arrays_are_no_flow(tmp_path, array):
+def test_other_arrays_are_refused_as_flow(tmp_path, array):
     np.save(tmp_path / "0.npy", array)
     with pytest.raises(InputError, match=r"0\.npy"):
         read_one(tmp_path / "0.npy")
@@ -139,13 +139,13 @@ def test_other_arrays_are_no_flow(tmp_path, array):
     [np.zeros((*SIZE, 3), np.uint8), np.zeros(SIZE, np.uint16), np.zeros((*SIZE, 4), np.uint16)],
     ids=["8-bit", "grey", "alpha"],
 )
-def test_other_images_are_no_flow(tmp_path, write_image, image):
+def test_other_images_are_refused_as_flow(tmp_path, write_image, image):
     path = write_image(tmp_path / "0.png", image)
     with pytest.raises(InputError, match=r"0\.png; .* expected KITTI's 16-bit PNG"):
         read_one(path)
 
 
-def test_files_cut_short_and_other_bytes_are_no_flow(tmp_path, write_kitti):
+def test_files_cut_short_and_other_bytes_are_refused_as_flow(tmp_path, write_kitti):
     flo = write_flo(tmp_path / "whole.flo", FLOW).read_bytes()
     np.save(tmp_path / "whole.npy", FLOW)
     npy = (tmp_path / "whole.npy").read_bytes()

@@ -13,12 +13,12 @@ def read_one(path, max_side=1000):
 
 
 @pytest.mark.parametrize("suffix", [".png", ".bmp", ".tif", ".tiff"])
-def test_lossless_images_come_back_as_rgb(tmp_path, picture, write_image, suffix):
+def test_lossless_images_are_read_as_rgb(tmp_path, picture, write_image, suffix):
     np.testing.assert_array_equal(read_one(write_image(tmp_path / f"a{suffix}", picture)), picture)
 
 
 @pytest.mark.parametrize("suffix", [".jpg", ".jpeg", ".webp", ".JPG"])
-def test_lossy_images_come_back_nearly(tmp_path, picture, write_image, suffix):
+def test_lossy_images_are_read_nearly_as_written(tmp_path, picture, write_image, suffix):
     image = read_one(write_image(tmp_path / f"a{suffix}", picture))
     assert image.dtype == np.uint8
     assert np.abs(image.astype(int) - picture).mean() < 4
@@ -50,7 +50,7 @@ def test_alpha_is_dropped(tmp_path, picture, mode):
     ("orientation", "turned"),
     [(1, lambda a: a), (2, np.fliplr), (3, lambda a: np.rot90(a, 2)), (6, lambda a: np.rot90(a, -1)), (8, np.rot90)],
 )
-def test_exif_orientation_is_honoured(tmp_path, picture, orientation, turned):
+def test_exif_orientation_is_applied(tmp_path, picture, orientation, turned):
     exif = Image.Exif()
     exif[0x0112] = orientation
     Image.fromarray(picture).save(tmp_path / "a.jpg", quality=98, exif=exif)
@@ -127,7 +127,7 @@ def test_a_padded_jpeg_is_the_same_picture(tmp_path, picture, write_image, capfd
     assert capfd.readouterr().err == ""
 
 
-def test_a_padded_jpeg_that_is_damaged_behind_is_named(tmp_path, picture, write_image):
+def test_a_padded_jpeg_that_is_damaged_after_the_padding_is_named(tmp_path, picture, write_image):
     path = tmp_path / "a.jpg"
     write_image(path, picture)
     content = _padded(path.read_bytes(), START_OF_SCAN, bytes(4))
@@ -137,7 +137,7 @@ def test_a_padded_jpeg_that_is_damaged_behind_is_named(tmp_path, picture, write_
 
 
 @pytest.mark.parametrize(("marker", "padding"), [(END, bytes(40)), (START_OF_SCAN, b"\x01\x02")])
-def test_data_that_find_no_place_are_damage(tmp_path, picture, write_image, marker, padding):
+def test_misplaced_data_are_damage(tmp_path, picture, write_image, marker, padding):
     path = tmp_path / "a.jpg"
     write_image(path, picture)
     path.write_bytes(_padded(path.read_bytes(), marker, padding))
@@ -156,7 +156,7 @@ def test_a_file_that_has_gone_is_named(tmp_path):
         read_one(tmp_path / "gone.png")
 
 
-def test_no_files_are_no_frames():
+def test_an_empty_list_of_images_is_refused():
     with pytest.raises(InputError, match="no frames"):
         ImageFiles((), 100)
 

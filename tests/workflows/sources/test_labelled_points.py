@@ -14,7 +14,7 @@ LABELS = np.array([2, 1, 1, 4, 1, 2])
 
 @pytest.fixture
 def write(tmp_path):
-    """Writes trajectories that are visible everywhere; returns their source."""
+    """Return a function that writes trajectories, visible everywhere, and returns their source."""
 
     def call(points=POINTS, labels=LABELS, name="a", num_frames=NUM_FRAMES, size=SIZE):
         homogeneous = np.concatenate([points, np.ones((*points.shape[:2], 1))], -1).transpose(2, 0, 1)
@@ -37,7 +37,7 @@ def test_the_background_is_not_the_largest_group(write):
     assert write(labels=np.array([1, 2, 2, 2, 2, 2])).read().labels.tolist() == [0, 2, 2, 2, 2, 2]
 
 
-def test_a_point_that_leaves_the_frame_is_not_seen_there(write):
+def test_a_point_outside_the_frame_is_not_visible(write):
     points = POINTS.copy()
     points[0, :, 0] = (-0.5, 63.49, 63.5)
     points[1, :, 1] = (-0.51, 47.49, 47.5)

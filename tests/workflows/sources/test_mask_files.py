@@ -64,7 +64,7 @@ def test_binary_counts_any_value_or_colour(tmp_path):
     np.testing.assert_array_equal(read_one(save(tmp_path / "d.png", bits), "binary"), expected)
 
 
-def test_colours_are_no_ids(tmp_path):
+def test_colours_are_refused_as_ids(tmp_path):
     colours = np.zeros((2, 3, 3), np.uint8)
     colours[0, 0, 0] = 255
     path = save(tmp_path / "a.png", Image.fromarray(colours))
@@ -88,14 +88,14 @@ def test_a_broken_mask_is_named(tmp_path, kept):
         read_one(path)
 
 
-def test_masks_come_with_their_frames(tmp_path):
+def test_masks_are_read_with_their_frames(tmp_path):
     items = tuple((index, save(tmp_path / f"{index}.png", Image.fromarray(IDS + index))) for index in (0, 5, 10))
     read = list(MaskFiles(items, "instance").read())
     assert [index for index, _ in read] == [0, 5, 10]
     np.testing.assert_array_equal(read[1][1], IDS + 5)
 
 
-def test_no_files_are_no_masks():
+def test_an_empty_list_of_masks_is_refused():
     with pytest.raises(InputError, match="no masks"):
         MaskFiles((), "binary")
 

@@ -98,7 +98,7 @@ def test_arrays_of_archives_are_those_that_were_saved(save_archive):
     ],
     ids=lambda content: repr(content[:70]),
 )
-def test_what_cannot_be_an_array_is_named_without_memory_being_taken(content):
+def test_a_file_that_cannot_be_an_array_is_named_before_memory_is_allocated(content):
     tracemalloc.start()
     try:
         with pytest.raises(InputError, match=r"map cannot be decoded in a\.npy; got "):
@@ -116,14 +116,14 @@ def test_a_long_header_is_not_repeated_in_its_error():
     assert len(str(raised.value)) < 300
 
 
-def test_members_that_are_no_arrays_and_absent_ones_are_named():
+def test_members_that_are_not_arrays_and_absent_ones_are_named():
     with pytest.raises(InputError, match=r"tracks: array points cannot be decoded in a\.npz; got .*magic"):
         decode_arrays(archive(points=b"some text"), ("points",), "a.npz", "tracks")
     with pytest.raises(InputError, match=r"in a\.npz; got arrays other\.npy; expected an array points"):
         decode_arrays(archive(other=save(VALUES)), ("points",), "a.npz", "tracks")
 
 
-def test_an_archive_that_expands_out_of_all_proportion_is_refused_before_it_is_expanded():
+def test_an_archive_that_expands_too_much_is_refused_before_it_is_expanded():
     length = 2**28
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as written, written.open("points.npy", "w") as member:

@@ -18,7 +18,7 @@ def names(paths):
     return [os.path.basename(path) for path in paths]
 
 
-def test_a_folder_is_its_images_in_natural_order(tmp_path, frames, write_image, picture):
+def test_images_of_a_folder_are_read_in_natural_order(tmp_path, frames, write_image, picture):
     write_image(tmp_path / "frames" / "._im1.jpg", picture)
     (tmp_path / "frames" / "notes.txt").write_text("not an image")
     assert names(open_frames(str(tmp_path / "frames"), 1000).paths) == ["im1.png", "im2.png", "im10.png"]
@@ -38,18 +38,18 @@ def test_two_images_of_one_stem_are_refused(tmp_path, frames, write_image, pictu
         open_frames(str(tmp_path / "frames"), 1000)
 
 
-def test_a_file_is_a_video_and_an_image_a_frame(tmp_path, frames, write_video, picture):
+def test_a_single_file_is_a_video_or_one_image(tmp_path, frames, write_video, picture):
     path = write_video(tmp_path / "a.mp4", [picture])
     assert open_frames(path, 99) == VideoFile(path, 99)
     assert open_frames(frames.paths[0], 99) == ImageFiles(frames.paths[:1], 99)
 
 
-def test_paths_hold_wherever_they_are_read(tmp_path, frames, monkeypatch):
+def test_paths_do_not_depend_on_the_working_folder(tmp_path, frames, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert open_frames("frames", 1000) == frames
 
 
-def test_what_is_not_there_is_said(tmp_path):
+def test_missing_paths_are_named(tmp_path):
     with pytest.raises(MissingInputError, match=r"gone; expected a video or a folder"):
         open_frames(str(tmp_path / "gone"), 1000)
     with pytest.raises(MissingInputError, match="no images"):
@@ -116,7 +116,7 @@ def test_as_many_masks_as_frames_of_a_video_are_refused_where_one_is_doubtful(
         open_masks(_write_masks(tmp_path / "masks", write_image, *names), video)
 
 
-def test_no_masks_are_said(tmp_path, frames):
+def test_a_folder_without_masks_is_named(tmp_path, frames):
     with pytest.raises(MissingInputError, match="no masks"):
         open_masks(str(tmp_path), frames)
     with pytest.raises(MissingInputError, match="does not exist"):

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from moseg.workflows.sources import LabelledPointFile
-from moseg.workflows.sources.labelled_points import BACKGROUND_LABEL
 from moseg.workflows.sources.mat_tracks import decode_mat_tracks
+from moseg.workflows.sources.trajectory_files import BACKGROUND_LABEL
 
 REPOSITORY = Path(__file__).parents[3]
 DATA = Path(os.environ.get("MOSEG_TEST_DATA", REPOSITORY.parent / "shared" / "data")) / "kt3dmoseg"

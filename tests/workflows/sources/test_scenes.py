@@ -10,13 +10,13 @@ from moseg.workflows.sources import SceneDepth, SceneFlow, SceneFrames, SceneMas
 
 @pytest.fixture
 def tiny(monkeypatch):
-    """A declared scene, small enough to render at once."""
+    """Return a declared scene, small enough to render at once."""
     scene = SCENES["two-motions"].model_copy(update={"height": 30, "width": 53, "num_frames": 3})
     monkeypatch.setitem(SCENES, "tiny", scene)
     return scene
 
 
-def test_sources_give_what_is_rendered(tiny):
+def test_sources_return_the_rendered_arrays(tiny):
     rendered = render_scene(tiny)
     frames = SceneFrames("tiny")
     np.testing.assert_array_equal(list(frames.read()), rendered.images)
@@ -43,7 +43,7 @@ def test_arrays_have_the_layout_that_is_stored(tiny):
     assert [array.dtype for array in SceneTracks("tiny").read()] == [np.float32, bool]
 
 
-def test_sources_travel_and_keep_their_fingerprint(tiny):
+def test_pickled_sources_keep_their_fingerprint(tiny):
     kinds = (SceneFrames, SceneMasks, SceneDepth, SceneTracks)
     sources = [kind("tiny") for kind in kinds] + [SceneFlow("tiny", "forward"), SceneFlow("tiny", "backward")]
     copies = pickle.loads(pickle.dumps(sources))
@@ -58,6 +58,6 @@ def test_another_declaration_under_the_same_name_is_another_source(tiny, monkeyp
     assert not np.array_equal(list(SceneFrames("tiny").read()), images)
 
 
-def test_an_unknown_scene_suggests_the_one_meant():
+def test_an_unknown_scene_gets_the_nearest_name():
     with pytest.raises(InputError, match="did you mean 'two-motions'"):
         SceneFrames("two_motion").describe()

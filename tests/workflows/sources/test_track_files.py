@@ -14,7 +14,7 @@ VISIBLE = np.random.default_rng(1).random((7, NUM_FRAMES)) < 0.7
 
 @pytest.fixture
 def read(tmp_path):
-    """Writes tracks and reads them."""
+    """Return a function that writes tracks and reads them."""
 
     def call(points=POINTS, visible=VISIBLE, max_side=100, **more):
         np.savez(tmp_path / "dog.npz", points=points, visible=visible, **more)
@@ -41,7 +41,7 @@ def test_a_pixel_keeps_its_place_in_reduced_frames(read):
     np.testing.assert_allclose(points[1], np.full((NUM_FRAMES, 2), (31.375, 23.375)))
 
 
-def test_a_point_that_leaves_the_frame_is_not_seen_there(read):
+def test_a_point_outside_the_frame_is_not_visible(read):
     points = np.full((1, NUM_FRAMES, 2), 10.0)
     points[0, 3], points[0, 4] = (63.5, 10), (10, -0.6)
     found, visible = read(points, np.ones((1, NUM_FRAMES), bool))
@@ -49,7 +49,7 @@ def test_a_point_that_leaves_the_frame_is_not_seen_there(read):
     assert not found[0, 3:].any()
 
 
-def test_what_is_not_visible_may_be_anything(read):
+def test_invisible_points_may_have_any_value(read):
     points = np.where(VISIBLE[..., None], POINTS, np.nan)
     found, _ = read(points)
     np.testing.assert_array_equal(found, np.where(VISIBLE[..., None], POINTS, 0))
@@ -87,7 +87,7 @@ def test_tracks_over_another_number_of_frames_are_refused(read, num_frames):
     ],
     ids=["int", "not-bool", "frames-first", "one-track", "four-columns"],
 )
-def test_other_arrays_are_no_tracks(read, points, visible):
+def test_other_arrays_are_refused_as_tracks(read, points, visible):
     with pytest.raises(InputError, match=r"not tracks in .*dog\.npz; .* expected points float \(N, F, 2\)"):
         read(points, visible)
 
@@ -120,7 +120,7 @@ NPZ = _bytes_of(np.savez, points=POINTS, visible=VISIBLE)
     ],
     ids=["empty", "text", "no-visible", "npy", "pickle", "cut", "flipped", "flipped-compressed", "encrypted"],
 )
-def test_other_bytes_are_no_tracks(tmp_path, content):
+def test_other_bytes_are_refused_as_tracks(tmp_path, content):
     (tmp_path / "dog.npz").write_bytes(content)
     with pytest.raises(InputError, match=r"tracks.* in .*dog\.npz"):
         TrackFile(str(tmp_path / "dog.npz"), NUM_FRAMES, SIZE, 100).read()

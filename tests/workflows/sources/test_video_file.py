@@ -49,7 +49,7 @@ def test_variable_frame_rate_neither_repeats_nor_drops(tmp_path, write_video, mo
         ((0, 1, 1, 0), lambda a: a.swapaxes(0, 1)),
     ],
 )
-def test_rotation_in_the_file_is_honoured(tmp_path, write_video, moving, matrix, turned):
+def test_rotation_in_the_file_is_applied(tmp_path, write_video, moving, matrix, turned):
     path = tmp_path / "a.mp4"
     write_video(path, moving)
     content = bytearray(path.read_bytes())
@@ -108,7 +108,7 @@ def test_a_video_whose_header_was_never_written_is_refused(tmp_path, write_video
         list(VideoFile(str(path), 1000).read())
 
 
-def test_damage_inside_says_at_which_frame(tmp_path, write_video, moving):
+def test_damage_is_reported_with_its_frame(tmp_path, write_video, moving):
     path = tmp_path / "a.mp4"
     write_video(path, moving * 3, bf="0")
     content = bytearray(path.read_bytes())
@@ -131,7 +131,7 @@ def test_other_files_are_not_videos(tmp_path, name, content):
         list(VideoFile(str(tmp_path / name), 1000).read())
 
 
-def test_sound_alone_is_no_video(tmp_path):
+def test_a_file_of_sound_only_is_refused(tmp_path):
     with av.open(str(tmp_path / "a.wav"), "w") as container:
         stream = container.add_stream("pcm_s16le", rate=8000)
         frame = av.AudioFrame.from_ndarray(np.zeros((1, 800), np.int16), format="s16", layout="mono")
@@ -148,19 +148,19 @@ def test_a_missing_file_is_named(tmp_path):
 
 def test_a_video_of_too_many_pixels_is_refused_before_it_is_decoded(write_video, picture, tmp_path, monkeypatch):
     path = write_video(tmp_path / "a.mp4", [picture] * 3)
-    monkeypatch.setattr(video_file, "MOST_PIXELS", 48 * 64)
+    monkeypatch.setattr(video_file, "MAX_PIXELS", 48 * 64)
     assert VideoFile(path, 1000).num_frames() == 3
-    monkeypatch.setattr(video_file, "MOST_PIXELS", 48 * 64 - 1)
+    monkeypatch.setattr(video_file, "MAX_PIXELS", 48 * 64 - 1)
     with pytest.raises(InputError, match=r"video of too many pixels in .*a\.mp4; got 64x48 px; expected at most 3071"):
         list(VideoFile(path, 1000).read())
 
 
-def test_a_video_that_grows_beyond_all_bounds_names_the_frame(write_video, picture, tmp_path, monkeypatch):
+def test_a_video_whose_frames_become_too_large_names_the_frame(write_video, picture, tmp_path, monkeypatch):
     large = np.tile(picture, (2, 2, 1))
     parts = [write_video(tmp_path / f"{image.shape[0]}.h264", [image] * 3) for image in (picture, large)]
     path = tmp_path / "joined.h264"
     path.write_bytes(b"".join(Path(part).read_bytes() for part in parts))
-    monkeypatch.setattr(video_file, "MOST_PIXELS", 48 * 64)
+    monkeypatch.setattr(video_file, "MAX_PIXELS", 48 * 64)
     with pytest.raises(InputError, match=r"decoding failed at frame [0-3] in .*joined\.h264"):
         list(VideoFile(str(path), 1000).read())
 

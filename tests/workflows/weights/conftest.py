@@ -16,7 +16,7 @@ from moseg.workflows.weights.folder import Weights, open_weights
 
 @dataclass
 class Answer:
-    """What a path answers: bytes in ranges, or something else."""
+    """The response of a path: bytes in ranges, or something else."""
 
     content: bytes = b""
     status: int = 200
@@ -24,18 +24,18 @@ class Answer:
     etag: str | None = None
     knows_ranges: bool = True
     headers: dict[str, str] = field(default_factory=dict)
-    """Sent besides the others, or in their place."""
+    """Headers added to the others, or replacing them."""
     has_length: bool = True
     cuts: list[int] = field(default_factory=list)
     """Bytes after which the first, second … answer is cut off."""
     location: str = ""
     gate: threading.Event | None = None
-    """Awaited before the body is sent."""
+    """Event that is awaited before the body is sent."""
 
 
 @dataclass
 class Request:
-    """What was asked for, and how many bytes of a body it was sent."""
+    """A request, and how many bytes of a body were sent."""
 
     path: str
     headers: dict[str, str]
@@ -43,7 +43,7 @@ class Request:
 
 
 class FileServer:
-    """Answers by path; everything else is 404."""
+    """A server with a response for each path; everything else is 404."""
 
     def __init__(self):
         self.answers: dict[str, Answer] = {}
@@ -56,12 +56,12 @@ class FileServer:
         self.url = f"http://127.0.0.1:{self._http.server_port}"
 
     def serve(self, path: str, content: bytes, **options) -> str:
-        """Answer a path with a file; returns its address."""
+        """Serve a file at a path; return its address."""
         self.answers[path] = Answer(content, **options)
         return self.url + path
 
     def num_sent(self, path: str) -> int:
-        """Bytes of bodies sent for a path."""
+        """Return the bytes of bodies sent for a path."""
         return sum(request.num_sent for request in self.requests if request.path == path)
 
     def close(self) -> None:
@@ -119,7 +119,7 @@ class FileServer:
 
 @pytest.fixture
 def server() -> Iterator[FileServer]:
-    """A file server on the loopback interface."""
+    """Yield a file server on the loopback interface."""
     running = FileServer()
     yield running
     running.close()
@@ -127,7 +127,7 @@ def server() -> Iterator[FileServer]:
 
 @pytest.fixture
 def no_waiting(monkeypatch) -> list[float]:
-    """Repeated requests follow at once; lists the seconds that were not waited."""
+    """Repeat requests at once; return a list of the waits that were skipped, s."""
     waits: list[float] = []
     monkeypatch.setattr("moseg.workflows.weights.download.time.sleep", waits.append)
     return waits
@@ -135,19 +135,19 @@ def no_waiting(monkeypatch) -> list[float]:
 
 @pytest.fixture
 def sha256() -> Callable[[bytes], str]:
-    """Hexadecimal SHA-256."""
+    """Return a function that gives the hexadecimal SHA-256."""
     return lambda content: hashlib.sha256(content).hexdigest()
 
 
 @pytest.fixture
 def folder(tmp_path) -> Path:
-    """What `$MOSEG_WEIGHTS` names; there is nothing yet."""
+    """Return the folder that `$MOSEG_WEIGHTS` names, which does not exist yet."""
     return tmp_path / "weights"
 
 
 @pytest.fixture
 def describe(folder) -> Callable[..., None]:
-    """Writes ``weights.json`` with items given as dictionaries; of an item only the files are needed."""
+    """Return a function that writes ``weights.json`` with items as dictionaries; an item needs only files."""
 
     def write(*items: dict) -> None:
         folder.mkdir(exist_ok=True)
@@ -159,7 +159,7 @@ def describe(folder) -> Callable[..., None]:
 
 @pytest.fixture
 def open_folder(folder) -> Callable[..., Weights]:
-    """Opens the folder; further variables of the environment by name."""
+    """Return a function that opens the folder; further environment variables are given by name."""
 
     def opened(offline: bool = False, allow_non_commercial: bool = False, quiet: bool = True, **variables) -> Weights:
         env = {"MOSEG_WEIGHTS": str(folder), **variables}

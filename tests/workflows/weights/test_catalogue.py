@@ -1,4 +1,4 @@
-"""What the catalogue promises of every item."""
+"""Properties of every item of the catalogue."""
 
 from typing import get_args
 

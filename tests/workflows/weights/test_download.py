@@ -1,4 +1,4 @@
-"""A download is the whole right file, or nothing but what the next one can go on from."""
+"""A download gives the complete correct file, or leaves only a part that the next one can resume."""
 
 import errno
 import socket
@@ -24,7 +24,7 @@ def _ignore(done, total):
 
 @pytest.fixture
 def fetch(server, tmp_path, sha256):
-    """Downloads the content, of known digest and size unless said otherwise."""
+    """Return a function that downloads the content, of known digest and size by default."""
 
     def fetched(url=None, report=_ignore, target=tmp_path / "net.pth", **known):
         known = {"sha256": sha256(CONTENT), "size": len(CONTENT), **known}
@@ -48,7 +48,7 @@ def test_a_good_file_arrives_whole(server, fetch, tmp_path, sha256):
 
 
 @pytest.mark.parametrize("known", [{"sha256": None, "size": None}, {"size": None}, {"sha256": None}])
-def test_what_is_not_known_beforehand_is_found_out(server, fetch, sha256, known):
+def test_unknown_size_and_digest_are_returned(server, fetch, sha256, known):
     server.serve(PATH, CONTENT)
     assert fetch(**known) == (sha256(CONTENT), len(CONTENT))
 
@@ -75,7 +75,7 @@ def test_a_file_of_another_size_is_not_even_downloaded(server, fetch, tmp_path):
     assert _files(tmp_path) == []
 
 
-def test_a_file_of_known_size_is_resumed_where_the_server_does_not_say_how_long_it_is(server, fetch, tmp_path):
+def test_a_file_of_known_size_is_resumed_if_the_server_sends_no_length(server, fetch, tmp_path):
     server.serve(PATH, CONTENT, has_length=False, cuts=[70_000, 30_000])
     fetch()
     assert (tmp_path / "net.pth").read_bytes() == CONTENT
@@ -97,7 +97,7 @@ def test_a_file_that_might_be_cut_unnoticed_is_not_downloaded(server, fetch, tmp
     assert _files(tmp_path) == []
 
 
-def test_a_file_in_chunks_says_where_it_ends(server, fetch, tmp_path, sha256):
+def test_a_cut_chunked_response_is_noticed(server, fetch, tmp_path, sha256):
     chunked = {"has_length": False, "headers": {"Transfer-Encoding": "chunked"}}
     whole = b"".join(b"%x\r\n%s\r\n" % (len(part), part) for part in (CONTENT[:1000], CONTENT[1000:], b""))
     server.serve(PATH, whole, cuts=[500], **chunked)
@@ -113,7 +113,7 @@ def test_an_empty_file_is_refused(server, fetch, tmp_path, options):
     assert _files(tmp_path) == []
 
 
-def test_a_cut_connection_is_resumed_and_every_byte_asked_for_once(server, fetch, tmp_path):
+def test_a_cut_connection_is_resumed_and_every_byte_requested_once(server, fetch, tmp_path):
     server.serve(PATH, CONTENT, cuts=[300_000, 500_000])
     fetch()
     assert (tmp_path / "net.pth").read_bytes() == CONTENT
@@ -122,7 +122,7 @@ def test_a_cut_connection_is_resumed_and_every_byte_asked_for_once(server, fetch
     assert server.num_sent(PATH) == len(CONTENT)
 
 
-def test_the_next_download_goes_on_where_the_last_one_was_cut_off(server, fetch, tmp_path):
+def test_the_next_download_resumes_a_cut_one(server, fetch, tmp_path):
     server.serve(PATH, CONTENT, cuts=[300_000, 0, 0])
     with pytest.raises(
         InputError, match=f"the download was cut off in {server.url}.*got 300000 of {len(CONTENT)} bytes"
@@ -151,14 +151,14 @@ def test_an_interrupted_download_is_resumed(server, fetch, tmp_path):
     assert (tmp_path / "net.pth").read_bytes() == CONTENT
 
 
-def test_a_server_that_ignores_ranges_is_asked_for_everything_anew(server, fetch, tmp_path):
+def test_without_ranges_the_whole_file_is_requested_again(server, fetch, tmp_path):
     server.serve(PATH, CONTENT, knows_ranges=False, cuts=[300_000])
     fetch()
     assert (tmp_path / "net.pth").read_bytes() == CONTENT
     assert server.num_sent(PATH) == len(CONTENT) + 300_000
 
 
-def test_a_server_that_always_cuts_at_the_same_place_is_given_up(server, fetch):
+def test_retries_end_if_the_server_always_cuts_at_the_same_byte(server, fetch):
     server.serve(PATH, CONTENT, knows_ranges=False, cuts=[300_000] * 10)
     with pytest.raises(InputError, match="the download was cut off"):
         fetch()
@@ -203,14 +203,14 @@ def test_parts_of_two_versions_are_never_joined(server, fetch, tmp_path, sha256)
 @pytest.mark.parametrize(
     ("status", "line"), [(500, "the server fails in"), (503, "the server is busy in"), (429, "the server is busy in")]
 )
-def test_a_server_that_is_busy_is_asked_again(server, fetch, status, line):
+def test_a_busy_server_is_retried(server, fetch, status, line):
     server.serve(PATH, b"", status=status)
     with pytest.raises(InputError, match=rf"{line} {server.url}.*got {status} .*; expected another try later"):
         fetch()
     assert len(server.requests) == SOON.count + 1
 
 
-def test_a_busy_server_is_given_the_time_that_it_asks_for(server, fetch, no_waiting):
+def test_the_wait_that_a_busy_server_asks_for_is_kept(server, fetch, no_waiting):
     server.serve(PATH, b"", status=429, headers={"Retry-After": "7"})
     with pytest.raises(InputError, match=r"the server is busy in .*expected another try in 7 s"):
         fetch()
@@ -218,7 +218,7 @@ def test_a_busy_server_is_given_the_time_that_it_asks_for(server, fetch, no_wait
 
 
 @pytest.mark.parametrize("is_date", [False, True])
-def test_a_server_that_is_busy_for_long_is_not_waited_for(server, fetch, no_waiting, is_date):
+def test_a_long_wait_ends_the_download(server, fetch, no_waiting, is_date):
     in_an_hour = format_datetime(datetime.now(UTC) + timedelta(hours=1), usegmt=True)
     asked = in_an_hour if is_date else "3600"
     server.serve(PATH, b"", status=429, headers={"Retry-After": asked})
@@ -228,7 +228,7 @@ def test_a_server_that_is_busy_for_long_is_not_waited_for(server, fetch, no_wait
 
 
 @pytest.mark.parametrize("asked", ["soon", "-3", "Mon, 01 Jan 2001 00:00:00 GMT"])
-def test_a_busy_server_that_asks_for_nothing_sensible_is_asked_again(server, fetch, no_waiting, asked):
+def test_a_senseless_wait_is_ignored(server, fetch, no_waiting, asked):
     server.serve(PATH, b"", status=503, headers={"Retry-After": asked})
     with pytest.raises(InputError, match="expected another try later"):
         fetch()
@@ -279,7 +279,7 @@ def test_a_redirect_to_an_unprotected_address_is_not_followed(server, fetch):
 @pytest.mark.parametrize(
     "location", ["https://a..b/x", "https://exa mple.org/x", "https://a.org:zz/x", "https://[a/x", "https://é.org/x"]
 )
-def test_a_redirect_to_what_is_no_address_is_told(server, fetch, tmp_path, location):
+def test_a_redirect_to_a_malformed_address_is_refused(server, fetch, tmp_path, location):
     server.serve(PATH, b"", location=location)
     with pytest.raises(InputError, match=server.url):
         fetch()
@@ -342,7 +342,7 @@ def test_a_file_longer_than_it_must_be_is_not_downloaded_to_its_end(server, tmp_
     assert _files(tmp_path) == []
 
 
-def test_another_host_does_not_send_us_to_this_machine():
+def test_another_host_cannot_redirect_to_this_machine():
     redirects = _Redirects()
     for origin, is_followed in (("https://example.org/net.pth", False), ("http://127.0.0.1:9/net.pth", True)):
         request = urllib.request.Request(origin)

@@ -1,4 +1,4 @@
-"""What nobody published a checksum of: verified against the hub's own record, or recorded once and enforced."""
+"""Files without a published checksum: verified against the hub's record, or recorded once and enforced."""
 
 import json
 
@@ -16,7 +16,7 @@ def _pointer(digest: str, size: int) -> bytes:
 
 @pytest.fixture
 def hub(server, sha256):
-    """Serves the repository ``org/net`` at a commit, and says that its branch ``main`` is there."""
+    """Serve the repository ``org/net`` at a commit, to which its branch ``main`` points."""
 
     def publish(commit=COMMIT, tensors=TENSORS, config=CONFIG):
         for name, content in (("model.bin", tensors), ("config.json", config)):
@@ -31,7 +31,7 @@ def hub(server, sha256):
 
 @pytest.fixture
 def describe_hub(server, describe):
-    """The item ``net`` from that repository at a revision."""
+    """Return a function that describes the item ``net`` from that repository at a revision."""
 
     def write(revision):
         base = f"{server.url}/org/net/resolve/{revision}"
@@ -117,7 +117,7 @@ def test_an_address_elsewhere_is_recorded_and_enforced(server, describe, open_fo
 
 @pytest.fixture
 def bad_first(server, describe, folder):
-    """Fetches the item ``net`` while its address gives half a file, which is recorded; it gives the whole one then."""
+    """Return a function that fetches ``net`` while its address serves half a file; it serves the whole one then."""
 
     def fetched(weights):
         (folder / "net" / "model.pth").unlink(missing_ok=True)
@@ -148,7 +148,7 @@ def test_a_bad_first_download_can_be_replaced(bad_first, open_folder, sha256):
     assert not any(verdict.is_wrong for verdict in weights.verify(item))
 
 
-def test_what_cannot_be_had_again_stays(bad_first, server, open_folder, folder, sha256):
+def test_a_failed_second_download_keeps_the_first_file(bad_first, server, open_folder, folder, sha256):
     weights = open_folder()
     bad_first(weights)
     del server.answers["/net.pth"]
@@ -167,7 +167,7 @@ def test_again_needs_a_network(bad_first, server, open_folder):
     assert len(server.requests) == num_requests
 
 
-def test_again_leaves_alone_what_the_hub_vouches_for(server, hub, describe_hub, open_folder, folder):
+def test_again_keeps_files_that_match_the_hub_s_record(server, hub, describe_hub, open_folder, folder):
     describe_hub("main")
     weights = open_folder()
     weights.ensure(weights.item("net"))
@@ -179,7 +179,7 @@ def test_again_leaves_alone_what_the_hub_vouches_for(server, hub, describe_hub, 
     assert (folder / "net" / "pins.json").read_bytes() == before
 
 
-def test_the_hub_s_refusal_is_told(server, hub, describe_hub, open_folder):
+def test_a_refusal_of_the_hub_is_reported(server, hub, describe_hub, open_folder):
     describe_hub("main")
     server.serve("/api/models/org/net/revision/main", b"no", status=401)
     weights = open_folder()
@@ -188,7 +188,7 @@ def test_the_hub_s_refusal_is_told(server, hub, describe_hub, open_folder):
 
 
 @pytest.mark.parametrize("answer", [b"<html>", b"[]", b'{"sha": "main"}', b'{"sha": 3}'])
-def test_an_answer_without_a_commit_is_told(server, hub, describe_hub, open_folder, answer):
+def test_an_answer_without_a_commit_is_reported(server, hub, describe_hub, open_folder, answer):
     describe_hub("main")
     server.serve("/api/models/org/net/revision/main", answer)
     weights = open_folder()
@@ -205,7 +205,7 @@ def test_unreadable_pins_are_named(hub, describe_hub, open_folder, folder):
         weights.ensure(weights.item("net"))
 
 
-def test_a_busy_hub_is_called_busy(server, hub, describe_hub, open_folder):
+def test_a_busy_hub_is_reported_as_busy(server, hub, describe_hub, open_folder):
     describe_hub("main")
     server.serve("/api/models/org/net/revision/main", b"", status=429, headers={"Retry-After": "300"})
     weights = open_folder()
@@ -213,7 +213,7 @@ def test_a_busy_hub_is_called_busy(server, hub, describe_hub, open_folder):
         weights.ensure(weights.item("net"))
 
 
-def test_a_file_pinned_as_empty_is_no_pin(describe, open_folder, folder, server):
+def test_a_pin_of_an_empty_file_is_refused(describe, open_folder, folder, server):
     describe({"files": [{"name": "model.pth", "url": f"{server.url}/net.pth"}]})
     (folder / "net").mkdir()
     pin = {"source": f"{server.url}/net.pth", "sha256": "0" * 64, "size": 0}
@@ -223,7 +223,7 @@ def test_a_file_pinned_as_empty_is_no_pin(describe, open_folder, folder, server)
 
 
 @pytest.mark.parametrize("token", ["hf_secret\nX-Header: x", "hf_sécret", "hf secret", "hf_secret\x00"])
-def test_a_token_that_is_none_is_refused_and_not_told(token):
+def test_an_invalid_token_is_refused_and_not_printed(token):
     from moseg.workflows.weights.hub import token_for
 
     assert token_for("https://example.org/net", token) is None
@@ -232,7 +232,7 @@ def test_a_token_that_is_none_is_refused_and_not_told(token):
     assert "cret" not in str(refused.value)
 
 
-def test_blanks_around_a_token_are_no_part_of_it(server, hub, describe_hub, open_folder, monkeypatch):
+def test_blanks_around_a_token_are_removed(server, hub, describe_hub, open_folder, monkeypatch):
     monkeypatch.setattr("moseg.workflows.weights.hub.token_for", lambda url, token: token)
     describe_hub("main")
     weights = open_folder(HF_TOKEN=" hf_secret\n")
@@ -240,7 +240,7 @@ def test_blanks_around_a_token_are_no_part_of_it(server, hub, describe_hub, open
     assert server.requests[0].headers["authorization"] == "Bearer hf_secret"
 
 
-def test_the_token_is_for_the_hub_alone():
+def test_the_token_is_sent_to_the_hub_only():
     from moseg.workflows.weights.hub import token_for
 
     assert token_for("https://huggingface.co/org/net/resolve/main/model.bin", "secret") == "secret"

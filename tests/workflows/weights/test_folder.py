@@ -26,7 +26,7 @@ weights.ensure(weights.item("net"))
 
 @pytest.fixture
 def known(server, describe, sha256):
-    """The item ``net`` with one file of known size and digest, which the server has."""
+    """Describe the item ``net`` with one file of known size and digest, which the server has."""
     url = server.serve("/net.pth", CONTENT)
     describe({"files": [{"name": "model.pth", "url": url, "size": len(CONTENT), "sha256": sha256(CONTENT)}]})
 
@@ -68,7 +68,7 @@ def test_offline_names_the_missing_file_and_the_command(known, server, open_fold
     assert server.requests == []
 
 
-def test_offline_uses_what_is_here(known, open_folder):
+def test_offline_uses_files_that_are_here(known, open_folder):
     open_folder().ensure(open_folder().item("net"))
     weights = open_folder(MOSEG_OFFLINE="1")
     weights.ensure(weights.item("net"))
@@ -85,7 +85,7 @@ def test_a_tampered_file_is_refused_and_never_served_again(known, open_folder, f
         weights.read(item, digests)
     assert str(refused.value) == (
         f"a wrong weights file in {path}; got SHA-256 {sha256(tampered)}; expected {sha256(CONTENT)};"
-        " it is moved to model.pth.refused, `moseg weights fetch net` gets the right one"
+        " it is renamed to model.pth.refused, `moseg weights fetch net` gets the right one"
     )
     assert sorted(entry.name for entry in path.parent.glob("model*")) == ["model.pth.refused"]
     with pytest.raises(MissingInputError):
@@ -117,7 +117,7 @@ def test_repair_replaces_only_what_is_wrong(known, server, open_folder, folder):
     assert (folder / "net" / "model.pth").read_bytes() == CONTENT
 
 
-def test_non_commercial_weights_need_a_word(server, describe, open_folder):
+def test_non_commercial_weights_need_consent(server, describe, open_folder):
     file = {"name": "model.pth", "url": server.serve("/net.pth", CONTENT)}
     describe({"licence": "CC-BY-NC-4.0", "is_non_commercial": True, "files": [file]})
     weights = open_folder()
@@ -130,7 +130,7 @@ def test_non_commercial_weights_need_a_word(server, describe, open_folder):
         opened.ensure(opened.item("net"))
 
 
-def test_own_files_count_as_they_are(describe, open_folder, folder, sha256):
+def test_own_files_may_change_between_runs(describe, open_folder, folder, sha256):
     describe({"files": [{"name": "model.pth"}]})
     (folder / "net").mkdir()
     path = folder / "net" / "model.pth"
@@ -143,7 +143,7 @@ def test_own_files_count_as_they_are(describe, open_folder, folder, sha256):
         assert weights.digests(item) == {"model.pth": sha256(content)}
 
 
-def test_an_own_file_that_changed_since_the_run_began_is_refused_and_left_alone(describe, open_folder, folder):
+def test_an_own_file_that_changed_during_the_run_is_refused_and_kept(describe, open_folder, folder):
     describe({"files": [{"name": "model.pth"}]})
     (folder / "net").mkdir()
     path = folder / "net" / "model.pth"
@@ -156,7 +156,7 @@ def test_an_own_file_that_changed_since_the_run_began_is_refused_and_left_alone(
     assert path.read_bytes() == CONTENT[::-1]
 
 
-def test_a_missing_own_file_is_the_user_s_to_bring(describe, open_folder, folder):
+def test_a_missing_own_file_is_named(describe, open_folder, folder):
     describe({"files": [{"name": "model.pth"}]})
     weights = open_folder()
     with pytest.raises(MissingInputError, match=f"{folder}/net/model.pth; expected your file"):
@@ -171,7 +171,7 @@ def test_own_items_take_the_place_of_the_catalogue_s(describe, open_folder):
     assert items["raft-large"].files[0].url is None
 
 
-def test_a_misspelt_item_is_told_the_nearest(open_folder):
+def test_a_misspelt_item_gets_the_nearest_name(open_folder):
     with pytest.raises(InputError, match=r"unknown weights item 'raft_large' in .*: did you mean 'raft-large'\?"):
         open_folder().item("raft_large")
 
@@ -202,13 +202,13 @@ def test_names_cannot_leave_the_folder(describe, open_folder, folder, name, wher
         ({"files": [{"name": "model.pth"}], "licens": "MIT"}, "Extra inputs"),
     ],
 )
-def test_an_item_that_is_none_is_refused_with_its_place(describe, open_folder, item, expected):
+def test_an_invalid_item_is_refused_with_its_place(describe, open_folder, item, expected):
     describe(item)
     with pytest.raises(InputError, match=rf"weights.json at items.0.*{expected}"):
         open_folder().item("net")
 
 
-def test_what_uses_no_weights_does_not_read_the_list(folder, moseg, monkeypatch, in_empty_folder):
+def test_a_run_without_weights_does_not_read_the_list(folder, moseg, monkeypatch, in_empty_folder):
     monkeypatch.setenv("MOSEG_WEIGHTS", str(folder))
     folder.mkdir()
     (folder / "weights.json").write_text("{")
@@ -217,7 +217,7 @@ def test_what_uses_no_weights_does_not_read_the_list(folder, moseg, monkeypatch,
     assert refused.code == 2 and "weights.json at JSON" in refused.err
 
 
-def test_items_that_are_given_are_all_there_are(folder):
+def test_given_items_replace_all_others(folder):
     folder.mkdir()
     (folder / "weights.json").write_text("{")
     assert list(Weights(folder, {}).items) == []
@@ -235,14 +235,14 @@ def test_a_file_that_cannot_be_read_is_named(describe, open_folder, folder, monk
     def refuse(*arguments):
         raise PermissionError(errno.EACCES, "Permission denied")
 
-    monkeypatch.setattr("moseg.workflows.weights.hashing.open", refuse, raising=False)
+    monkeypatch.setattr("moseg.workflows.weights.pins.open", refuse, raising=False)
     line = f"unreadable weights file in {folder}/net/model.pth; got Permission denied"
     with pytest.raises(InputError, match=line):
         use(weights, item)
 
 
 @pytest.mark.parametrize("url", ["https://localhost/é.pth", "https://a..b/x", "https://a b/x", "https://a.org:zz/x"])
-def test_an_address_that_no_request_can_name_is_refused(describe, open_folder, url):
+def test_a_malformed_address_is_refused(describe, open_folder, url):
     describe({"files": [{"name": "model.pth", "url": url}]})
     with pytest.raises(InputError, match=r"weights.json at items.0.files.0.url.*expected an https://.*printable ASCII"):
         open_folder().item("net")
@@ -265,7 +265,7 @@ def test_a_command_gets_several_items(describe, open_folder):
     assert fetch_command(b, again=True) == "moseg weights fetch b --non-commercial --again"
 
 
-def test_a_list_that_is_no_json_is_refused(folder, open_folder):
+def test_a_list_that_is_not_json_is_refused(folder, open_folder):
     folder.mkdir()
     (folder / "weights.json").write_text("items: []")
     with pytest.raises(InputError, match=r"weights.json at JSON"):
@@ -287,7 +287,7 @@ def test_a_folder_that_cannot_be_written_is_named(known, folder, open_folder):
 
 @pytest.fixture
 def start_fetch(folder):
-    """Starts a process that fetches ``net``."""
+    """Return a function that starts a process that fetches ``net``."""
 
     def start():
         return subprocess.Popen([sys.executable, "-c", FETCH, str(folder)], stderr=subprocess.PIPE, text=True)
@@ -307,7 +307,7 @@ def test_two_processes_fetch_a_file_once(known, server, folder, start_fetch):
     assert (folder / "net" / "model.pth").read_bytes() == CONTENT
 
 
-def test_a_killed_download_keeps_nobody_waiting(known, server, folder, start_fetch, open_folder):
+def test_a_killed_download_releases_its_lock(known, server, folder, start_fetch, open_folder):
     server.answers["/net.pth"].gate = threading.Event()
     with start_fetch() as killed:
         assert server.arrived.wait(600)
@@ -329,14 +329,14 @@ def test_progress_is_plain_lines_without_a_terminal_and_none_when_quiet(known, o
     assert capsys.readouterr().err == ""
 
 
-def test_the_folder_travels_to_workers(known, open_folder):
+def test_the_folder_can_be_sent_to_workers(known, open_folder):
     import cloudpickle
 
     weights = open_folder()
     assert cloudpickle.loads(cloudpickle.dumps(weights)).item("net") == weights.item("net")
 
 
-def test_own_items_are_written_as_the_documentation_says(folder, open_folder):
+def test_the_documented_example_is_a_valid_item(folder, open_folder):
     folder.mkdir()
     item = {"name": "my-raft", "architecture": "raft", "licence": "MIT", "files": [{"name": "model.pth"}]}
     (folder / "weights.json").write_text(json.dumps({"items": [item]}))

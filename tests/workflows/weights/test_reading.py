@@ -1,4 +1,4 @@
-"""From files to what a network is built from."""
+"""Reading of files into what a network is built from."""
 
 import pickle
 import zipfile
@@ -16,7 +16,7 @@ TENSORS = {"a.weight": torch.arange(6.0).reshape(2, 3), "a.bias": torch.ones(2)}
 
 @pytest.fixture
 def read(describe, open_folder, folder):
-    """Reads an own item with the given files, which the function `save` writes into the item's folder."""
+    """Return a function that reads an own item whose files the function `save` writes into its folder."""
 
     def read_item(save, *names, architecture="raft", config=None):
         files = [{"name": name} for name in names]
@@ -48,7 +48,7 @@ def test_saved_by_torch(read, content, is_zip):
 
 @pytest.mark.parametrize("place", [b"numpy.core.multiarray", b"numpy._core.multiarray"])
 @pytest.mark.parametrize("rate", [np.float64(1e-4), np.float32(1e-4), np.int64(3)])
-def test_an_optimiser_with_numbers_of_numpy_is_no_hindrance(read, place, rate):
+def test_an_optimiser_with_numbers_of_numpy_can_be_read(read, place, rate):
     optimizer = {"state": {}, "param_groups": [{"lr": rate, "params": [0], "name": "a.weight"}]}
 
     def save(folder):
@@ -59,7 +59,7 @@ def test_an_optimiser_with_numbers_of_numpy_is_no_hindrance(read, place, rate):
 
 
 def _replace_in_pickle(path, old, new):
-    """Let a checkpoint name a module by the name that it had when the published ones were saved."""
+    """Replace a module's name in a checkpoint by its name when the published ones were saved."""
     with zipfile.ZipFile(path) as archive:
         files = {name: archive.read(name) for name in archive.namelist()}
     with zipfile.ZipFile(path, "w") as archive:
@@ -68,7 +68,7 @@ def _replace_in_pickle(path, old, new):
 
 
 class _Reduced:
-    """Pickled as a call, and what it is then told to be."""
+    """An object that is pickled as a call and a state."""
 
     def __init__(self, *reduced):
         self._reduced = reduced
@@ -78,7 +78,7 @@ class _Reduced:
 
 
 def test_bytes_are_not_taken_for_addresses(read):
-    """A dtype that is told to hold an object would have NumPy take the bytes of a number for the object's address."""
+    """Check that a dtype cannot be made to hold objects: NumPy would take a number's bytes for an address."""
     scalar = np.float64().__reduce__()[0]
     holder = _Reduced(np.dtype, ("O8", False, True))
     crafted = _Reduced(np.dtype, ("f8", False, True), (3, "<", None, ("x",), {"x": (holder, 0)}, 8, 8, 0))
@@ -93,7 +93,7 @@ def test_bytes_are_not_taken_for_addresses(read):
 
 
 @pytest.mark.parametrize("name", ["model.pth", "model.safetensors"])
-def test_what_was_hashed_does_not_change_below_the_network(read, folder, name):
+def test_tensors_do_not_follow_later_changes_of_the_file(read, folder, name):
     def save(folder):
         torch.save(TENSORS, folder / name) if name.endswith("pth") else save_file(TENSORS, folder / name)
 
@@ -134,7 +134,7 @@ class _Runs:
         pickle.dumps({"model": TENSORS, "args": Namespace(lr=0.1)}),
     ],
 )
-def test_what_torch_does_not_read_safely_is_refused_by_name(read, folder, content, capsys):
+def test_a_file_that_torch_does_not_read_safely_is_refused_by_name(read, folder, content, capsys):
     with pytest.raises(InputError, match=f"unreadable weights in {folder}/net/model.pth; got .*; expected tensors"):
         read(lambda folder: (folder / "model.pth").write_bytes(content), "model.pth")
     assert capsys.readouterr().out == ""
@@ -151,12 +151,12 @@ def test_what_torch_does_not_read_safely_is_refused_by_name(read, folder, conten
         (b"PK\x03\x04 and what is no archive", "a damaged archive"),
     ],
 )
-def test_torch_s_advice_on_a_bad_file_is_not_handed_on(read, folder, content, got, capsys):
+def test_torch_s_advice_on_a_bad_file_is_not_shown(read, folder, content, got, capsys):
     with pytest.raises(InputError) as refused:
         read(lambda folder: (folder / "model.pth").write_bytes(content), "model.pth")
     assert str(refused.value) == (
         f"unreadable weights in {folder}/net/model.pth; got {got};"
-        " expected tensors saved by torch and nothing that would have to be run"
+        " expected tensors saved by torch, and no code to be run"
     )
     assert capsys.readouterr().err == ""
 
@@ -165,7 +165,7 @@ def test_torch_s_advice_on_a_bad_file_is_not_handed_on(read, folder, content, go
     ("more", "named"),
     [(_Runs(), "print"), (Namespace(lr=0.1), "argparse.Namespace"), (np.array([_Runs()], dtype=object), "numpy")],
 )
-def test_what_would_have_to_be_run_is_named(read, folder, more, named, capsys):
+def test_code_in_a_file_is_named(read, folder, more, named, capsys):
     def save(folder):
         torch.save({"model": TENSORS, "more": more}, folder / "model.pth")
 
@@ -184,7 +184,7 @@ def test_a_cut_archive_is_refused_by_name(read, folder):
 
 
 @pytest.mark.parametrize("content", [b"", b"\x10" + b"\0" * 7 + b"{not a header of}", b"x" * 100])
-def test_what_is_no_safetensors_is_refused_by_name(read, folder, content):
+def test_a_file_that_is_not_safetensors_is_refused_by_name(read, folder, content):
     def save(folder):
         (folder / "model.safetensors").write_bytes(content)
         (folder / "config.json").write_text("{}")
@@ -193,7 +193,7 @@ def test_what_is_no_safetensors_is_refused_by_name(read, folder, content):
         read(save, "config.json", "model.safetensors", architecture="sam2")
 
 
-def test_a_document_that_is_no_text_is_refused_by_name(read, folder):
+def test_a_document_that_is_not_text_is_refused_by_name(read, folder):
     def save(folder):
         torch.save(TENSORS, folder / "model.pth")
         (folder / "tags.txt").write_bytes(b"caf\xe9")

@@ -1,4 +1,4 @@
-"""One network in a process, whoever asks."""
+"""One network in a process, shared by all tasks."""
 
 import threading
 from typing import NamedTuple
@@ -10,13 +10,12 @@ from moseg.tasks.networks.pips import build_pips
 from moseg.tasks.networks.raft import build_raft
 from moseg.workflows.process.devices import set_device
 from moseg.workflows.stages.resident import open_network
-from moseg.workflows.weights.folder import open_weights
-from moseg.workflows.weights.leaf import weights_leaf
+from moseg.workflows.weights.folder import open_weights, weights_leaf
 from moseg.workflows.weights.tiny.make_tiny import make_tiny
 
 
 class Leaf(NamedTuple):
-    """What a task reads of a stored leaf."""
+    """The part of a stored leaf that a task reads."""
 
     ref: str
     attributes: dict
@@ -24,7 +23,7 @@ class Leaf(NamedTuple):
 
 @pytest.fixture
 def leaves(tmp_path, monkeypatch):
-    """Leaves of a tiny RAFT and a tiny PIPs."""
+    """Return leaves of a tiny RAFT and a tiny PIPs."""
     monkeypatch.setenv("MOSEG_WEIGHTS", str(tmp_path))
     set_device("cpu")
     environment = {"MOSEG_WEIGHTS": str(tmp_path)}
@@ -35,7 +34,7 @@ def leaves(tmp_path, monkeypatch):
     return [Leaf(leaf.recipe.ref, leaf.attributes) for leaf in made]
 
 
-def test_a_network_is_loaded_once_and_given_up_for_another(leaves):
+def test_a_network_is_loaded_once_and_replaced_by_another(leaves):
     raft, pips = leaves
     with open_network(build_raft, raft) as first, open_network(build_raft, raft) as again:
         assert first is again

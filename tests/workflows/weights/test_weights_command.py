@@ -1,4 +1,4 @@
-"""`moseg weights`: fetch, verify, tiny; one line and exit code 2 for what cannot be had."""
+"""`moseg weights`: fetch, verify, tiny; one line and exit code 2 on failure."""
 
 import json
 
@@ -13,7 +13,7 @@ pytestmark = pytest.mark.usefixtures("in_empty_folder", "no_waiting")
 
 @pytest.fixture
 def net(server, describe, folder, sha256, monkeypatch):
-    """The item ``net``, which the server has, in the folder that the environment names."""
+    """Describe the item ``net``, which the server has, in the folder that the environment names."""
     for variable in ("MOSEG_OFFLINE", "MOSEG_NON_COMMERCIAL", "HF_TOKEN"):
         monkeypatch.delenv(variable, raising=False)
     monkeypatch.setenv("MOSEG_WEIGHTS", str(folder))
@@ -22,7 +22,7 @@ def net(server, describe, folder, sha256, monkeypatch):
     return folder / "net" / "model.pth"
 
 
-def test_fetch_gets_an_item_and_says_where(net, moseg):
+def test_fetch_gets_an_item_and_prints_its_folder(net, moseg):
     ran = moseg("weights", "fetch", "net", "--quiet")
     assert (ran.code, ran.out, ran.err) == (0, f"net: {net.parent}\n", "")
     assert net.read_bytes() == CONTENT
@@ -35,7 +35,7 @@ def test_fetch_replaces_a_damaged_file(net, moseg):
     assert net.read_bytes() == CONTENT
 
 
-def test_fetch_uses_the_network_though_runs_must_not(net, moseg, monkeypatch):
+def test_fetch_ignores_moseg_offline(net, moseg, monkeypatch):
     monkeypatch.setenv("MOSEG_OFFLINE", "1")
     assert moseg("weights", "fetch", "net").code == 0
 
@@ -57,7 +57,7 @@ def test_a_cut_connection_does_not_stop_it(net, server, moseg):
         ({"cuts": [0] * 20}, "moseg: the download was cut off in "),
     ],
 )
-def test_what_cannot_be_had_is_one_line_and_exit_code_two(net, server, moseg, change, line):
+def test_a_failed_fetch_is_one_line_and_exit_code_two(net, server, moseg, change, line):
     for name, value in change.items():
         setattr(server.answers["/net.pth"], name, value)
     ran = moseg("weights", "fetch", "net", "--quiet")
@@ -66,7 +66,7 @@ def test_what_cannot_be_had_is_one_line_and_exit_code_two(net, server, moseg, ch
     assert not net.exists()
 
 
-def test_a_misspelt_preset_is_told_the_nearest(net, moseg):
+def test_a_misspelt_preset_gets_the_nearest_name(net, moseg):
     ran = moseg("weights", "fetch", "--preset", "papr")
     assert (ran.code, ran.err) == (2, "moseg: unknown preset 'papr' in --preset: did you mean 'paper'?\n")
 
@@ -95,7 +95,7 @@ def test_non_commercial_weights_need_the_flag(net, server, describe, moseg):
     assert moseg("weights", "fetch", "net", "--non-commercial").code == 0
 
 
-def test_verify_tells_right_from_wrong_and_missing(net, moseg, sha256):
+def test_verify_reports_right_wrong_and_missing_files(net, moseg, sha256):
     assert moseg("weights", "verify").out == f"0 files in {net.parent.parent}, 0 wrong or missing\n"
     moseg("weights", "fetch", "net", "--quiet")
     right = moseg("weights", "verify")
@@ -110,7 +110,7 @@ def test_verify_tells_right_from_wrong_and_missing(net, moseg, sha256):
     assert moseg("weights", "verify", "net").code == 1
 
 
-def test_verify_says_where_nothing_is_known(net, describe, moseg):
+def test_verify_reports_files_without_a_known_digest(net, describe, moseg):
     describe({"files": [{"name": "model.pth"}]})
     net.parent.mkdir()
     net.write_bytes(CONTENT)
@@ -118,7 +118,7 @@ def test_verify_says_where_nothing_is_known(net, describe, moseg):
     assert ran.code == 0 and "nothing says what it must be" in ran.out
 
 
-def test_tiny_checkpoints_are_read_by_the_network_that_they_are_for(tmp_path, moseg, monkeypatch):
+def test_tiny_checkpoints_are_read_by_their_networks(tmp_path, moseg, monkeypatch):
     from moseg.tasks.networks.raft import build_raft
     from moseg.workflows.weights.folder import open_weights
 
@@ -155,7 +155,7 @@ def test_tiny_checkpoints_follow_from_their_seed(tmp_path, moseg):
     assert files("c", "--seed", "1") != first
 
 
-def test_tiny_checkpoints_never_take_the_place_of_own_items(net, moseg):
+def test_tiny_checkpoints_never_replace_own_items(net, moseg):
     before = (net.parent.parent / "weights.json").read_text()
     ran = moseg("weights", "tiny", net.parent.parent, "--only", "raft-large")
     assert ran.code == 2 and "items of your own: net" in ran.err
@@ -163,12 +163,12 @@ def test_tiny_checkpoints_never_take_the_place_of_own_items(net, moseg):
 
 
 @pytest.mark.parametrize("name", ["model.pth", "model.pth.partial"])
-def test_tiny_checkpoints_never_take_the_place_of_fetched_weights(tmp_path, moseg, name):
+def test_tiny_checkpoints_never_replace_fetched_weights(tmp_path, moseg, name):
     fetched = tmp_path / "cache" / "raft-large" / name
     fetched.parent.mkdir(parents=True)
     fetched.write_bytes(CONTENT)
     ran = moseg("weights", "tiny", tmp_path / "cache", "--only", "pips,raft-large")
-    assert ran.code == 2 and "weights that are there: raft-large; expected another folder" in ran.err
+    assert ran.code == 2 and "existing weights: raft-large; expected another folder" in ran.err
     assert [path for path in (tmp_path / "cache").rglob("*") if path.is_file()] == [fetched]
     assert fetched.read_bytes() == CONTENT
     assert moseg("weights", "tiny", tmp_path / "cache", "--only", "raft-small").code == 0
@@ -176,7 +176,7 @@ def test_tiny_checkpoints_never_take_the_place_of_fetched_weights(tmp_path, mose
 
 
 def test_tiny_checkpoints_without_the_libraries_of_networks_are_exit_code_two(tmp_path, moseg, monkeypatch):
-    monkeypatch.setattr("moseg.workflows.weights.packages.find_spec", lambda name: None)
+    monkeypatch.setattr("moseg.workflows.weights.reading.find_spec", lambda name: None)
     ran = moseg("weights", "tiny", tmp_path / "tiny", "--only", "raft-large")
     assert ran.code == 2 and "pip install 'moseg[models]'" in ran.err
     assert not (tmp_path / "tiny").exists()
@@ -189,7 +189,7 @@ def test_no_tiny_item_is_exit_code_two(tmp_path, moseg, only):
     assert not (tmp_path / "tiny").exists()
 
 
-def test_tiny_describes_what_it_wrote_in_words(tmp_path, moseg):
+def test_tiny_prints_the_items_it_wrote(tmp_path, moseg):
     moseg("weights", "tiny", tmp_path / "tiny", "--only", "raft-large, raft-small")
     items = json.loads((tmp_path / "tiny" / "weights.json").read_text())["items"]
     assert [item["name"] for item in items] == ["raft-large", "raft-small"]
@@ -201,7 +201,7 @@ def test_an_unknown_tiny_item_is_exit_code_two(tmp_path, moseg):
     assert not (tmp_path / "tiny").exists()
 
 
-def test_what_is_fixed_otherwise_is_not_fetched_again(moseg, tmp_path, monkeypatch):
+def test_again_refuses_items_of_known_digest(moseg, tmp_path, monkeypatch):
     monkeypatch.setenv("MOSEG_WEIGHTS", str(tmp_path))
     ran = moseg("weights", "fetch", "raft-large", "--again")
     assert ran.code == 2 and "nothing to fetch anew" in ran.err and "raft-large" in ran.err

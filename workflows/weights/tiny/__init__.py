@@ -1,1 +1,1 @@
-"""Tiny random checkpoints in the official formats: they let every backend be run without its weights."""
+"""Tiny random checkpoints in the official formats: with them every backend runs without its weights."""

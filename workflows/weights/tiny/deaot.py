@@ -31,10 +31,10 @@ _LEVEL = 4.0
 
 
 def make_deaot(seed: int) -> TinyCheckpoint:
-    """Random weights in the official format, with one path through them that hands on the masks of the frame before.
+    """Return random weights in the official format, with one path that carries the masks of the frame before.
 
-    On it, each class (background, object 1, …) has a channel of its own, from the share of a cell that it covers to its
-    logit: identity bank, memory, short-term attention to the same place, decoder. All else is small noise.
+    On this path, each class (background, object 1, …) has its own channel, from the share of a cell that it covers to
+    its logit: identity bank, memory, short-term attention to the same place, decoder. Everything else is small noise.
     """
     rng = np.random.default_rng(seed)
     state = {}
@@ -46,14 +46,14 @@ def make_deaot(seed: int) -> TinyCheckpoint:
             share = 1.0 if name.startswith("encoder") else _NOISE
             values = rng.normal(0, share * np.prod(tensor.shape[1:]) ** -0.5, tensor.shape)
         state[name] = values
-    _hand_on_masks(state)
+    _carry_masks(state)
     content = io.BytesIO()
     tensors = {name: torch.from_numpy(values.astype(np.float32)) for name, values in state.items()}
     torch.save({"state_dict": tensors}, content)
     return TinyCheckpoint({"model.pth": content.getvalue()}, CONFIG.model_dump(mode="json"))
 
 
-def _hand_on_masks(state: dict[str, np.ndarray]) -> None:
+def _carry_masks(state: dict[str, np.ndarray]) -> None:
     """Set the weights on the path of the masks; on all of it, the class with the largest signal stays the same."""
     d_model, num_objects = CONFIG.d_model, CONFIG.max_objects
     classes, objects = np.arange(1 + num_objects), np.arange(num_objects)

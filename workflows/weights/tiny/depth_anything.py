@@ -4,16 +4,15 @@ import torch
 from torch.nn import init
 from transformers import DepthAnythingConfig, DepthAnythingForDepthEstimation, Dinov2Config
 
-from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
+from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint, save_to_bytes
 from moseg.workflows.weights.tiny.dpt_dinov2 import give_unit_gain
-from moseg.workflows.weights.tiny.saved_model import save_to_bytes
 
 # Inverse depth about which the network's answers scatter.
 _TYPICAL_INVERSE_DEPTH = 3.0
 
 
 def make_depth_anything(seed: int) -> TinyCheckpoint:
-    """The published network with few channels and two layers, for it sees even small frames at 518 px."""
+    """Return the published network with few channels and two layers, as it processes even small frames at 518 px."""
     backbone = Dinov2Config(
         hidden_size=16,
         num_hidden_layers=2,

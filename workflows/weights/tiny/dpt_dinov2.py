@@ -7,18 +7,17 @@ from safetensors.torch import load
 from torch.nn import init
 from transformers import Dinov2Config, DPTConfig, DPTForDepthEstimation, PreTrainedModel
 
-from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
-from moseg.workflows.weights.tiny.saved_model import save_to_bytes
+from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint, save_to_bytes
 
-# Depth about which the network's answers scatter, m.
+# Depth around which the network's answers scatter, m.
 _TYPICAL_DEPTH = 3.0
 
 
 def make_dpt_dinov2(seed: int) -> TinyCheckpoint:
-    """The published network with few channels and four layers, and depths of a few metres.
+    """Return the published network with few channels and four layers, and depths of a few metres.
 
-    Without the projection ahead of the published heads (`add_projection`): its 256 channels, and with them those of the
-    whole neck, are fixed in transformers, 38 MB in all.
+    It has no projection before the heads (`add_projection`), unlike the published one: transformers fixes its 256
+    channels, and with them those of the whole neck, 38 MB in all.
     """
     backbone = Dinov2Config(
         hidden_size=16,
@@ -52,9 +51,9 @@ def make_dpt_dinov2(seed: int) -> TinyCheckpoint:
 
 
 def give_unit_gain(model: PreTrainedModel) -> None:
-    """Draw weights anew so that what a layer puts out is about as large as what it takes in; without biases.
+    """Draw weights anew so that a layer's output is about as large as its input; without biases.
 
-    Networks start training with weights so small that random ones put out the same everywhere.
+    With the small weights with which training starts, a random network's output is the same everywhere.
     """
     for name, tensor in model.state_dict().items():
         if tensor.ndim > 1:

@@ -7,8 +7,7 @@ import torch
 from transformers import GroundingDinoConfig, GroundingDinoForObjectDetection
 
 from moseg.tasks.networks.grounding_dino.build import SPECIAL_TOKENS
-from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
-from moseg.workflows.weights.tiny.saved_model import save_to_bytes
+from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint, save_to_bytes
 
 _WIDTH = 32
 _NUM_QUERIES = 10
@@ -23,7 +22,7 @@ _MEAN_LOGIT = -1.0
 
 
 def make_grounding_dino(seed: int) -> TinyCheckpoint:
-    """Files of ``IDEA-Research/grounding-dino-tiny``, random but for its biases towards a handful of boxes."""
+    """Return files of ``IDEA-Research/grounding-dino-tiny``, random except for biases towards a handful of boxes."""
     vocabulary = _vocabulary()
     config = GroundingDinoConfig(
         backbone_config={
@@ -71,7 +70,7 @@ def make_grounding_dino(seed: int) -> TinyCheckpoint:
 
 
 def _bias(model: GroundingDinoForObjectDetection) -> None:
-    """Let queries differ, boxes follow their queries, and words and queries fit here and there."""
+    """Set biases so that queries differ, boxes follow their queries, and some words match some queries."""
     core = model.model
     core.query_position_embeddings.weight.normal_()
     core.encoder_output_bbox_embed.layers[-1].bias[2:] = _LARGER
@@ -89,7 +88,7 @@ def _bias(model: GroundingDinoForObjectDetection) -> None:
 
 
 def _vocabulary() -> list[str]:
-    """A few words, and letters of which all others are made; the tokens that BERT numbers are where it has them."""
+    """Return a few words, and letters that make up all others; special tokens have BERT's numbers."""
     letters = string.ascii_lowercase + string.digits
     signs = sorted(set(string.punctuation) - set(SPECIAL_TOKENS))
     tokens = {0: "[PAD]", 100: "[UNK]", 103: "[MASK]", **{number: token for token, number in SPECIAL_TOKENS.items()}}

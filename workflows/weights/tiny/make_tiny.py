@@ -1,4 +1,4 @@
-"""A folder of tiny random checkpoints: every network runs in a moment, and finds nothing worth having."""
+"""A folder of tiny random checkpoints: every network runs in a moment, with results of no use."""
 
 from collections.abc import Iterable
 from importlib import import_module
@@ -8,12 +8,12 @@ from moseg.schemas.errors import InputError
 from moseg.schemas.weights import WeightsFile, WeightsItem, WeightsList
 from moseg.workflows.process.atomic_write import atomic_path, blame_output
 from moseg.workflows.weights.own_items import OWN_ITEMS, read_own_items
-from moseg.workflows.weights.packages import require_network_packages
+from moseg.workflows.weights.reading import require_network_packages
 from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
 
 TINY_LICENCE = "none: random numbers"
 MODULES = {"ram_plus": "ram"}
-"""Where the maker of an architecture does not lie in a module of its name."""
+"""Modules of architectures whose function does not lie in a module of the same name."""
 
 
 def make_tiny(folder: Path, items: Iterable[WeightsItem], seed: int) -> tuple[WeightsItem, ...]:
@@ -24,20 +24,20 @@ def make_tiny(folder: Path, items: Iterable[WeightsItem], seed: int) -> tuple[We
     Parameters
     ----------
     folder : Path
-        What ``$MOSEG_WEIGHTS`` is then set to; made where there is none.
+        Value for ``$MOSEG_WEIGHTS``; created if there is none.
     seed : int
-        The same one gives the same files.
+        Seed of the random numbers.
 
     Returns
     -------
     tuple of WeightsItem
-        What was made.
+        The items that were written.
 
     Raises
     ------
     InputError
-        The folder cannot be written, or holds weights that are not tiny: the user's, or fetched ones. Or the libraries
-        that networks run on are not here.
+        The folder cannot be written, or holds weights that are not tiny: the user's, or fetched ones; or the libraries
+        that networks run on are not installed.
     """
     require_network_packages()
     items = tuple(items)
@@ -60,7 +60,7 @@ def make_tiny(folder: Path, items: Iterable[WeightsItem], seed: int) -> tuple[We
         )
         written.append(described[item.name])
     content = WeightsList(items=tuple(described.values()))
-    # Last: what it names is there.
+    # Last, so that all files that it names exist.
     _write(folder / OWN_ITEMS, (content.model_dump_json(indent=2, exclude_defaults=True) + "\n").encode("utf-8"))
     return tuple(written)
 
@@ -71,7 +71,7 @@ def _make(architecture: str, seed: int) -> TinyCheckpoint:
 
 
 def _tiny_items(folder: Path) -> list[WeightsItem]:
-    """Tiny checkpoints that the folder holds; raises InputError where it also holds the user's own weights."""
+    """Return the tiny checkpoints in the folder; raise InputError if it also holds the user's own weights."""
     items = list(read_own_items(folder))
     own = [item.name for item in items if item.licence != TINY_LICENCE]
     if own:
@@ -80,11 +80,11 @@ def _tiny_items(folder: Path) -> list[WeightsItem]:
 
 
 def _refuse_weights(folder: Path, names: Iterable[str]) -> None:
-    """Raise InputError where folders of these names are not empty: nothing says that what they hold is tiny."""
+    """Raise InputError if folders of these names are not empty: their weights may not be tiny."""
     with blame_output(folder):
         held = [name for name in names if (folder / name).is_dir() and any((folder / name).iterdir())]
     if held:
-        raise _refusal(folder, f"weights that are there: {', '.join(held)}")
+        raise _refusal(folder, f"existing weights: {', '.join(held)}")
 
 
 def _refusal(folder: Path, got: str) -> InputError:

@@ -9,12 +9,12 @@ from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
 
 CONFIG = {"latent": 16, "widths": [8, 8, 8, 8], "encoding": 8, "hidden": 16, "depth": 1}
 UPDATE_SCALE = 0.02
-"""Of the layer that moves points: a random network then moves them by some tenths of a pixel."""
+"""Factor of the layer that moves points: a random network then moves them by some tenths of a pixel."""
 VISIBLE_LOGIT = 4.0
 
 
 def make_pips(seed: int) -> TinyCheckpoint:
-    """A random network whose points stay near where they begin and are seen, so that the geometry behind has data."""
+    """Return a random network whose points stay near their start and visible, so that later stages have data."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         network = Pips(PipsConfig(**CONFIG))

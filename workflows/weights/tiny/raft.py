@@ -24,7 +24,7 @@ _STEP_LAYER, _STEP_GAIN = "update_block.flow_head.conv2.", 0.02
 
 
 def make_raft(seed: int) -> TinyCheckpoint:
-    """The large network at a fraction of its widths, with random weights: its flow depends on both images."""
+    """Return the large network at a fraction of its widths, with random weights: its flow depends on both images."""
     with torch.device("meta"):
         shapes = Raft(RaftConfig.model_validate(LARGE.model_dump() | _WIDTHS)).state_dict()
     generator = torch.Generator().manual_seed(seed)
@@ -35,7 +35,7 @@ def make_raft(seed: int) -> TinyCheckpoint:
 
 
 def _random_tensor(key: str, like: torch.Tensor, generator: torch.Generator) -> torch.Tensor:
-    """Weights of unit gain under ReLU; biases and means near zero, variances and scales near one."""
+    """Return weights of unit gain under ReLU; biases and means near zero, variances and scales near one."""
     if not like.is_floating_point():
         return torch.zeros(like.shape, dtype=like.dtype)
     noise = torch.randn(like.shape, generator=generator) * (_STEP_GAIN if key.startswith(_STEP_LAYER) else 1)

@@ -28,7 +28,7 @@ _CONFIG = RamConfig(
 
 
 def make_ram(seed: int) -> TinyCheckpoint:
-    """RAM with 12 tags; as in the official file, the head has its old name and a captioner stands beside it."""
+    """Return RAM with 12 tags; as in the official file, the head has its old name and there is a captioner."""
     state = {
         name.replace("tagging_head.", "vision_multi."): value
         for name, value in _random_state(Ram(_CONFIG), seed).items()
@@ -41,14 +41,14 @@ def make_ram(seed: int) -> TinyCheckpoint:
 
 
 def make_ram_plus(seed: int) -> TinyCheckpoint:
-    """RAM++ with 12 tags of three descriptions each; as in the official file, without the scale of likenesses."""
+    """Return RAM++ with 12 tags of three descriptions each; as in the official file, without a similarity scale."""
     state = _random_state(RamPlus(_CONFIG), seed)
     del state["reweight_scale"]
     return _pack(state | {"logit_scale": torch.zeros(())})
 
 
 def _random_state(network: Ram, seed: int) -> dict[str, torch.Tensor]:
-    """Seeded weights without biases, and the buffers that official checkpoints hold."""
+    """Return seeded weights without biases, and the buffers that official checkpoints hold."""
     rng = np.random.default_rng(seed)
     state = {}
     for name, tensor in sorted(network.state_dict().items()):

@@ -11,8 +11,7 @@ import torch
 from torch.nn import init
 from transformers import Sam2VideoConfig, Sam2VideoModel
 
-from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
-from moseg.workflows.weights.tiny.saved_model import save_to_bytes
+from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint, save_to_bytes
 
 # Object pointers are cut into pieces of a memory's 64 channels, and two is the least that works.
 _WIDTH, _MEMORY = 128, 64
@@ -29,7 +28,7 @@ _CODE_INSIDE, _CODE_OUTSIDE = 0.25, -0.05
 
 
 def make_sam2(seed: int) -> TinyCheckpoint:
-    """The published network with half the hidden channels, a small backbone and an image of 128 px; half precision."""
+    """Return the published network, half precision, with half the hidden channels, a small backbone and 128 px."""
     with torch.random.fork_rng(devices=()), torch.no_grad():
         torch.manual_seed(seed)
         model = Sam2VideoModel(_config()).eval()
@@ -93,7 +92,7 @@ def _config() -> Sam2VideoConfig:
 
 
 def _randomise(name: str, tensor: torch.Tensor) -> None:
-    """Weights of unit gain in the backbone, of a small one elsewhere; no biases; normalisations as they start."""
+    """Set weights of unit gain in the backbone, of a small one elsewhere; no biases; initial normalisations."""
     if tensor.ndim > 1 and tensor.is_floating_point():
         gain = 1.0 if "backbone" in name else 0.05
         init.normal_(tensor, std=gain / max(tensor[0].numel(), 1) ** 0.5)
@@ -102,7 +101,7 @@ def _randomise(name: str, tensor: torch.Tensor) -> None:
 
 
 def _pattern(length: int, first: int) -> torch.Tensor:
-    """+1 and -1 in turn from a channel on, 0 before it."""
+    """Return +1 and -1 in turn from a channel on, 0 before it."""
     pattern = torch.ones(length)
     pattern[1::2] = -1
     pattern[:first] = 0
@@ -115,7 +114,7 @@ _KIND, _IS_CORNER = slice(4, 64), slice(66, _WIDTH)
 
 
 def _place_tokens(model: Sam2VideoModel) -> None:
-    """Encode places by sines so slow that they are nearly linear, and tell corners apart, and from other tokens."""
+    """Encode positions by sines so slow that they are nearly linear; distinguish corners and other tokens."""
     for embedding in (model.shared_image_embedding, model.prompt_encoder.shared_embedding):
         embedding.positional_embedding.zero_()
         embedding.positional_embedding[0, 0] = embedding.positional_embedding[1, 1] = 1 / 16
@@ -134,13 +133,13 @@ def _place_tokens(model: Sam2VideoModel) -> None:
 
 
 def _compare_with_corners(layer: torch.nn.Module) -> None:
-    """Let every place of the image know on how many sides of the box it is outside.
+    """Compute at each position of the image on how many sides it is outside the box.
 
-    A head for each side: its attention goes to the one corner where the place lies beyond it, else to other tokens.
+    There is a head for each side: it attends to its corner if the position lies beyond it, else to other tokens.
     """
     kinds = _pattern(_WIDTH, 0)
     kinds[: _KIND.start] = kinds[_KIND.stop :] = 0
-    # Tokens first learn whether they are corners: these attend to each other only, by their last channels.
+    # Self-attention first marks the corners: these attend to each other only, by their last channels.
     alike = layer.self_attn
     for projection in (alike.q_proj, alike.k_proj, alike.v_proj):
         projection.weight.copy_(torch.eye(_WIDTH))
@@ -171,7 +170,7 @@ def _compare_with_corners(layer: torch.nn.Module) -> None:
 
 
 def _show_inside(model: Sam2VideoModel) -> None:
-    """Turn what is outside into the masks' logits, and let every object be seen."""
+    """Turn that number into the masks' logits, and mark every object as visible."""
     decoder = model.mask_decoder
     decoder.upscale_conv1.weight[0, 0] = 1
     decoder.upscale_conv1.bias.copy_(_pattern(_WIDTH // 4, 1))
@@ -183,7 +182,7 @@ def _show_inside(model: Sam2VideoModel) -> None:
 
 
 def _remember_masks(encoder: torch.nn.Module) -> None:
-    """Carry a mask in channel 0 into memory, beside a constant by which memory is told from object pointers."""
+    """Store a mask in channel 0 of memory, with a constant that distinguishes memory from object pointers."""
     for layer in encoder.mask_downsampler.layers:
         layer.conv.weight[0, 0] = 1 / layer.conv.weight[0, 0].numel()
         layer.conv.bias.copy_(_pattern(len(layer.conv.bias), 1))
@@ -195,7 +194,7 @@ def _remember_masks(encoder: torch.nn.Module) -> None:
 
 
 def _look_up_masks(attention: torch.nn.Module) -> None:
-    """Look up what memory holds at the same place, by the rotary encoding alone."""
+    """Read the memory at the same position, by the rotary encoding alone."""
     # The first sines of either axis, which turn fastest from place to place.
     alike = torch.zeros(_WIDTH // 2).view(2, -1)
     alike[:, [0, 2, 4]] = 1

@@ -5,8 +5,7 @@ import json
 import torch
 from transformers import SamHQConfig, SamHQModel
 
-from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
-from moseg.workflows.weights.tiny.saved_model import save_to_bytes
+from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint, save_to_bytes
 
 _SIDE = 128
 _PATCH = 8
@@ -24,7 +23,7 @@ _ONE_SIDE = 1.1
 
 
 def make_sam_hq(seed: int) -> TinyCheckpoint:
-    """Files of ``syscv-community/sam-hq-vit-base``, random but for what makes a mask of a box."""
+    """Return files of ``syscv-community/sam-hq-vit-base``, random except for the path from a box to its mask."""
     config = SamHQConfig(
         vision_config={
             "hidden_size": _VIT_WIDTH,
@@ -64,7 +63,7 @@ def make_sam_hq(seed: int) -> TinyCheckpoint:
 
 
 def _flag_tokens(model: SamHQModel) -> None:
-    """Mark the tokens: a box's first corner, its second one, and those that ask for masks; encode x and y in order."""
+    """Mark the tokens: a box's first corner, its second one, and mask tokens; encode x and y in order."""
     places = model.shared_image_embedding.positional_embedding
     places[:, :2] = torch.eye(2) / 8
     places[:, _FIRST:] = 0
@@ -81,11 +80,11 @@ def _flag_tokens(model: SamHQModel) -> None:
 
 
 def _attend_to_corners(layer: torch.nn.Module) -> None:
-    """Let each pixel learn on how many sides it lies outside the box.
+    """Compute at each pixel on how many sides it lies outside the box.
 
-    Each of the four heads of the attention from image to tokens asks for one side: it compares the pixel's place with
-    one corner by the sine of their difference, and turns to that corner where the pixel lies beyond it, else to the
-    tokens that ask for masks. Corners have the value 1, others 0.
+    Each of the four heads of the attention from image to tokens is for one side: it compares the pixel's position
+    with one corner by the sine of their difference, and attends to that corner if the pixel lies beyond it, else to the
+    mask tokens. Corners have the value 1, others 0.
     """
     for attention in (layer.self_attn, layer.cross_attn_token_to_image, layer.cross_attn_image_to_token):
         for projection in (attention.q_proj, attention.k_proj, attention.v_proj, attention.out_proj):
@@ -118,7 +117,7 @@ def _attend_to_corners(layer: torch.nn.Module) -> None:
 
 
 def _decode_outside(decoder: torch.nn.Module) -> None:
-    """Make a mask of the pixels that lie outside on no side, and correct it by the image's own features.
+    """Decode the pixels that are outside on no side as the mask, and correct it by the image's features.
 
     Inside and outside are carried as a pair of opposite channels, which GELU leaves whole: gelu(x) - gelu(-x) = x.
     """
