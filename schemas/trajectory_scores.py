@@ -67,12 +67,13 @@ class TrajectoryRow(Frozen):
 
 
 class TrajectoryReport(Frozen):
-    """What ``--json`` writes; ``seeds`` and ``spread`` only where seeds were asked for."""
+    """What ``--json`` writes; ``seeds`` and ``spread`` only where seeds were asked for, ``notes`` never."""
 
     dataset: str
     rows: tuple[TrajectoryRow, ...]
     store: StoreUse
     seconds: float = Field(ge=0)
+    notes: tuple[str, ...] = Field((), exclude=True)
 
 
 def average_clips(scores: Sequence[TrajectoryScore]) -> TrajectoryMean:

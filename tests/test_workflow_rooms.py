@@ -10,11 +10,11 @@ ROOT = Path(__file__).resolve().parents[1] / "workflows"
 FRONT = ("api", "moseg")
 """Folder of the package `moseg`, which stands above the rooms."""
 ALLOWED = {
-    "cli": {
+    "cli": {"api", "config", "datasets", "exports", "process", "reports", "runlog", "sources", "weights"},
+    "api": {
         *("cluster", "config", "datasets", "engine", "exports", "pipelines", "predictions", "process", "reports"),
         *("runlog", "sources", "weights"),
     },
-    "api": {"config", "datasets", "engine", "exports", "pipelines", "process", "reports", "runlog", "sources"},
     "pipelines": {
         *("datasets", "engine", "exports", "graph", "predictions", "process", "reports", "results", "runlog"),
         *("sources", "weights"),

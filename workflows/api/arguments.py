@@ -16,12 +16,14 @@ from moseg.workflows.sources import frame_rate
 MOST_NAME_BYTES = 200
 """Of a name in UTF-8: files are called after it, with a suffix."""
 _OPTION = re.compile(
-    r"(?<!\S)--(batch|depth|device|dilate|flow|geometry|motions|non-commercial|offline|out|preset|proposals|quality"
-    r"|report|store|threads|tracks|variant|workers)(?![\w-])"
+    r"(?<![^\s(])--(batch|dataset|depth|device|dilate|flow|format|geometry|list|motions|name|non-commercial|offline|out"
+    r"|overlay-size"
+    r"|predictions|preset|proposals|quality|report|root|scheduler|seed|seeds|sequences|store|threads|tls-ca|tls-cert"
+    r"|tls-key|tracks|variant|views|workers)(?![\w-])(?: folder:)?"
 )
 """Options of the command line that are arguments here."""
-_ARGUMENT_OF = {"dilate": "dilation", "out": "folder", "non-commercial": "non_commercial"}
-"""What they are called here where that differs."""
+_ARGUMENT_OF = {"dilate": "dilation", "list": "list_file", "out": "folder", "variant": "variants"}
+"""The names of those that differ by more than dashes."""
 
 
 class Kind(Enum):
@@ -98,7 +100,7 @@ def named_as_arguments() -> Iterator[None]:
     except MosegError as error:
         what, where, got, expected = error.parts
         is_option = isinstance(where, str) and where.startswith("--")
-        parts = (_renamed(what), _renamed(where) if is_option else where, got, _renamed(expected))
+        parts = (_renamed(what), *((_renamed(where), _renamed(got)) if is_option else (where, got)), _renamed(expected))
         if parts == error.parts:
             raise
         what, where, got, expected = parts
@@ -109,7 +111,13 @@ def named_as_arguments() -> Iterator[None]:
 def _renamed(text: object) -> object:
     if not isinstance(text, str):
         return text
-    return _OPTION.sub(lambda found: _ARGUMENT_OF.get(found[1], found[1]), text)
+    return _OPTION.sub(_argument_of, text.replace("--set or --config", "config"))
+
+
+def _argument_of(found: re.Match[str]) -> str:
+    """The argument of an option; ``--depth folder:PATH`` is ``depth=PATH``."""
+    name = _ARGUMENT_OF.get(found[1], found[1].replace("-", "_"))
+    return f"{name}=" if found[0].endswith(" folder:") else name
 
 
 def _told(value: object) -> str:

@@ -74,8 +74,7 @@ def dump(
 
     if out is not None:
         check_writable(Path(out))
-    config, _ = pipeline.read()
-    text = write_config(config, changed_only=changed)
+    text = write_config(pipeline.choices().read(), changed_only=changed)
     if out is None:
         print(text, end="")
     else:

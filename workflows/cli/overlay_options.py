@@ -1,7 +1,6 @@
 """Options of the overlay video."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import typer
@@ -9,10 +8,7 @@ import typer
 from moseg.schemas.errors import InputError
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from moseg.workflows.exports import OverlayStyle
-    from moseg.workflows.sources import ImageFiles, VideoFile
 
 
 @dataclass(frozen=True)
@@ -76,9 +72,3 @@ class OverlayOptions:
             has_identities=self.identities,
             **{name: value for name, value in chosen.items() if value is not None},
         )
-
-    def full_frames(self, frames: "ImageFiles | VideoFile") -> "Iterator[np.ndarray] | None":
-        """The frames decoded again at the video's own size; None where the overlay has the size analysed."""
-        if self.overlay_size == "analysed":
-            return None
-        return replace(frames, max_side=max(frames.describe().size)).read()

@@ -1,16 +1,13 @@
-"""Options of the pipeline, and the configuration that they and a file of parameters make."""
+"""Options of the pipeline."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 import typer
-from pydantic import ValidationError
 
-from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli import completion
-from moseg.workflows.config.parameter_errors import parameter_error
-from moseg.workflows.config.preset_choice import choose_preset
+from moseg.workflows.config.pipeline_choices import CUES, Choice, PipelineChoices
 
 
 @dataclass(frozen=True)
@@ -156,67 +153,30 @@ class PipelineOptions:
         ),
     ] = None
 
-    def read(self) -> tuple[PipelineConfig, dict[str, str]]:
-        """The configuration, and the folders of cues given by `folder:PATH`, by cue; raises InputError."""
+    def choices(self) -> PipelineChoices:
+        """Return what these options say; raises InputError where one is not spelt as it must be."""
         folders: dict[str, str] = {}
-        values = choose_preset(self.preset, self.geometry, self.quality)
-        if self.config_file is not None:
-            values = _merge(values, self.read_file())
-        chosen = {
-            "clustering.motions": self.motions,
-            "proposal_source": _folder_choice("proposals", self.proposals, folders),
-            "detections.tags": self.tags,
-            "detections.tagger": self.tagger,
-            "detections.masks": self.masks,
-            "detections.tracker": self.tracker,
-            "depth.method": _folder_choice("depth", self.depth, folders),
-            "flow.method": _folder_choice("flow", self.flow, folders),
-            "tracks.method": _folder_choice("tracks", self.tracks, folders),
-            "affinity.method": self.affinity,
-            "sections.length": self.section_length,
+        values = {
+            "--motions": ("clustering.motions", self.motions),
+            "--proposals": (CUES["proposals"], _read_cue("proposals", self.proposals, folders)),
+            "--tags": ("detections.tags", self.tags),
+            "--tagger": ("detections.tagger", self.tagger),
+            "--masks": ("detections.masks", self.masks),
+            "--tracker": ("detections.tracker", self.tracker),
+            "--depth": (CUES["depth"], _read_cue("depth", self.depth, folders)),
+            "--flow": (CUES["flow"], _read_cue("flow", self.flow, folders)),
+            "--tracks": (CUES["tracks"], _read_cue("tracks", self.tracks, folders)),
+            "--affinity": ("affinity.method", self.affinity),
+            "--section-length": ("sections.length", self.section_length),
         }
-        for name, value in chosen.items():
-            if value is not None:
-                _assign(values, name, value)
-        for setting in self.settings or []:
-            name, equals, value = setting.partition("=")
-            if not equals:
-                raise InputError("not a setting", where="--set", got=setting, expected="stage.name=value")
-            _assign(values, name.strip(), value.strip())
-        try:
-            config = PipelineConfig.model_validate(values)
-        except ValidationError as error:
-            raise parameter_error(error) from error
-        sources = {
-            "proposals": config.proposal_source,
-            "depth": config.depth.method,
-            "flow": config.flow.method,
-            "tracks": config.tracks.method,
-        }
-        for cue, source in sources.items():
-            # By --set alone: what the data set gives must not stand in for the user's folder.
-            if (source == "folder") != (cue in folders):
-                where, got = f"--{cue}", f"{source} by --set or --config"
-                raise InputError("a folder and its use disagree", where=where, got=got, expected=f"--{cue} folder:PATH")
-        if config.proposal_source != "detections":
-            options = {"--tags": self.tags, "--tagger": self.tagger, "--masks": self.masks, "--tracker": self.tracker}
-            for option, value in options.items():
-                if value is not None:
-                    expected = "--proposals detections, or a preset that has it"
-                    got = f"proposals {config.proposal_source}"
-                    raise InputError("an option of detections", where=option, got=got, expected=expected)
-        elif self.tags is not None and self.tagger is not None:
-            raise InputError("nothing to tag", where="--tagger", got=f"--tags {self.tags}", expected="one of the two")
-        return config, folders
-
-    def read_file(self) -> dict[str, Any]:
-        """Parameters of the configuration file, nested by stage; none where there is no file. Raises InputError."""
-        from moseg.workflows.config.config_files import read_config_file
-
-        return {} if self.config_file is None else read_config_file(self.config_file)
+        chosen = tuple(Choice(option, name, value) for option, (name, value) in values.items() if value is not None)
+        settings = tuple(map(_read_setting, self.settings or ()))
+        names = (self.preset, self.quality, self.geometry)
+        return PipelineChoices(self.config_file, *names, chosen, settings, folders)
 
 
-def _folder_choice(cue: str, text: str | None, folders: dict[str, str]) -> str | None:
+def _read_cue(cue: str, text: str | None, folders: dict[str, str]) -> str | None:
+    """The source of a cue; the path of ``folder:PATH`` is put into `folders`."""
     if text is None or not text.startswith("folder"):
         return text
     _, _, path = text.partition(":")
@@ -226,19 +186,8 @@ def _folder_choice(cue: str, text: str | None, folders: dict[str, str]) -> str |
     return "folder"
 
 
-def _merge(values: dict[str, Any], more: dict[str, Any]) -> dict[str, Any]:
-    """The values with those of `more` in place of the same ones, stage by stage."""
-    merged = dict(values)
-    for name, value in more.items():
-        inner = merged.get(name)
-        merged[name] = _merge(inner, value) if isinstance(inner, dict) and isinstance(value, dict) else value
-    return merged
-
-
-def _assign(values: dict[str, Any], dotted: str, value: Any) -> None:
-    *parents, name = dotted.split(".")
-    for parent in parents:
-        values = values.setdefault(parent, {})
-        if not isinstance(values, dict):
-            raise InputError("not a setting", where="--set", got=dotted, expected="stage.name=value")
-    values[name] = value
+def _read_setting(text: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise InputError("not a setting", where="--set", got=text, expected="stage.name=value")
+    return name.strip(), value.strip()

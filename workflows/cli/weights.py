@@ -9,7 +9,7 @@ import typer
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli import completion
 from moseg.workflows.cli.options import NonCommercialOption, QuietOption
-from moseg.workflows.config.preset_choice import choose_preset
+from moseg.workflows.config.pipeline_choices import choose_preset
 from moseg.workflows.process.progress import PATIENCE_SEC, StageProgress
 
 weights_app = typer.Typer(

@@ -49,7 +49,14 @@ def evaluate(
     for variant in variants:
         found = {source.name: scores[variant, source.name] for source in sources}
         rows.append(EvaluationRow(variant=variant.value, sequences=found, mean=mean_score(list(found.values()))))
-    return EvaluationReport(dataset=dataset, over=over, rows=tuple(rows), store=session.use(), seconds=session.seconds)
+    return EvaluationReport(
+        dataset=dataset,
+        over=over,
+        rows=tuple(rows),
+        store=session.use(),
+        seconds=session.seconds,
+        notes=purpose.notes,
+    )
 
 
 def _score(

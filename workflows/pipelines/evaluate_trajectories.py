@@ -76,4 +76,6 @@ def evaluate_trajectories(
             seed: {source.name: by_ref[refs[seed, variant, source.name]] for source in sources} for seed in configs
         }
         rows.append(average_row(variant.value, by_seed))
-    return TrajectoryReport(dataset=dataset, rows=tuple(rows), store=session.use(), seconds=session.seconds)
+    return TrajectoryReport(
+        dataset=dataset, rows=tuple(rows), store=session.use(), seconds=session.seconds, notes=purpose.notes
+    )

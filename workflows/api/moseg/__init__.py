@@ -4,6 +4,8 @@
 
     result = moseg.segment_video("holiday.mp4")
     result.labels  # uint16 (frame, y, x): 0 static, else an object's identity
+    report = moseg.evaluate("synthetic")
+    report.rows[0].mean.F  # percent
 
 What is here is imported when it is first used, so that ``import moseg`` itself costs nothing.
 """
@@ -14,10 +16,21 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from moseg.schemas.configs import PipelineConfig, Variant
     from moseg.schemas.errors import InputError, MosegError
-    from moseg.workflows.api import MotionSegmentation, MovingObject, load_config, segment_video
+    from moseg.schemas.scores import EvaluationReport
+    from moseg.schemas.trajectory_scores import TrajectoryReport
+    from moseg.workflows.api import (
+        MotionSegmentation,
+        MovingObject,
+        ablate,
+        evaluate,
+        load_config,
+        score,
+        segment_video,
+    )
     from moseg.workflows.exports import OverlayMode, OverlayStyle
 
 __all__ = [
+    "EvaluationReport",
     "InputError",
     "MosegError",
     "MotionSegmentation",
@@ -25,13 +38,18 @@ __all__ = [
     "OverlayMode",
     "OverlayStyle",
     "PipelineConfig",
+    "TrajectoryReport",
     "Variant",
     "__version__",
+    "ablate",
+    "evaluate",
     "load_config",
+    "score",
     "segment_video",
 ]
 
 _HOMES = {
+    "EvaluationReport": "moseg.schemas.scores",
     "InputError": "moseg.schemas.errors",
     "MosegError": "moseg.schemas.errors",
     "MotionSegmentation": "moseg.workflows.api",
@@ -39,8 +57,12 @@ _HOMES = {
     "OverlayMode": "moseg.workflows.exports",
     "OverlayStyle": "moseg.workflows.exports",
     "PipelineConfig": "moseg.schemas.configs",
+    "TrajectoryReport": "moseg.schemas.trajectory_scores",
     "Variant": "moseg.schemas.configs",
+    "ablate": "moseg.workflows.api",
+    "evaluate": "moseg.workflows.api",
     "load_config": "moseg.workflows.api",
+    "score": "moseg.workflows.api",
     "segment_video": "moseg.workflows.api",
 }
 
