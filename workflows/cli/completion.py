@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable
 import typer
 
 from moseg.schemas.errors import MosegError
-from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES
 
 Completer = Callable[[typer.Context, str], list[str]]
 MOST_RUNS = 30
@@ -27,16 +26,6 @@ def offer(find: Callable[[typer.Context], Iterable[str]], *, is_list: bool = Fal
         return [f"{before}{comma}{name}" for name in names if name.startswith(start)]
 
     return complete
-
-
-def _choices(parameter: str) -> Completer:
-    def find(context: typer.Context) -> Iterable[str]:
-        from moseg.workflows.config.parameters import list_parameters
-
-        # What follows folder: is a path, which the shell itself would complete.
-        return [f"{name}:" if name == "folder" else name for name in list_parameters()[parameter].choices]
-
-    return offer(find)
 
 
 def _datasets(context: typer.Context) -> Iterable[str]:
@@ -89,19 +78,7 @@ def _stages(context: typer.Context) -> Iterable[str]:
 
 complete_dataset = offer(_datasets)
 complete_sequences = offer(_sequences, is_list=True)
-complete_preset = offer(lambda context: PRESETS)
-complete_geometry = offer(lambda context: GEOMETRIES)
-complete_quality = offer(lambda context: QUALITIES)
 complete_device = offer(lambda context: ("auto", "cpu", "cuda", "mps"))
-complete_motions = offer(lambda context: ("auto", "gt"))
-complete_proposals = _choices("proposal_source")
-complete_flow = _choices("flow.method")
-complete_depth = _choices("depth.method")
-complete_tracks = _choices("tracks.method")
-complete_affinity = _choices("affinity.method")
-complete_tagger = _choices("detections.tagger")
-complete_masks = _choices("detections.masks")
-complete_tracker = _choices("detections.tracker")
 complete_setting = offer(_settings)
 complete_stage = offer(_stages)
 complete_run = offer(_runs)

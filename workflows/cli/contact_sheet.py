@@ -6,7 +6,7 @@ import typer
 
 from moseg.schemas.configs import Variant
 from moseg.workflows.cli.option_groups import with_option_groups
-from moseg.workflows.cli.options import DataOptions, RunOptions
+from moseg.workflows.cli.options import DataOptions, RunOptions, VariantOption
 from moseg.workflows.cli.pipeline_options import PipelineOptions
 
 
@@ -18,12 +18,7 @@ def contact_sheet(
     out: Annotated[
         str, typer.Option("--out", help="Folder for one PNG a sequence.", metavar="FOLDER")
     ] = "contact-sheets",
-    variant: Annotated[
-        Variant,
-        typer.Option(
-            "--variant", help="Row of the paper's ablation: fused, oc-depth, oc, trajs or base.", metavar="NAME"
-        ),
-    ] = Variant.FUSED,
+    variant: VariantOption = Variant.FUSED,
     frames: Annotated[
         int,
         typer.Option("--frames", "--columns", min=1, help="Frames of a sheet, spread over the annotated ones."),

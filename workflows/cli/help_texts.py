@@ -8,6 +8,8 @@ import typer
 from rich.markup import escape
 from typer.core import TyperCommand, TyperGroup, TyperOption
 
+from moseg.workflows.cli.named_options import fill_in_choices
+
 _EXAMPLES = re.compile(r"\n*^Examples\n-+\n(.*)\Z", re.MULTILINE | re.DOTALL)
 
 _KIND = re.compile(r"<(?:list\[)?(int|float|str)\b")
@@ -38,6 +40,8 @@ def _tidy(command: TyperGroup | TyperCommand) -> None:
     command.help = "\n\n".join(" ".join(paragraph.split()) for paragraph in text.split("\n\n"))
     context = typer.Context(command)
     for parameter in (*command.params, command.get_help_option(context)):
+        if isinstance(parameter, TyperOption):
+            fill_in_choices(parameter)
         if isinstance(parameter, TyperOption) and (parameter.is_flag or parameter.is_eager):
             parameter.metavar = ""
         elif isinstance(parameter, TyperOption) and parameter.metavar is None:

@@ -9,6 +9,7 @@ import typer
 from moseg.schemas.configs import TrajectoryVariant, Variant
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli import completion
+from moseg.workflows.cli.named_options import enumerate_names
 
 if TYPE_CHECKING:
     from moseg.workflows.api.evaluation import DataChoice
@@ -41,12 +42,15 @@ ReportOption = Annotated[
         metavar="FILE",
     ),
 ]
+VariantOption = Annotated[
+    Variant, typer.Option("--variant", help=f"Row of the paper's ablation: {enumerate_names(Variant)}.", metavar="NAME")
+]
 VariantsOption = Annotated[
     list[VariantName] | None,
     typer.Option(
         "--variant",
-        help="Row of the ablation; may be repeated (default: fused). Of frames: fused, oc-depth, oc, trajs, base; of"
-        " labelled trajectories: fused, trajs, homography, affine.",
+        help=f"Row of the ablation; may be repeated (default: fused). Of frames: {', '.join(Variant)}; of labelled"
+        f" trajectories: {', '.join(TrajectoryVariant)}.",
         metavar="NAME",
     ),
 ]

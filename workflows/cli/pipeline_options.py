@@ -7,7 +7,8 @@ import typer
 
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli import completion
-from moseg.workflows.config.pipeline_choices import CUES, Choice, PipelineChoices
+from moseg.workflows.cli.named_options import named_option
+from moseg.workflows.config.pipeline_choices import CUES, PARAMETER_OF, Choice, PipelineChoices
 
 
 @dataclass(frozen=True)
@@ -17,41 +18,18 @@ class PipelineOptions:
     PANEL: ClassVar[str] = "Pipeline"
 
     preset: Annotated[
-        str,
-        typer.Option(
-            "--preset",
-            help="Set of backends: weights-free, paper or modern; the other options change single ones.",
-            metavar="NAME",
-            autocompletion=completion.complete_preset,
-        ),
+        str, named_option("--preset", "Set of backends: {choices}; the other options change single ones.")
     ] = "weights-free"
-    quality: Annotated[
-        str,
-        typer.Option(
-            "--quality",
-            help="What accuracy may cost: fast, default or best.",
-            metavar="NAME",
-            autocompletion=completion.complete_quality,
-        ),
-    ] = "default"
+    quality: Annotated[str, named_option("--quality", "What accuracy may cost: {choices}.")] = "default"
     motions: Annotated[
         str | None,
-        typer.Option(
+        named_option(
             "--motions",
-            help="Number of motions, the background's included: gt, auto or N (default: auto).",
+            "Number of motions, the background's included: {choices} or N (default: {default}).",
             metavar="N",
-            autocompletion=completion.complete_motions,
         ),
     ] = None
-    proposals: Annotated[
-        str | None,
-        typer.Option(
-            "--proposals",
-            help="saliency, detections, groundtruth or folder:PATH (default: saliency).",
-            metavar="NAME",
-            autocompletion=completion.complete_proposals,
-        ),
-    ] = None
+    proposals: Annotated[str | None, named_option("--proposals", "{choices} (default: {default}).")] = None
     tags: Annotated[
         str | None,
         typer.Option(
@@ -60,78 +38,16 @@ class PipelineOptions:
             metavar="NAMES",
         ),
     ] = None
-    tagger: Annotated[
-        str | None,
-        typer.Option(
-            "--tagger",
-            help="ram or ram-plus (default: ram).",
-            metavar="NAME",
-            autocompletion=completion.complete_tagger,
-        ),
-    ] = None
-    masks: Annotated[
-        str | None,
-        typer.Option(
-            "--masks",
-            help="Masks of detections: sam-hq or sam2 (default: sam-hq).",
-            metavar="NAME",
-            autocompletion=completion.complete_masks,
-        ),
-    ] = None
+    tagger: Annotated[str | None, named_option("--tagger", "{choices} (default: {default}).")] = None
+    masks: Annotated[str | None, named_option("--masks", "Masks of detections: {choices} (default: {default}).")] = None
     tracker: Annotated[
-        str | None,
-        typer.Option(
-            "--tracker",
-            help="Tracker of detected objects: deaot or sam2 (default: deaot).",
-            metavar="NAME",
-            autocompletion=completion.complete_tracker,
-        ),
+        str | None, named_option("--tracker", "Tracker of detected objects: {choices} (default: {default}).")
     ] = None
-    depth: Annotated[
-        str | None,
-        typer.Option(
-            "--depth",
-            help="none, dpt-dinov2, depth-anything-v2, groundtruth or folder:PATH (default: none).",
-            metavar="NAME",
-            autocompletion=completion.complete_depth,
-        ),
-    ] = None
-    flow: Annotated[
-        str | None,
-        typer.Option(
-            "--flow",
-            help="dis, raft, groundtruth or folder:PATH (default: dis).",
-            metavar="NAME",
-            autocompletion=completion.complete_flow,
-        ),
-    ] = None
-    tracks: Annotated[
-        str | None,
-        typer.Option(
-            "--tracks",
-            help="lucas-kanade, pips, groundtruth or folder:PATH (default: lucas-kanade).",
-            metavar="NAME",
-            autocompletion=completion.complete_tracks,
-        ),
-    ] = None
-    affinity: Annotated[
-        str | None,
-        typer.Option(
-            "--affinity",
-            help="residual, ork, hypotheses or combined (default: residual).",
-            metavar="NAME",
-            autocompletion=completion.complete_affinity,
-        ),
-    ] = None
-    geometry: Annotated[
-        str,
-        typer.Option(
-            "--geometry",
-            help="Fits, affinity and clustering: default or paper.",
-            metavar="NAME",
-            autocompletion=completion.complete_geometry,
-        ),
-    ] = "default"
+    depth: Annotated[str | None, named_option("--depth", "{choices} (default: {default}).")] = None
+    flow: Annotated[str | None, named_option("--flow", "{choices} (default: {default}).")] = None
+    tracks: Annotated[str | None, named_option("--tracks", "{choices} (default: {default}).")] = None
+    affinity: Annotated[str | None, named_option("--affinity", "{choices} (default: {default}).")] = None
+    geometry: Annotated[str, named_option("--geometry", "Fits, affinity and clustering: {choices}.")] = "default"
     section_length: Annotated[
         int | None, typer.Option("--section-length", help="Frames of a section (l of the paper).", metavar="N")
     ] = None
@@ -156,20 +72,17 @@ class PipelineOptions:
     def choices(self) -> PipelineChoices:
         """Return what these options say; raises InputError where one is not spelt as it must be."""
         folders: dict[str, str] = {}
-        values = {
-            "--motions": ("clustering.motions", self.motions),
-            "--proposals": (CUES["proposals"], _read_cue("proposals", self.proposals, folders)),
-            "--tags": ("detections.tags", self.tags),
-            "--tagger": ("detections.tagger", self.tagger),
-            "--masks": ("detections.masks", self.masks),
-            "--tracker": ("detections.tracker", self.tracker),
-            "--depth": (CUES["depth"], _read_cue("depth", self.depth, folders)),
-            "--flow": (CUES["flow"], _read_cue("flow", self.flow, folders)),
-            "--tracks": (CUES["tracks"], _read_cue("tracks", self.tracks, folders)),
-            "--affinity": ("affinity.method", self.affinity),
-            "--section-length": ("sections.length", self.section_length),
+        values = {f"--{cue}": _read_cue(cue, getattr(self, cue), folders) for cue in CUES} | {
+            "--motions": self.motions,
+            "--tags": self.tags,
+            "--tagger": self.tagger,
+            "--masks": self.masks,
+            "--tracker": self.tracker,
+            "--affinity": self.affinity,
+            "--section-length": self.section_length,
         }
-        chosen = tuple(Choice(option, name, value) for option, (name, value) in values.items() if value is not None)
+        given = {option: value for option, value in values.items() if value is not None}
+        chosen = tuple(Choice(option, PARAMETER_OF[option], value) for option, value in given.items())
         settings = tuple(map(_read_setting, self.settings or ()))
         names = (self.preset, self.quality, self.geometry)
         return PipelineChoices(self.config_file, *names, chosen, settings, folders)

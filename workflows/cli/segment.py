@@ -7,7 +7,7 @@ import typer
 from moseg.schemas.configs import Variant
 from moseg.workflows.cli.export_options import ExportsOption
 from moseg.workflows.cli.option_groups import with_option_groups
-from moseg.workflows.cli.options import ReportOption, RunOptions
+from moseg.workflows.cli.options import ReportOption, RunOptions, VariantOption
 from moseg.workflows.cli.overlay_options import OverlayOptions
 from moseg.workflows.cli.pipeline_options import PipelineOptions
 from moseg.workflows.sources.frame_rate import FASTEST_FPS, SLOWEST_FPS, check_fps
@@ -22,12 +22,7 @@ def segment(
     out: Annotated[
         str, typer.Option("--out", help="Folder for masks/, overlay.mp4 and motion.json.", metavar="FOLDER")
     ] = "out",
-    variant: Annotated[
-        Variant,
-        typer.Option(
-            "--variant", help="Row of the paper's ablation: fused, oc-depth, oc, trajs or base.", metavar="NAME"
-        ),
-    ] = Variant.FUSED,
+    variant: VariantOption = Variant.FUSED,
     fps: Annotated[
         float | None,
         typer.Option(

@@ -19,6 +19,18 @@ ConfigLike = PipelineConfig | Mapping[str, Any] | str | os.PathLike
 {"length": 20}}``; or a YAML file of such parameters, as `moseg config dump` writes it."""
 CUES = {"proposals": "proposal_source", "depth": "depth.method", "flow": "flow.method", "tracks": "tracks.method"}
 """Cues that can be given as files, each with the parameter that chooses its source."""
+PARAMETER_OF = {f"--{cue}": parameter for cue, parameter in CUES.items()} | {
+    "--motions": "clustering.motions",
+    "--tags": "detections.tags",
+    "--tagger": "detections.tagger",
+    "--masks": "detections.masks",
+    "--tracker": "detections.tracker",
+    "--affinity": "affinity.method",
+    "--section-length": "sections.length",
+}
+"""Parameters that have an option of their own, by option."""
+SETS_OF = {"--preset": PRESETS, "--geometry": GEOMETRIES, "--quality": QUALITIES}
+"""Options that choose many parameters by one name, each with its sets of values by name."""
 
 
 class Choice(NamedTuple):
@@ -125,9 +137,8 @@ class PipelineChoices:
 
 def choose_preset(preset: str = "weights-free", geometry: str = "default", quality: str = "default") -> dict[str, Any]:
     """Return the values of a preset, a geometry and a quality; raises InputError on an unknown name."""
-    options = (("--preset", preset, PRESETS), ("--geometry", geometry, GEOMETRIES), ("--quality", quality, QUALITIES))
     values: dict[str, Any] = {}
-    for option, name, known in options:
+    for (option, known), name in zip(SETS_OF.items(), (preset, geometry, quality), strict=True):
         if name not in known:
             raise unknown_name(option.removeprefix("--"), name, known, where=option)
         for stage, chosen in known[name].items():
