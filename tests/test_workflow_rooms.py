@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[1] / "workflows"
 FRONT = ("api", "moseg")
 """Folder of the package `moseg`, which stands above the rooms."""
 ALLOWED = {
-    "cli": {"api", "config", "datasets", "exports", "process", "reports", "runlog", "sources", "weights"},
+    "cli": {"api", "config", "datasets", "exports", "process", "reports", "runlog", "weights"},
     "api": {
         *("cluster", "config", "datasets", "engine", "exports", "pipelines", "predictions", "process", "reports"),
         *("runlog", "sources", "weights"),
@@ -21,7 +21,7 @@ ALLOWED = {
     },
     "reports": {"config", "engine", "exports", "graph", "process", "results", "runlog", "sources"},
     "results": {"exports", "graph", "sources"},
-    "exports": {"process", "runlog", "sources"},
+    "exports": {"config", "process", "runlog", "sources"},
     "engine": {"cluster", "datasets", "process", "runlog", "stages", "weights"},
     "graph": {"stages", "weights"},
     "stages": {"process", "sources", "weights"},

@@ -10,8 +10,8 @@ from numbers import Integral, Real
 import numpy as np
 
 from moseg.schemas.errors import InputError, MosegError
+from moseg.workflows.config import frame_rate
 from moseg.workflows.exports import OverlayStyle
-from moseg.workflows.sources import frame_rate
 
 MOST_NAME_BYTES = 200
 """Of a name in UTF-8: files are called after it, with a suffix."""

@@ -11,6 +11,7 @@ from moseg.schemas.scores import StoreUse
 from moseg.store import ArtifactStore
 from moseg.workflows.api.run_settings import RunSettings
 from moseg.workflows.api.video_source import VideoLike, open_video
+from moseg.workflows.config.frame_rate import choose_fps
 from moseg.workflows.config.notes import motions_note
 from moseg.workflows.config.pipeline_choices import PipelineChoices, refuse_ground_truth
 from moseg.workflows.datasets import SequenceSource
@@ -27,7 +28,6 @@ from moseg.workflows.pipelines.write_segmentation import write_segmentation
 from moseg.workflows.reports.run_report import RunReport
 from moseg.workflows.runlog.events import as_unicode
 from moseg.workflows.sources import open_frames
-from moseg.workflows.sources.frame_rate import choose_fps
 
 Value = TypeVar("Value")
 

@@ -10,7 +10,7 @@ from moseg.workflows.cli.option_groups import with_option_groups
 from moseg.workflows.cli.options import ReportOption, RunOptions, VariantOption
 from moseg.workflows.cli.overlay_options import OverlayOptions
 from moseg.workflows.cli.pipeline_options import PipelineOptions
-from moseg.workflows.sources.frame_rate import FASTEST_FPS, SLOWEST_FPS, check_fps
+from moseg.workflows.config.frame_rate import FASTEST_FPS, SLOWEST_FPS, check_fps
 
 
 @with_option_groups

@@ -11,7 +11,6 @@ from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES
 from moseg.schemas.spelling import unknown_name
-from moseg.workflows.config.config_files import read_config_file
 from moseg.workflows.config.parameter_errors import parameter_error
 
 ConfigLike = PipelineConfig | Mapping[str, Any] | str | os.PathLike
@@ -109,6 +108,8 @@ class PipelineChoices:
         if isinstance(self.config, PipelineConfig):
             return self.config.model_dump()
         if self.is_file:
+            from moseg.workflows.config.config_files import read_config_file
+
             return read_config_file(os.fsdecode(self.config))
         values: dict[str, Any] = {}
         if isinstance(self.config, Mapping):

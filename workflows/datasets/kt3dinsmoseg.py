@@ -8,10 +8,10 @@ import os
 from dataclasses import dataclass
 
 from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows import sources
 from moseg.workflows.datasets.annotated import annotated_sequence
 from moseg.workflows.datasets.dataset import SequenceSource
 from moseg.workflows.datasets.sequence_folders import find_frames, holds_images, list_sequences
-from moseg.workflows.sources import LabelledPointFile, open_frames
 from moseg.workflows.sources.files import unreadable
 
 FRAME_FOLDERS = ("images", "image_02/data", "image_02", "frames")
@@ -70,8 +70,8 @@ class Kt3dInsMoSeg:
         if tracks is None:
             expected = f"masks in {masks}, or labelled trajectories in {os.path.join(clip, name + TRACKS_SUFFIX)}"
             raise MissingInputError(f"sequence {name} has no annotations", expected=expected)
-        frames = open_frames(folder, max_side)
-        points = LabelledPointFile(tracks, frames.num_frames(), frames.describe().size)
+        frames = sources.open_frames(folder, max_side)
+        points = sources.LabelledPointFile(tracks, frames.num_frames(), frames.describe().size)
         return SequenceSource(name, frames, labelled_points=points)
 
 

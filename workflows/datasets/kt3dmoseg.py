@@ -3,9 +3,9 @@
 import os
 from dataclasses import dataclass
 
+from moseg.workflows import sources
 from moseg.workflows.datasets.dataset import TrajectorySource
 from moseg.workflows.datasets.kt3dinsmoseg import CLIPS
-from moseg.workflows.sources import TrajectoryFile, TrajectoryLabels
 from moseg.workflows.sources.files import natural_key, unreadable
 
 SUFFIX = "_Tracks.mat"
@@ -37,7 +37,7 @@ class Kt3dMoSeg:
     def open_trajectories(self, root: str, name: str) -> TrajectorySource:
         """The sources of one clip."""
         path = os.path.join(root, name + SUFFIX)
-        return TrajectorySource(name, TrajectoryFile(path), TrajectoryLabels(path))
+        return TrajectorySource(name, sources.TrajectoryFile(path), sources.TrajectoryLabels(path))
 
 
 KT3DMOSEG = Kt3dMoSeg()

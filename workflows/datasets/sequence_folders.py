@@ -2,8 +2,7 @@
 
 import os
 
-from moseg.workflows.sources.files import natural_key, unreadable
-from moseg.workflows.sources.image_files import IMAGE_SUFFIXES
+from moseg.workflows.sources.files import IMAGE_SUFFIXES, natural_key, unreadable
 
 
 def list_sequences(root: str, subfolders: tuple[str, ...]) -> tuple[str, ...]:

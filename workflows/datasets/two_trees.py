@@ -2,12 +2,15 @@
 
 import os
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from moseg.schemas.errors import MissingInputError
 from moseg.workflows.datasets.annotated import annotated_sequence
 from moseg.workflows.datasets.dataset import SequenceSource
 from moseg.workflows.datasets.sequence_folders import list_sequences
-from moseg.workflows.sources import MaskKind
+
+if TYPE_CHECKING:
+    from moseg.workflows.sources import MaskKind
 
 
 @dataclass(frozen=True)
@@ -17,7 +20,7 @@ class TwoTrees:
     name: str
     frames: str
     masks: str
-    kind: MaskKind
+    kind: "MaskKind"
     void: int | None
     official: tuple[str, ...] | None
     list_name: str | None

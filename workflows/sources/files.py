@@ -7,6 +7,8 @@ import re
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.errors import InputError, MissingInputError
 
+IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
+
 
 def read_bytes(path: str) -> bytes:
     """All bytes of a file; raises MissingInputError or InputError where it cannot be read."""

@@ -15,7 +15,6 @@ from moseg.workflows.sources.image_header import MOST_PIXELS, check_image_header
 from moseg.workflows.sources.png_file import check_png_data, check_png_size
 from moseg.workflows.sources.quiet_decoding import decode_quietly
 
-IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 DECODING_VERSION = 2
 """Raised when `ImageFiles.read` starts to yield other pixels for the same bytes, or to refuse them."""
 MOST_SAMPLE_BYTES = 8 * MOST_PIXELS

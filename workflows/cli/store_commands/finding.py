@@ -5,7 +5,6 @@ from typing import Annotated
 
 import typer
 
-from moseg.schemas.arrays import LAYOUTS
 from moseg.schemas.errors import InputError
 
 KeyArgument = Annotated[str, typer.Argument(help="<task>/<key>, or the first letters of a key.")]
@@ -31,6 +30,8 @@ def find_artifact(store, key: str) -> str:
     InputError
         No artifact begins so, or several do.
     """
+    from moseg.schemas.arrays import LAYOUTS
+
     task, _, start = key.rpartition("/")
     found: list[str] | set[str] = set()
     is_whole = _FULL_KEY.fullmatch(start) is not None

@@ -5,7 +5,6 @@ from typing import Annotated
 
 import typer
 
-from moseg.schemas.arrays import LAYOUTS
 from moseg.schemas.spelling import closest, unknown_name
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import open_existing
@@ -26,6 +25,8 @@ def list_artifacts(
     moseg store ls --task flow
     moseg store ls --runs
     """
+    from moseg.schemas.arrays import LAYOUTS
+
     opened = open_existing(store)
     if runs:
         for run_id, pin in sorted(opened.pinned().items(), key=lambda item: item[1].created):
