@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 from pycocotools.coco import COCO
 
-from moseg.workflows.cli.overlay_options import OverlayOptions
+from moseg.workflows.cli.segment import OverlayOptions
 from moseg.workflows.exports import OverlayMode
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")

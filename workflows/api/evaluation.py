@@ -23,8 +23,7 @@ from moseg.workflows.engine.session import StageUse
 from moseg.workflows.exports import check_writable, write_text
 from moseg.workflows.pipelines.evaluate import evaluate
 from moseg.workflows.pipelines.evaluate_trajectories import evaluate_trajectories
-from moseg.workflows.pipelines.plan_evaluation import EmptyStore, plan_evaluation
-from moseg.workflows.pipelines.plan_trajectories import plan_trajectories
+from moseg.workflows.pipelines.plan_evaluation import EmptyStore, plan_evaluation, plan_trajectories
 from moseg.workflows.pipelines.purpose import Purpose
 from moseg.workflows.reports.build import tables_of
 from moseg.workflows.reports.clip_tables import clip_tables

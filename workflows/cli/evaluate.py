@@ -1,10 +1,16 @@
-"""`moseg eval`, `moseg ablate` and `moseg plan`."""
+"""`moseg eval`, `moseg ablate`, `moseg plan` and `moseg score`."""
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import typer
 
 from moseg.workflows.cli.option_groups import with_option_groups
 from moseg.workflows.cli.options import (
     DEFAULT_STORE,
     DataOptions,
     JsonOption,
+    QuietOption,
     ReportOption,
     RunOptions,
     StoreOption,
@@ -12,9 +18,36 @@ from moseg.workflows.cli.options import (
     VariantsOption,
 )
 from moseg.workflows.cli.pipeline_options import PipelineOptions
-from moseg.workflows.cli.trajectory_options import TrajectoryOptions
+from moseg.workflows.config.trajectory_choices import TrajectoryChoices
 
 DEFAULT_VARIANTS = [VariantName.FUSED]
+
+
+@dataclass(frozen=True)
+class TrajectoryOptions:
+    """Views and seeds, of labelled trajectories only."""
+
+    PANEL: ClassVar[str] = "Labelled trajectories (kt3dmoseg)"
+
+    views: Annotated[
+        str | None,
+        typer.Option(
+            "--views",
+            help="Point models that `fused` combines (default: affine,homography,fundamental).",
+            metavar="NAMES",
+        ),
+    ] = None
+    seed: Annotated[
+        int | None, typer.Option("--seed", min=0, help="Seed of the random draws (default: 0).", metavar="N")
+    ] = None
+    seeds: Annotated[
+        int | None, typer.Option("--seeds", min=1, help="Mean and spread over the seeds 0 to N - 1.", metavar="N")
+    ] = None
+
+    def choices(self) -> TrajectoryChoices:
+        """Return what these options say."""
+        views = None if self.views is None else tuple(name.strip() for name in self.views.split(","))
+        return TrajectoryChoices(views, self.seed, self.seeds)
 
 
 @with_option_groups
@@ -103,3 +136,30 @@ def plan(
     if planned.missing_weights:
         names = ", ".join(item.name for item in planned.missing_weights)
         print(f"weights to fetch: {names} ({fetch_command(*planned.missing_weights)})")
+
+
+@with_option_groups
+def score(
+    predictions: Annotated[str, typer.Option("--predictions", help="Folder of saved masks.")],
+    data: DataOptions,
+    format: Annotated[
+        str | None, typer.Option("--format", help="Format of the masks (default: found from the files' names).")
+    ] = None,
+    name: Annotated[str | None, typer.Option("--name", help="Name of the row (default: the folder's).")] = None,
+    json: JsonOption = None,
+    quiet: QuietOption = False,
+) -> None:
+    """Score anybody's saved masks (PNG folders, .npy/.npz volumes, what MoSeg, Raptor, RigidMask and EM write).
+
+    Files are matched to the frames by their names. Where no file has a frame's name, they are taken in order, one for
+    each frame, or else by their number from 0, and a note says so. Every frame with ground truth needs a mask.
+
+    Examples
+    --------
+    moseg score --dataset davis16 --root DAVIS --predictions results/480p
+    moseg score --dataset davis16 --predictions masks --name mine --json mine.json
+    """
+    from moseg.workflows.api.score import run_score
+    from moseg.workflows.cli.tables import print_report
+
+    print_report(run_score(predictions, data.choice(), format, name, json, quiet))

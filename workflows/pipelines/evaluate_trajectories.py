@@ -11,8 +11,8 @@ from moseg.schemas.trajectory_scores import (
 from moseg.workflows.datasets import TrajectorySource
 from moseg.workflows.engine.session import Session
 from moseg.workflows.graph import TrajectoryGraph
+from moseg.workflows.pipelines.leaves import ingest_trajectories
 from moseg.workflows.pipelines.purpose import EVALUATION, Purpose, make_subject
-from moseg.workflows.pipelines.trajectory_leaves import ingest_trajectories
 from moseg.workflows.reports.panels import Panels
 
 

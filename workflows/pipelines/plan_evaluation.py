@@ -2,17 +2,17 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant, seeded_configs
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError, MissingInputError
 from moseg.schemas.recipes import Recipe, leaf_recipe
 from moseg.store import ArtifactStore
-from moseg.workflows.datasets import SequenceSource, find_ground_truth
+from moseg.workflows.datasets import SequenceSource, TrajectorySource, find_ground_truth
 from moseg.workflows.engine.ingest import IngestJob, preview_ingest, recall_ingests
 from moseg.workflows.engine.planning import make_plan
 from moseg.workflows.engine.session import StageUse
-from moseg.workflows.graph import SequenceGraph
-from moseg.workflows.pipelines.leaves import ingest_jobs, make_leaves
+from moseg.workflows.graph import SequenceGraph, TrajectoryGraph
+from moseg.workflows.pipelines.leaves import ingest_jobs, make_leaves, make_trajectory_leaves, trajectory_jobs
 from moseg.workflows.weights.folder import Weights
 from moseg.workflows.weights.leaf import weights_leaf
 from moseg.workflows.weights.needed import needed_items
@@ -55,6 +55,26 @@ def plan_evaluation(
         sinks.extend(graph.score(variant) for variant in variants)
         sinks.extend(graph.cues())
         recipes |= graph.recipes
+    return count_uses(store, recipes, sinks, num_ingests)
+
+
+def plan_trajectories(
+    store: ArtifactStore | EmptyStore,
+    sources: Sequence[TrajectorySource],
+    config: PipelineConfig,
+    variants: Sequence[TrajectoryVariant],
+    seeds: Sequence[int] | None = None,
+) -> dict[str, StageUse]:
+    """Artifacts to compute and to reuse by stage; clips that were never ingested are decoded."""
+    recipes, sinks, num_ingests = {}, [], 0
+    for source in sources:
+        entries, num_new = foresee_ingest(store, trajectory_jobs(source))
+        num_ingests += num_new
+        leaves = make_trajectory_leaves(source, *entries)
+        for seeded in seeded_configs(config, seeds).values():
+            graph = TrajectoryGraph(leaves, seeded)
+            sinks.extend(graph.score(variant) for variant in variants)
+            recipes |= graph.recipes
     return count_uses(store, recipes, sinks, num_ingests)
 
 

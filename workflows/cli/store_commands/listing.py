@@ -8,7 +8,6 @@ import typer
 from moseg.schemas.spelling import closest, unknown_name
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import open_existing
-from moseg.workflows.cli.store_commands.writing import size
 from moseg.workflows.process.progress import Waiting
 
 
@@ -63,3 +62,13 @@ def print_use(usage) -> None:
     rows.append((sum(row[0] for row in rows), sum(row[1] for row in rows), "total"))
     for nbytes, count, task in rows:
         print(f"{size(nbytes):>10}  {count:>7}  {task}")
+
+
+def size(nbytes: int) -> str:
+    """Bytes in the unit that suits them."""
+    amount = float(nbytes)
+    for unit in ("B", "KiB", "MiB", "GiB"):
+        if amount < 1024:
+            return f"{amount:.0f} {unit}" if unit == "B" else f"{amount:.1f} {unit}"
+        amount /= 1024
+    return f"{amount:.1f} TiB"

@@ -11,7 +11,7 @@ from moseg.schemas.manifests import Manifest
 from moseg.schemas.recipes import split_ref
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import KeyArgument, find_artifact, open_existing
-from moseg.workflows.cli.store_commands.writing import short, size
+from moseg.workflows.cli.store_commands.listing import size
 from moseg.workflows.process.progress import StageProgress
 
 LONG_PASS = 5_000
@@ -126,3 +126,9 @@ def _flat(params: dict[str, JsonValue], prefix: str = "") -> Iterator[tuple[str,
             yield from _flat(value, f"{prefix}{name}.")
         else:
             yield f"{prefix}{name}", value
+
+
+def short(value: object) -> str:
+    """A value as JSON, cut where it is long."""
+    text = json.dumps(value, ensure_ascii=False)
+    return text if len(text) <= 90 else f"{text[:87]}..."

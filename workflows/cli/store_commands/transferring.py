@@ -10,8 +10,7 @@ from moseg.schemas.errors import InputError, MissingStoreError
 from moseg.schemas.recipes import split_ref
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import find_artifact, find_pins, open_existing
-from moseg.workflows.cli.store_commands.listing import print_use
-from moseg.workflows.cli.store_commands.writing import size
+from moseg.workflows.cli.store_commands.listing import print_use, size
 from moseg.workflows.process.progress import StageProgress
 
 UrlArgument = Annotated[str, typer.Argument(help="The other store: a folder or URL.", metavar="URL")]

@@ -8,7 +8,7 @@ import typer
 from moseg.schemas.errors import MissingArtifactError
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import find_pins, open_existing
-from moseg.workflows.cli.store_commands.writing import size
+from moseg.workflows.cli.store_commands.listing import size
 from moseg.workflows.process.progress import StageProgress, Waiting
 
 
