@@ -7,7 +7,7 @@ from typing import Literal
 from moseg.schemas.configs import TrajectoryVariant, Variant
 from moseg.schemas.scores import EvaluationReport
 from moseg.schemas.trajectory_scores import TrajectoryReport
-from moseg.workflows.api.arguments import Kind, check_kinds, check_least, named_as_arguments, read_names
+from moseg.workflows.api.arguments import Kind, check_kinds, check_min, named_as_arguments, read_names
 from moseg.workflows.api.configuration import read_choices
 from moseg.workflows.api.evaluation import DataChoice, read_data, run_evaluation
 from moseg.workflows.api.process_settings import kept_process_settings
@@ -227,9 +227,9 @@ def read_trajectory_choices(
 ) -> TrajectoryChoices:
     """Return what the arguments of a call say of labelled trajectories; raises InputError on one of another kind."""
     if seed is not None:
-        check_least(0, seed=seed)
+        check_min(0, seed=seed)
     if seeds is not None:
-        check_least(1, seeds=seeds)
+        check_min(1, seeds=seeds)
     return TrajectoryChoices(None if views is None else read_names("views", views), seed, seeds)
 
 

@@ -1,4 +1,4 @@
-"""What was found in one video, read from the store as it is asked for."""
+"""The moving objects of one video, read from the store when they are asked for."""
 
 import os
 from collections.abc import Iterable, Iterator
@@ -16,7 +16,7 @@ from moseg.store import ArtifactStore
 from moseg.workflows.api.arguments import (
     Kind,
     check_kinds,
-    check_least,
+    check_min,
     check_style,
     named_as_arguments,
     read_names,
@@ -90,15 +90,15 @@ class MotionSegmentation:
         return self.labels > 0
 
     def iter_labels(self) -> Iterator[np.ndarray]:
-        """uint16 (y, x) of every frame at the video's size, one at a time."""
+        """Yield uint16 (y, x) of every frame at the video's size."""
         return self._stored.labels(self._store)
 
     def frames(self) -> Iterator[np.ndarray]:
-        """Every frame as analysed, uint8 (y, x, 3) RGB of `analysed_shape`, one at a time."""
+        """Yield every frame as analysed, uint8 (y, x, 3) RGB of `analysed_shape`."""
         return self._stored.frames(self._store)
 
     def overlay(self, frame: int, style: OverlayStyle | None = None) -> np.ndarray:
-        """One frame with its moving objects drawn in.
+        """Draw the moving objects of one frame into it.
 
         Parameters
         ----------
@@ -124,7 +124,7 @@ class MotionSegmentation:
         return draw_overlay(image, labels, style or DEFAULT_STYLE)
 
     def figure(self, num_frames: int = 6, *, style: OverlayStyle | None = None, side: int = 320) -> Image.Image:
-        """Frames spread over the video with their moving objects drawn in, three in a row.
+        """Draw frames spread over the video with their moving objects, three in a row.
 
         Parameters
         ----------
@@ -142,9 +142,9 @@ class MotionSegmentation:
         Raises
         ------
         InputError
-            A number below 1, or what is no style.
+            A number is below 1, or the style is not an OverlayStyle.
         """
-        check_least(1, num_frames=num_frames, side=side)
+        check_min(1, num_frames=num_frames, side=side)
         indices = spread_frames(self.num_frames, num_frames)
         return draw_strip({index: self.overlay(index, style) for index in indices}, side)
 
@@ -219,7 +219,7 @@ class MotionSegmentation:
         if overlay_size not in ("analysed", "video"):
             raise InputError("no such size", where="overlay_size", got=repr(overlay_size), expected="analysed or video")
         if dilation is not None:
-            check_least(0, dilation=dilation)
+            check_min(0, dilation=dilation)
         outputs = Outputs(
             os.fsdecode(folder),
             self._video,

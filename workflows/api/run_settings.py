@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from moseg.workflows.api.arguments import Kind, check_kinds, check_least
+from moseg.workflows.api.arguments import Kind, check_kinds, check_min
 from moseg.workflows.cluster.connection import TlsFiles
 from moseg.workflows.engine.runs import open_session
 from moseg.workflows.engine.session import Session
@@ -89,8 +89,8 @@ def read_run_settings(
     check_kinds(Kind.PATH, optional=True, **files)
     check_kinds(Kind.TEXT, device=device)
     check_kinds(Kind.SWITCH, offline=offline, non_commercial=non_commercial, progress=progress)
-    check_least(0, workers=workers)
-    check_least(1, threads=threads, **({} if batch is None else {"batch": batch}))
+    check_min(0, workers=workers)
+    check_min(1, threads=threads, **({} if batch is None else {"batch": batch}))
     return RunSettings(
         os.fsdecode(store),
         workers,

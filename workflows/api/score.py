@@ -1,4 +1,4 @@
-"""Scoring anybody's saved masks by one call."""
+"""Scoring saved masks of any program by one call."""
 
 import os
 from collections.abc import Iterable

@@ -156,7 +156,7 @@ def segment_video(
 def _read(
     frames: tuple[str, ...] | None, video: str | None, store: ArtifactStore, stored: StoredSegmentation, fps: float
 ) -> MotionSegmentation:
-    """The result before it is known what the call computed."""
+    """Return the result; its use of the store is not known yet."""
     return MotionSegmentation(
         name=stored.name,
         shape=stored.shape,
@@ -182,7 +182,7 @@ def _read_variant(variant: Variant | str) -> Variant:
 
 
 def _describe_objects(store: ArtifactStore, stored: StoredSegmentation, fps: float) -> tuple[MovingObject, ...]:
-    """The moving objects, each with what the motion models say of it."""
+    """Return the moving objects, each with its support under the motion models."""
     labels = stored.labels(store)
     summary = summarise_sequence(stored.name, labels, fps, stored.num_motions, stored.motions, stored.tags)
     supports = {view: store.read(ref, "static_support") for view, ref in stored.affinity_refs.items()}

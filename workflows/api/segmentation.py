@@ -36,7 +36,7 @@ Value = TypeVar("Value")
 def open_source(
     video: VideoLike, choices: PipelineChoices, name: str | None = None
 ) -> Iterator[tuple[SequenceSource, PipelineConfig]]:
-    """The source of the user's own video and the configuration for it, for the length of the block.
+    """Open the user's own video for the block, with the configuration for it.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def open_source(
 
 
 class Segmented(NamedTuple, Generic[Value]):
-    """What became of a run.
+    """The outcome of a run.
 
     Attributes
     ----------
@@ -181,12 +181,12 @@ class Outputs:
 
     @property
     def paths(self) -> tuple[Path, ...]:
-        """What `write` leaves."""
+        """Paths that `write` writes."""
         names = (MASKS, MOTION) if self._style is None else (MASKS, OVERLAY, MOTION)
         return tuple(self._folder / name for name in names)
 
     def export(self) -> tuple[Path, ...]:
-        """Write the other formats, after `write`, and return what they left."""
+        """Write the other formats, after `write`, and return their paths."""
         if not self._formats:
             return ()
         return export(open_segmentation(self._folder), self._formats, self._folder, self._dilation)

@@ -22,7 +22,7 @@ from moseg.workflows.cli.weights import weights_app
 
 EXIT_BAD_INPUT = 2
 FULL = (errno.ENOSPC, errno.EDQUOT)
-"""Errors of a disk that is none of the store's: standard output leads to one."""
+"""Errors of a full disk other than the store's: standard output may lead to one."""
 
 app = typer.Typer(name="moseg", pretty_exceptions_enable=False)
 app.command("segment")(segment.segment)
@@ -67,7 +67,7 @@ def moseg(
 
 @cache
 def build_command() -> Any:
-    """The command line as it is parsed; to read all signatures takes a while, and once is enough."""
+    """Return the command line as it is parsed; it is built once, because reading all signatures takes a while."""
     return with_readable_help(get_command(app))
 
 

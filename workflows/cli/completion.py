@@ -1,6 +1,6 @@
-"""What the shell offers when a value is being typed: names of data sets, presets, methods, runs, weights, parameters.
+"""What the shell offers when a value is being typed: names of data sets, methods, runs, weights, parameters.
 
-Completion answers while somebody waits and has nowhere to complain to: where names cannot be had, none are offered.
+Completion cannot report an error: where the names cannot be read, none are offered.
 """
 
 import os
@@ -11,11 +11,11 @@ import typer
 from moseg.schemas.errors import MosegError
 
 Completer = Callable[[typer.Context, str], list[str]]
-MOST_RUNS = 30
+MAX_RUNS = 30
 
 
 def offer(find: Callable[[typer.Context], Iterable[str]], *, is_list: bool = False) -> Completer:
-    """A completer of the names that `find` gives; of the last one, where the value is a list with commas."""
+    """Return a completer of the names that `find` gives; where the value is a list with commas, of its last name."""
 
     def complete(context: typer.Context, incomplete: str) -> list[str]:
         before, comma, start = incomplete.rpartition(",") if is_list else ("", "", incomplete)
@@ -50,10 +50,10 @@ def _runs(context: typer.Context) -> Iterable[str]:
     from moseg.workflows.runlog.status import LATEST, list_runs
 
     url = context.params.get("store") or DEFAULT_STORE
-    # Behind a network a listing takes longer than anybody waits for a word.
+    # Over a network a listing takes too long for completion.
     if "://" in url and not url.startswith("file://"):
         return [LATEST]
-    return [LATEST, *list_runs(open_store(url, create=False))[:MOST_RUNS]]
+    return [LATEST, *list_runs(open_store(url, create=False))[:MAX_RUNS]]
 
 
 def _weights(context: typer.Context) -> Iterable[str]:

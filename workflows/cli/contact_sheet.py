@@ -24,7 +24,7 @@ def contact_sheet(
         typer.Option("--frames", "--columns", min=1, help="Frames of a sheet, spread over the annotated ones."),
     ] = 8,
 ) -> None:
-    """A picture of every sequence: frames, motion saliency, masks and errors against ground truth.
+    """Draw a picture of every sequence: frames, motion saliency, masks and errors against ground truth.
 
     Examples
     --------

@@ -45,7 +45,7 @@ class TrajectoryOptions:
     ] = None
 
     def choices(self) -> TrajectoryChoices:
-        """Return what these options say."""
+        """Return the choices that these options make."""
         views = None if self.views is None else tuple(name.strip() for name in self.views.split(","))
         return TrajectoryChoices(views, self.seed, self.seeds)
 
@@ -88,7 +88,7 @@ def ablate(
     json: JsonOption = None,
     page: ReportOption = None,
 ) -> None:
-    """The paper's ablation: all five variants in one table, with the artifacts computed and reused.
+    """Score the paper's ablation: all five variants in one table, with the artifacts computed and reused.
 
     On labelled trajectories: all views fused, and each of the three models alone.
 
@@ -117,7 +117,7 @@ def plan(
     variant: VariantsOption = None,
     store: StoreOption = DEFAULT_STORE,
 ) -> None:
-    """What `moseg eval` with the same options would compute and reuse; nothing is computed or stored.
+    """Show what `moseg eval` with the same options would compute and reuse; nothing is computed or stored.
 
     Examples
     --------
@@ -149,7 +149,7 @@ def score(
     json: JsonOption = None,
     quiet: QuietOption = False,
 ) -> None:
-    """Score anybody's saved masks (PNG folders, .npy/.npz volumes, what MoSeg, Raptor, RigidMask and EM write).
+    """Score saved masks of any program (PNG folders, .npy/.npz volumes, what MoSeg, Raptor, RigidMask and EM write).
 
     Files are matched to the frames by their names. Where no file has a frame's name, they are taken in order, one for
     each frame, or else by their number from 0, and a note says so. Every frame with ground truth needs a mask.

@@ -89,7 +89,7 @@ class DataOptions:
     ] = None
 
     def choice(self) -> "DataChoice":
-        """Return what these options say; raises InputError where no sequence is named."""
+        """Return the sequences that these options choose; raises InputError where none is named."""
         from moseg.workflows.api.evaluation import DataChoice
 
         return DataChoice(self.dataset, self.root, sequence_names(self.sequences), self.list_file)
@@ -147,14 +147,14 @@ class RunOptions:
     quiet: QuietOption = False
 
     def settings(self) -> "RunSettings":
-        """Return what these options say."""
+        """Return the settings that these options make."""
         from moseg.workflows.api.run_settings import RunSettings
 
         return RunSettings(**asdict(self))
 
 
 def sequence_names(text: str | None) -> tuple[str, ...] | None:
-    """Names out of a list separated by commas."""
+    """Return the names of a list separated by commas; raises InputError on an empty list."""
     if text is None:
         return None
     names = tuple(name.strip() for name in text.split(",") if name.strip())

@@ -70,7 +70,7 @@ class PipelineOptions:
     ] = None
 
     def choices(self) -> PipelineChoices:
-        """Return what these options say; raises InputError where one is not spelt as it must be."""
+        """Return the choices that these options make; raises InputError where one is not spelt correctly."""
         folders: dict[str, str] = {}
         values = {f"--{cue}": _read_cue(cue, getattr(self, cue), folders) for cue in CUES} | {
             "--motions": self.motions,
@@ -89,7 +89,7 @@ class PipelineOptions:
 
 
 def _read_cue(cue: str, text: str | None, folders: dict[str, str]) -> str | None:
-    """The source of a cue; the path of ``folder:PATH`` is put into `folders`."""
+    """Return the source of a cue, and put the path of ``folder:PATH`` into `folders`."""
     if text is None or not text.startswith("folder"):
         return text
     _, _, path = text.partition(":")

@@ -53,7 +53,7 @@ class OverlayOptions:
     ] = "analysed"
 
     def read(self) -> "OverlayStyle | None":
-        """The style, None where there is to be no overlay; raises InputError on an option without a meaning in it."""
+        """Return the style, None for no overlay; raises InputError on an option that has no effect on the overlay."""
         from moseg.workflows.exports import OverlayMode, OverlayStyle
         from moseg.workflows.exports.overlay_style import LINED, TINTED
 
@@ -68,7 +68,9 @@ class OverlayOptions:
         for option, is_given, modes in given:
             if is_given and mode not in (*modes,):
                 expected = f"--overlay {' or '.join(modes)}"
-                raise InputError("without a meaning", where=option, got=f"--overlay {self.overlay}", expected=expected)
+                raise InputError(
+                    "an option without effect", where=option, got=f"--overlay {self.overlay}", expected=expected
+                )
         if mode is None:
             return None
         chosen = {"opacity": self.opacity, "outline_width": self.outline_width}
@@ -102,7 +104,7 @@ def segment(
     exports: ExportsOption = None,
     page: ReportOption = None,
 ) -> None:
-    """Masks of what moves on its own in your video: OUT/masks/*.png, OUT/overlay.mp4, OUT/motion.json.
+    """Write masks of what moves on its own in your video: OUT/masks/*.png, OUT/overlay.mp4, OUT/motion.json.
 
     Examples
     --------

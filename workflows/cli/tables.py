@@ -23,13 +23,13 @@ Report = EvaluationReport | TrajectoryReport
 
 
 def console() -> Console:
-    """Standard output; wide enough for every column where it is not a terminal."""
+    """Return standard output, wide enough for every column where it is not a terminal."""
     plain = Console()
     return plain if plain.is_terminal else Console(width=140)
 
 
 def print_report(report: Report) -> None:
-    """Scores per sequence and mean for every variant, and what is published on the data set."""
+    """Print scores per sequence and mean for every variant, and what is published on the data set."""
     out = _open(report)
     for row in report.rows:
         out.print(_clip_table(report, row) if isinstance(report, TrajectoryReport) else _sequence_table(report, row))
@@ -38,7 +38,7 @@ def print_report(report: Report) -> None:
 
 
 def print_ablation(report: Report) -> None:
-    """One row a variant: means over the sequences."""
+    """Print one row a variant: means over the sequences."""
     out = _open(report)
     num_sequences = len(report.rows[0].sequences)
     if isinstance(report, TrajectoryReport):
@@ -56,12 +56,12 @@ def print_ablation(report: Report) -> None:
 
 
 def print_use(report: Report) -> None:
-    """How much of the store was used, and how long it took."""
+    """Print how many artifacts were computed and reused, and how long it took."""
     print(_use(report))
 
 
 def print_stages(done: "Evaluated | Planned") -> None:
-    """Artifacts computed and reused by stage, and the seconds inside each stage's functions."""
+    """Print artifacts computed and reused by stage, and the seconds inside each stage's functions."""
     table = _table("artifacts by stage", "stage", "computed", "reused", "reused %", "seconds")
     for stage, use in done.stages.items():
         total = use.computed + use.reused
@@ -71,7 +71,7 @@ def print_stages(done: "Evaluated | Planned") -> None:
 
 
 def _open(report: Report) -> Console:
-    """The console, with the notes printed."""
+    """Return the console, with the notes printed."""
     out = console()
     for note in report.notes:
         out.print(f"note: {note}", highlight=False)
@@ -105,7 +105,7 @@ def _clip_table(report: TrajectoryReport, row: TrajectoryRow) -> Table:
 
 
 def _print_published(out: Console, report: Report) -> None:
-    """What is published on a data set, marked as not measured here, and, beside scores over points, as over pixels."""
+    """Print what is published on a data set, marked as not measured here; beside scores over points, as over pixels."""
     if isinstance(report, TrajectoryReport):
         title = f"as published for all {PUBLISHED_CLIPS} clips, number of motions given (not measured here)"
         table = _table(title, "Xu, Cheong, Li, CVPR 2018", "error %")
@@ -140,5 +140,5 @@ def _cells(score: SequenceScore, over: GroundTruth) -> list[str]:
 
 
 def _spread_cell(spread: float | None) -> list[str]:
-    """The last cell of a row; none where seeds were not asked for."""
+    """Return the last cell of a row; none where seeds were not asked for."""
     return [] if spread is None else [f"{spread:.1f}"]

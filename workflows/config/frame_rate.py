@@ -1,4 +1,4 @@
-"""Frame rates that may be asked for, and the one that counts."""
+"""The range of frame rates, and the choice of the rate of the results."""
 
 from moseg.schemas.errors import InputError
 
@@ -16,5 +16,5 @@ def check_fps(fps: float, where: str) -> None:
 
 
 def choose_fps(asked: float | None, own: float | None) -> float:
-    """Frames per second of the results: the rate asked for, else the video's own, else `DEFAULT_FPS`."""
+    """Return the frames per second of the results: the rate asked for, else the video's own, else `DEFAULT_FPS`."""
     return float(asked or own or DEFAULT_FPS)

@@ -8,7 +8,7 @@ from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
 def motions_note(config: PipelineConfig, option: str = "--motions") -> tuple[str, ...]:
     """Return a warning where `auto` counts motions in affinities that do not show their number; `option` gives it."""
     if config.affinity.method == "ork" and config.clustering.motions == "auto":
-        return (f"ordered residuals rank and do not tell the number of motions: give it by {option}",)
+        return (f"ordered residuals do not show the number of motions: give it by {option}",)
     return ()
 
 

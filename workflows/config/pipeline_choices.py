@@ -42,7 +42,7 @@ class Choice(NamedTuple):
 
 @dataclass(frozen=True)
 class PipelineChoices:
-    """Everything that a command line or a caller says of the pipeline; what comes later here overrides the earlier.
+    """The choices of a command line or a caller about the pipeline; later ones in this list override earlier ones.
 
     Attributes
     ----------

@@ -69,7 +69,7 @@ def _check_views(names: Sequence[str], where: str) -> None:
 
 
 def _refuse_images(choices: PipelineChoices, dataset: str) -> None:
-    """Raise InputError where a choice is given that only frames have a use for."""
+    """Raise InputError where a choice is given that applies only to frames."""
     got = f"data set {dataset}, trajectories without images"
     for option in _options_for_images(choices):
         raise InputError("an option for images", where=option, got=got, expected="a data set of frames")
@@ -77,7 +77,7 @@ def _refuse_images(choices: PipelineChoices, dataset: str) -> None:
         if not name.startswith(READ_PARAMETERS):
             expected = " or ".join(name.removesuffix(".") for name in READ_PARAMETERS)
             raise InputError("a parameter for images", where=f"--set {name}", got=got, expected=expected)
-    # A full file has them all; what it leaves as it is by default changes nothing.
+    # A full file has all parameters; those at their default change nothing.
     given = choices.given_config()
     for name, parameter in list_parameters().items():
         if not name.startswith(READ_PARAMETERS) and value_of(given, parameter) != parameter.default:
@@ -86,6 +86,6 @@ def _refuse_images(choices: PipelineChoices, dataset: str) -> None:
 
 
 def _options_for_images(choices: PipelineChoices) -> Iterator[str]:
-    """Options that were given and only frames have a use for."""
+    """Yield the options that were given and apply only to frames."""
     yield from (f"--{kind}" for kind, name in choices.names.items() if name != DEFAULT_NAMES[kind])
     yield from (choice.option for choice in choices.chosen if not choice.parameter.startswith(READ_PARAMETERS))

@@ -31,7 +31,7 @@ def evaluate(
     Parameters
     ----------
     purpose : Purpose
-        What the run's log says of it.
+        What the run's log records about it.
     panels : Panels, optional
         Gather what a report shows, wave by wave; what they read is computed where it is missing.
 
@@ -68,7 +68,7 @@ def _score(
     purpose: Purpose,
     panels: Panels | None,
 ) -> dict[tuple[Variant, str], SequenceScore]:
-    """Scores of the sequences of a wave, by variant and name."""
+    """Return scores of the sequences of a wave, by variant and name."""
     refs: dict[tuple[Variant, str], str] = {}
     shown: dict[SequenceGraph, float | None] = {}
 

@@ -33,7 +33,7 @@ def evaluate_trajectories(
     seeds : sequence of int, optional
         The report's figures are means over these. None: one run with the seed of `config`.
     purpose : Purpose
-        What the run's log says of it.
+        What the run's log records about it.
     panels : Panels, optional
         Gather what a report shows, under the first seed.
 

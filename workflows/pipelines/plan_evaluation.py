@@ -22,7 +22,7 @@ class EmptyStore:
     """Stands for a store that does not exist yet: nothing can be reused."""
 
     def present(self, refs: Iterable[str]) -> set[str]:
-        """None."""
+        """Return no reference."""
         return set()
 
 
@@ -33,7 +33,7 @@ def plan_evaluation(
     variants: Sequence[Variant],
     folder: Weights,
 ) -> dict[str, StageUse]:
-    """Artifacts to compute and to reuse by stage.
+    """Return the artifacts to compute and to reuse by stage.
 
     Frames that were never ingested are decoded, because keys are digests of what files decode to. With weights that are
     neither here nor pinned nothing can have been made.
@@ -65,7 +65,7 @@ def plan_trajectories(
     variants: Sequence[TrajectoryVariant],
     seeds: Sequence[int] | None = None,
 ) -> dict[str, StageUse]:
-    """Artifacts to compute and to reuse by stage; clips that were never ingested are decoded."""
+    """Return the artifacts to compute and to reuse by stage; clips that were never ingested are decoded."""
     recipes, sinks, num_ingests = {}, [], 0
     for source in sources:
         entries, num_new = foresee_ingest(store, trajectory_jobs(source))
@@ -79,7 +79,7 @@ def plan_trajectories(
 
 
 def foresee_ingest(store: ArtifactStore | EmptyStore, jobs: Sequence[IngestJob]) -> tuple[list[dict], int]:
-    """What ingesting the jobs would give, and how many of them a run would have to decode."""
+    """Return what ingesting the jobs would give, and how many of them a run would have to decode."""
     recipes = [job.recipe for job in jobs]
     known = recall_ingests(store, recipes, _remembered)
     memories = [known[recipe.ref] for recipe in recipes]
@@ -90,7 +90,7 @@ def foresee_ingest(store: ArtifactStore | EmptyStore, jobs: Sequence[IngestJob])
 def count_uses(
     store: ArtifactStore | EmptyStore, recipes: Mapping[str, Recipe], sinks: Sequence[str], num_ingests: int
 ) -> dict[str, StageUse]:
-    """Artifacts to compute and to reuse by stage."""
+    """Return the artifacts to compute and to reuse by stage."""
     computed, reused = make_plan(store, recipes, sinks).count()
     if num_ingests:
         computed["ingest"] = num_ingests
@@ -99,7 +99,7 @@ def count_uses(
 
 
 def _plan_weights(folder: Weights, name: str, architecture: str) -> str:
-    """Reference of a weights item's leaf; one that nothing was made with where its digest is not known yet."""
+    """Return the reference of a weights item's leaf; one that no artifact has where its digest is not known yet."""
     try:
         return weights_leaf(folder, name, architecture).recipe.ref
     except MissingInputError:
@@ -107,7 +107,7 @@ def _plan_weights(folder: Weights, name: str, architecture: str) -> str:
 
 
 def _remembered(store: ArtifactStore, ref: str) -> dict | None:
-    """What is remembered under a reference; a run would quarantine a damaged memory and ingest anew."""
+    """Return what is remembered under a reference; a run would quarantine a damaged entry and ingest again."""
     try:
         return store.attributes(ref)
     except (CorruptArtifactError, MissingArtifactError):

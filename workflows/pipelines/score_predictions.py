@@ -72,7 +72,7 @@ def score_predictions(dataset: Dataset, predictions: Predictions, name: str, qui
 def _saved_frames(
     source: SequenceSource, saved: SequencePredictions, scored: set[int]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Pairs of saved and annotated labels, one frame at a time; their frames are added to `scored`."""
+    """Yield pairs of saved and annotated labels of each frame; their frames are added to `scored`."""
     for index, truth in source.annotations.read():
         scored.add(index)
         yield saved.frame(index), truth
@@ -81,7 +81,7 @@ def _saved_frames(
 def _saved_points(
     source: SequenceSource, saved: SequencePredictions, scored: set[int]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Saved and true labels of the visible points of every frame in which there are any, added to `scored`."""
+    """Yield saved and true labels of the visible points of every frame in which there are any, added to `scored`."""
     points, visible, truth = source.labelled_points.read()
     for index in np.flatnonzero(visible.any(axis=0)):
         scored.add(int(index))

@@ -6,7 +6,7 @@ from moseg.workflows.cli.store_commands.showing import short
 
 
 def why(key: KeyArgument, store: StoreOption = DEFAULT_STORE) -> None:
-    """Say which fields of an artifact's recipe differ from the nearest other artifact of its task.
+    """Show which fields of an artifact's recipe differ from the nearest other artifact of its task.
 
     That is why it was computed rather than reused.
 

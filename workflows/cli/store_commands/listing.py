@@ -36,13 +36,13 @@ def list_artifacts(
     ref = None
     for ref in opened.refs(task):
         print(ref)
-    # A task that is known has no artifacts yet; of others nobody knows, unless one is meant that is.
+    # A known task has no artifacts yet; an unknown one is an error where a known one is probably meant.
     if ref is None and task is not None and task not in LAYOUTS and closest(task, LAYOUTS) is not None:
         raise unknown_name("task", task, LAYOUTS, where="--task")
 
 
 def disk_use(quiet: QuietOption = False, store: StoreOption = DEFAULT_STORE) -> None:
-    """Artifacts and bytes by task.
+    """Show artifacts and bytes by task.
 
     Examples
     --------
@@ -56,7 +56,7 @@ def disk_use(quiet: QuietOption = False, store: StoreOption = DEFAULT_STORE) -> 
 
 
 def print_use(usage) -> None:
-    """A table of artifacts and bytes by task, the largest first, and their sum."""
+    """Print a table of artifacts and bytes by task, the largest first, and their sum."""
     rows = [(nbytes, count, task) for task, (count, nbytes) in usage.items()]
     rows.sort(reverse=True)
     rows.append((sum(row[0] for row in rows), sum(row[1] for row in rows), "total"))
@@ -65,7 +65,7 @@ def print_use(usage) -> None:
 
 
 def size(nbytes: int) -> str:
-    """Bytes in the unit that suits them."""
+    """Return a number of bytes in the unit that suits it."""
     amount = float(nbytes)
     for unit in ("B", "KiB", "MiB", "GiB"):
         if amount < 1024:
