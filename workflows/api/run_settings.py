@@ -1,9 +1,8 @@
 """Where the results of a run lie, and who computes them."""
 
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import AbstractContextManager
+from dataclasses import asdict, dataclass
 
 from moseg.workflows.api.arguments import Kind, check_kinds, check_min
 from moseg.workflows.cluster.connection import TlsFiles
@@ -50,22 +49,11 @@ class RunSettings:
     non_commercial: bool = False
     quiet: bool = False
 
-    @contextmanager
-    def open(self) -> Iterator[Session]:
-        """Open a session for the block; raises InputError where the store, the workers or the device cannot be had."""
-        with open_session(
-            self.store,
-            workers=self.workers,
-            scheduler=self.scheduler,
-            tls=TlsFiles(self.tls_ca, self.tls_cert, self.tls_key),
-            quiet=self.quiet,
-            device=self.device,
-            threads=self.threads,
-            batch=self.batch,
-            offline=self.offline,
-            non_commercial=self.non_commercial,
-        ) as session:
-            yield session
+    def open(self) -> AbstractContextManager[Session]:
+        """Open a session for a block; raises InputError where the store, the workers or the device cannot be had."""
+        settings = asdict(self)
+        tls = TlsFiles(*(settings.pop(f"tls_{name}") for name in TlsFiles._fields))
+        return open_session(**settings, tls=tls)
 
 
 def read_run_settings(
