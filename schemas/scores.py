@@ -64,6 +64,8 @@ class EvaluationReport(Frozen):
         How saved masks were matched to the frames, by sequence; None if masks were computed.
     store : StoreUse
     seconds : float
+    notes : tuple of str
+        What must be known to read the scores rightly; no part of the JSON.
     """
 
     model_config = ConfigDict(populate_by_name=True)
@@ -74,6 +76,7 @@ class EvaluationReport(Frozen):
     matching: dict[str, Literal["name", "order", "number"]] | None = None
     store: StoreUse
     seconds: float = Field(ge=0)
+    notes: tuple[str, ...] = Field((), exclude=True)
 
 
 def mean_score(scores: list[SequenceScore]) -> SequenceScore:

@@ -67,12 +67,13 @@ class TrajectoryRow(Frozen):
 
 
 class TrajectoryReport(Frozen):
-    """Content of the file that ``--json`` writes; ``seeds`` and ``spread`` only if seeds were requested."""
+    """Content of the file that ``--json`` writes; ``seeds`` and ``spread`` only if requested, ``notes`` never."""
 
     dataset: str
     rows: tuple[TrajectoryRow, ...]
     store: StoreUse
     seconds: float = Field(ge=0)
+    notes: tuple[str, ...] = Field((), exclude=True)
 
 
 def average_clips(scores: Sequence[TrajectoryScore]) -> TrajectoryMean:

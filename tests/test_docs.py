@@ -26,7 +26,7 @@ from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli.app import build_command
 from moseg.workflows.cli.pipeline_options import PipelineOptions
-from moseg.workflows.config.preset_choice import choose_preset
+from moseg.workflows.config.pipeline_choices import choose_preset
 from moseg.workflows.datasets.registry import DATASETS
 from moseg.workflows.stages.needed_weights import needed_items
 from moseg.workflows.stages.registry import all_tasks
@@ -115,7 +115,7 @@ def _check_parsed(values: dict) -> None:
     settings = [setting for setting in values["settings"] if setting != "stage.name=value"]
     # A file that is shown is the user's own.
     own = {"settings": settings, "config_file": None}
-    config, _ = PipelineOptions(**{name: values[name] for name in names} | own).read()
+    config = PipelineOptions(**{name: values[name] for name in names} | own).choices().read()
     for item, architecture in needed_items(config).items():
         _check_item(item, architecture)
     for network in filter(None, (task.network for task in all_tasks())):

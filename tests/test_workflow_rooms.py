@@ -11,17 +11,19 @@ FRONT = ("api", "moseg")
 """Folder of the package `moseg`, which stands above the rooms."""
 ALLOWED = {
     "cli": {
+        *("api", "config", "datasets", "exports", "plugins", "process", "reports", "runlog", "stages", "weights"),
+    },
+    "api": {
         *("cluster", "config", "datasets", "engine", "exports", "pipelines", "predictions", "process", "reports"),
         *("plugins", "runlog", "sources", "stages", "weights"),
     },
-    "api": {"config", "datasets", "engine", "exports", "pipelines", "process", "reports", "runlog", "sources"},
     "pipelines": {
         *("datasets", "engine", "exports", "graph", "predictions", "process", "reports", "results", "runlog"),
         *("sources", "stages", "weights"),
     },
     "reports": {"config", "engine", "exports", "graph", "process", "results", "runlog", "sources"},
     "results": {"exports", "graph", "sources"},
-    "exports": {"process", "runlog", "sources"},
+    "exports": {"config", "process", "runlog", "sources"},
     "engine": {"cluster", "datasets", "process", "runlog", "stages", "weights"},
     "graph": {"stages"},
     "stages": {"process", "sources", "weights"},

@@ -77,7 +77,7 @@ def parameters(measurement: Measurement) -> dict[str, Any]:
         context = command.make_context(name, words, parent=context)
         name, command, words = command.resolve_command(context, words)
     values = command.make_context(name, words, parent=context).params
-    config, _ = PipelineOptions(**{field.name: values[field.name] for field in fields(PipelineOptions)}).read()
+    config = PipelineOptions(**{field.name: values[field.name] for field in fields(PipelineOptions)}).choices().read()
     stages = ON_TRAJECTORIES if measurement.data == "kt3dmoseg" else ON_FRAMES
     return config.model_dump(mode="json", include={*stages})
 

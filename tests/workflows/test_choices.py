@@ -14,20 +14,20 @@ def test_presets_and_geometries_set_different_stages():
 
 
 def test_nothing_chosen_is_the_default():
-    assert PipelineOptions().read()[0] == PipelineConfig()
+    assert PipelineOptions().choices().read() == PipelineConfig()
 
 
 @pytest.mark.parametrize("preset", PRESETS)
 @pytest.mark.parametrize("geometry", GEOMETRIES)
 def test_every_preset_goes_with_every_geometry(preset, geometry):
-    config, _ = PipelineOptions(preset=preset, geometry=geometry).read()
+    config = PipelineOptions(preset=preset, geometry=geometry).choices().read()
     assert (config.affinity.method == "ork") == (geometry == "paper")
     assert (config.proposal_source == "detections") == (preset != "weights-free")
 
 
 def test_an_option_changes_one_choice_of_a_preset():
-    config, _ = PipelineOptions(preset="paper", flow="dis", settings=["pips.iterations=3"]).read()
-    paper, _ = PipelineOptions(preset="paper").read()
+    config = PipelineOptions(preset="paper", flow="dis", settings=["pips.iterations=3"]).choices().read()
+    paper = PipelineOptions(preset="paper").choices().read()
     changed = {name for name in PipelineConfig.model_fields if getattr(config, name) != getattr(paper, name)}
     assert changed == {"flow", "pips"}
 

@@ -27,7 +27,7 @@ def test_a_fault_is_exit_code_one_with_its_trace(moseg, monkeypatch):
     def fail(name, *arguments, **options):
         raise RuntimeError("broken")
 
-    monkeypatch.setattr("moseg.workflows.datasets.open_dataset", fail)
+    monkeypatch.setattr("moseg.workflows.api.evaluation.open_dataset", fail)
     ran = moseg("eval")
     assert ran.code == 1
     assert ran.err.startswith("Traceback")
@@ -38,7 +38,7 @@ def test_an_interruption_says_that_the_run_can_be_resumed(moseg, monkeypatch):
     def interrupt(name, *arguments, **options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("moseg.workflows.datasets.open_dataset", interrupt)
+    monkeypatch.setattr("moseg.workflows.api.evaluation.open_dataset", interrupt)
     ran = moseg("eval")
     assert ran.code == 130
     assert len(ran.err.splitlines()) == 1

@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 from pycocotools.coco import COCO
 
-from moseg.workflows.cli.overlay_options import OverlayOptions
+from moseg.workflows.cli.segment import OverlayOptions
 from moseg.workflows.exports import OverlayMode
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
@@ -126,9 +126,15 @@ def test_names_of_frames_and_sequence_can_be_given(out, moseg, tmp_path):
         ("segment . --export coca", ("no images",)),
         ("segment OUT/masks --export coca", ("unknown export format 'coca'",)),
         ("segment OUT/masks --overlay nothing", ("--overlay",)),
-        ("segment OUT/masks --overlay cutout --opacity 0.5", ("without a meaning in --opacity", "outline or fill")),
-        ("segment OUT/masks --overlay fill --outline-width 3", ("without a meaning in --outline-width", "contour")),
-        ("segment OUT/masks --overlay none --identities", ("without a meaning in --identities",)),
+        (
+            "segment OUT/masks --overlay cutout --opacity 0.5",
+            ("an option without effect in --opacity", "outline or fill"),
+        ),
+        (
+            "segment OUT/masks --overlay fill --outline-width 3",
+            ("an option without effect in --outline-width", "contour"),
+        ),
+        ("segment OUT/masks --overlay none --identities", ("an option without effect in --identities",)),
         ("segment OUT/masks --opacity 2", ("--opacity",)),
     ],
 )

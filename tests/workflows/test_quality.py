@@ -9,7 +9,7 @@ from moseg.schemas.parameters import FlowParams
 from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES
 from moseg.tasks.flow import estimate_flow
 from moseg.workflows.cli.pipeline_options import PipelineOptions
-from moseg.workflows.config.preset_choice import choose_preset
+from moseg.workflows.config.pipeline_choices import choose_preset
 
 
 @pytest.mark.parametrize("preset", PRESETS)
@@ -20,24 +20,24 @@ def test_every_combination_is_a_configuration(preset, geometry, quality):
 
 
 def test_the_default_quality_changes_nothing():
-    assert PipelineOptions(quality="default").read() == PipelineOptions().read()
+    assert PipelineOptions(quality="default").choices().read() == PipelineOptions().choices().read()
 
 
 def test_fast_looks_at_smaller_frames_and_a_setting_has_the_last_word():
-    config, _ = PipelineOptions(quality="fast").read()
+    config = PipelineOptions(quality="fast").choices().read()
     assert (config.max_side, config.saliency.working_side) == (427, 284)
-    config, _ = PipelineOptions(quality="fast", settings=["saliency.working_side=300"]).read()
+    config = PipelineOptions(quality="fast", settings=["saliency.working_side=300"]).choices().read()
     assert (config.max_side, config.saliency.working_side) == (427, 300)
 
 
 def test_a_quality_leaves_the_backend_of_a_preset():
-    config, _ = PipelineOptions(preset="paper", quality="best").read()
+    config = PipelineOptions(preset="paper", quality="best").choices().read()
     assert (config.flow.method, config.flow.preset) == ("raft", "fine")
 
 
 def test_an_unknown_quality_is_told_with_the_one_that_was_meant():
     with pytest.raises(InputError, match="best"):
-        PipelineOptions(quality="bset").read()
+        PipelineOptions(quality="bset").choices().read()
 
 
 def test_an_unknown_quality_ends_in_one_line(moseg):

@@ -1,4 +1,4 @@
-"""Whether an argument is of the kind and within the limits that it takes, said before any work and by its own name."""
+"""Checks of the kinds and limits of arguments, made before any work, with errors that name the argument."""
 
 import os
 import re
@@ -10,18 +10,20 @@ from numbers import Integral, Real
 import numpy as np
 
 from moseg.schemas.errors import InputError, MosegError
+from moseg.workflows.config import frame_rate
 from moseg.workflows.exports import OverlayStyle
-from moseg.workflows.sources.frames import check_fps as check_rate
 
-MOST_NAME_BYTES = 200
+MAX_NAME_BYTES = 200
 """Of a name in UTF-8: files are called after it, with a suffix."""
 _OPTION = re.compile(
-    r"(?<!\S)--(batch|depth|device|dilate|flow|geometry|motions|non-commercial|offline|out|preset|proposals|quality"
-    r"|report|store|threads|tracks|variant|workers)(?![\w-])"
+    r"(?<![^\s(])--(batch|dataset|depth|device|dilate|flow|format|geometry|list|motions|name|non-commercial|offline|out"
+    r"|overlay-size"
+    r"|predictions|preset|proposals|quality|report|root|scheduler|seed|seeds|sequences|store|threads|tls-ca|tls-cert"
+    r"|tls-key|tracks|variant|views|workers)(?![\w-])(?: folder:)?"
 )
 """Options of the command line that are arguments here."""
-_ARGUMENT_OF = {"dilate": "dilation", "out": "folder", "non-commercial": "non_commercial"}
-"""What they are called here where that differs."""
+_ARGUMENT_OF = {"dilate": "dilation", "list": "list_file", "out": "folder", "variant": "variants"}
+"""The names of those that differ by more than dashes."""
 
 
 class Kind(Enum):
@@ -36,7 +38,7 @@ class Kind(Enum):
 
 
 def check_kinds(kind: Kind, *, optional: bool = False, **arguments: object) -> None:
-    """Raise InputError where an argument is not of the kind, nor None where that is allowed."""
+    """Raise InputError unless an argument is of the kind, or None where that is allowed."""
     types, expected = kind.value
     for name, value in arguments.items():
         if value is None and optional:
@@ -44,22 +46,22 @@ def check_kinds(kind: Kind, *, optional: bool = False, **arguments: object) -> N
         # True is a whole number to Python alone.
         if not isinstance(value, types) or (isinstance(value, bool) and kind is not Kind.SWITCH):
             expected = f"{expected} or None" if optional else expected
-            raise InputError("wrong kind of argument", where=name, got=_told(value), expected=expected)
+            raise InputError("wrong kind of argument", where=name, got=_describe(value), expected=expected)
 
 
-def check_least(least: int, **arguments: int) -> None:
-    """Raise InputError where an argument is no whole number of `least` or more."""
+def check_min(minimum: int, **arguments: int) -> None:
+    """Raise InputError unless an argument is a whole number of `minimum` or more."""
     check_kinds(Kind.COUNT, **arguments)
     for name, value in arguments.items():
-        if value < least:
-            raise InputError("not a number", where=name, got=value, expected=f"{least} or more")
+        if value < minimum:
+            raise InputError("not a number", where=name, got=value, expected=f"{minimum} or more")
 
 
 def check_fps(fps: float | None) -> None:
     """Raise InputError where frames cannot be shown at such a rate."""
     check_kinds(Kind.NUMBER, optional=True, fps=fps)
     if fps is not None:
-        check_rate(fps, "fps")
+        frame_rate.check_fps(fps, "fps")
 
 
 def check_name(name: str | None) -> None:
@@ -68,37 +70,39 @@ def check_name(name: str | None) -> None:
     if name is None:
         return
     encoded = name.encode("utf-8", "replace")
-    if not name.strip() or len(encoded) > MOST_NAME_BYTES or re.search(r"[/\x00-\x1f\x7f\ud800-\udfff]", name):
-        expected = f"up to {MOST_NAME_BYTES} bytes of text, without '/' and line breaks, for files are called after it"
-        raise InputError("not a name", where="name", got=_told(name), expected=expected)
+    if not name.strip() or len(encoded) > MAX_NAME_BYTES or re.search(r"[/\x00-\x1f\x7f\ud800-\udfff]", name):
+        expected = f"up to {MAX_NAME_BYTES} bytes of text, without '/' and line breaks, for files are called after it"
+        raise InputError("not a name", where="name", got=_describe(name), expected=expected)
 
 
 def check_style(style: OverlayStyle | None) -> None:
-    """Raise InputError where it is none."""
+    """Raise InputError unless it is an OverlayStyle or None."""
     if style is not None and not isinstance(style, OverlayStyle):
         expected = "a moseg.OverlayStyle or None"
-        raise InputError("not a style", where="style", got=_told(style), expected=expected)
+        raise InputError("not a style", where="style", got=_describe(style), expected=expected)
 
 
 def read_names(name: str, value: Iterable[str]) -> tuple[str, ...]:
-    """The names in an argument, where one may stand for itself; raises InputError where they are none."""
+    """Return the names in an argument, which may be a single one; raises InputError where they are not names."""
     if isinstance(value, str):
         return (value,)
     names = tuple(value) if isinstance(value, Iterable) else None
     if names is None or not all(isinstance(each, str) for each in names):
-        raise InputError("wrong kind of argument", where=name, got=_told(value), expected="a name, or some in a list")
+        raise InputError(
+            "wrong kind of argument", where=name, got=_describe(value), expected="a name, or some in a list"
+        )
     return names
 
 
 @contextmanager
 def named_as_arguments() -> Iterator[None]:
-    """Errors of the block that name an option of the command line name the argument."""
+    """Make errors of the block that name an option of the command line name the argument."""
     try:
         yield
     except MosegError as error:
         what, where, got, expected = error.parts
         is_option = isinstance(where, str) and where.startswith("--")
-        parts = (_renamed(what), _renamed(where) if is_option else where, got, _renamed(expected))
+        parts = (_renamed(what), *((_renamed(where), _renamed(got)) if is_option else (where, got)), _renamed(expected))
         if parts == error.parts:
             raise
         what, where, got, expected = parts
@@ -109,9 +113,15 @@ def named_as_arguments() -> Iterator[None]:
 def _renamed(text: object) -> object:
     if not isinstance(text, str):
         return text
-    return _OPTION.sub(lambda found: _ARGUMENT_OF.get(found[1], found[1]), text)
+    return _OPTION.sub(_argument_of, text.replace("--set or --config", "config"))
 
 
-def _told(value: object) -> str:
+def _argument_of(found: re.Match[str]) -> str:
+    """Return the argument of an option; ``--depth folder:PATH`` is ``depth=PATH``."""
+    name = _ARGUMENT_OF.get(found[1], found[1].replace("-", "_"))
+    return f"{name}=" if found[0].endswith(" folder:") else name
+
+
+def _describe(value: object) -> str:
     text = repr(value)
     return f"{text} ({type(value).__name__})" if len(text) <= 60 else type(value).__name__

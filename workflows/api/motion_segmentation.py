@@ -1,36 +1,34 @@
-"""What was found in one video, read from the store as it is asked for."""
+"""The moving objects of one video, read from the store when they are asked for."""
 
 import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from PIL import Image
 
+from moseg.schemas.errors import InputError
 from moseg.schemas.scores import StoreUse
 from moseg.store import ArtifactStore
 from moseg.workflows.api.arguments import (
     Kind,
     check_kinds,
-    check_least,
+    check_min,
     check_style,
     named_as_arguments,
     read_names,
 )
 from moseg.workflows.api.moving_object import MovingObject
 from moseg.workflows.api.notebook import draw_html
+from moseg.workflows.api.segmentation import Outputs
 from moseg.workflows.api.strip import draw_strip, spread_frames
 from moseg.workflows.exports import OverlayStyle
 from moseg.workflows.exports.draw_overlay import draw_overlay
-from moseg.workflows.exports.formats import check_exports, choose_formats, export
-from moseg.workflows.exports.outputs import MASKS, MOTION, OVERLAY, check_outputs, mask_name
 from moseg.workflows.exports.overlay_style import DEFAULT_STYLE
-from moseg.workflows.exports.saved_segmentation import open_segmentation
 from moseg.workflows.pipelines.segment import StoredSegmentation
-from moseg.workflows.pipelines.write_segmentation import write_segmentation
-from moseg.workflows.runlog.events import as_unicode
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -92,15 +90,15 @@ class MotionSegmentation:
         return self.labels > 0
 
     def iter_labels(self) -> Iterator[np.ndarray]:
-        """uint16 (y, x) of every frame at the video's size, one at a time."""
+        """Yield uint16 (y, x) of every frame at the video's size."""
         return self._stored.labels(self._store)
 
     def frames(self) -> Iterator[np.ndarray]:
-        """Every frame as analysed, uint8 (y, x, 3) RGB of `analysed_shape`, one at a time."""
+        """Yield every frame as analysed, uint8 (y, x, 3) RGB of `analysed_shape`."""
         return self._stored.frames(self._store)
 
     def overlay(self, frame: int, style: OverlayStyle | None = None) -> np.ndarray:
-        """One frame with its moving objects drawn in.
+        """Draw the moving objects of one frame into it.
 
         Parameters
         ----------
@@ -126,7 +124,7 @@ class MotionSegmentation:
         return draw_overlay(image, labels, style or DEFAULT_STYLE)
 
     def figure(self, num_frames: int = 6, *, style: OverlayStyle | None = None, side: int = 320) -> Image.Image:
-        """Frames spread over the video with their moving objects drawn in, three in a row.
+        """Draw frames spread over the video with their moving objects, three in a row.
 
         Parameters
         ----------
@@ -144,9 +142,9 @@ class MotionSegmentation:
         Raises
         ------
         InputError
-            A number below 1, or what is no style.
+            A number is below 1, or the style is not an OverlayStyle.
         """
-        check_least(1, num_frames=num_frames, side=side)
+        check_min(1, num_frames=num_frames, side=side)
         indices = spread_frames(self.num_frames, num_frames)
         return draw_strip({index: self.overlay(index, style) for index in indices}, side)
 
@@ -185,6 +183,7 @@ class MotionSegmentation:
         folder: str | os.PathLike,
         *,
         style: OverlayStyle | None = DEFAULT_STYLE,
+        overlay_size: Literal["analysed", "video"] = "analysed",
         exports: str | Iterable[str] = (),
         dilation: int | None = None,
     ) -> tuple[Path, ...]:
@@ -196,6 +195,9 @@ class MotionSegmentation:
             Made where it is absent.
         style : OverlayStyle, optional
             Of the overlay; None for no overlay.
+        overlay_size : 'analysed' or 'video'
+            Size of the overlay: that of the frames as analysed; or the video's own, for which the file or the folder of
+            frames is read again.
         exports : str or iterable of str
             Formats to write beside it, as those of `moseg export`: ``coco``, ``colmap``, ``npz`` …
         dilation : int, optional
@@ -214,18 +216,24 @@ class MotionSegmentation:
         """
         check_kinds(Kind.PATH, folder=folder)
         check_style(style)
+        if overlay_size not in ("analysed", "video"):
+            raise InputError("no such size", where="overlay_size", got=repr(overlay_size), expected="analysed or video")
         if dilation is not None:
-            check_least(0, dilation=dilation)
-        formats = choose_formats(read_names("exports", exports), dilation, self._frame_names)
-        check_outputs(os.fsdecode(folder), self._video, style is not None, "folder")
-        folder = Path(os.fsdecode(folder))
-        names = self._frame_names or tuple(mask_name(index) for index in range(self.num_frames))
-        check_exports(formats, folder, as_unicode(self.name), names)
-        write_segmentation(folder, self._store, self._stored, self.fps, style, None, self._frame_names)
-        written = tuple(folder / name for name in ((MASKS, MOTION) if style is None else (MASKS, OVERLAY, MOTION)))
-        if not formats:
-            return written
-        return (*written, *export(open_segmentation(folder), formats, folder, dilation))
+            check_min(0, dilation=dilation)
+        outputs = Outputs(
+            os.fsdecode(folder),
+            self._video,
+            style,
+            self.name,
+            self._frame_names,
+            lambda: self.num_frames,
+            overlay_size == "video",
+            read_names("exports", exports),
+            dilation,
+            "folder",
+        )
+        outputs.write(self._store, self._stored, self.fps)
+        return (*outputs.paths, *outputs.export())
 
     def __repr__(self) -> str:
         return f"<MotionSegmentation {self.name!r}: {self._summary}>"

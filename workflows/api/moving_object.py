@@ -23,14 +23,14 @@ class MovingObject:
     tag : str or None
         What a network called it, where one did.
     static_support : mapping of str to float
-        How well the background's motion explains the object, 0..1, under each motion model that knows it (``trajs``,
+        How well the background's motion explains the object, 0..1, under each motion model that has one (``trajs``,
         ``oc_depth`` …): ``exp(-d² / 2)``, with d the error of the background's model on the object beyond that of the
         object's own model, in units of the tolerated error.
     score : float or None
-        ``1 - min(static_support)``, 0..1: how clearly the model that sees its motion best tells it from the background.
-        It is evidence and no probability. With the default ``clustering.static`` an object is dropped as static where
-        every model supports that, so a low score is that of an object that some model does not know. None where no
-        model knows the object, or none was asked (variant ``base``).
+        ``1 - min(static_support)``, 0..1: how clearly the object moves by the motion model that separates it best from
+        the background. It is evidence, not a probability. With the default ``clustering.static`` an object is dropped
+        as static where every model supports that, so a low score belongs to an object without a value under some
+        model. None where no model has a value for the object, or none was used (variant ``base``).
     """
 
     identity: int

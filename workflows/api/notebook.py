@@ -12,7 +12,7 @@ from moseg.workflows.api.moving_object import MovingObject
 from moseg.workflows.exports import identity_colours
 from moseg.workflows.exports.draw_overlay import brightest
 
-MOST_ROWS = 20
+MAX_ROWS = 20
 """Objects in the table before the rest is only counted."""
 WEBP_QUALITY = 80
 
@@ -20,15 +20,15 @@ WEBP_QUALITY = 80
 def draw_html(
     name: str, summary: str, objects: Sequence[MovingObject], picture: Image.Image, notes: Sequence[str] = ()
 ) -> str:
-    """HTML that needs nothing but itself: the picture is in it, colours of text and paper are the notebook's."""
-    rows = "".join(_row(each) for each in objects[:MOST_ROWS])
-    if len(objects) > MOST_ROWS:
-        rows += f'<tr><td colspan="6">and {len(objects) - MOST_ROWS} more</td></tr>'
+    """Return self-contained HTML: the picture is in it, and the notebook gives the colours of text and background."""
+    rows = "".join(_row(each) for each in objects[:MAX_ROWS])
+    if len(objects) > MAX_ROWS:
+        rows += f'<tr><td colspan="6">and {len(objects) - MAX_ROWS} more</td></tr>'
     head = "".join(f"<th>{title}</th>" for title in ("object", "motion", "frames", "area", "score", "tag"))
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>" if objects else ""
     image = f'<img alt="frames with their moving objects" style="max-width:100%" src="{_data_uri(picture)}">'
-    said = "".join(f"<p>note: {escape(note)}</p>" for note in notes)
-    return f"<div><p><strong>{escape(name)}</strong>: {escape(summary)}</p>{said}{image}{table}</div>"
+    lines = "".join(f"<p>note: {escape(note)}</p>" for note in notes)
+    return f"<div><p><strong>{escape(name)}</strong>: {escape(summary)}</p>{lines}{image}{table}</div>"
 
 
 def _row(each: MovingObject) -> str:

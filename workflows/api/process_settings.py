@@ -1,4 +1,4 @@
-"""What a run changes in the process that it runs in, put back for the caller."""
+"""Settings of the process that a run changes, restored for the caller."""
 
 import os
 import sys
@@ -15,7 +15,7 @@ from moseg.workflows.process.resources import THREAD_VARIABLES, allocation_envir
 
 
 class _Calls:
-    """Calls under way in this process, and what puts its settings back after the last of them."""
+    """Calls under way in this process, and what restores its settings after the last of them."""
 
     def __init__(self):
         self.lock = Lock()
@@ -28,10 +28,10 @@ _CALLS = _Calls()
 
 @contextmanager
 def kept_process_settings() -> Iterator[None]:
-    """Put threads, device and Dask's scheduler back at the end of the block.
+    """Restore threads, device and Dask's scheduler at the end of the block.
 
-    Where blocks overlap in several threads, the first keeps the settings and the last to end puts them back. A command
-    ends with its process; a notebook goes on, and its own arrays and networks want their threads again. What the block
+    Where blocks overlap in several threads, the first keeps the settings and the last to end restores them. A command
+    ends with its process; a notebook goes on, and its own arrays and networks need their threads again. What the block
     itself loads first keeps the number of threads that it was loaded with.
     """
     with _CALLS.lock:
@@ -48,7 +48,7 @@ def kept_process_settings() -> Iterator[None]:
 
 
 def _keep_settings(stack: ExitStack) -> None:
-    """Have the stack's end restore what holds now."""
+    """Register what restores the settings of now when the stack closes."""
     if torch := sys.modules.get("torch"):
         stack.callback(torch.set_num_threads, torch.get_num_threads())
     stack.callback(devices.set_device, devices.chosen_device())

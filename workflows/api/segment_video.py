@@ -1,34 +1,27 @@
 """Segmenting a video by one call."""
 
 import os
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from moseg.schemas.configs import Variant
 from moseg.schemas.errors import InputError
+from moseg.schemas.scores import StoreUse
 from moseg.store import ArtifactStore
-from moseg.workflows.api.arguments import (
-    Kind,
-    check_fps,
-    check_kinds,
-    check_least,
-    check_name,
-    named_as_arguments,
-)
-from moseg.workflows.api.configuration import CUES, ConfigLike, load_config, with_given_cues
+from moseg.workflows.api.arguments import Kind, check_fps, check_kinds, check_name, named_as_arguments
+from moseg.workflows.api.configuration import read_choices
 from moseg.workflows.api.motion_segmentation import MotionSegmentation
 from moseg.workflows.api.moving_object import MovingObject
 from moseg.workflows.api.process_settings import kept_process_settings
-from moseg.workflows.api.video_source import VideoLike, open_video
-from moseg.workflows.config.notes import motions_note
-from moseg.workflows.datasets.given_folders import with_given_folders
-from moseg.workflows.engine.session import open_session
+from moseg.workflows.api.run_settings import read_run_settings
+from moseg.workflows.api.segmentation import open_source, run_segmentation
+from moseg.workflows.api.video_source import VideoLike
+from moseg.workflows.config.pipeline_choices import ConfigLike
 from moseg.workflows.exports import summarise_sequence
 from moseg.workflows.exports.motion_json import frame_names
-from moseg.workflows.pipelines.purpose import Purpose
-from moseg.workflows.pipelines.segment import StoredSegmentation, segment
-from moseg.workflows.reports.run_report import RunReport
-from moseg.workflows.sources.frames import choose_fps
+from moseg.workflows.pipelines.segment import StoredSegmentation
 
 
 @named_as_arguments()
@@ -50,6 +43,10 @@ def segment_video(
     name: str | None = None,
     store: str | os.PathLike = ".moseg/store",
     workers: int = 0,
+    scheduler: str | os.PathLike | None = None,
+    tls_ca: str | os.PathLike | None = None,
+    tls_cert: str | os.PathLike | None = None,
+    tls_key: str | os.PathLike | None = None,
     device: str = "auto",
     threads: int = 1,
     batch: int | None = None,
@@ -93,6 +90,10 @@ def segment_video(
     workers : int
         Worker processes; 0 computes in this one. A script that asks for workers does so below ``if __name__ ==
         "__main__":``, because they import it.
+    scheduler : str or path, optional
+        Existing Dask cluster: ``tcp://host:8786``, ``tls://host:8786`` or a scheduler file.
+    tls_ca, tls_cert, tls_key : path, optional
+        PEM files for a scheduler at ``tls://``: the certificate of its authority, your own and its key.
     device : str
         Where networks run: auto, cpu, cuda, cuda:N or mps.
     threads : int
@@ -104,7 +105,7 @@ def segment_video(
     non_commercial : bool
         Allow weights that are licensed for non-commercial use only.
     progress : bool
-        Whether to tell on standard error how far the work is. Standard output is never written to.
+        Whether progress goes to standard error. Standard output is never written to.
 
     Returns
     -------
@@ -116,54 +117,60 @@ def segment_video(
         The video, an array, a parameter or a file cannot be used; the message is one line.
     StoreError, ClusterError
         The store or the worker processes failed.
+
+    Examples
+    --------
+    >>> result = segment_video("holiday.mp4", motions=2)  # doctest: +SKIP
+    >>> result.labels.shape  # doctest: +SKIP
+    (240, 720, 1280)
     """
     variant = _read_variant(variant)
-    check_kinds(Kind.PATH, store=store)
-    check_kinds(Kind.PATH, optional=True, proposals=proposals, depth=depth, flow=flow, tracks=tracks, report=report)
-    check_kinds(Kind.TEXT, device=device)
-    check_kinds(Kind.SWITCH, offline=offline, non_commercial=non_commercial, progress=progress)
-    check_least(0, workers=workers)
-    check_least(1, threads=threads, **({} if batch is None else {"batch": batch}))
+    check_kinds(Kind.PATH, optional=True, report=report)
     check_fps(fps)
     check_name(name)
-    given = zip(CUES, (proposals, depth, flow, tracks), strict=True)
-    folders = {cue: os.fsdecode(path) for cue, path in given if path is not None}
-    config = load_config(config, motions=motions, preset=preset, quality=quality, geometry=geometry)
-    config = with_given_cues(config, folders)
-    session_options = {"workers": workers, "device": device, "threads": threads, "batch": batch}
-    session_options |= {"offline": offline, "non_commercial": non_commercial, "quiet": not progress}
-    with kept_process_settings(), open_video(video, name, config.max_side) as source:
-        source = with_given_folders(source, folders, config.max_side)
-        notes = motions_note(config, "motions")
-        rate = choose_fps(fps, source.frames.describe().fps)
-        page = None if report is None else RunReport(os.fsdecode(report), source.name, config, [variant], [source.name])
-        with open_session(os.fsdecode(store), **session_options) as session:
+    run = read_run_settings(
+        store=store,
+        workers=workers,
+        scheduler=scheduler,
+        tls_ca=tls_ca,
+        tls_cert=tls_cert,
+        tls_key=tls_key,
+        device=device,
+        threads=threads,
+        batch=batch,
+        offline=offline,
+        non_commercial=non_commercial,
+        progress=progress,
+    )
+    choices = read_choices(
+        config, motions, preset, quality, geometry, proposals=proposals, depth=depth, flow=flow, tracks=tracks
+    )
+    page = None if report is None else os.fsdecode(report)
+    path = os.path.abspath(os.fsdecode(video)) if isinstance(video, str | os.PathLike) else None
+    with kept_process_settings(), open_source(video, choices, name) as (source, config):
+        read = partial(_read, frame_names(source.frames), path)
+        done = run_segmentation(source, config, variant, run, read, fps, page, "motions")
+    return replace(done.value, store_use=done.use, notes=done.notes)
 
-            def read(stored: StoredSegmentation) -> tuple[StoredSegmentation, tuple[MovingObject, ...]]:
-                return stored, _describe_objects(session.store, stored, rate)
 
-            purpose, panels = Purpose("segment", notes, rate), None if page is None else page.panels
-            stored, objects = segment(session, source, config, variant, read, purpose, panels)
-            if page is not None:
-                page.note_facts(session)
-            result = MotionSegmentation(
-                name=stored.name,
-                shape=stored.shape,
-                analysed_shape=stored.analysed_shape,
-                fps=rate,
-                num_frames=stored.num_frames,
-                num_motions=stored.num_motions,
-                objects=objects,
-                store_use=session.use(),
-                notes=notes,
-                _store=session.store,
-                _stored=stored,
-                _frame_names=frame_names(source.frames),
-                _video=os.path.abspath(os.fsdecode(video)) if isinstance(video, str | os.PathLike) else None,
-            )
-        if page is not None:
-            page.write((), notes)
-        return result
+def _read(
+    frames: tuple[str, ...] | None, video: str | None, store: ArtifactStore, stored: StoredSegmentation, fps: float
+) -> MotionSegmentation:
+    """Return the result; its use of the store is not known yet."""
+    return MotionSegmentation(
+        name=stored.name,
+        shape=stored.shape,
+        analysed_shape=stored.analysed_shape,
+        fps=fps,
+        num_frames=stored.num_frames,
+        num_motions=stored.num_motions,
+        objects=_describe_objects(store, stored, fps),
+        store_use=StoreUse(computed=0, reused=0),
+        _store=store,
+        _stored=stored,
+        _frame_names=frames,
+        _video=video,
+    )
 
 
 def _read_variant(variant: Variant | str) -> Variant:
@@ -175,7 +182,7 @@ def _read_variant(variant: Variant | str) -> Variant:
 
 
 def _describe_objects(store: ArtifactStore, stored: StoredSegmentation, fps: float) -> tuple[MovingObject, ...]:
-    """The moving objects, each with what the motion models say of it."""
+    """Return the moving objects, each with its support under the motion models."""
     labels = stored.labels(store)
     summary = summarise_sequence(stored.name, labels, fps, stored.num_motions, stored.motions, stored.tags)
     supports = {view: store.read(ref, "static_support") for view, ref in stored.affinity_refs.items()}

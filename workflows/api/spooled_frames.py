@@ -39,12 +39,12 @@ class SpooledFrames:
     size: tuple[int, int]
 
     def fingerprint(self) -> str:
-        """Digest of the pixels."""
+        """Return the digest of the pixels."""
         frames = [hash_array(frame) for frame in self.read()]
         return digest_json("source", ["arrays", READING_VERSION, self.size, frames])
 
     def read(self) -> Iterator[np.ndarray]:
-        """Each frame as uint8 (y, x, 3) RGB, in order."""
+        """Yield each frame as uint8 (y, x, 3) RGB, in order."""
         shape = (*self.analysed, 3)
         count = int(np.prod(shape))
         with open(self.path, "rb") as file:
@@ -53,15 +53,15 @@ class SpooledFrames:
                 yield np.frombuffer(file.read(count), np.uint8).reshape(shape)
 
     def describe(self) -> FrameDescription:
-        """Size as given; arrays have no frame rate."""
+        """Return the size as given; arrays have no frame rate."""
         return FrameDescription(self.size, None)
 
     def num_frames(self) -> int:
-        """How many frames `read` yields."""
+        """Return how many frames `read` yields."""
         return self.stop - self.start
 
     def chunks(self, size: int) -> tuple["SpooledFrames", ...]:
-        """Runs of at most `size` frames."""
+        """Return runs of at most `size` frames."""
         starts = range(self.start, self.stop, size)
         return tuple(replace(self, start=start, stop=min(start + size, self.stop)) for start in starts)
 
@@ -70,12 +70,12 @@ class SpooledFrames:
 def spool_frames(frames: Iterable, max_side: int) -> Iterator[SpooledFrames]:
     """Write frames to a temporary file, reduced to `max_side` as those of a video are, for the length of the block.
 
-    One frame is in memory at a time, and none crosses to a worker but through the file.
+    One frame is in memory at a time, and workers read frames from the file.
 
     Raises
     ------
     InputError
-        There is no frame, or the first one that is none: not uint8, neither RGB nor grey, or of another size.
+        There is no frame, or one is not uint8, neither RGB nor grey, or of another size than the first.
     StoreError
         The file cannot be written.
     """
@@ -86,7 +86,7 @@ def spool_frames(frames: Iterable, max_side: int) -> Iterator[SpooledFrames]:
 
 
 def _write_frames(frames: Iterable, path: str, max_side: int) -> SpooledFrames:
-    """Errors of the caller's own iteration pass as they are."""
+    """Write the frames to a file; errors of the caller's own iteration are not changed."""
     size, number = None, 0
     for given in frames:
         frame = check_frame(given, number)
@@ -113,7 +113,7 @@ def _blame_storage(where: str) -> Iterator[None]:
 
 
 def check_frame(given: object, number: int) -> np.ndarray:
-    """A frame as uint8 (y, x, 3) RGB, grey as three equal channels; raises InputError where it is none."""
+    """Return a frame as uint8 (y, x, 3) RGB, grey as three equal channels; raises InputError on anything else."""
     where = f"frame {number}"
     try:
         frame = np.asarray(given)

@@ -13,7 +13,7 @@ PAPER, INK = (255, 255, 255), (32, 32, 32)
 
 
 def spread_frames(num_frames: int, count: int) -> tuple[int, ...]:
-    """At most `count` frames spread evenly from the first to the last; the middle one where `count` is 1."""
+    """Return at most `count` frames spread evenly from the first to the last; the middle one where `count` is 1."""
     if count == 1:
         return (num_frames // 2,)
     places = np.linspace(0, num_frames - 1, min(count, num_frames))
@@ -21,7 +21,7 @@ def spread_frames(num_frames: int, count: int) -> tuple[int, ...]:
 
 
 def draw_strip(pictures: Mapping[int, np.ndarray], side: int) -> Image.Image:
-    """Pictures uint8 (y, x, 3) of one size in rows, each with the number of its frame below.
+    """Draw pictures uint8 (y, x, 3) of one size in rows, each with the number of its frame below.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""From what a caller takes for a video to a source of frames."""
+"""Sources of frames from whatever a caller gives as a video."""
 
 import os
 from collections.abc import Iterable, Iterator
@@ -20,7 +20,7 @@ ACCEPTED = "a path, an array (frame, y, x, 3) RGB or (frame, y, x) grey, or fram
 
 @contextmanager
 def open_video(video: VideoLike, name: str | None, max_side: int) -> Iterator[SequenceSource]:
-    """The source of a video for the length of the block; raises InputError where it cannot be one."""
+    """Open a video as a source for the block; raises InputError where it cannot be read as one."""
     if isinstance(video, str | os.PathLike):
         path = os.fsdecode(video)
         if not path.strip():
@@ -33,14 +33,14 @@ def open_video(video: VideoLike, name: str | None, max_side: int) -> Iterator[Se
 
 
 def _check(video: object) -> None:
-    """Raise InputError where something is no sequence of frames as a whole."""
+    """Raise InputError where something cannot be a sequence of frames as a whole."""
     if isinstance(video, bytes) or not isinstance(video, Iterable):
         raise InputError("not a video", got=type(video).__name__, expected=ACCEPTED)
     if not isinstance(video, np.ndarray):
         return
     if video.dtype != np.uint8:
         raise InputError("array of unusable samples", got=video.dtype, expected="uint8, 0..255")
-    # Nobody films one, three or four pixels wide: it is one image. So may be what has three or four planes.
+    # No video is one, three or four pixels wide: it is one image. An array of three or four planes may be one, too.
     if video.ndim == 3 and (video.shape[2] in (1, 3, 4) or video.shape[0] in (3, 4)):
         expected = f"{ACCEPTED}; list(array) where these are grey frames"
         raise InputError("an array that may be one image", got=video.shape, expected=expected)

@@ -11,7 +11,7 @@ from typer.exceptions import TyperException
 from typer.main import get_command
 
 from moseg.schemas.errors import ClusterError, InputError, StoreError
-from moseg.workflows.cli import contact_sheet, evaluate, export, inspect, report, score, segment, status
+from moseg.workflows.cli import backends, contact_sheet, evaluate, export, report, segment, status
 from moseg.workflows.cli.config import config_app
 from moseg.workflows.cli.datasets import datasets_app
 from moseg.workflows.cli.entry import EXIT_FAULT, EXIT_INTERRUPTED, INTERRUPTED
@@ -23,7 +23,7 @@ from moseg.workflows.plugins.loading import load_plugins
 
 EXIT_BAD_INPUT = 2
 FULL = (errno.ENOSPC, errno.EDQUOT)
-"""Errors of a disk that is none of the store's: standard output leads to one."""
+"""Errors of a full disk other than the store's: standard output may lead to one."""
 
 app = typer.Typer(name="moseg", pretty_exceptions_enable=False)
 app.command("segment")(segment.segment)
@@ -31,11 +31,11 @@ app.command("export")(export.export)
 app.command("eval")(evaluate.evaluate)
 app.command("ablate")(evaluate.ablate)
 app.command("plan")(evaluate.plan)
-app.command("score")(score.score)
+app.command("score")(evaluate.score)
 app.command("contact-sheet")(contact_sheet.contact_sheet)
 app.command("report")(report.report)
 app.command("status")(status.status)
-app.command("backends")(inspect.backends)
+app.command("backends")(backends.backends)
 app.add_typer(config_app, name="config")
 app.add_typer(datasets_app, name="datasets")
 app.add_typer(store_app, name="store")
@@ -68,7 +68,7 @@ def moseg(
 
 @cache
 def build_command() -> Any:
-    """The command line as it is parsed; to read all signatures takes a while, and once is enough."""
+    """Return the command line as it is parsed; it is built once, because reading all signatures takes a while."""
     return with_readable_help(get_command(app))
 
 

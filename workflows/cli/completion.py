@@ -1,6 +1,6 @@
-"""What the shell offers when a value is being typed: names of data sets, presets, methods, runs, weights, parameters.
+"""What the shell offers when a value is being typed: names of data sets, methods, runs, weights, parameters.
 
-Completion answers while somebody waits and has nowhere to complain to: where names cannot be had, none are offered.
+Completion cannot report an error: where the names cannot be read, none are offered.
 """
 
 import os
@@ -9,14 +9,13 @@ from collections.abc import Callable, Iterable
 import typer
 
 from moseg.schemas.errors import MosegError
-from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES
 
 Completer = Callable[[typer.Context, str], list[str]]
-MOST_RUNS = 30
+MAX_RUNS = 30
 
 
 def offer(find: Callable[[typer.Context], Iterable[str]], *, is_list: bool = False) -> Completer:
-    """A completer of the names that `find` gives; of the last one, where the value is a list with commas."""
+    """Return a completer of the names that `find` gives; where the value is a list with commas, of its last name."""
 
     def complete(context: typer.Context, incomplete: str) -> list[str]:
         before, comma, start = incomplete.rpartition(",") if is_list else ("", "", incomplete)
@@ -27,16 +26,6 @@ def offer(find: Callable[[typer.Context], Iterable[str]], *, is_list: bool = Fal
         return [f"{before}{comma}{name}" for name in names if name.startswith(start)]
 
     return complete
-
-
-def _choices(parameter: str) -> Completer:
-    def find(context: typer.Context) -> Iterable[str]:
-        from moseg.workflows.config.parameters import list_parameters
-
-        # What follows folder: is a path, which the shell itself would complete.
-        return [f"{name}:" if name == "folder" else name for name in list_parameters()[parameter].choices]
-
-    return offer(find)
 
 
 def _datasets(context: typer.Context) -> Iterable[str]:
@@ -61,10 +50,10 @@ def _runs(context: typer.Context) -> Iterable[str]:
     from moseg.workflows.runlog.status import LATEST, list_runs
 
     url = context.params.get("store") or DEFAULT_STORE
-    # Behind a network a listing takes longer than anybody waits for a word.
+    # Over a network a listing takes too long for completion.
     if "://" in url and not url.startswith("file://"):
         return [LATEST]
-    return [LATEST, *list_runs(open_store(url, create=False))[:MOST_RUNS]]
+    return [LATEST, *list_runs(open_store(url, create=False))[:MAX_RUNS]]
 
 
 def _weights(context: typer.Context) -> Iterable[str]:
@@ -89,19 +78,7 @@ def _stages(context: typer.Context) -> Iterable[str]:
 
 complete_dataset = offer(_datasets)
 complete_sequences = offer(_sequences, is_list=True)
-complete_preset = offer(lambda context: PRESETS)
-complete_geometry = offer(lambda context: GEOMETRIES)
-complete_quality = offer(lambda context: QUALITIES)
 complete_device = offer(lambda context: ("auto", "cpu", "cuda", "mps"))
-complete_motions = offer(lambda context: ("auto", "gt"))
-complete_proposals = _choices("proposal_source")
-complete_flow = _choices("flow.method")
-complete_depth = _choices("depth.method")
-complete_tracks = _choices("tracks.method")
-complete_affinity = _choices("affinity.method")
-complete_tagger = _choices("detections.tagger")
-complete_masks = _choices("detections.masks")
-complete_tracker = _choices("detections.tracker")
 complete_setting = offer(_settings)
 complete_stage = offer(_stages)
 complete_run = offer(_runs)

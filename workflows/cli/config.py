@@ -33,7 +33,7 @@ def show(
     ] = None,
     markdown: Annotated[bool, typer.Option("--markdown", help="Tables for a document.")] = False,
 ) -> None:
-    """Say what parameters there are: default, range, unit and meaning of each.
+    """Show the parameters: default, range, unit and meaning of each.
 
     Examples
     --------
@@ -57,7 +57,7 @@ def dump(
     out: Annotated[
         str | None, typer.Option("--out", help="File to write (default: standard output).", metavar="FILE")
     ] = None,
-    changed: Annotated[bool, typer.Option("--changed", help="Only what is not as it is by default.")] = False,
+    changed: Annotated[bool, typer.Option("--changed", help="Only what differs from the defaults.")] = False,
 ) -> None:
     """Write the configuration that these options make, as YAML with a comment on every parameter.
 
@@ -74,8 +74,7 @@ def dump(
 
     if out is not None:
         check_writable(Path(out))
-    config, _ = pipeline.read()
-    text = write_config(config, changed_only=changed)
+    text = write_config(pipeline.choices().read(), changed_only=changed)
     if out is None:
         print(text, end="")
     else:

@@ -12,7 +12,7 @@ datasets_app = typer.Typer()
 
 @datasets_app.callback(invoke_without_command=True)
 def datasets(context: typer.Context) -> None:
-    """Data sets: which are there, which are missing, and how to get them.
+    """List data sets: which are there, which are missing, and how to get them.
 
     Examples
     --------
@@ -35,7 +35,7 @@ def show(
     name: Annotated[str, typer.Argument(help="Name of the data set.", metavar="NAME", autocompletion=complete_dataset)],
     root: Annotated[str | None, typer.Option("--root", help="Its folder (default: $MOSEG_DATA/<name>).")] = None,
 ) -> None:
-    """One data set: ground truth, layouts on disk, and its sequences.
+    """Show one data set: ground truth, layouts on disk, and its sequences.
 
     Examples
     --------
@@ -51,7 +51,7 @@ def show(
 
 
 def _print_row(row) -> None:
-    """A data set's lines, an item of several layouts on lines of its own."""
+    """Print a data set's lines, with a line for each of several layouts."""
     found = f"{len(row.names)} sequences" if row.is_present else f"not here: {row.problem}"
     print(f"{row.name}: {found}")
     for title, text in (("ground truth", row.ground_truth), ("files", row.tree), ("from", row.source)):

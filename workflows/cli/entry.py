@@ -11,7 +11,7 @@ INTERRUPTED = "moseg: interrupted; what was finished is kept, the same command g
 def main(arguments: list[str] | None = None) -> None:
     """Run `moseg`: exit code 0 when done, 2 for bad use or input, 1 for a fault, 130 when interrupted."""
     try:
-        # Within reach of an interruption: it takes a third of a second.
+        # Inside the block, because it takes a while and may be interrupted.
         from moseg.workflows.cli.app import run
 
         code = run(sys.argv[1:] if arguments is None else arguments)
@@ -19,20 +19,20 @@ def main(arguments: list[str] | None = None) -> None:
         print(INTERRUPTED, file=sys.stderr)
         code = EXIT_INTERRUPTED
     if code == EXIT_INTERRUPTED and os.name == "posix":
-        # What is left are threads and processes that end by themselves: who will not wait is not shown their traces.
+        # Only threads and processes that end by themselves are left: a second interruption must not print their traces.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.exit(_flush(code))
 
 
 def _flush(code: int) -> int:
-    """Write out what was printed, to a reader who may have gone, as `head` does, or to a full disk."""
+    """Write out what was printed, although the reader may have ended, as `head` does, or the disk may be full."""
     try:
         if sys.stdout is not None:
             sys.stdout.flush()
     except OSError as error:
         if not isinstance(error, BrokenPipeError):
             print(f"moseg: standard output cannot be written: {error.strerror}", file=sys.stderr)
-        # Python would try again at its end, and complain.
+        # Python would flush again at its end, and print an error.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_FAULT
     return code

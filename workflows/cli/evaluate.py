@@ -1,26 +1,53 @@
-"""`moseg eval`, `moseg ablate` and `moseg plan`."""
+"""`moseg eval`, `moseg ablate`, `moseg plan` and `moseg score`."""
 
-import os
-from typing import Literal
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
 
-from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
-from moseg.schemas.errors import MissingStoreError
-from moseg.schemas.trajectory_scores import TrajectoryReport
+import typer
+
 from moseg.workflows.cli.option_groups import with_option_groups
 from moseg.workflows.cli.options import (
     DEFAULT_STORE,
     DataOptions,
     JsonOption,
+    QuietOption,
     ReportOption,
     RunOptions,
     StoreOption,
     VariantName,
     VariantsOption,
-    read_variants,
 )
 from moseg.workflows.cli.pipeline_options import PipelineOptions
-from moseg.workflows.cli.trajectory_options import TrajectoryOptions
-from moseg.workflows.config.notes import motions_note
+from moseg.workflows.config.trajectory_choices import TrajectoryChoices
+
+DEFAULT_VARIANTS = [VariantName.FUSED]
+
+
+@dataclass(frozen=True)
+class TrajectoryOptions:
+    """Views and seeds, of labelled trajectories only."""
+
+    PANEL: ClassVar[str] = "Labelled trajectories (kt3dmoseg)"
+
+    views: Annotated[
+        str | None,
+        typer.Option(
+            "--views",
+            help="Point models that `fused` combines (default: affine,homography,fundamental).",
+            metavar="NAMES",
+        ),
+    ] = None
+    seed: Annotated[
+        int | None, typer.Option("--seed", min=0, help="Seed of the random draws (default: 0).", metavar="N")
+    ] = None
+    seeds: Annotated[
+        int | None, typer.Option("--seeds", min=1, help="Mean and spread over the seeds 0 to N - 1.", metavar="N")
+    ] = None
+
+    def choices(self) -> TrajectoryChoices:
+        """Return the choices that these options make."""
+        views = None if self.views is None else tuple(name.strip() for name in self.views.split(","))
+        return TrajectoryChoices(views, self.seed, self.seeds)
 
 
 @with_option_groups
@@ -42,15 +69,14 @@ def evaluate(
     moseg eval --dataset kt3dmoseg --motions gt --seeds 5
     moseg eval --config my-config.yaml --sequences dog,blackswan --dataset davis16
     """
-    report, _, notes, lines = _evaluate(data, pipeline, trajectories, run, variant, json, page)
-    if isinstance(report, TrajectoryReport):
-        from moseg.workflows.cli.trajectory_tables import print_trajectory_report as print_report
-    else:
-        from moseg.workflows.cli.tables import print_report
+    from moseg.workflows.api.evaluation import run_evaluation
+    from moseg.workflows.cli.tables import print_report
 
-    print_report(report, notes)
-    for line in lines:
-        print(line)
+    choices, settings = (pipeline.choices(), trajectories.choices()), run.settings()
+    done = run_evaluation("eval", data.choice(), *choices, settings, variant or DEFAULT_VARIANTS, json, page)
+    print_report(done.report)
+    if done.page is not None:
+        print(done.page)
 
 
 @with_option_groups
@@ -62,7 +88,7 @@ def ablate(
     json: JsonOption = None,
     page: ReportOption = None,
 ) -> None:
-    """The paper's ablation: all five variants in one table, with the artifacts computed and reused.
+    """Score the paper's ablation: all five variants in one table, with the artifacts computed and reused.
 
     On labelled trajectories: all views fused, and each of the three models alone.
 
@@ -71,19 +97,16 @@ def ablate(
     moseg ablate --dataset synthetic --proposals groundtruth --depth groundtruth
     moseg ablate --dataset kt3dmoseg --motions gt
     """
-    from moseg.workflows.cli.tables import print_stages
+    from moseg.workflows.api.evaluation import run_evaluation
+    from moseg.workflows.cli.tables import print_ablation, print_stages, print_use
 
-    report, stages, notes, lines = _evaluate(data, pipeline, trajectories, run, "all", json, page)
-    if isinstance(report, TrajectoryReport):
-        from moseg.workflows.cli.trajectory_tables import print_trajectory_ablation as print_ablation
-    else:
-        from moseg.workflows.cli.tables import print_ablation
-
-    print_ablation(report, notes)
-    print_stages(stages)
-    print(f"{report.store.computed} artifacts computed, {report.store.reused} reused, {report.seconds:.1f} s")
-    for line in lines:
-        print(line)
+    choices, settings = (pipeline.choices(), trajectories.choices()), run.settings()
+    done = run_evaluation("ablate", data.choice(), *choices, settings, None, json, page)
+    print_ablation(done.report)
+    print_stages(done)
+    print_use(done.report)
+    if done.page is not None:
+        print(done.page)
 
 
 @with_option_groups
@@ -94,109 +117,49 @@ def plan(
     variant: VariantsOption = None,
     store: StoreOption = DEFAULT_STORE,
 ) -> None:
-    """What `moseg eval` with the same options would compute and reuse; nothing is computed or stored.
+    """Show what `moseg eval` with the same options would compute and reuse; nothing is computed or stored.
 
     Examples
     --------
     moseg plan --dataset davis16 --root DAVIS --variant fused --variant oc
     moseg plan --preset paper
     """
-    from moseg.store import open_store
+    from moseg.workflows.api.evaluation import run_plan
     from moseg.workflows.cli.tables import print_stages
-    from moseg.workflows.pipelines.plan_evaluation import EmptyStore, plan_evaluation
-    from moseg.workflows.pipelines.plan_trajectories import plan_trajectories
-    from moseg.workflows.stages.needed_weights import needed_items
     from moseg.workflows.weights.fetch_command import fetch_command
-    from moseg.workflows.weights.folder import open_weights
 
-    config, folders = pipeline.read()
-    dataset = data.open(config.max_side)
-    try:
-        opened = open_store(store, create=False)
-    except MissingStoreError:
-        opened = EmptyStore()
-    weights = open_weights(os.environ, offline=True, allow_non_commercial=True)
-    if dataset.has_frames:
-        trajectories.refuse(dataset.name)
-        variants = read_variants(variant, Variant, dataset.name)
-        stages = plan_evaluation(opened, _open(dataset, config, folders), config, variants, weights)
-    else:
-        config = trajectories.apply(pipeline, config, dataset.name)
-        variants = read_variants(variant, TrajectoryVariant, dataset.name)
-        sources = [dataset.trajectories(name) for name in dataset.names]
-        stages = plan_trajectories(opened, sources, config, variants, trajectories.all_seeds)
-    print_stages(stages)
-    computed, reused = (sum(use[i] for use in stages.values()) for i in (0, 1))
+    choices = pipeline.choices(), trajectories.choices()
+    planned = run_plan(data.choice(), *choices, store, variant or DEFAULT_VARIANTS)
+    print_stages(planned)
+    computed, reused = (sum(use[i] for use in planned.stages.values()) for i in (0, 1))
     print(f"{computed} artifacts to compute, {reused} to reuse")
-    absent = [name for name in needed_items(config) if not weights.is_present(weights.item(name))]
-    if absent:
-        command = fetch_command(*(weights.item(name) for name in absent))
-        print(f"weights to fetch: {', '.join(absent)} ({command})")
+    if planned.missing_weights:
+        names = ", ".join(item.name for item in planned.missing_weights)
+        print(f"weights to fetch: {names} ({fetch_command(*planned.missing_weights)})")
 
 
-def _evaluate(
+@with_option_groups
+def score(
+    predictions: Annotated[str, typer.Option("--predictions", help="Folder of saved masks.")],
     data: DataOptions,
-    pipeline: PipelineOptions,
-    trajectories: TrajectoryOptions,
-    run: RunOptions,
-    variant: list[VariantName] | Literal["all"] | None,
-    json: str | None,
-    page: str | None,
-):
-    """The result, written to `json` and shown on `page` where asked, the use of the store by stage, what a reader must
-    know, and the lines that name the files beside `json`."""
-    from moseg.workflows.cli.trajectory_runs import evaluate_clips
-    from moseg.workflows.exports import check_writable, write_text
-    from moseg.workflows.pipelines.evaluate import evaluate as run_evaluation
-    from moseg.workflows.pipelines.purpose import Purpose
-    from moseg.workflows.reports.run_report import RunReport
-    from moseg.workflows.reports.score_tables import score_tables
+    format: Annotated[
+        str | None, typer.Option("--format", help="Format of the masks (default: found from the files' names).")
+    ] = None,
+    name: Annotated[str | None, typer.Option("--name", help="Name of the row (default: the folder's).")] = None,
+    json: JsonOption = None,
+    quiet: QuietOption = False,
+) -> None:
+    """Score saved masks of any program (PNG folders, .npy/.npz volumes, what MoSeg, Raptor, RigidMask and EM write).
 
-    config, folders = pipeline.read()
-    if json is not None:
-        check_writable(json)
-    dataset = data.open(config.max_side)
-    kind = Variant if dataset.has_frames else TrajectoryVariant
-    command = "ablate" if variant == "all" else "eval"
-    variants = tuple(kind) if variant == "all" else read_variants(variant, kind, dataset.name)
-    if not dataset.has_frames:
-        config = trajectories.apply(pipeline, config, dataset.name)
-        return evaluate_clips(dataset, config, run, variants, trajectories.all_seeds, Purpose(command), json, page)
-    trajectories.refuse(dataset.name)
-    sources = _open(dataset, config, folders)
-    notes = (*_notes(config, variants), *(f"{absent} is not on disk" for absent in dataset.absent))
-    shown = None if page is None else RunReport(page, dataset.name, config, variants, dataset.names)
-    with run.open() as session:
-        panels = None if shown is None else shown.panels
-        report = run_evaluation(session, dataset.name, sources, config, variants, Purpose(command, notes), panels)
-        if shown is not None:
-            shown.note_facts(session)
-    if json is not None:
-        write_text(json, report.model_dump_json(indent=2, exclude_none=True) + "\n")
-    tables = score_tables(report.dataset, report.over, {row.variant: row.sequences for row in report.rows})
-    lines = () if shown is None else (shown.write(tables, notes),)
-    return report, session.stages(), notes, lines
+    Files are matched to the frames by their names. Where no file has a frame's name, they are taken in order, one for
+    each frame, or else by their number from 0, and a note says so. Every frame with ground truth needs a mask.
 
+    Examples
+    --------
+    moseg score --dataset davis16 --root DAVIS --predictions results/480p
+    moseg score --dataset davis16 --predictions masks --name mine --json mine.json
+    """
+    from moseg.workflows.api.score import run_score
+    from moseg.workflows.cli.tables import print_report
 
-def _open(dataset, config: PipelineConfig, folders: dict[str, str]):
-    """The sources of a data set's sequences, given cues included."""
-    from moseg.workflows.datasets.given_folders import with_given_folders
-
-    return [with_given_folders(dataset.sequence(name), folders, config.max_side) for name in dataset.names]
-
-
-def _notes(config: PipelineConfig, variants: tuple[Variant, ...]) -> tuple[str, ...]:
-    """What a reader must know to read the figures rightly."""
-    proposals = config.proposal_source
-    if proposals == "detections":
-        chosen = config.detections
-        named = chosen.tagger if chosen.tags is None else f"tags {', '.join(chosen.tags)}"
-        proposals += f" ({named}; grounding-dino; {chosen.masks}; {chosen.tracker})"
-    notes = [f"proposals {proposals}, flow {config.flow.method}, tracks {config.tracks.method}"]
-    if config.depth.method == "none":
-        without = [variant.value for variant in (Variant.FUSED, Variant.OC_DEPTH, Variant.OC) if variant in variants]
-        if without:
-            notes.append(f"no depth given: {', '.join(without)} ran without it (oc-depth with constant inverse depth)")
-    else:
-        notes.append(f"depth {config.depth.method}")
-    return (*notes, *motions_note(config))
+    print_report(run_score(predictions, data.choice(), format, name, json, quiet))

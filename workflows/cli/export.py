@@ -6,7 +6,13 @@ from typing import Annotated
 import typer
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.cli.export_options import EXPORT_FORMATS
+
+EXPORT_FORMATS = "davis, coco, ytvis, colmap, nerfstudio, instant-ngp, dynaslam or npz"
+
+ExportsOption = Annotated[
+    list[str] | None,
+    typer.Option("--export", help=f"Also write for another program: {EXPORT_FORMATS}; may be repeated."),
+]
 
 
 def export(

@@ -1,4 +1,4 @@
-"""Help made readable: docstrings as paragraphs for any width, and their examples below the options."""
+"""Readable help: docstrings as paragraphs for any width, and their examples below the options."""
 
 import inspect
 import re
@@ -8,13 +8,15 @@ import typer
 from rich.markup import escape
 from typer.core import TyperCommand, TyperGroup, TyperOption
 
+from moseg.workflows.cli.named_options import fill_in_choices
+
 _EXAMPLES = re.compile(r"\n*^Examples\n-+\n(.*)\Z", re.MULTILINE | re.DOTALL)
 
 _KIND = re.compile(r"<(?:list\[)?(int|float|str)\b")
 
 
 def with_readable_help(command: Any) -> Any:
-    """A command, or a group with all its commands, as `typer` made it of functions and their docstrings."""
+    """Return a command, or a group with all its commands, of `typer` with its help and that of its options tidied."""
     if isinstance(command, TyperGroup | TyperCommand):
         _tidy(command)
     for inner in getattr(command, "commands", {}).values():
@@ -23,7 +25,7 @@ def with_readable_help(command: Any) -> Any:
 
 
 def examples_of(command: Any) -> list[str]:
-    """Command lines that a command's help shows."""
+    """Return the command lines that a command's help shows."""
     return (command.epilog or "").splitlines()[1:]
 
 
@@ -34,10 +36,12 @@ def _tidy(command: TyperGroup | TyperCommand) -> None:
         text = text[: examples.start()]
         lines = [line.strip() for line in examples[1].splitlines() if line.strip()]
         command.epilog = "\n".join(["[bold]Examples:[/bold]", *map(escape, lines)])
-    # Lines of a docstring are longer than a terminal's: broken again they would be ragged.
+    # The lines of a docstring may be longer than a terminal's: joined, they are broken only once.
     command.help = "\n\n".join(" ".join(paragraph.split()) for paragraph in text.split("\n\n"))
     context = typer.Context(command)
     for parameter in (*command.params, command.get_help_option(context)):
+        if isinstance(parameter, TyperOption):
+            fill_in_choices(parameter)
         if isinstance(parameter, TyperOption) and (parameter.is_flag or parameter.is_eager):
             parameter.metavar = ""
         elif isinstance(parameter, TyperOption) and parameter.metavar is None:

@@ -11,7 +11,7 @@ from typer.models import ParameterInfo
 
 
 def with_option_groups(function: Callable[..., None]) -> Callable[..., None]:
-    """The function with each parameter that is a group of options replaced by the group's options.
+    """Return the function with each parameter that is a group of options replaced by the group's options.
 
     A group's ``PANEL``, if it has one, is the heading of its options in the help.
     """
@@ -39,9 +39,9 @@ def with_option_groups(function: Callable[..., None]) -> Callable[..., None]:
 
 
 def _parameter(field: Field, hint: Any, group: type) -> inspect.Parameter:
-    """The parameter of a group's field, under the group's heading."""
+    """Return the parameter of a group's field, under the group's heading."""
     kind, *metadata = get_args(hint)
-    # Copied, because options that groups share stand elsewhere in other commands.
+    # Copied, because an option that groups share stands under another heading in each.
     options = [copy(each) for each in metadata]
     for option in options:
         if isinstance(option, ParameterInfo) and option.rich_help_panel is None:

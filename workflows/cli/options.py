@@ -1,21 +1,24 @@
-"""Options that several commands share, in groups, and what each group makes of them."""
+"""Options that several commands share, in groups."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import StrEnum
-from typing import Annotated, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import typer
 
 from moseg.schemas.configs import TrajectoryVariant, Variant
 from moseg.schemas.errors import InputError
-from moseg.schemas.spelling import unknown_name
 from moseg.workflows.cli import completion
+from moseg.workflows.cli.named_options import enumerate_names
+
+if TYPE_CHECKING:
+    from moseg.workflows.api.evaluation import DataChoice
+    from moseg.workflows.api.run_settings import RunSettings
 
 DEFAULT_STORE = ".moseg/store"
 
-AnyVariant = TypeVar("AnyVariant", Variant, TrajectoryVariant)
 VariantName = StrEnum("VariantName", {variant.name: variant.value for variant in (*Variant, *TrajectoryVariant)})
-"""Of every kind of data set; `read_variants` says which of them one has."""
+"""Of every kind of data set."""
 
 StoreOption = Annotated[
     str,
@@ -39,12 +42,15 @@ ReportOption = Annotated[
         metavar="FILE",
     ),
 ]
+VariantOption = Annotated[
+    Variant, typer.Option("--variant", help=f"Row of the paper's ablation: {enumerate_names(Variant)}.", metavar="NAME")
+]
 VariantsOption = Annotated[
     list[VariantName] | None,
     typer.Option(
         "--variant",
-        help="Row of the ablation; may be repeated (default: fused). Of frames: fused, oc-depth, oc, trajs, base; of"
-        " labelled trajectories: fused, trajs, homography, affine.",
+        help=f"Row of the ablation; may be repeated (default: fused). Of frames: {', '.join(Variant)}; of labelled"
+        f" trajectories: {', '.join(TrajectoryVariant)}.",
         metavar="NAME",
     ),
 ]
@@ -82,11 +88,11 @@ class DataOptions:
         str | None, typer.Option("--list", help="File naming the sequences, one a line (ytvos-moving).", metavar="FILE")
     ] = None
 
-    def open(self, max_side: int):
-        """The data set; raises InputError where it is not there or has no such sequence."""
-        from moseg.workflows.datasets import open_dataset
+    def choice(self) -> "DataChoice":
+        """Return the sequences that these options choose; raises InputError where none is named."""
+        from moseg.workflows.api.evaluation import DataChoice
 
-        return open_dataset(self.dataset, self.root, sequence_names(self.sequences), self.list_file, max_side=max_side)
+        return DataChoice(self.dataset, self.root, sequence_names(self.sequences), self.list_file)
 
 
 @dataclass(frozen=True)
@@ -140,40 +146,18 @@ class RunOptions:
     non_commercial: NonCommercialOption = False
     quiet: QuietOption = False
 
-    def open(self):
-        """A session, as a context manager."""
-        from moseg.workflows.cluster.connection import TlsFiles
-        from moseg.workflows.engine.session import open_session
+    def settings(self) -> "RunSettings":
+        """Return the settings that these options make."""
+        from moseg.workflows.api.run_settings import RunSettings
 
-        return open_session(
-            self.store,
-            workers=self.workers,
-            scheduler=self.scheduler,
-            tls=TlsFiles(self.tls_ca, self.tls_cert, self.tls_key),
-            quiet=self.quiet,
-            device=self.device,
-            threads=self.threads,
-            batch=self.batch,
-            offline=self.offline,
-            non_commercial=self.non_commercial,
-        )
+        return RunSettings(**asdict(self))
 
 
 def sequence_names(text: str | None) -> tuple[str, ...] | None:
-    """Names out of a list separated by commas."""
+    """Return the names of a list separated by commas; raises InputError on an empty list."""
     if text is None:
         return None
     names = tuple(name.strip() for name in text.split(",") if name.strip())
     if not names:
         raise InputError("no sequence named", where="--sequences", got=repr(text), expected="names separated by commas")
     return names
-
-
-def read_variants(names: list[VariantName] | None, kind: type[AnyVariant], dataset: str) -> tuple[AnyVariant, ...]:
-    """The variants named, each once, ``fused`` where there is none; raises InputError on one that is not of `kind`."""
-    known = [variant.value for variant in kind]
-    for name in names or ():
-        if name not in known:
-            what, expected = f"variant of data set {dataset}", " or ".join(known)
-            raise unknown_name(what, name.value, known, where="--variant", expected=expected)
-    return tuple(kind(name) for name in dict.fromkeys(names or (VariantName.FUSED,)))

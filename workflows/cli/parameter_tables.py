@@ -19,7 +19,7 @@ part of what the text names, 1 being all of it; *ratio* has no unit."""
 
 
 def choose_parameters(name: str | None) -> list[Parameter]:
-    """The parameter of a name, those of a stage and of the stages within it, or all; raises InputError on none."""
+    """Return the parameter of a name, those of a stage and the stages within it, or all; raises InputError on none."""
     found = [
         parameter
         for parameter in list_parameters().values()
@@ -32,7 +32,7 @@ def choose_parameters(name: str | None) -> list[Parameter]:
 
 
 def print_parameters(parameters: Sequence[Parameter]) -> None:
-    """A table for each stage: as wide as the terminal, its last column broken into lines."""
+    """Print a table for each stage: as wide as the terminal, its last column broken into lines."""
     out = console()
     for stage, group in groupby(parameters, key=lambda parameter: parameter.path[:-1]):
         name = ".".join(stage)
@@ -49,7 +49,7 @@ def print_parameters(parameters: Sequence[Parameter]) -> None:
 
 
 def markdown_tables(parameters: Sequence[Parameter]) -> str:
-    """The same as sections of Markdown; of all parameters a whole document."""
+    """Return the tables as sections of Markdown; for all parameters a whole document."""
     lines = [_TITLE, ""] if len(parameters) == len(list_parameters()) else []
     for stage, group in groupby(parameters, key=lambda parameter: parameter.path[:-1]):
         name = ".".join(stage)

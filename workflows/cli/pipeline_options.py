@@ -1,16 +1,14 @@
-"""Options of the pipeline, and the configuration that they and a file of parameters make."""
+"""Options of the pipeline."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 import typer
-from pydantic import ValidationError
 
-from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli import completion
-from moseg.workflows.config.parameter_errors import parameter_error
-from moseg.workflows.config.preset_choice import choose_preset
+from moseg.workflows.cli.named_options import named_option
+from moseg.workflows.config.pipeline_choices import CUES, PARAMETER_OF, Choice, PipelineChoices
 
 
 @dataclass(frozen=True)
@@ -20,41 +18,18 @@ class PipelineOptions:
     PANEL: ClassVar[str] = "Pipeline"
 
     preset: Annotated[
-        str,
-        typer.Option(
-            "--preset",
-            help="Set of backends: weights-free, paper or modern; the other options change single ones.",
-            metavar="NAME",
-            autocompletion=completion.complete_preset,
-        ),
+        str, named_option("--preset", "Set of backends: {choices}; the other options change single ones.")
     ] = "weights-free"
-    quality: Annotated[
-        str,
-        typer.Option(
-            "--quality",
-            help="What accuracy may cost: fast, default or best.",
-            metavar="NAME",
-            autocompletion=completion.complete_quality,
-        ),
-    ] = "default"
+    quality: Annotated[str, named_option("--quality", "What accuracy may cost: {choices}.")] = "default"
     motions: Annotated[
         str | None,
-        typer.Option(
+        named_option(
             "--motions",
-            help="Number of motions, the background's included: gt, auto or N (default: auto).",
+            "Number of motions, the background's included: {choices} or N (default: {default}).",
             metavar="N",
-            autocompletion=completion.complete_motions,
         ),
     ] = None
-    proposals: Annotated[
-        str | None,
-        typer.Option(
-            "--proposals",
-            help="saliency, detections, groundtruth or folder:PATH (default: saliency).",
-            metavar="NAME",
-            autocompletion=completion.complete_proposals,
-        ),
-    ] = None
+    proposals: Annotated[str | None, named_option("--proposals", "{choices} (default: {default}).")] = None
     tags: Annotated[
         str | None,
         typer.Option(
@@ -63,78 +38,16 @@ class PipelineOptions:
             metavar="NAMES",
         ),
     ] = None
-    tagger: Annotated[
-        str | None,
-        typer.Option(
-            "--tagger",
-            help="ram or ram-plus (default: ram).",
-            metavar="NAME",
-            autocompletion=completion.complete_tagger,
-        ),
-    ] = None
-    masks: Annotated[
-        str | None,
-        typer.Option(
-            "--masks",
-            help="Masks of detections: sam-hq or sam2 (default: sam-hq).",
-            metavar="NAME",
-            autocompletion=completion.complete_masks,
-        ),
-    ] = None
+    tagger: Annotated[str | None, named_option("--tagger", "{choices} (default: {default}).")] = None
+    masks: Annotated[str | None, named_option("--masks", "Masks of detections: {choices} (default: {default}).")] = None
     tracker: Annotated[
-        str | None,
-        typer.Option(
-            "--tracker",
-            help="Tracker of detected objects: deaot or sam2 (default: deaot).",
-            metavar="NAME",
-            autocompletion=completion.complete_tracker,
-        ),
+        str | None, named_option("--tracker", "Tracker of detected objects: {choices} (default: {default}).")
     ] = None
-    depth: Annotated[
-        str | None,
-        typer.Option(
-            "--depth",
-            help="none, dpt-dinov2, depth-anything-v2, groundtruth or folder:PATH (default: none).",
-            metavar="NAME",
-            autocompletion=completion.complete_depth,
-        ),
-    ] = None
-    flow: Annotated[
-        str | None,
-        typer.Option(
-            "--flow",
-            help="dis, raft, groundtruth or folder:PATH (default: dis).",
-            metavar="NAME",
-            autocompletion=completion.complete_flow,
-        ),
-    ] = None
-    tracks: Annotated[
-        str | None,
-        typer.Option(
-            "--tracks",
-            help="lucas-kanade, pips, groundtruth or folder:PATH (default: lucas-kanade).",
-            metavar="NAME",
-            autocompletion=completion.complete_tracks,
-        ),
-    ] = None
-    affinity: Annotated[
-        str | None,
-        typer.Option(
-            "--affinity",
-            help="residual, ork, hypotheses or combined (default: residual).",
-            metavar="NAME",
-            autocompletion=completion.complete_affinity,
-        ),
-    ] = None
-    geometry: Annotated[
-        str,
-        typer.Option(
-            "--geometry",
-            help="Fits, affinity and clustering: default or paper.",
-            metavar="NAME",
-            autocompletion=completion.complete_geometry,
-        ),
-    ] = "default"
+    depth: Annotated[str | None, named_option("--depth", "{choices} (default: {default}).")] = None
+    flow: Annotated[str | None, named_option("--flow", "{choices} (default: {default}).")] = None
+    tracks: Annotated[str | None, named_option("--tracks", "{choices} (default: {default}).")] = None
+    affinity: Annotated[str | None, named_option("--affinity", "{choices} (default: {default}).")] = None
+    geometry: Annotated[str, named_option("--geometry", "Fits, affinity and clustering: {choices}.")] = "default"
     section_length: Annotated[
         int | None, typer.Option("--section-length", help="Frames of a section (l of the paper).", metavar="N")
     ] = None
@@ -156,67 +69,27 @@ class PipelineOptions:
         ),
     ] = None
 
-    def read(self) -> tuple[PipelineConfig, dict[str, str]]:
-        """The configuration, and the folders of cues given by `folder:PATH`, by cue; raises InputError."""
+    def choices(self) -> PipelineChoices:
+        """Return the choices that these options make; raises InputError where one is not spelt correctly."""
         folders: dict[str, str] = {}
-        values = choose_preset(self.preset, self.geometry, self.quality)
-        if self.config_file is not None:
-            values = _merge(values, self.read_file())
-        chosen = {
-            "clustering.motions": self.motions,
-            "proposal_source": _folder_choice("proposals", self.proposals, folders),
-            "detections.tags": self.tags,
-            "detections.tagger": self.tagger,
-            "detections.masks": self.masks,
-            "detections.tracker": self.tracker,
-            "depth.method": _folder_choice("depth", self.depth, folders),
-            "flow.method": _folder_choice("flow", self.flow, folders),
-            "tracks.method": _folder_choice("tracks", self.tracks, folders),
-            "affinity.method": self.affinity,
-            "sections.length": self.section_length,
+        values = {f"--{cue}": _read_cue(cue, getattr(self, cue), folders) for cue in CUES} | {
+            "--motions": self.motions,
+            "--tags": self.tags,
+            "--tagger": self.tagger,
+            "--masks": self.masks,
+            "--tracker": self.tracker,
+            "--affinity": self.affinity,
+            "--section-length": self.section_length,
         }
-        for name, value in chosen.items():
-            if value is not None:
-                _assign(values, name, value)
-        for setting in self.settings or []:
-            name, equals, value = setting.partition("=")
-            if not equals:
-                raise InputError("not a setting", where="--set", got=setting, expected="stage.name=value")
-            _assign(values, name.strip(), value.strip())
-        try:
-            config = PipelineConfig.model_validate(values)
-        except ValidationError as error:
-            raise parameter_error(error) from error
-        sources = {
-            "proposals": config.proposal_source,
-            "depth": config.depth.method,
-            "flow": config.flow.method,
-            "tracks": config.tracks.method,
-        }
-        for cue, source in sources.items():
-            # By --set alone: what the data set gives must not stand in for the user's folder.
-            if (source == "folder") != (cue in folders):
-                where, got = f"--{cue}", f"{source} by --set or --config"
-                raise InputError("a folder and its use disagree", where=where, got=got, expected=f"--{cue} folder:PATH")
-        if config.proposal_source != "detections":
-            options = {"--tags": self.tags, "--tagger": self.tagger, "--masks": self.masks, "--tracker": self.tracker}
-            for option, value in options.items():
-                if value is not None:
-                    expected = "--proposals detections, or a preset that has it"
-                    got = f"proposals {config.proposal_source}"
-                    raise InputError("an option of detections", where=option, got=got, expected=expected)
-        elif self.tags is not None and self.tagger is not None:
-            raise InputError("nothing to tag", where="--tagger", got=f"--tags {self.tags}", expected="one of the two")
-        return config, folders
-
-    def read_file(self) -> dict[str, Any]:
-        """Parameters of the configuration file, nested by stage; none where there is no file. Raises InputError."""
-        from moseg.workflows.config.config_files import read_config_file
-
-        return {} if self.config_file is None else read_config_file(self.config_file)
+        given = {option: value for option, value in values.items() if value is not None}
+        chosen = tuple(Choice(option, PARAMETER_OF[option], value) for option, value in given.items())
+        settings = tuple(map(_read_setting, self.settings or ()))
+        names = (self.preset, self.quality, self.geometry)
+        return PipelineChoices(self.config_file, *names, chosen, settings, folders)
 
 
-def _folder_choice(cue: str, text: str | None, folders: dict[str, str]) -> str | None:
+def _read_cue(cue: str, text: str | None, folders: dict[str, str]) -> str | None:
+    """Return the source of a cue, and put the path of ``folder:PATH`` into `folders`."""
     if text is None or not text.startswith("folder"):
         return text
     _, _, path = text.partition(":")
@@ -226,19 +99,8 @@ def _folder_choice(cue: str, text: str | None, folders: dict[str, str]) -> str |
     return "folder"
 
 
-def _merge(values: dict[str, Any], more: dict[str, Any]) -> dict[str, Any]:
-    """The values with those of `more` in place of the same ones, stage by stage."""
-    merged = dict(values)
-    for name, value in more.items():
-        inner = merged.get(name)
-        merged[name] = _merge(inner, value) if isinstance(inner, dict) and isinstance(value, dict) else value
-    return merged
-
-
-def _assign(values: dict[str, Any], dotted: str, value: Any) -> None:
-    *parents, name = dotted.split(".")
-    for parent in parents:
-        values = values.setdefault(parent, {})
-        if not isinstance(values, dict):
-            raise InputError("not a setting", where="--set", got=dotted, expected="stage.name=value")
-    values[name] = value
+def _read_setting(text: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise InputError("not a setting", where="--set", got=text, expected="stage.name=value")
+    return name.strip(), value.strip()

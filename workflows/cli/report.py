@@ -26,7 +26,7 @@ def report(
     quiet: QuietOption = False,
     store: StoreOption = DEFAULT_STORE,
 ) -> None:
-    """One self-contained page about a run: overlays, motion cues, matrices, scores and times. Nothing is computed.
+    """Write one self-contained page about a run: overlays, motion cues, matrices, scores, times. Nothing is computed.
 
     Examples
     --------

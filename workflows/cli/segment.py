@@ -1,19 +1,85 @@
 """`moseg segment`."""
 
-from pathlib import Path
-from typing import Annotated
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import typer
 
 from moseg.schemas.configs import Variant
 from moseg.schemas.errors import InputError
-from moseg.workflows.cli.export_options import ExportsOption
+from moseg.workflows.cli.export import ExportsOption
 from moseg.workflows.cli.option_groups import with_option_groups
-from moseg.workflows.cli.options import ReportOption, RunOptions
-from moseg.workflows.cli.overlay_options import OverlayOptions
+from moseg.workflows.cli.options import ReportOption, RunOptions, VariantOption
 from moseg.workflows.cli.pipeline_options import PipelineOptions
-from moseg.workflows.config.notes import motions_note
-from moseg.workflows.sources.frames import MAX_FPS, MIN_FPS, check_fps, choose_fps
+from moseg.workflows.config.frame_rate import MAX_FPS, MIN_FPS, check_fps
+
+if TYPE_CHECKING:
+    from moseg.workflows.exports import OverlayStyle
+
+
+@dataclass(frozen=True)
+class OverlayOptions:
+    """How ``overlay.mp4`` is drawn."""
+
+    PANEL: ClassVar[str] = "Overlay video"
+
+    overlay: Annotated[
+        Literal["outline", "fill", "contour", "mask", "cutout", "none"],
+        typer.Option(
+            "--overlay",
+            help="Overlay: tint and outline, tint alone (fill), line alone (contour), colours on black (mask), all else"
+            " in dim grey (cutout), or no video (none).",
+            metavar="NAME",
+        ),
+    ] = "outline"
+    opacity: Annotated[
+        float | None,
+        typer.Option("--opacity", min=0, max=1, help="Strength of the tint, 0 to 1 (default: 0.45)."),
+    ] = None
+    outline_width: Annotated[
+        int | None, typer.Option("--outline-width", min=1, max=64, help="Width of the outline, px (default: 2).")
+    ] = None
+    side_by_side: Annotated[
+        bool, typer.Option("--side-by-side", help="The untouched frame at the left, the overlay at the right.")
+    ] = False
+    identities: Annotated[bool, typer.Option("--identities", help="The number of each object on it.")] = False
+    overlay_size: Annotated[
+        Literal["analysed", "video"],
+        typer.Option(
+            "--overlay-size",
+            help="Size of the overlay: that of the frames as analysed, or the video's own.",
+            metavar="NAME",
+        ),
+    ] = "analysed"
+
+    def read(self) -> "OverlayStyle | None":
+        """Return the style, None for no overlay; raises InputError on an option that has no effect on the overlay."""
+        from moseg.workflows.exports import OverlayMode, OverlayStyle
+        from moseg.workflows.exports.overlay_style import LINED, TINTED
+
+        mode = None if self.overlay == "none" else OverlayMode(self.overlay)
+        given = (
+            ("--opacity", self.opacity is not None, TINTED),
+            ("--outline-width", self.outline_width is not None, LINED),
+            ("--side-by-side", self.side_by_side, OverlayMode),
+            ("--identities", self.identities, OverlayMode),
+            ("--overlay-size", self.overlay_size == "video", OverlayMode),
+        )
+        for option, is_given, modes in given:
+            if is_given and mode not in (*modes,):
+                expected = f"--overlay {' or '.join(modes)}"
+                raise InputError(
+                    "an option without effect", where=option, got=f"--overlay {self.overlay}", expected=expected
+                )
+        if mode is None:
+            return None
+        chosen = {"opacity": self.opacity, "outline_width": self.outline_width}
+        return OverlayStyle(
+            mode=mode,
+            is_side_by_side=self.side_by_side,
+            has_identities=self.identities,
+            **{name: value for name, value in chosen.items() if value is not None},
+        )
 
 
 @with_option_groups
@@ -25,12 +91,7 @@ def segment(
     out: Annotated[
         str, typer.Option("--out", help="Folder for masks/, overlay.mp4 and motion.json.", metavar="FOLDER")
     ] = "out",
-    variant: Annotated[
-        Variant,
-        typer.Option(
-            "--variant", help="Row of the paper's ablation: fused, oc-depth, oc, trajs or base.", metavar="NAME"
-        ),
-    ] = Variant.FUSED,
+    variant: VariantOption = Variant.FUSED,
     fps: Annotated[
         float | None,
         typer.Option(
@@ -43,7 +104,7 @@ def segment(
     exports: ExportsOption = None,
     page: ReportOption = None,
 ) -> None:
-    """Masks of what moves on its own in your video: OUT/masks/*.png, OUT/overlay.mp4, OUT/motion.json.
+    """Write masks of what moves on its own in your video: OUT/masks/*.png, OUT/overlay.mp4, OUT/motion.json.
 
     Examples
     --------
@@ -52,61 +113,30 @@ def segment(
     moseg segment holiday.mp4 --preset paper --device cuda
     moseg segment holiday.mp4 --overlay cutout --side-by-side --export coco
     """
-    from moseg.workflows.datasets import SequenceSource
-    from moseg.workflows.datasets.given_folders import with_given_folders
-    from moseg.workflows.exports.formats import check_exports, choose_formats
-    from moseg.workflows.exports.formats import export as export_saved
+    from moseg.workflows.api.segmentation import Outputs, open_source, run_segmentation
     from moseg.workflows.exports.motion_json import frame_names
-    from moseg.workflows.exports.outputs import MASKS, MOTION, OVERLAY, check_outputs, mask_name
-    from moseg.workflows.exports.saved_segmentation import open_segmentation
-    from moseg.workflows.pipelines.purpose import Purpose
-    from moseg.workflows.pipelines.segment import segment as run_segmentation
-    from moseg.workflows.pipelines.write_segmentation import write_segmentation
-    from moseg.workflows.reports.run_report import RunReport
-    from moseg.workflows.runlog.events import as_unicode
-    from moseg.workflows.sources import open_frames
 
-    if not video.strip():
-        raise InputError("no video named", got=repr(video), expected="a video file, or a folder of frames")
-    if pipeline.motions == "gt":
-        raise InputError("no ground truth of your own video", where="--motions", got="gt", expected="auto or a number")
     if fps is not None:
         check_fps(fps, "--fps")
     style = drawing.read()
-    check_outputs(out, video, style is not None)
-    config, folders = pipeline.read()
-    frames = open_frames(video, config.max_side)
-    given_names = frame_names(frames)
-    formats = choose_formats(exports or (), frames=given_names)
-    source = with_given_folders(SequenceSource(Path(video).resolve().stem, frames), folders, config.max_side)
-    if formats:
-        names = given_names or tuple(mask_name(index) for index in range(frames.num_frames()))
-        check_exports(formats, Path(out), as_unicode(source.name), names)
-    shown = None if page is None else RunReport(page, source.name, config, [variant], [source.name])
-    rate = choose_fps(fps, frames.describe().fps)
-    panels = None if shown is None else shown.panels
-    with run.open() as session:
+    with open_source(video, pipeline.choices()) as (source, config):
+        frames, has_full_size = source.frames, drawing.overlay_size == "video"
+        outputs = Outputs(
+            out, video, style, source.name, frame_names(frames), frames.num_frames, has_full_size, exports or ()
+        )
 
-        def export(result):
-            full = drawing.full_frames(frames)
-            summary = write_segmentation(Path(out), session.store, result, rate, style, full, given_names, run.quiet)
-            return result, summary
+        def write(store, stored, rate):
+            return outputs.write(store, stored, rate, run.quiet)
 
-        purpose = Purpose("segment", motions_note(config), rate)
-        result, summary = run_segmentation(session, source, config, variant, export, purpose, panels)
-        if shown is not None:
-            shown.note_facts(session)
-    exported = export_saved(open_segmentation(Path(out)), formats, Path(out)) if formats else ()
-    count = len(summary.objects)
-    objects = f"{count} moving object{'' if count == 1 else 's'}"
-    use = session.use()
-    outputs = (MASKS, MOTION) if style is None else (MASKS, OVERLAY, MOTION)
-    written = ", ".join((*(f"{out}/{name}" for name in outputs), *map(str, exported)))
+        done = run_segmentation(source, config, variant, run.settings(), write, fps, page)
+    exported = outputs.export()
+    count = len(done.value.objects)
+    written = ", ".join((*(f"{out}/{path.name}" for path in outputs.paths), *map(str, exported)))
     print(
-        f"{objects} in {result.num_frames} frames: {written}"
-        f" ({use.computed} artifacts computed, {use.reused} reused, {session.seconds:.1f} s)"
+        f"{count} moving object{'' if count == 1 else 's'} in {done.value.num_frames} frames: {written}"
+        f" ({done.use.computed} artifacts computed, {done.use.reused} reused, {done.seconds:.1f} s)"
     )
-    for note in motions_note(config):
+    for note in done.notes:
         print(f"note: {note}")
-    if shown is not None:
-        print(shown.write((), motions_note(config)))
+    if done.page is not None:
+        print(done.page)

@@ -30,7 +30,7 @@ def status(
     json: JsonOption = None,
     store: StoreOption = DEFAULT_STORE,
 ) -> None:
-    """How a run goes: progress by stage, what is in flight, what failed. Works while it runs and after.
+    """Show the progress of a run by stage, what is in flight and what failed, while it runs and after.
 
     Examples
     --------

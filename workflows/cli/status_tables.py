@@ -29,7 +29,7 @@ KEY_DIGITS = 10
 
 
 def status_view(status: RunStatus) -> RenderableType:
-    """A run's head, its stages, and what is worth a look."""
+    """Return the head of a run, its stages and its problems."""
     parts: list[RenderableType] = [*_head(status)]
     if status.stages:
         parts.append(_stage_table(status.stages))
@@ -49,7 +49,7 @@ def status_view(status: RunStatus) -> RenderableType:
 
 
 def runs_view(runs: Sequence[RunStatus]) -> RenderableType:
-    """Two lines a run, which also a narrow terminal holds: how it stands, and when and by which command it began."""
+    """Return two lines a run, which fit a narrow terminal: its state, and when and by which command it began."""
     width = max(len(run.run_id) for run in runs)
     lines = [Text(f"{'run':<{width}}  {'state':<11}  {'done':>13}  {'failed':>6}  last event", style="bold")]
     for run in runs:
@@ -80,7 +80,7 @@ def _head(status: RunStatus) -> Iterator[Text]:
 
 
 def _stage_table(stages: Sequence[StageStatus]) -> Table:
-    """Stages as rows; of the counts those columns in which there is any."""
+    """Return stages as rows; a column of counts is shown where one of them is not 0."""
     columns = {
         "done": [f"{stage.done}/{stage.planned}" if stage.planned else "" for stage in stages],
         "reused": [_count(stage.hits) for stage in stages],

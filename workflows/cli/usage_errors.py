@@ -1,4 +1,4 @@
-"""What is wrong with a command line, in one line that says how to go on."""
+"""Errors in the use of the command line, as one line that says how to go on."""
 
 import re
 from typing import Any
@@ -12,7 +12,7 @@ _NOT_ONE_OF = re.compile(r"'([^']*)' is not one of (.*)$")
 
 
 def describe_usage_error(error: Any) -> str:
-    """The line for a `typer` error about the words of a command line."""
+    """Return the line for an error that `typer` found in a command line."""
     # The formatted message names the option; the plain one only says what is wrong with its value.
     message = " ".join(error.format_message().split()).rstrip(".").replace("Value error, ", "")
     message = message.replace("Input should be ", "expected ").partition(", unable to parse")[0]
@@ -29,7 +29,7 @@ def describe_usage_error(error: Any) -> str:
     if choice is not None:
         message += _did_you_mean(choice[1], re.findall(r"'([^']*)'", choice[2]))
     path = context.command_path if context else "moseg"
-    return f"{message[0].lower()}{message[1:]} ({path} --help tells more)"
+    return f"{message[0].lower()}{message[1:]} (see {path} --help)"
 
 
 def _about_commands(message: str, group: TyperGroup) -> str:

@@ -8,8 +8,9 @@ import typer
 
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli import completion
+from moseg.workflows.cli.named_options import named_option
 from moseg.workflows.cli.options import NonCommercialOption, QuietOption
-from moseg.workflows.config.preset_choice import choose_preset
+from moseg.workflows.config.pipeline_choices import choose_preset
 from moseg.workflows.process.progress import PATIENCE_SEC, StageProgress
 
 weights_app = typer.Typer(
@@ -36,12 +37,7 @@ def fetch(
     ] = None,
     preset: Annotated[
         str | None,
-        typer.Option(
-            "--preset",
-            help="Every item that this preset uses.",
-            metavar="NAME",
-            autocompletion=completion.complete_preset,
-        ),
+        named_option("--preset", "Every item that this preset uses."),
     ] = None,
     non_commercial: NonCommercialOption = False,
     again: Annotated[

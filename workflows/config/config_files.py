@@ -22,15 +22,15 @@ WIDTH = 100
 
 
 def read_config_file(path: str | Path) -> dict[str, Any]:
-    """Parameters of a YAML file, nested by stage, for `PipelineConfig.model_validate`; any subset of them all.
+    """Return the parameters of a YAML file, nested by stage, for `PipelineConfig.model_validate`; any subset of all.
 
-    Each has been checked, and is what the file spells: a text, ``None``, or a list of texts, of which pydantic makes
-    the parameter's own type as it does of ``--set``. So ``1e-3`` is a number and ``no`` can be a name.
+    Each has been checked, and is as the file spells it: a text, ``None``, or a list of texts, which pydantic converts
+    to the parameter's own type as it does for ``--set``. So ``1e-3`` is a number and ``no`` can be a name.
 
     Raises
     ------
     InputError
-        Not a file of UTF-8, not YAML or no mapping; a name twice; an unknown parameter or a value that it cannot take.
+        Not UTF-8, not YAML or not a mapping; a name twice; an unknown parameter or a value that it cannot take.
     MissingInputError
         There is no such file.
     """
@@ -53,13 +53,13 @@ def read_config_file(path: str | Path) -> dict[str, Any]:
 
 
 def write_config(config: PipelineConfig, *, changed_only: bool = False) -> str:
-    """A configuration as YAML that `read_config_file` reads back: each parameter with what it means above it.
+    """Return a configuration as YAML that `read_config_file` reads back: each parameter with what it means above it.
 
     Parameters
     ----------
     config : PipelineConfig
     changed_only : bool
-        Leave out what is as it is by default.
+        Leave out parameters that have their default.
     """
     chosen = [
         parameter
@@ -70,7 +70,7 @@ def write_config(config: PipelineConfig, *, changed_only: bool = False) -> str:
 
 
 def spell_value(value: Any) -> str:
-    """A parameter's value in YAML, on one line."""
+    """Return a parameter's value in YAML, on one line."""
     plain = list(value) if isinstance(value, tuple) else value
     text = yaml.safe_dump(plain, default_flow_style=True, allow_unicode=True, width=float("inf"))
     return text.removesuffix("\n...\n").rstrip("\n")
@@ -101,7 +101,7 @@ def _lines(config: PipelineConfig, parameters: list[Parameter]) -> Iterator[str]
 
 
 def _order(path: tuple[str, ...]) -> list[tuple[bool, int]]:
-    """Sorts the parameters of a stage, in the order of the model, before the stages within it."""
+    """Return a key that sorts the parameters of a stage, in the order of the model, before the stages within it."""
     order, model = [], PipelineConfig
     for name in path:
         inner = stage_model(model.model_fields[name])
@@ -125,7 +125,7 @@ class _Loader(yaml.SafeLoader):
 
     def compose_node(self, parent, index):
         event = self.peek_event()
-        # Anchors that repeat each other make gigabytes of a few lines.
+        # Nested aliases expand a few lines to gigabytes.
         if isinstance(event, yaml.AliasEvent):
             raise yaml.composer.ComposerError(None, None, "an alias (*), which is not read", event.start_mark)
         self._depth += 1
@@ -149,7 +149,7 @@ class _Loader(yaml.SafeLoader):
         return super().construct_mapping(node, deep=deep)
 
     def construct_text(self, node: yaml.ScalarNode) -> str | None:
-        """The scalar's text; None for nothing at all and for a plain null."""
+        """Return the scalar's text; None for an empty value and for a plain null."""
         return None if node.style is None and node.value in ("", "~", "null", "Null", "NULL") else node.value
 
 
@@ -183,7 +183,7 @@ def _not_yaml(error: yaml.YAMLError, path: str | Path) -> InputError:
 
 
 def _without_empty_stages(values: dict[str, Any], model: type[BaseModel]) -> dict[str, Any]:
-    """The values without stages below which all is commented out."""
+    """Return the values without stages in which every parameter is commented out."""
     kept = {}
     for name, value in values.items():
         field = model.model_fields.get(name)

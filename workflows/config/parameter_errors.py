@@ -1,4 +1,4 @@
-"""What is wrong with a configuration, as one line in terms of its parameters."""
+"""Errors in a configuration, as one line in terms of its parameters."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from moseg.workflows.config.parameters import list_parameters, list_stages, stag
 
 
 def parameter_error(error: ValidationError, where: object = None) -> InputError:
-    """The error for the first parameter that is wrong; `where` is the file it stands in.
+    """Return the error for the first parameter that is wrong; `where` is the file that holds it.
 
     A parameter of several types has an error for each.
     """
@@ -36,7 +36,7 @@ def parameter_error(error: ValidationError, where: object = None) -> InputError:
 
 
 def unknown_parameter(name: str, where: object = None) -> InputError:
-    """The error for a ``stage.name``, or a stage, that does not exist."""
+    """Return the error for a ``stage.name``, or a stage, that does not exist."""
     stage, dot, last = name.rpartition(".")
     parameters, stages = list_parameters(), list_stages()
     # Without its stage, or under another one: the name itself is right.
@@ -54,7 +54,7 @@ def unknown_parameter(name: str, where: object = None) -> InputError:
 
 
 def _parameter(error: Any) -> str:
-    """``stage.name`` of the parameter; what pydantic puts behind it says which of its types was tried."""
+    """Return ``stage.name`` of the parameter; pydantic appends which of its types it tried."""
     names, model = [], PipelineConfig
     for part in error["loc"]:
         names.append(str(part))

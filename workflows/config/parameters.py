@@ -29,7 +29,7 @@ class Parameter:
     kind : type
         Annotation of its field.
     unit : Unit or None
-        None where it is no number.
+        None where it is not a number.
     description : str
         Without the unit.
     """
@@ -58,18 +58,18 @@ class Parameter:
 
 @cache
 def list_parameters() -> Mapping[str, Parameter]:
-    """Every parameter of the pipeline by ``stage.name``, in the order of the stages."""
+    """Return every parameter of the pipeline by ``stage.name``, in the order of the stages."""
     return {parameter.name: parameter for parameter in _walk(PipelineConfig, ())}
 
 
 @cache
 def list_stages() -> Mapping[str, str]:
-    """What the parameters of every stage are about; a stage within a stage as ``clustering.count``."""
+    """Return what the parameters of every stage are about; a stage within a stage as ``clustering.count``."""
     return dict(_walk_stages(PipelineConfig, ()))
 
 
 def value_of(config: PipelineConfig, parameter: Parameter) -> Any:
-    """A parameter's value."""
+    """Return a parameter's value."""
     value: Any = config
     for name in parameter.path:
         value = getattr(value, name)
@@ -77,7 +77,7 @@ def value_of(config: PipelineConfig, parameter: Parameter) -> Any:
 
 
 def stage_model(field: FieldInfo) -> type[BaseModel] | None:
-    """The model of a field that holds parameters of its own; None where the field is a parameter."""
+    """Return the model of a field that holds parameters of its own; None where the field is a parameter."""
     kind = field.annotation
     return kind if isinstance(kind, type) and issubclass(kind, BaseModel) else None
 

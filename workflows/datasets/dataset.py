@@ -2,24 +2,26 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.scores import GroundTruth
 from moseg.schemas.spelling import unknown_name
-from moseg.workflows.sources import (
-    DepthFiles,
-    FlowFiles,
-    FrameSource,
-    LabelledPointFile,
-    MaskSource,
-    SceneDepth,
-    SceneFlow,
-    SceneTracks,
-    TrackFile,
-    TrajectoryFile,
-    TrajectoryLabels,
-)
+
+if TYPE_CHECKING:
+    from moseg.workflows.sources import (
+        DepthFiles,
+        FlowFiles,
+        FrameSource,
+        LabelledPointFile,
+        MaskSource,
+        SceneDepth,
+        SceneFlow,
+        SceneTracks,
+        TrackFile,
+        TrajectoryFile,
+        TrajectoryLabels,
+    )
 
 
 class SequenceSource(NamedTuple):
@@ -46,25 +48,25 @@ class SequenceSource(NamedTuple):
     """
 
     name: str
-    frames: FrameSource
-    annotations: MaskSource | None = None
+    frames: "FrameSource"
+    annotations: "MaskSource | None" = None
     void: int | None = None
     num_motions: int | None = None
-    labelled_points: LabelledPointFile | None = None
-    objects: MaskSource | None = None
+    labelled_points: "LabelledPointFile | None" = None
+    objects: "MaskSource | None" = None
     objects_void: int | None = None
-    depth: SceneDepth | DepthFiles | None = None
-    flow_forward: SceneFlow | FlowFiles | None = None
-    flow_backward: SceneFlow | FlowFiles | None = None
-    tracks: SceneTracks | TrackFile | None = None
+    depth: "SceneDepth | DepthFiles | None" = None
+    flow_forward: "SceneFlow | FlowFiles | None" = None
+    flow_backward: "SceneFlow | FlowFiles | None" = None
+    tracks: "SceneTracks | TrackFile | None" = None
 
 
 class TrajectorySource(NamedTuple):
     """Sources of a clip without images: its trajectories and their labels."""
 
     name: str
-    trajectories: TrajectoryFile
-    labels: TrajectoryLabels
+    trajectories: "TrajectoryFile"
+    labels: "TrajectoryLabels"
 
 
 class DatasetLayout(Protocol):

@@ -4,9 +4,9 @@ import os
 from dataclasses import dataclass
 
 from moseg.schemas.errors import MissingInputError
+from moseg.workflows import sources
 from moseg.workflows.datasets.dataset import SequenceSource
 from moseg.workflows.datasets.sequence_folders import find_frames, holds_images, list_sequences
-from moseg.workflows.sources import open_frames, open_masks
 
 FRAME_FOLDERS = ("frames",)
 
@@ -40,11 +40,11 @@ class FolderOfSequences:
         """Return the sources of one sequence; without masks it can be segmented but not scored."""
         single = _single_frames(root)
         folder = root if single else os.path.join(root, name)
-        frames = open_frames(single or find_frames(folder, FRAME_FOLDERS), max_side)
+        frames = sources.open_frames(single or find_frames(folder, FRAME_FOLDERS), max_side)
         masks = os.path.join(folder, "masks")
         if not os.path.isdir(masks):
             return SequenceSource(name, frames)
-        annotations = open_masks(masks, frames)
+        annotations = sources.open_masks(masks, frames)
         return SequenceSource(name, frames, annotations, 255 if annotations.kind == "instance" else None)
 
 

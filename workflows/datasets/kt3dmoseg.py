@@ -8,9 +8,9 @@ import os
 from dataclasses import dataclass
 
 from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows import sources
 from moseg.workflows.datasets.dataset import SequenceSource, TrajectorySource
 from moseg.workflows.datasets.sequence_folders import annotated_sequence, find_frames, holds_images, list_sequences
-from moseg.workflows.sources import LabelledPointFile, TrajectoryFile, TrajectoryLabels, open_frames
 from moseg.workflows.sources.files import natural_key, unreadable
 
 FRAME_FOLDERS = ("images", "image_02/data", "image_02", "frames")
@@ -69,8 +69,8 @@ class Kt3dInsMoSeg:
         if tracks is None:
             expected = f"masks in {masks}, or labelled trajectories in {os.path.join(clip, name + TRACKS_SUFFIX)}"
             raise MissingInputError(f"sequence {name} has no annotations", expected=expected)
-        frames = open_frames(folder, max_side)
-        points = LabelledPointFile(tracks, frames.num_frames(), frames.describe().size)
+        frames = sources.open_frames(folder, max_side)
+        points = sources.LabelledPointFile(tracks, frames.num_frames(), frames.describe().size)
         return SequenceSource(name, frames, labelled_points=points)
 
 
@@ -129,7 +129,7 @@ class Kt3dMoSeg:
     def open_trajectories(self, root: str, name: str) -> TrajectorySource:
         """Return the sources of one clip."""
         path = os.path.join(root, name + TRACKS_SUFFIX)
-        return TrajectorySource(name, TrajectoryFile(path), TrajectoryLabels(path))
+        return TrajectorySource(name, sources.TrajectoryFile(path), sources.TrajectoryLabels(path))
 
 
 KT3DINSMOSEG = Kt3dInsMoSeg()

@@ -1,13 +1,15 @@
 """Folders of sequences: their frames, and sequences with annotations in another folder."""
 
 import os
+from typing import TYPE_CHECKING
 
 from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows import sources
 from moseg.workflows.datasets.dataset import SequenceSource
-from moseg.workflows.sources import MaskKind, open_frames, open_masks
-from moseg.workflows.sources.files import natural_key, unreadable
-from moseg.workflows.sources.image_files import IMAGE_SUFFIXES
-from moseg.workflows.sources.mask_files import find_mask_kind
+from moseg.workflows.sources.files import IMAGE_SUFFIXES, natural_key, unreadable
+
+if TYPE_CHECKING:
+    from moseg.workflows.sources import MaskKind
 
 
 def list_sequences(root: str, subfolders: tuple[str, ...]) -> tuple[str, ...]:
@@ -41,7 +43,7 @@ def holds_images(folder: str) -> bool:
 
 
 def annotated_sequence(
-    name: str, frames_folder: str, masks_folder: str, kind: MaskKind, void: int | None, max_side: int
+    name: str, frames_folder: str, masks_folder: str, kind: "MaskKind", void: int | None, max_side: int
 ) -> SequenceSource:
     """Open a sequence of a benchmark.
 
@@ -54,9 +56,9 @@ def annotated_sequence(
     """
     if not os.path.isdir(masks_folder):
         raise MissingInputError(f"sequence {name} has no annotations", expected=masks_folder)
-    frames = open_frames(frames_folder, max_side)
-    annotations = open_masks(masks_folder, frames, kind)
-    if void is not None and find_mask_kind(tuple(path for _, path in annotations.items)) == "binary":
+    frames = sources.open_frames(frames_folder, max_side)
+    annotations = sources.open_masks(masks_folder, frames, kind)
+    if void is not None and sources.find_mask_kind(tuple(path for _, path in annotations.items)) == "binary":
         expected = "a label for each object"
         raise InputError("masks without object ids", where=masks_folder, got="only 0 and 255", expected=expected)
     return SequenceSource(name, frames, annotations, void)

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 from moseg.tasks.synthetic import SCENES
+from moseg.workflows import sources
 from moseg.workflows.datasets.dataset import SequenceSource
-from moseg.workflows.sources import SceneDepth, SceneFlow, SceneFrames, SceneMasks, SceneTracks
-from moseg.workflows.sources.scenes import find_scene
 
 
 @dataclass(frozen=True)
@@ -28,14 +27,14 @@ class RenderedScenes:
         """Return the sources of one scene."""
         return SequenceSource(
             name,
-            frames=SceneFrames(name),
-            annotations=SceneMasks(name, "moving"),
-            num_motions=find_scene(name).num_motions,
-            objects=SceneMasks(name, "objects"),
-            depth=SceneDepth(name),
-            flow_forward=SceneFlow(name, "forward"),
-            flow_backward=SceneFlow(name, "backward"),
-            tracks=SceneTracks(name),
+            frames=sources.SceneFrames(name),
+            annotations=sources.SceneMasks(name, "moving"),
+            num_motions=sources.find_scene(name).num_motions,
+            objects=sources.SceneMasks(name, "objects"),
+            depth=sources.SceneDepth(name),
+            flow_forward=sources.SceneFlow(name, "forward"),
+            flow_backward=sources.SceneFlow(name, "backward"),
+            tracks=sources.SceneTracks(name),
         )
 
 

@@ -2,11 +2,14 @@
 
 import os
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from moseg.schemas.errors import MissingInputError
 from moseg.workflows.datasets.dataset import SequenceSource
 from moseg.workflows.datasets.sequence_folders import annotated_sequence, list_sequences
-from moseg.workflows.sources import MaskKind
+
+if TYPE_CHECKING:
+    from moseg.workflows.sources import MaskKind
 
 
 @dataclass(frozen=True)
@@ -16,7 +19,7 @@ class TwoTrees:
     name: str
     frames: str
     masks: str
-    kind: MaskKind
+    kind: "MaskKind"
     void: int | None
     official: tuple[str, ...] | None
     list_name: str | None

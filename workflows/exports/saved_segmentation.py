@@ -9,8 +9,7 @@ import numpy as np
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.exports.motion_json import SequenceSummary, check_file_name, read_motion
 from moseg.workflows.exports.outputs import MASKS, MOTION, mask_name
-from moseg.workflows.sources.files import list_files, read_bytes
-from moseg.workflows.sources.image_files import IMAGE_SUFFIXES
+from moseg.workflows.sources.files import IMAGE_SUFFIXES, list_files, read_bytes
 from moseg.workflows.sources.mask_files import decode_mask
 from moseg.workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
 

@@ -12,11 +12,11 @@ import numpy as np
 from av.video.reformatter import ColorRange, Colorspace
 
 from moseg.schemas.errors import InputError
+from moseg.workflows.config.frame_rate import MAX_FPS
 from moseg.workflows.exports.draw_overlay import draw_overlay
 from moseg.workflows.exports.overlay_style import DEFAULT_STYLE, OverlayStyle
 from moseg.workflows.exports.ownership import MARK
 from moseg.workflows.process.atomic_write import atomic_path, blame_output
-from moseg.workflows.sources.frames import MAX_FPS
 from moseg.workflows.sources.resize import resize_labels, shrink_to, working_size
 
 _ENCODER = "libx264"

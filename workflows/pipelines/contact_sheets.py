@@ -85,7 +85,7 @@ def _write_sheets(
     folder: Path,
     num_frames: int,
 ) -> tuple[Path, ...]:
-    """The sheets of the sequences of a wave."""
+    """Write the sheets of the sequences of a wave."""
     sheets: list[_Sheet] = []
 
     def build():
@@ -95,7 +95,7 @@ def _write_sheets(
             sheet = _plan_sheet(session.store, SequenceGraph(leaves, config), config, variant, num_frames)
             sheets.append(sheet)
             sinks += sheet.segmentations
-            # They may be gone from the store where what was made from them is still there.
+            # They may be missing in the store although the artifacts made from them are there.
             sinks += [soft_map.ref for soft_map in sheet.soft_maps or ()]
             sinks += [sheet.score] if sheet.score else []
             recipes |= sheet.graph.recipes
@@ -108,7 +108,7 @@ def _write_sheets(
 
 
 def choose_soft_map(graph: SequenceGraph, config: PipelineConfig, frame: int) -> SoftMap | None:
-    """The motion saliency of a frame; None where objects come from elsewhere."""
+    """Return the motion saliency of a frame; None where objects come from elsewhere."""
     if config.proposal_source != "saliency":
         return None
     return SoftMap(graph.frame_cues.saliency(frame), "saliency", "saliency")
@@ -167,7 +167,7 @@ def _read_frames(store: ArtifactStore, sheet: _Sheet, section_length: int) -> It
 
 
 def _frame_similarity(overlaps: Overlaps) -> float:
-    """J of one frame, percent; its overlaps are counted at the ground truth's size, as in the sequence's score."""
+    """Return J of one frame, percent; overlaps are counted at the ground truth's size, as in the sequence's score."""
     true_labels = {true for true, _ in overlaps} - {0}
     predicted_labels = {predicted for _, predicted in overlaps} - {0}
     return 100 * region_similarity(overlaps, true_labels, predicted_labels)

@@ -31,7 +31,7 @@ def evaluate(
     Parameters
     ----------
     purpose : Purpose
-        What the run's log says of it.
+        What the run's log records about it.
     panels : Panels, optional
         Gather what a report shows, wave by wave; what they read is computed where it is missing.
 
@@ -49,7 +49,14 @@ def evaluate(
     for variant in variants:
         found = {source.name: scores[variant, source.name] for source in sources}
         rows.append(EvaluationRow(variant=variant.value, sequences=found, mean=mean_score(list(found.values()))))
-    return EvaluationReport(dataset=dataset, over=over, rows=tuple(rows), store=session.use(), seconds=session.seconds)
+    return EvaluationReport(
+        dataset=dataset,
+        over=over,
+        rows=tuple(rows),
+        store=session.use(),
+        seconds=session.seconds,
+        notes=purpose.notes,
+    )
 
 
 def _score(
@@ -61,7 +68,7 @@ def _score(
     purpose: Purpose,
     panels: Panels | None,
 ) -> dict[tuple[Variant, str], SequenceScore]:
-    """Scores of the sequences of a wave, by variant and name."""
+    """Return scores of the sequences of a wave, by variant and name."""
     refs: dict[tuple[Variant, str], str] = {}
     shown: dict[SequenceGraph, float | None] = {}
 

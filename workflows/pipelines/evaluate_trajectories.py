@@ -11,8 +11,8 @@ from moseg.schemas.trajectory_scores import (
 from moseg.workflows.datasets import TrajectorySource
 from moseg.workflows.engine.session import Session
 from moseg.workflows.graph import TrajectoryGraph
+from moseg.workflows.pipelines.leaves import ingest_trajectories
 from moseg.workflows.pipelines.purpose import EVALUATION, Purpose, make_subject
-from moseg.workflows.pipelines.trajectory_leaves import ingest_trajectories
 from moseg.workflows.reports.panels import Panels
 
 
@@ -33,7 +33,7 @@ def evaluate_trajectories(
     seeds : sequence of int, optional
         The report's figures are means over these. None: one run with the seed of `config`.
     purpose : Purpose
-        What the run's log says of it.
+        What the run's log records about it.
     panels : Panels, optional
         Gather what a report shows, under the first seed.
 
@@ -78,4 +78,6 @@ def evaluate_trajectories(
             seed: {source.name: by_ref[refs[seed, variant, source.name]] for source in sources} for seed in configs
         }
         rows.append(average_row(variant.value, by_seed))
-    return TrajectoryReport(dataset=dataset, rows=tuple(rows), store=session.use(), seconds=session.seconds)
+    return TrajectoryReport(
+        dataset=dataset, rows=tuple(rows), store=session.use(), seconds=session.seconds, notes=purpose.notes
+    )

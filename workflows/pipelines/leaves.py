@@ -1,14 +1,14 @@
-"""From a sequence's sources to the leaves of its graph."""
+"""The leaves of a graph from the sources of a sequence, or of a clip of trajectories."""
 
 from collections.abc import Sequence
 from itertools import chain
 
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
-from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.datasets import SequenceSource, TrajectorySource
 from moseg.workflows.engine.ingest import IngestJob
 from moseg.workflows.engine.session import Session
-from moseg.workflows.graph import GIVEN_SOURCES, SequenceLeaves
+from moseg.workflows.graph import GIVEN_SOURCES, SequenceLeaves, TrajectoryLeaves
 from moseg.workflows.sources import SceneFrames
 from moseg.workflows.stages.needed_weights import needed_items
 
@@ -18,20 +18,20 @@ FRAMES_PER_JOB = 16
 def ingest_sequences(
     session: Session, sources: Sequence[SequenceSource], config: PipelineConfig, annotated: bool
 ) -> list[SequenceLeaves]:
-    """Leaves of every sequence: frames, the cues that `config` takes as given, and the annotation where asked."""
+    """Return the leaves of every sequence: frames, cues that `config` takes as given, the annotation where asked."""
     plans = [ingest_jobs(source, config, annotated) for source in sources]
     found = iter(session.ingest([job for jobs in plans for job in chain.from_iterable(jobs.values())]))
     leaves = []
     for source, jobs in zip(sources, plans, strict=True):
         ingested = {role: [next(found) for _ in group] for role, group in jobs.items()}
         leaves.append(make_leaves(source, ingested))
-    # Last: what is no video is found out before anything is fetched.
+    # Last, so that a file that is not a video is reported before anything is fetched.
     weights = session.name_weights(needed_items(config))
     return [each._replace(weights=weights) for each in leaves]
 
 
 def ingest_jobs(source: SequenceSource, config: PipelineConfig, annotated: bool) -> dict[str, list[IngestJob]]:
-    """What must be decoded for a sequence, by role."""
+    """Return what must be decoded for a sequence, by role."""
     # A scene is rendered whole for any of its sources.
     batch = f"scene {source.name}" if isinstance(source.frames, SceneFrames) else None
     jobs = {"frames": [IngestJob("frame", chunk, batch) for chunk in source.frames.chunks(FRAMES_PER_JOB)]}
@@ -65,7 +65,7 @@ def ingest_jobs(source: SequenceSource, config: PipelineConfig, annotated: bool)
 
 
 def make_leaves(source: SequenceSource, ingested: dict[str, list[dict]]) -> SequenceLeaves:
-    """Leaves of a sequence from what its jobs gave; raises InputError where these do not fit together."""
+    """Return the leaves of a sequence from the results of its jobs; raises InputError where these do not match."""
     where = f"sequence {source.name}"
     frames = tuple(chain.from_iterable(entry["leaves"] for entry in ingested["frames"]))
     shapes = {tuple(entry["shape"]) for entry in ingested["frames"]}
@@ -103,4 +103,27 @@ def make_leaves(source: SequenceSource, ingested: dict[str, list[dict]]) -> Sequ
         masks_void=source.void if source.objects is None else source.objects_void,
         tracks=ingested["tracks"][0]["leaves"][0] if "tracks" in ingested else None,
         **lists,
+    )
+
+
+def ingest_trajectories(session: Session, sources: Sequence[TrajectorySource]) -> list[TrajectoryLeaves]:
+    """Return the leaves of every clip; raises InputError where one cannot be read."""
+    found = iter(session.ingest([job for source in sources for job in trajectory_jobs(source)]))
+    return [make_trajectory_leaves(source, next(found), next(found)) for source in sources]
+
+
+def trajectory_jobs(source: TrajectorySource) -> tuple[IngestJob, IngestJob]:
+    """Return what must be decoded of a clip: its trajectories and their labels."""
+    # They share a file: an error in it is reported once.
+    batch = f"trajectories {source.name}"
+    return IngestJob("trajectories", source.trajectories, batch), IngestJob("trajectory_labels", source.labels, batch)
+
+
+def make_trajectory_leaves(source: TrajectorySource, trajectories: dict, labels: dict) -> TrajectoryLeaves:
+    """Return the leaves of a clip from the results of its jobs."""
+    return TrajectoryLeaves(
+        name=source.name,
+        trajectories=trajectories["leaves"][0],
+        labels=labels["leaves"][0],
+        num_motions=len(labels["labels"]),
     )

@@ -2,17 +2,17 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant, seeded_configs
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError, MissingInputError
 from moseg.schemas.recipes import Recipe, leaf_recipe
 from moseg.store import ArtifactStore
-from moseg.workflows.datasets import SequenceSource, find_ground_truth
+from moseg.workflows.datasets import SequenceSource, TrajectorySource, find_ground_truth
 from moseg.workflows.engine.ingest import IngestJob, preview_ingest, recall_ingests
 from moseg.workflows.engine.planning import make_plan
 from moseg.workflows.engine.session import StageUse
-from moseg.workflows.graph import SequenceGraph
-from moseg.workflows.pipelines.leaves import ingest_jobs, make_leaves
+from moseg.workflows.graph import SequenceGraph, TrajectoryGraph
+from moseg.workflows.pipelines.leaves import ingest_jobs, make_leaves, make_trajectory_leaves, trajectory_jobs
 from moseg.workflows.stages.needed_weights import needed_items
 from moseg.workflows.weights.folder import Weights, weights_leaf
 
@@ -21,7 +21,7 @@ class EmptyStore:
     """Stands for a store that does not exist yet: nothing can be reused."""
 
     def present(self, refs: Iterable[str]) -> set[str]:
-        """None."""
+        """Return no reference."""
         return set()
 
 
@@ -32,7 +32,7 @@ def plan_evaluation(
     variants: Sequence[Variant],
     folder: Weights,
 ) -> dict[str, StageUse]:
-    """Artifacts to compute and to reuse by stage.
+    """Return the artifacts to compute and to reuse by stage.
 
     Frames that were never ingested are decoded, because keys are digests of what files decode to. With weights that are
     neither here nor pinned nothing can have been made.
@@ -57,8 +57,28 @@ def plan_evaluation(
     return count_uses(store, recipes, sinks, num_ingests)
 
 
+def plan_trajectories(
+    store: ArtifactStore | EmptyStore,
+    sources: Sequence[TrajectorySource],
+    config: PipelineConfig,
+    variants: Sequence[TrajectoryVariant],
+    seeds: Sequence[int] | None = None,
+) -> dict[str, StageUse]:
+    """Return the artifacts to compute and to reuse by stage; clips that were never ingested are decoded."""
+    recipes, sinks, num_ingests = {}, [], 0
+    for source in sources:
+        entries, num_new = foresee_ingest(store, trajectory_jobs(source))
+        num_ingests += num_new
+        leaves = make_trajectory_leaves(source, *entries)
+        for seeded in seeded_configs(config, seeds).values():
+            graph = TrajectoryGraph(leaves, seeded)
+            sinks.extend(graph.score(variant) for variant in variants)
+            recipes |= graph.recipes
+    return count_uses(store, recipes, sinks, num_ingests)
+
+
 def foresee_ingest(store: ArtifactStore | EmptyStore, jobs: Sequence[IngestJob]) -> tuple[list[dict], int]:
-    """What ingesting the jobs would give, and how many of them a run would have to decode."""
+    """Return what ingesting the jobs would give, and how many of them a run would have to decode."""
     recipes = [job.recipe for job in jobs]
     known = recall_ingests(store, recipes, _remembered)
     memories = [known[recipe.ref] for recipe in recipes]
@@ -69,7 +89,7 @@ def foresee_ingest(store: ArtifactStore | EmptyStore, jobs: Sequence[IngestJob])
 def count_uses(
     store: ArtifactStore | EmptyStore, recipes: Mapping[str, Recipe], sinks: Sequence[str], num_ingests: int
 ) -> dict[str, StageUse]:
-    """Artifacts to compute and to reuse by stage."""
+    """Return the artifacts to compute and to reuse by stage."""
     computed, reused = make_plan(store, recipes, sinks).count()
     if num_ingests:
         computed["ingest"] = num_ingests
@@ -78,7 +98,7 @@ def count_uses(
 
 
 def _plan_weights(folder: Weights, name: str, architecture: str) -> str:
-    """Reference of a weights item's leaf; one that nothing was made with where its digest is not known yet."""
+    """Return the reference of a weights item's leaf; one that no artifact has where its digest is not known yet."""
     try:
         return weights_leaf(folder, name, architecture).recipe.ref
     except MissingInputError:
@@ -86,7 +106,7 @@ def _plan_weights(folder: Weights, name: str, architecture: str) -> str:
 
 
 def _remembered(store: ArtifactStore, ref: str) -> dict | None:
-    """What is remembered under a reference; a run would quarantine a damaged memory and ingest anew."""
+    """Return what is remembered under a reference; a run would quarantine a damaged entry and ingest again."""
     try:
         return store.attributes(ref)
     except (CorruptArtifactError, MissingArtifactError):

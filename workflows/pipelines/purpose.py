@@ -1,4 +1,4 @@
-"""What a command computes for, as its log keeps it."""
+"""The purpose of a run, as its log records it."""
 
 from collections.abc import Mapping, Sequence
 from typing import Literal, NamedTuple
@@ -38,7 +38,7 @@ def make_subject(
     sequences: Sequence[tuple[SequenceLeaves | TrajectoryLeaves, float | None]],
     seeds: Sequence[int] | None = None,
 ) -> SubjectEvent:
-    """The line of a run's log about some of its sequences, each with its frames per second where it has any."""
+    """Return the line of a run's log about some of its sequences, each with its frames per second where it has any."""
     return SubjectEvent(
         command=purpose.command,
         dataset=dataset,
@@ -52,7 +52,7 @@ def make_subject(
 
 
 def _plain(leaves: SequenceLeaves | TrajectoryLeaves) -> dict:
-    """The fields as JSON has them."""
+    """Return the fields as JSON has them."""
     fields = leaves._asdict() | {"name": as_unicode(leaves.name)}
     return {name: _as_json(value) for name, value in fields.items()}
 

@@ -1,12 +1,12 @@
 """Scoring masks that any program saved, with the same metrics as an evaluation."""
 
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
-from moseg.schemas.scores import GroundTruth, SequenceScore
+from moseg.schemas.scores import EvaluationReport, EvaluationRow, StoreUse, mean_score
 from moseg.tasks.metrics import sample_points, score_points, score_sequence
 from moseg.workflows.datasets import Dataset, SequenceSource, find_ground_truth
 from moseg.workflows.predictions import FrameList, Predictions, SequencePredictions
@@ -20,35 +20,28 @@ _WAYS = {
 _REPEATS = "no mask of the last frame, which is scored with that of the frame before"
 
 
-class PredictionScores(NamedTuple):
-    """Scores of saved masks, and how these were matched to the frames.
-
-    Attributes
-    ----------
-    over : 'pixels' or 'points'
-        What the scores count.
-    scores : dict of str to SequenceScore
-    matching : dict of str to Matching
-        By sequence.
-    notes : tuple of str
-        What a reader of the scores must know: which masks were not matched by name, and which were used twice.
-    """
-
-    over: GroundTruth
-    scores: dict[str, SequenceScore]
-    matching: dict[str, Matching]
-    notes: tuple[str, ...]
-
-
-def score_predictions(dataset: Dataset, predictions: Predictions, quiet: bool = False) -> PredictionScores:
+def score_predictions(dataset: Dataset, predictions: Predictions, name: str, quiet: bool = False) -> EvaluationReport:
     """Score the saved masks of every sequence of a data set, against masks or at labelled points.
+
+    Parameters
+    ----------
+    name : str
+        Of the report's only row.
+    quiet : bool
+        No progress on standard error.
+
+    Returns
+    -------
+    EvaluationReport
+        Its notes say which masks were not matched by name, and which were used twice.
 
     Raises
     ------
     InputError
         A sequence without ground truth, or sequences of both kinds; predictions that are missing, damaged, of the wrong
-        size, or of frames that cannot be told.
+        size, or of unknown frames.
     """
+    started = time.perf_counter()
     sources = [dataset.sequence(name) for name in dataset.names]
     over = find_ground_truth(sources)
     pairs = _saved_points if over == "points" else _saved_frames
@@ -64,13 +57,22 @@ def score_predictions(dataset: Dataset, predictions: Predictions, quiet: bool = 
             if saved.repeats_last and frames.num_frames - 1 in scored:
                 repeating.append(source.name)
             progress.advance("score")
-    return PredictionScores(over, scores, matching, _notes(matching, repeating))
+    row = EvaluationRow(variant=name, sequences=scores, mean=mean_score(list(scores.values())))
+    return EvaluationReport(
+        dataset=dataset.name,
+        over=over,
+        rows=(row,),
+        matching=matching,
+        store=StoreUse(computed=0, reused=0),
+        seconds=time.perf_counter() - started,
+        notes=(*(f"{absent} is not on disk" for absent in dataset.absent), *_notes(matching, repeating)),
+    )
 
 
 def _saved_frames(
     source: SequenceSource, saved: SequencePredictions, scored: set[int]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Pairs of saved and annotated labels, one frame at a time; their frames are added to `scored`."""
+    """Yield pairs of saved and annotated labels of each frame; their frames are added to `scored`."""
     for index, truth in source.annotations.read():
         scored.add(index)
         yield saved.frame(index), truth
@@ -79,7 +81,7 @@ def _saved_frames(
 def _saved_points(
     source: SequenceSource, saved: SequencePredictions, scored: set[int]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Saved and true labels of the visible points of every frame in which there are any, added to `scored`."""
+    """Yield saved and true labels of the visible points of every frame in which there are any, added to `scored`."""
     points, visible, truth, _ = source.labelled_points.read()
     for index in np.flatnonzero(visible.any(axis=0)):
         scored.add(int(index))

@@ -33,7 +33,7 @@ class StoredSegmentation(NamedTuple):
     motions : dict of int to int
         Motion group of each object by identity; 0 = static, with the background.
     tags : dict of int to str
-        What networks called the objects, by identity; empty where none did.
+        Names that networks gave the objects, by identity; empty where there are none.
     rows : tuple of int
         What the rows of residuals and affinities stand for: 0, the background, then the objects' identities.
     frame_refs, label_refs : tuple of references
@@ -62,12 +62,12 @@ class StoredSegmentation(NamedTuple):
         return len(self.frame_refs)
 
     def frames(self, store: ArtifactStore) -> Iterator[np.ndarray]:
-        """Frames as analysed, uint8 (y, x, 3) RGB, one at a time."""
+        """Yield frames as analysed, uint8 (y, x, 3) RGB, one at a time."""
         for ref in self.frame_refs:
             yield store.read(ref, "image")
 
     def frame_labels(self, store: ArtifactStore, frame: int, shape: tuple[int, int] | None = None) -> np.ndarray:
-        """Labels uint16 (y, x) of one frame, counted from 0, at `shape` (the video's own size)."""
+        """Return labels uint16 (y, x) of one frame, counted from 0, at `shape` (the video's own size)."""
         for ref in self.label_refs:
             num_frames = store.manifest(ref).array("labels").shape[0]
             if frame < num_frames:
@@ -76,7 +76,7 @@ class StoredSegmentation(NamedTuple):
         raise IndexError(f"frame {frame} beyond the last one")
 
     def labels(self, store: ArtifactStore, shape: tuple[int, int] | None = None) -> Iterator[np.ndarray]:
-        """Labels uint16 (y, x) of every frame at `shape` (the video's own size): 0 static, else an identity."""
+        """Yield labels uint16 (y, x) of every frame at `shape` (the video's own size): 0 static, else an identity."""
         for ref in self.label_refs:
             for index in range(store.manifest(ref).array("labels").shape[0]):
                 labels = store.read_rows(ref, "labels", index, index + 1)[0]
@@ -99,7 +99,7 @@ def segment(
     Parameters
     ----------
     purpose : Purpose
-        What the run's log says of it.
+        What the run's log records about it.
     panels : Panels, optional
         Gather what a report shows, before `use` is called.
 
@@ -153,7 +153,7 @@ def segment(
 def _evidence(
     graph: SequenceGraph, config: PipelineConfig, variant: Variant
 ) -> tuple[dict[str, str], dict[str, tuple[str, ...]]]:
-    """References of the affinity and of the residuals that a variant's motion groups come from, by motion model."""
+    """Return references of the affinity and the residuals that a variant's motion groups come from, by motion model."""
     views = config.views(variant)
     residuals = (
         {} if config.affinity.method == "hypotheses" else {view: graph.motions.residuals(view) for view in views}

@@ -1,4 +1,4 @@
-"""All that `moseg segment` leaves: masks, overlay video and summary of the motions of one video."""
+"""The files that `moseg segment` writes: masks, overlay video and summary of the motions of one video."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -29,8 +29,8 @@ def write_segmentation(
 ) -> SequenceSummary:
     """Write ``masks/00000.png`` … and ``motion.json`` at the video's own size, and ``overlay.mp4``.
 
-    ``motion.json`` comes last, and that of an earlier run goes first: where it stands, all is there and of one
-    run.
+    ``motion.json`` is written last, and that of an earlier run is removed first: where it is present, all files are
+    there and of one run.
 
     Parameters
     ----------

@@ -7,6 +7,8 @@ import re
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.errors import InputError, MissingInputError
 
+IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
+
 
 def read_bytes(path: str) -> bytes:
     """Return all bytes of a file; raise MissingInputError or InputError if it cannot be read."""

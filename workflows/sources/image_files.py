@@ -16,7 +16,6 @@ from moseg.workflows.sources.png_file import check_png
 from moseg.workflows.sources.quiet_decoding import decode_quietly
 from moseg.workflows.sources.resize import shrink_to, working_size
 
-IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 DECODING_VERSION = 2
 """Raised when `ImageFiles.read` starts to yield other pixels for the same bytes, or to refuse them."""
 MAX_SAMPLE_BYTES = 8 * MAX_PIXELS

@@ -4,11 +4,11 @@ import os
 
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.sources.depth_files import DEPTH_SUFFIXES, DepthFiles
-from moseg.workflows.sources.files import list_files, stem
+from moseg.workflows.sources.files import IMAGE_SUFFIXES, list_files, stem
 from moseg.workflows.sources.flow_files import FLOW_SUFFIXES, FlowFiles
 from moseg.workflows.sources.frame_matching import check_pairs, frame_stems, match_names
 from moseg.workflows.sources.frames import FrameSource
-from moseg.workflows.sources.image_files import IMAGE_SUFFIXES, ImageFiles
+from moseg.workflows.sources.image_files import ImageFiles
 from moseg.workflows.sources.mask_files import MASK_SUFFIXES, MaskFiles, MaskKind, find_mask_kind
 from moseg.workflows.sources.track_files import TRACK_SUFFIXES, TrackFile
 from moseg.workflows.sources.video_file import VideoFile

@@ -3,7 +3,7 @@
 from PIL import Image
 
 from moseg.workflows.api import MovingObject
-from moseg.workflows.api.notebook import MOST_ROWS, draw_html
+from moseg.workflows.api.notebook import MAX_ROWS, draw_html
 
 PICTURE = Image.new("RGB", (30, 20))
 
@@ -14,9 +14,9 @@ def test_where_nothing_moves_there_is_no_table():
 
 
 def test_of_many_objects_the_rest_is_counted():
-    objects = [MovingObject(identity, 1, 0, 3, 4, 0.01) for identity in range(1, MOST_ROWS + 4)]
+    objects = [MovingObject(identity, 1, 0, 3, 4, 0.01) for identity in range(1, MAX_ROWS + 4)]
     html = draw_html("swarm", "many", objects, PICTURE)
-    assert html.count("display:inline-block") == MOST_ROWS
+    assert html.count("display:inline-block") == MAX_ROWS
     assert "and 3 more" in html
 
 

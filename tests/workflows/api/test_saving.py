@@ -86,3 +86,18 @@ def test_rates_beyond_those_of_the_command_line_are_refused_before_the_work(segm
     with pytest.raises(InputError, match="not a frame rate in fps"):
         moseg.segment_video(segmented.frames, fps=fps, store=tmp_path / "store", progress=False)
     assert not (tmp_path / "store").exists()
+
+
+def test_an_overlay_can_have_the_size_of_the_video_where_it_can_be_read_again(segmented, pixels, config, tmp_path):
+    options = {"config": config | {"max_side": 64}, "store": tmp_path / "store", "progress": False, "variant": "base"}
+    result = moseg.segment_video(segmented.frames, **options)
+    for size, (height, width) in (("analysed", result.analysed_shape), ("video", result.shape)):
+        result.save(tmp_path / "out", overlay_size=size)
+        with av.open(str(tmp_path / "out" / "overlay.mp4")) as container:
+            assert (container.streams.video[0].width, container.streams.video[0].height) == (width, height)
+    with pytest.raises(InputError, match=r"in overlay_size; got 'large'"):
+        result.save(tmp_path / "out", overlay_size="large")
+    of_arrays = moseg.segment_video(pixels, **options)
+    with pytest.raises(InputError, match=r"no overlay of the video's own size in overlay_size; got frames .* arrays"):
+        of_arrays.save(tmp_path / "other", overlay_size="video")
+    assert not (tmp_path / "other").exists()

@@ -13,6 +13,8 @@ from moseg.schemas.errors import InputError
 from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES
 from moseg.workflows.config.config_files import MAX_BYTES, read_config_file, write_config
 from moseg.workflows.config.parameters import list_parameters
+from moseg.workflows.config.pipeline_choices import PipelineChoices
+from moseg.workflows.config.trajectory_choices import TrajectoryChoices
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 
@@ -33,7 +35,7 @@ VALUES = {
 
 
 def _config(preset, geometry, quality, chosen):
-    from moseg.workflows.config.preset_choice import choose_preset
+    from moseg.workflows.config.pipeline_choices import choose_preset
 
     values = choose_preset(preset, geometry, quality)
     for name, value in chosen.items():
@@ -213,14 +215,11 @@ def test_a_folder_in_a_file_still_needs_its_path(moseg, tmp_path):
 
 
 def test_trajectories_take_a_full_file_but_no_changes_for_images(tmp_path):
-    from moseg.workflows.cli.pipeline_options import PipelineOptions
-    from moseg.workflows.cli.trajectory_options import TrajectoryOptions
-
     path = tmp_path / "full.yaml"
     path.write_text(write_config(PipelineConfig()))
-    options = PipelineOptions(config_file=str(path))
-    config, _ = options.read()
-    assert TrajectoryOptions().apply(options, config, "kt3dmoseg") == PipelineConfig()
+    choices = PipelineChoices(str(path))
+    config = choices.read()
+    assert TrajectoryChoices().apply(choices, config, "kt3dmoseg") == PipelineConfig()
     path.write_text(write_config(PipelineConfig(max_side=300)))
     with pytest.raises(InputError, match="max_side"):
-        TrajectoryOptions().apply(options, config, "kt3dmoseg")
+        TrajectoryChoices().apply(choices, config, "kt3dmoseg")

@@ -10,6 +10,8 @@ from typer.main import get_command
 
 from moseg.workflows.cli.app import app
 from moseg.workflows.cli.help_texts import examples_of, with_readable_help
+from moseg.workflows.config.parameters import list_parameters
+from moseg.workflows.config.pipeline_choices import PARAMETER_OF, SETS_OF
 
 COMMAND = with_readable_help(get_command(app))
 _SPEC = importlib.util.spec_from_file_location("documents", Path(__file__).resolve().parents[2] / "test_docs.py")
@@ -65,6 +67,23 @@ def test_every_command_has_examples_and_every_option_an_explanation():
         assert command.help, " ".join(path)
         for parameter in command.params:
             assert parameter.help, f"{' '.join(path)}: {parameter.name}"
+
+
+def test_an_option_that_chooses_by_name_shows_the_names_that_there_are_and_the_default():
+    options = {name: parameter.help for parameter in _find(("eval",)).params for name in parameter.opts}
+    for option, parameter in PARAMETER_OF.items():
+        if list_parameters()[parameter].choices:
+            assert all(choice in options[option] for choice in list_parameters()[parameter].choices), option
+            assert f"(default: {list_parameters()[parameter].default})" in options[option]
+    assert "{" not in "".join(options.values())
+
+
+def test_names_that_are_added_before_the_command_line_is_built_are_shown(monkeypatch):
+    monkeypatch.setitem(SETS_OF["--geometry"], "mine", {})
+    plan = with_readable_help(get_command(app)).commands["plan"]
+    shown = next(parameter for parameter in plan.params if parameter.name == "geometry")
+    assert shown.help == "Fits, affinity and clustering: default, paper or mine."
+    assert "mine" in [item.value for item in shown.shell_complete(plan.make_context("plan", []), "m")]
 
 
 def test_long_lists_of_options_stand_under_headings(moseg, monkeypatch):

@@ -4,6 +4,8 @@
 
     result = moseg.segment_video("holiday.mp4")
     result.labels  # uint16 (frame, y, x): 0 static, else an object's identity
+    report = moseg.evaluate("synthetic")
+    report.rows[0].mean.F  # percent
 
 What is here is imported when it is first used, so that ``import moseg`` itself costs nothing.
 """
@@ -17,11 +19,22 @@ from moseg.schemas.declared_names import find_names_by
 if TYPE_CHECKING:
     from moseg.schemas.configs import PipelineConfig, Variant
     from moseg.schemas.errors import InputError, MosegError
-    from moseg.workflows.api import MotionSegmentation, MovingObject, load_config, segment_video
+    from moseg.schemas.scores import EvaluationReport
+    from moseg.schemas.trajectory_scores import TrajectoryReport
+    from moseg.workflows.api import (
+        MotionSegmentation,
+        MovingObject,
+        ablate,
+        evaluate,
+        load_config,
+        score,
+        segment_video,
+    )
     from moseg.workflows.exports import OverlayMode, OverlayStyle
     from moseg.workflows.plugins.registration import Method, register
 
 __all__ = [
+    "EvaluationReport",
     "InputError",
     "Method",
     "MosegError",
@@ -30,14 +43,19 @@ __all__ = [
     "OverlayMode",
     "OverlayStyle",
     "PipelineConfig",
+    "TrajectoryReport",
     "Variant",
     "__version__",
+    "ablate",
+    "evaluate",
     "load_config",
     "register",
+    "score",
     "segment_video",
 ]
 
 _HOMES = {
+    "EvaluationReport": "moseg.schemas.scores",
     "InputError": "moseg.schemas.errors",
     "Method": "moseg.workflows.plugins.registration",
     "MosegError": "moseg.schemas.errors",
@@ -46,9 +64,13 @@ _HOMES = {
     "OverlayMode": "moseg.workflows.exports",
     "OverlayStyle": "moseg.workflows.exports",
     "PipelineConfig": "moseg.schemas.configs",
+    "TrajectoryReport": "moseg.schemas.trajectory_scores",
     "Variant": "moseg.schemas.configs",
+    "ablate": "moseg.workflows.api",
+    "evaluate": "moseg.workflows.api",
     "load_config": "moseg.workflows.api",
     "register": "moseg.workflows.plugins.registration",
+    "score": "moseg.workflows.api",
     "segment_video": "moseg.workflows.api",
 }
 

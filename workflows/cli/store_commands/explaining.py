@@ -2,11 +2,11 @@
 
 from moseg.workflows.cli.options import DEFAULT_STORE, StoreOption
 from moseg.workflows.cli.store_commands.finding import KeyArgument, find_artifact, open_existing
-from moseg.workflows.cli.store_commands.writing import short
+from moseg.workflows.cli.store_commands.showing import short
 
 
 def why(key: KeyArgument, store: StoreOption = DEFAULT_STORE) -> None:
-    """Say which fields of an artifact's recipe differ from the nearest other artifact of its task.
+    """Show which fields of an artifact's recipe differ from the nearest other artifact of its task.
 
     That is why it was computed rather than reused.
 

@@ -14,14 +14,14 @@ _TASK = re.compile(r"[a-z][a-z0-9_]{0,63}")
 
 
 def open_existing(url: str):
-    """The store at a place where one must be."""
+    """Return the store at a place where one must be."""
     from moseg.store import open_store
 
     return open_store(url, create=False)
 
 
 def find_artifact(store, key: str) -> str:
-    """The one artifact whose reference or key begins with `key`.
+    """Return the one artifact whose reference or key begins with `key`.
 
     A whole reference or key is looked up; the start of one asks for a listing, of its task where that is named.
 
@@ -51,7 +51,7 @@ def find_artifact(store, key: str) -> str:
 
 
 def find_pins(store, run: str) -> list[str]:
-    """Names of the pins of a run: it is given by its pin, or by its log as `moseg status` does.
+    """Return the names of the pins of a run, which is given by its pin or, as to `moseg status`, by its log.
 
     Raises
     ------

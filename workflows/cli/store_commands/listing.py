@@ -8,7 +8,6 @@ import typer
 from moseg.schemas.spelling import closest, unknown_name
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import open_existing
-from moseg.workflows.cli.store_commands.writing import size
 from moseg.workflows.process.progress import Waiting
 
 
@@ -25,6 +24,7 @@ def list_artifacts(
     moseg store ls --task flow
     moseg store ls --runs
     """
+
     opened = open_existing(store)
     if runs:
         for run_id, pin in sorted(opened.pinned().items(), key=lambda item: item[1].created):
@@ -44,7 +44,7 @@ def list_artifacts(
 
 
 def disk_use(quiet: QuietOption = False, store: StoreOption = DEFAULT_STORE) -> None:
-    """Artifacts and bytes by task.
+    """Show artifacts and bytes by task.
 
     Examples
     --------
@@ -58,9 +58,19 @@ def disk_use(quiet: QuietOption = False, store: StoreOption = DEFAULT_STORE) -> 
 
 
 def print_use(usage) -> None:
-    """A table of artifacts and bytes by task, the largest first, and their sum."""
+    """Print a table of artifacts and bytes by task, the largest first, and their sum."""
     rows = [(nbytes, count, task) for task, (count, nbytes) in usage.items()]
     rows.sort(reverse=True)
     rows.append((sum(row[0] for row in rows), sum(row[1] for row in rows), "total"))
     for nbytes, count, task in rows:
         print(f"{size(nbytes):>10}  {count:>7}  {task}")
+
+
+def size(nbytes: int) -> str:
+    """Return a number of bytes in the unit that suits it."""
+    amount = float(nbytes)
+    for unit in ("B", "KiB", "MiB", "GiB"):
+        if amount < 1024:
+            return f"{amount:.0f} {unit}" if unit == "B" else f"{amount:.1f} {unit}"
+        amount /= 1024
+    return f"{amount:.1f} TiB"

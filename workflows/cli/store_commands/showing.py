@@ -11,7 +11,7 @@ from moseg.schemas.manifests import Manifest
 from moseg.schemas.recipes import split_ref
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import KeyArgument, find_artifact, open_existing
-from moseg.workflows.cli.store_commands.writing import short, size
+from moseg.workflows.cli.store_commands.listing import size
 from moseg.workflows.process.progress import StageProgress
 
 LONG_PASS = 5_000
@@ -72,7 +72,7 @@ def _entry(relative) -> dict[str, JsonValue]:
 
 
 def _document(manifest: Manifest, place: str, lineage: dict[str, list[dict[str, JsonValue]]]) -> str:
-    """JSON of it all, with a relative on each line: a score has hundreds of them."""
+    """Return all as JSON, with a relative on each line: a score has hundreds of them."""
     head = json.dumps({"place": place} | manifest.model_dump(mode="json"), indent=2, ensure_ascii=False)
     sides = []
     for side, entries in lineage.items():
@@ -104,7 +104,7 @@ def _count(refs: Sequence[str]) -> str:
 
 
 def _by_task(relatives: Iterable) -> Iterator[str]:
-    """A line for each task, the nearest first, and the parameters that its artifacts share."""
+    """Yield a line for each task, the nearest first, and the parameters that its artifacts share."""
     tasks: dict[str, list] = {}
     for relative in relatives:
         tasks.setdefault(split_ref(relative.ref)[0], []).append(relative)
@@ -126,3 +126,9 @@ def _flat(params: dict[str, JsonValue], prefix: str = "") -> Iterator[tuple[str,
             yield from _flat(value, f"{prefix}{name}.")
         else:
             yield f"{prefix}{name}", value
+
+
+def short(value: object) -> str:
+    """Return a value as JSON, cut where it is long."""
+    text = json.dumps(value, ensure_ascii=False)
+    return text if len(text) <= 90 else f"{text[:87]}..."

@@ -10,8 +10,7 @@ from moseg.schemas.errors import InputError, MissingStoreError
 from moseg.schemas.recipes import split_ref
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import find_artifact, find_pins, open_existing
-from moseg.workflows.cli.store_commands.listing import print_use
-from moseg.workflows.cli.store_commands.writing import size
+from moseg.workflows.cli.store_commands.listing import print_use, size
 from moseg.workflows.process.progress import StageProgress
 
 UrlArgument = Annotated[str, typer.Argument(help="The other store: a folder or URL.", metavar="URL")]
@@ -27,7 +26,7 @@ RunOption = Annotated[
 AloneOption = Annotated[
     bool, typer.Option("--no-inputs", help="Only what is named itself (final masks, say), not what it was made from.")
 ]
-DryOption = Annotated[bool, typer.Option("--dry", help="Copy nothing; say what would be copied, by task.")]
+DryOption = Annotated[bool, typer.Option("--dry", help="Copy nothing; show what would be copied, by task.")]
 
 
 def push(
@@ -120,7 +119,7 @@ def _copy(source_url: str, target_url: str, named: Named, dry: bool, quiet: bool
 
 
 def _choose_pins(source, named: Named) -> dict[str, tuple[str, ...]]:
-    """The pins that the target is to have: those of runs, and one for artifacts that were named on their own."""
+    """Return the pins for the target: those of runs, and one for artifacts that were named on their own."""
     finished = {run_id: pin.refs for run_id, pin in source.pinned().items() if pin.expires is None}
     if named.is_all:
         if not named.with_inputs:

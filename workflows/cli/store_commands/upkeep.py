@@ -8,7 +8,7 @@ import typer
 from moseg.schemas.errors import MissingArtifactError
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import find_pins, open_existing
-from moseg.workflows.cli.store_commands.writing import size
+from moseg.workflows.cli.store_commands.listing import size
 from moseg.workflows.process.progress import StageProgress, Waiting
 
 
@@ -46,7 +46,9 @@ def verify(
 
 
 def collect(
-    delete: Annotated[bool, typer.Option("--delete", help="Delete; without it only say what would go.")] = False,
+    delete: Annotated[
+        bool, typer.Option("--delete", help="Delete; without it, only show what would be deleted.")
+    ] = False,
     grace_hours: Annotated[float, typer.Option("--grace-hours", min=0, help="Spare what is younger.")] = 24.0,
     forget: Annotated[
         list[str] | None, typer.Option("--forget", help="Runs no longer to keep; see ls --runs.", metavar="RUN")
@@ -88,7 +90,7 @@ def collect(
 
 
 def _check_all(store, refs: list[str]) -> Iterator:
-    """What `verify` says of each artifact, several at a time behind a network; those that vanish are passed over."""
+    """Yield what `verify` finds of each artifact, several at a time over a network; those that vanish are skipped."""
     from moseg.store.ahead import map_reads
 
     def check(ref: str):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.cli.export_options import EXPORT_FORMATS
+from moseg.workflows.cli.export import EXPORT_FORMATS
 from moseg.workflows.exports.formats import FORMATS, check_exports, choose_formats, export
 
 FOLDERS = {"davis": "davis/dog walk", "colmap": "colmap", "nerfstudio": "nerfstudio", "instant-ngp": "instant-ngp"}

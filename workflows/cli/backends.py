@@ -4,7 +4,7 @@ import os
 
 
 def backends() -> None:
-    """Methods of every stage, the option that chooses each, and the weights: licence, size, whether they are here.
+    """List the methods of every stage, their options, and the weights: licence, size, whether they are here.
 
     Examples
     --------

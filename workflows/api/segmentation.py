@@ -1,0 +1,193 @@
+"""Segmentations as the command line and Python run them: from choices to what was found, and to files."""
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Generic, NamedTuple, TypeVar
+
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.errors import InputError
+from moseg.schemas.scores import StoreUse
+from moseg.store import ArtifactStore
+from moseg.workflows.api.run_settings import RunSettings
+from moseg.workflows.api.video_source import VideoLike, open_video
+from moseg.workflows.config.frame_rate import choose_fps
+from moseg.workflows.config.notes import motions_note
+from moseg.workflows.config.pipeline_choices import PipelineChoices, refuse_ground_truth
+from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.datasets.given_folders import with_given_folders
+from moseg.workflows.exports.formats import check_exports, choose_formats, export
+from moseg.workflows.exports.motion_json import SequenceSummary
+from moseg.workflows.exports.outputs import MASKS, MOTION, OVERLAY, check_outputs, mask_name
+from moseg.workflows.exports.overlay_style import OverlayStyle
+from moseg.workflows.exports.saved_segmentation import open_segmentation
+from moseg.workflows.pipelines.purpose import Purpose
+from moseg.workflows.pipelines.segment import StoredSegmentation, segment
+from moseg.workflows.pipelines.write_segmentation import write_segmentation
+from moseg.workflows.plugins.loading import load_plugins
+from moseg.workflows.reports.run_report import RunReport
+from moseg.workflows.runlog.events import as_unicode
+from moseg.workflows.sources import open_frames
+
+Value = TypeVar("Value")
+
+
+@contextmanager
+def open_source(
+    video: VideoLike, choices: PipelineChoices, name: str | None = None
+) -> Iterator[tuple[SequenceSource, PipelineConfig]]:
+    """Open the user's own video for the block, with the configuration for it.
+
+    Raises
+    ------
+    InputError
+        A choice is wrong or needs ground truth, or the video or a folder of cues cannot be read.
+    """
+    load_plugins()
+    config = choices.read()
+    refuse_ground_truth(config)
+    with open_video(video, name, config.max_side) as source:
+        yield with_given_folders(source, choices.folders, config.max_side), config
+
+
+class Segmented(NamedTuple, Generic[Value]):
+    """The outcome of a run.
+
+    Attributes
+    ----------
+    value : object
+        What `use` made of the result.
+    use : StoreUse
+    seconds : float
+    notes : tuple of str
+        What must be known to read the result rightly.
+    page : str or None
+        The line that names the page, where one was asked for.
+    """
+
+    value: Value
+    use: StoreUse
+    seconds: float
+    notes: tuple[str, ...]
+    page: str | None
+
+
+def run_segmentation(
+    source: SequenceSource,
+    config: PipelineConfig,
+    variant: Variant,
+    run: RunSettings,
+    use: Callable[[ArtifactStore, StoredSegmentation, float], Value],
+    fps: float | None = None,
+    page: str | None = None,
+    option: str = "--motions",
+) -> Segmented[Value]:
+    """Segment the user's own video.
+
+    Parameters
+    ----------
+    use : function of the store, the result and its frames per second
+        It is called again after it met a damaged artifact, once that is made again.
+    fps : float, optional
+        Frames per second of the results; the video's own, or 24, where None.
+    page : str, optional
+        File to write a page about the run to.
+    option : str
+        What the number of motions is given by, for notes.
+
+    Raises
+    ------
+    InputError
+        The video cannot be read, or the page cannot be written.
+    """
+    notes = motions_note(config, option)
+    rate = choose_fps(fps, source.frames.describe().fps)
+    shown = None if page is None else RunReport(page, source.name, config, [variant], [source.name])
+    purpose, panels = Purpose("segment", notes, rate), None if shown is None else shown.panels
+    with run.open() as session:
+
+        def read(stored: StoredSegmentation) -> Value:
+            return use(session.store, stored, rate)
+
+        value = segment(session, source, config, variant, read, purpose, panels)
+        if shown is not None:
+            shown.note_facts(session)
+    line = None if shown is None else shown.write((), notes)
+    return Segmented(value, session.use(), session.seconds, notes, line)
+
+
+class Outputs:
+    """The files of a segmentation in a folder, checked before the work.
+
+    Parameters
+    ----------
+    folder : str
+        Created where it is absent.
+    video : str or None
+        Path of the video or of the folder of frames, where they came from one.
+    style : OverlayStyle or None
+        Of the overlay; where None there is none.
+    name : str
+        Of the video.
+    frames : tuple of str or None
+        File names of the frames, where they came from a folder.
+    num_frames : function
+        Returns how many frames there are; called where there are exports and no `frames`.
+    has_full_size : bool
+        Whether the overlay has the video's own size, for which the video is decoded again.
+    exports : iterable of str
+        Formats to write beside the masks.
+    dilation : int, optional
+        How far the formats that ignore what moves widen its masks, px.
+    argument : str
+        What the folder was given by.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written; a file would be replaced that is not ours, or the video itself; there is no such
+        format, or it cannot hold these frames.
+    """
+
+    def __init__(
+        self,
+        folder: str,
+        video: str | None,
+        style: OverlayStyle | None,
+        name: str,
+        frames: tuple[str, ...] | None,
+        num_frames: Callable[[], int],
+        has_full_size: bool = False,
+        exports: Iterable[str] = (),
+        dilation: int | None = None,
+        argument: str = "--out",
+    ):
+        if has_full_size and video is None:
+            got, expected = "frames that were given as arrays", "the size analysed"
+            raise InputError("no overlay of the video's own size", where="--overlay-size", got=got, expected=expected)
+        self._video = video if has_full_size else None
+        self._formats = choose_formats(exports, dilation, frames)
+        check_outputs(folder, video, style is not None, argument)
+        self._folder, self._style, self._frames, self._dilation = Path(folder), style, frames, dilation
+        if self._formats:
+            names = frames or tuple(mask_name(index) for index in range(num_frames()))
+            check_exports(self._formats, self._folder, as_unicode(name), names)
+
+    def write(
+        self, store: ArtifactStore, stored: StoredSegmentation, fps: float, quiet: bool = True
+    ) -> SequenceSummary:
+        """Write masks, overlay and summary, and return what the summary holds; see `write_segmentation`."""
+        full = None if self._video is None else open_frames(self._video, max(stored.shape)).read()
+        return write_segmentation(self._folder, store, stored, fps, self._style, full, self._frames, quiet)
+
+    @property
+    def paths(self) -> tuple[Path, ...]:
+        """Paths that `write` writes."""
+        names = (MASKS, MOTION) if self._style is None else (MASKS, OVERLAY, MOTION)
+        return tuple(self._folder / name for name in names)
+
+    def export(self) -> tuple[Path, ...]:
+        """Write the other formats, after `write`, and return their paths."""
+        if not self._formats:
+            return ()
+        return export(open_segmentation(self._folder), self._formats, self._folder, self._dilation)

@@ -1,0 +1,198 @@
+"""The way from what a command line or a caller chooses to the configuration of the pipeline."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from pydantic import ValidationError
+
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError
+from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES
+from moseg.schemas.spelling import unknown_name
+from moseg.workflows.config.parameter_errors import parameter_error
+
+ConfigLike = PipelineConfig | Mapping[str, Any] | str | os.PathLike
+"""A whole configuration; parameters that differ from the preset's, as ``{"sections.length": 20}`` or ``{"sections":
+{"length": 20}}``; or a YAML file of such parameters, as `moseg config dump` writes it."""
+CUES = {"proposals": "proposal_source", "depth": "depth.method", "flow": "flow.method", "tracks": "tracks.method"}
+"""Cues that can be given as files, each with the parameter that chooses its source."""
+PARAMETER_OF = {f"--{cue}": parameter for cue, parameter in CUES.items()} | {
+    "--motions": "clustering.motions",
+    "--tags": "detections.tags",
+    "--tagger": "detections.tagger",
+    "--masks": "detections.masks",
+    "--tracker": "detections.tracker",
+    "--affinity": "affinity.method",
+    "--section-length": "sections.length",
+}
+"""Parameters that have an option of their own, by option."""
+SETS_OF = {"--preset": PRESETS, "--geometry": GEOMETRIES, "--quality": QUALITIES}
+"""Options that choose many parameters by one name, each with its sets of values by name."""
+
+
+class Choice(NamedTuple):
+    """A parameter that has an option, or an argument, of its own, and its value."""
+
+    option: str
+    parameter: str
+    value: Any
+
+
+@dataclass(frozen=True)
+class PipelineChoices:
+    """The choices of a command line or a caller about the pipeline; later ones in this list override earlier ones.
+
+    Attributes
+    ----------
+    preset, quality, geometry : str or None
+        Names; the default where None.
+    config : PipelineConfig, mapping, path or None
+        A whole configuration, which allows none of these names beside it; or parameters on top of theirs.
+    chosen : tuple of Choice
+        By options of their own.
+    settings : tuple of (str, str)
+        Parameters as ``stage.name``, with their values, in the order in which `--set` gave them.
+    folders : dict of str to str
+        Where the user's own cues lie, by cue; `chosen` takes them from there.
+    """
+
+    config: ConfigLike | None = None
+    preset: str | None = None
+    quality: str | None = None
+    geometry: str | None = None
+    chosen: tuple[Choice, ...] = ()
+    settings: tuple[tuple[str, str], ...] = ()
+    folders: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def names(self) -> dict[str, str]:
+        """The names that were given, by ``preset``, ``quality`` and ``geometry``."""
+        given = {"preset": self.preset, "quality": self.quality, "geometry": self.geometry}
+        return {kind: name for kind, name in given.items() if name is not None}
+
+    @property
+    def is_file(self) -> bool:
+        """Whether `config` is the path of a file."""
+        return isinstance(self.config, str | os.PathLike)
+
+    def make_config(self) -> PipelineConfig:
+        """Return the configuration; raises InputError where a name, a parameter, a value or the file is wrong."""
+        if isinstance(self.config, PipelineConfig) and self.names:
+            got = ", ".join(f"{kind}={name!r}" for kind, name in self.names.items())
+            expected = "one of the two; a mapping of single parameters goes with a preset"
+            raise InputError("a whole configuration beside a choice", got=got, expected=expected)
+        values = choose_preset(**self.names)
+        _merge(values, self.given_values())
+        for choice in self.chosen:
+            _assign(values, choice.parameter, choice.value)
+        for name, value in self.settings:
+            _assign(values, name, value)
+        return _validate(values)
+
+    def read(self) -> PipelineConfig:
+        """Return the configuration of a run; raises InputError also where it needs folders that were not given."""
+        config = self.make_config()
+        for cue, parameter in CUES.items():
+            source = _value_of(config, parameter)
+            # Not by --set alone: what the data set gives must not stand in for the user's folder.
+            if (source == "folder") != (cue in self.folders):
+                got, expected = f"{source} by --set or --config", f"--{cue} folder:PATH"
+                raise InputError("a folder and its use disagree", where=f"--{cue}", got=got, expected=expected)
+        self._check_detections(config)
+        return config
+
+    def given_values(self) -> dict[str, Any]:
+        """Return the values of `config`, nested by stage; raises InputError where it is not a configuration."""
+        if isinstance(self.config, PipelineConfig):
+            return self.config.model_dump()
+        if self.is_file:
+            from moseg.workflows.config.config_files import read_config_file
+
+            return read_config_file(os.fsdecode(self.config))
+        values: dict[str, Any] = {}
+        if isinstance(self.config, Mapping):
+            for name, value in self.config.items():
+                _merge(values, _nested(str(name), value))
+        elif self.config is not None:
+            expected = "a PipelineConfig, a mapping of parameters, or the path of a YAML file"
+            raise InputError("not a configuration", got=type(self.config).__name__, expected=expected)
+        return values
+
+    def given_config(self) -> PipelineConfig:
+        """Return what `config` alone makes of the defaults."""
+        return _validate(self.given_values())
+
+    def _check_detections(self, config: PipelineConfig) -> None:
+        """Raise InputError where an option of detections would change nothing."""
+        given = {choice.parameter: choice for choice in self.chosen if choice.parameter.startswith("detections.")}
+        if given and config.proposal_source != "detections":
+            expected = "--proposals detections, or a preset that has it"
+            where, got = next(iter(given.values())).option, f"proposals {config.proposal_source}"
+            raise InputError("an option of detections", where=where, got=got, expected=expected)
+        if {"detections.tags", "detections.tagger"} <= given.keys():
+            got = f"--tags {given['detections.tags'].value}"
+            raise InputError("nothing to tag", where="--tagger", got=got, expected="one of the two")
+
+
+def choose_preset(preset: str = "weights-free", geometry: str = "default", quality: str = "default") -> dict[str, Any]:
+    """Return the values of a preset, a geometry and a quality; raises InputError on an unknown name."""
+    values: dict[str, Any] = {}
+    for (option, known), name in zip(SETS_OF.items(), (preset, geometry, quality), strict=True):
+        if name not in known:
+            raise unknown_name(option.removeprefix("--"), name, known, where=option)
+        for stage, chosen in known[name].items():
+            values[stage] = {**values.get(stage, {}), **chosen} if isinstance(chosen, Mapping) else chosen
+    return values
+
+
+def refuse_ground_truth(config: PipelineConfig) -> None:
+    """Raise InputError where a configuration for the user's own video takes something from ground truth."""
+    for parameter in CUES.values():
+        if _value_of(config, parameter) == "groundtruth":
+            raise InputError("no ground truth of your own video", where=parameter, got="groundtruth")
+    if config.clustering.motions == "gt":
+        expected = "auto or a number"
+        raise InputError("no ground truth of your own video", where="--motions", got="gt", expected=expected)
+
+
+def _value_of(config: PipelineConfig, parameter: str) -> Any:
+    value: Any = config
+    for name in parameter.split("."):
+        value = getattr(value, name)
+    return value
+
+
+def _nested(dotted: str, value: Any) -> dict[str, Any]:
+    for name in reversed(dotted.split(".")):
+        value = {name: value}
+    return value
+
+
+def _merge(values: dict[str, Any], changes: Mapping[str, Any]) -> None:
+    """Put `changes` into `values`, stage by stage."""
+    for name, change in changes.items():
+        if isinstance(change, Mapping):
+            inner = values.get(name)
+            values[name] = dict(inner) if isinstance(inner, Mapping) else {}
+            _merge(values[name], change)
+        else:
+            values[name] = change
+
+
+def _assign(values: dict[str, Any], dotted: str, value: Any) -> None:
+    """Put the value of ``stage.name`` into `values`; raises InputError where a parameter stands for the stage."""
+    *parents, name = dotted.split(".")
+    for parent in parents:
+        values = values.setdefault(parent, {})
+        if not isinstance(values, dict):
+            raise InputError("not a setting", where="--set", got=dotted, expected="stage.name=value")
+    values[name] = value
+
+
+def _validate(values: dict[str, Any]) -> PipelineConfig:
+    try:
+        return PipelineConfig.model_validate(values)
+    except ValidationError as error:
+        raise parameter_error(error) from error

@@ -1,0 +1,91 @@
+"""Choices of evaluations on labelled trajectories, and which of the others have no meaning there."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError
+from moseg.workflows.config.parameters import list_parameters, value_of
+from moseg.workflows.config.pipeline_choices import PipelineChoices
+
+READ_PARAMETERS = ("fused_point_models", "clustering.motions", "hypotheses.", "kernel.", "trajectory_clustering.")
+"""Parameters, and stages of parameters, that trajectories without images read."""
+DEFAULT_NAMES = {"preset": "weights-free", "quality": "default", "geometry": "default"}
+
+
+@dataclass(frozen=True)
+class TrajectoryChoices:
+    """Views and seeds, of labelled trajectories only.
+
+    Attributes
+    ----------
+    views : tuple of str or None
+        Point models that ``fused`` combines; those of the configuration where None.
+    seed : int or None
+        Of the random draws; that of the configuration where None.
+    seeds : int or None
+        Number of seeds, from 0, to average over; a single run where None.
+    """
+
+    views: tuple[str, ...] | None = None
+    seed: int | None = None
+    seeds: int | None = None
+
+    @property
+    def all_seeds(self) -> range | None:
+        """Seeds to average over; None where a single run is asked for."""
+        return None if self.seeds is None else range(self.seeds)
+
+    def refuse(self, dataset: str) -> None:
+        """Raise InputError where one is given for a data set of frames."""
+        for name in ("views", "seed", "seeds"):
+            if getattr(self, name) is not None:
+                where, got = f"--{name}", f"data set {dataset}"
+                raise InputError("an option of labelled trajectories", where=where, got=got, expected="kt3dmoseg")
+
+    def apply(self, choices: PipelineChoices, config: PipelineConfig, dataset: str) -> PipelineConfig:
+        """Return the configuration with these choices; raises InputError where another choice needs images."""
+        _refuse_images(choices, dataset)
+        if self.seed is not None and self.seeds is not None:
+            raise InputError("two choices", where="--seed", got=f"--seeds {self.seeds} too", expected="one of them")
+        chosen = {}
+        if self.views is not None:
+            chosen["fused_point_models"] = self.views
+        if self.seed is not None:
+            chosen["hypotheses"] = config.hypotheses.model_copy(update={"seed": self.seed})
+        config = config.model_copy(update=chosen)
+        _check_views(config.fused_point_models, "fused_point_models" if self.views is None else "--views")
+        return config
+
+
+def _check_views(names: Sequence[str], where: str) -> None:
+    """Raise InputError unless the names are different point models of points without depth."""
+    from moseg.tasks.point_models import POINT_MODELS
+
+    known = [name for name, model in POINT_MODELS.items() if not model.needs_depth]
+    if not set(names) <= set(known) or len(set(names)) < len(names):
+        expected = f"different ones of {', '.join(known)}, separated by commas"
+        raise InputError("not point models", where=where, got=",".join(names), expected=expected)
+
+
+def _refuse_images(choices: PipelineChoices, dataset: str) -> None:
+    """Raise InputError where a choice is given that applies only to frames."""
+    got = f"data set {dataset}, trajectories without images"
+    for option in _options_for_images(choices):
+        raise InputError("an option for images", where=option, got=got, expected="a data set of frames")
+    for name, _ in choices.settings:
+        if not name.startswith(READ_PARAMETERS):
+            expected = " or ".join(name.removesuffix(".") for name in READ_PARAMETERS)
+            raise InputError("a parameter for images", where=f"--set {name}", got=got, expected=expected)
+    # A full file has all parameters; those at their default change nothing.
+    given = choices.given_config()
+    for name, parameter in list_parameters().items():
+        if not name.startswith(READ_PARAMETERS) and value_of(given, parameter) != parameter.default:
+            where = f"{choices.config}: {name}" if choices.is_file else name
+            raise InputError("a parameter for images", where=where, got=got, expected="its default, or none")
+
+
+def _options_for_images(choices: PipelineChoices) -> Iterator[str]:
+    """Yield the options that were given and apply only to frames."""
+    yield from (f"--{kind}" for kind, name in choices.names.items() if name != DEFAULT_NAMES[kind])
+    yield from (choice.option for choice in choices.chosen if not choice.parameter.startswith(READ_PARAMETERS))
