@@ -13,7 +13,6 @@ reduced by Householder QR afterwards.
 import math
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 
 from moseg.schemas.errors import InputError
@@ -122,6 +121,9 @@ def _pack(factor, target, rest, count) -> np.ndarray:
 
 def _checked(flow, inverse_depth, masks, num_objects, params):
     """Return checked masks with objects 1 .. K (0: not used), and flow and inverse depth without non-finite values."""
+    # Here, because the names of the models are listed by commands that compute nothing.
+    import cv2
+
     shape = masks.shape
     if flow.shape != (*shape, 2) or (inverse_depth is not None and inverse_depth.shape != shape):
         got = f"flow {flow.shape}, inverse depth {None if inverse_depth is None else inverse_depth.shape}"
@@ -155,6 +157,8 @@ def depth_gauge(rho, model) -> tuple[float, float]:
 
 def _crop(mask, flow, rho) -> Pixels | None:
     """Return the bounding box of one object's pixels; None if it has none."""
+    import cv2
+
     x, y, width, height = cv2.boundingRect(mask.view(np.uint8))
     if width == 0:
         return None

@@ -5,7 +5,6 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import DeaotParams, RefinementParams, Sam2Params
-from moseg.workflows.sources.resize import resize_labels
 from moseg.workflows.stages.components import join_rows
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
@@ -33,6 +32,7 @@ def _run_saliency(params, inputs, rng):
 def _run_given(params, inputs, rng):
     from moseg.tasks.proposals.boxes import object_boxes
     from moseg.tasks.proposals.given import relabel_masks
+    from moseg.workflows.sources.resize import resize_labels
 
     # A frame without a given mask shows no object.
     given = np.zeros((params["stop"] - params["start"], *params["shape"]), np.uint16)

@@ -4,13 +4,14 @@ from functools import partial
 
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.trajectory_scores import TrajectoryScore
-from moseg.workflows.sources.resize import resize_labels
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 
 def _annotated_frames(inputs, indices, section_length):
     """Yield pairs of predicted and annotated labels at the annotation's size, one frame at a time."""
+    from moseg.workflows.sources.resize import resize_labels
+
     sections = [section.row_reader("labels") for section in inputs.all("segmentation")]
     annotation = inputs["annotation"].row_reader("masks")
     for row, index in enumerate(indices):
@@ -30,6 +31,7 @@ def _run_masks(params, inputs, rng):
 def _labelled_frames(inputs, section_length):
     """Yield predicted and true labels of the visible points of every frame, looked up at the original size."""
     from moseg.tasks.metrics import sample_points
+    from moseg.workflows.sources.resize import resize_labels
 
     sections = [section.row_reader("labels") for section in inputs.all("segmentation")]
     ground_truth = inputs["labelled_points"]
