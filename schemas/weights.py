@@ -1,46 +1,28 @@
 """Weights of networks: the files of an item, their sources and licence."""
 
 import re
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 from urllib.parse import urlsplit
 
 from pydantic import AfterValidator, Field, StringConstraints, field_validator, model_validator
 
+from moseg.schemas.choices import ChoiceOf
+from moseg.schemas.declared_names import declared_names
 from moseg.schemas.digests import canonical_json
 from moseg.schemas.frozen import Frozen
 
-Architecture = Literal[
-    "raft",
-    "pips",
-    "deaot",
-    "ram",
-    "ram_plus",
-    "grounding_dino",
-    "sam_hq",
-    "sam2",
-    "dpt_dinov2",
-    "depth_anything",
-]
-
+Architecture = Annotated[str, ChoiceOf("weights.architecture")]
+"""Of a network; the stages declare those that they run."""
 TENSOR_SUFFIXES = (".pth", ".bin", ".safetensors")
-DOCUMENTS: Mapping[Architecture, tuple[str, ...]] = {
-    "raft": (),
-    "pips": (),
-    "deaot": (),
-    "ram": ("tags.txt", "thresholds.txt"),
-    "ram_plus": ("tags.txt", "thresholds.txt"),
-    "grounding_dino": ("config.json", "preprocessor_config.json", "vocab.txt"),
-    "sam_hq": ("config.json",),
-    "sam2": ("config.json",),
-    "dpt_dinov2": ("config.json",),
-    "depth_anything": ("config.json",),
-}
-"""Files from which each network is built, in addition to its tensors."""
 PINS = "pins.json"
 RESERVED = (PINS, ".lock")
 RESERVED_SUFFIXES = (".partial", ".refused")
 LOOPBACK = ("localhost", "127.0.0.1", "::1")
+
+
+def documents_of(architecture: str) -> tuple[str, ...]:
+    """Return the files from which a network is built, in addition to its tensors."""
+    return declared_names(f"weights.documents.{architecture}")
 
 
 def is_trusted_url(url: str) -> bool:
@@ -123,7 +105,7 @@ class WeightsItem(Frozen):
             raise ValueError(
                 f"Input should be files of different names, exactly one of them {_either(TENSOR_SUFFIXES)}"
             )
-        absent = [name for name in DOCUMENTS[self.architecture] if name not in names]
+        absent = [name for name in documents_of(self.architecture) if name not in names]
         if absent:
             raise ValueError(f"Input should be an item whose files include {', '.join(absent)}")
         return self

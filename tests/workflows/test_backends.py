@@ -1,14 +1,13 @@
 """The overview of backends lists what there is, and nothing else."""
 
 import json
-from typing import get_args
 
 import numpy as np
 import pytest
 
 from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.declared_names import declared_names
 from moseg.schemas.errors import StoreError
-from moseg.schemas.weights import Architecture
 from moseg.workflows.config.parameters import list_parameters
 from moseg.workflows.stages.needed_weights import needed_items, parameters_of
 from moseg.workflows.stages.registry import STAGES, all_choices, axes_of
@@ -59,7 +58,7 @@ def test_a_network_reads_the_weights_that_are_listed_for_it(choice, backend):
 
 def test_every_weights_item_is_taken_by_a_backend_and_every_default_exists():
     weights = open_weights({"MOSEG_WEIGHTS": "/nowhere"})
-    assert {backend.network.architecture for _, backend in NETWORKS} == set(get_args(Architecture))
+    assert {backend.network.architecture for _, backend in NETWORKS} == set(declared_names("weights.architecture"))
     assert all(row.parameters for row in weights_rows(weights, parameters_of))
     for _, backend in NETWORKS:
         assert weights.item(backend.network.default).architecture == backend.network.architecture

@@ -45,7 +45,7 @@ DPT_DINOV2 = Task(
     version=2,
     run_together=_run_dpt_dinov2,
     params=_dpt_dinov2_params,
-    network=Network("dpt_dinov2", "dpt_dinov2.weights", "dpt-dinov2-large-nyu"),
+    network=Network("dpt_dinov2", "dpt_dinov2.weights", "dpt-dinov2-large-nyu", ("config.json",)),
 )
 DEPTH_ANYTHING_V2 = Task(
     "depth",
@@ -53,7 +53,7 @@ DEPTH_ANYTHING_V2 = Task(
     version=2,
     run_together=_run_depth_anything,
     params=_depth_anything_params,
-    network=Network("depth_anything", "depth_anything_v2.weights", "depth-anything-v2-small"),
+    network=Network("depth_anything", "depth_anything_v2.weights", "depth-anything-v2-small", ("config.json",)),
 )
 
 STAGE = Stage(

@@ -7,6 +7,8 @@ from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
 from moseg.workflows.stages.task import Network, Output, Task
 
+DOCUMENTS = ("config.json", "preprocessor_config.json", "vocab.txt")
+
 
 def _run(params, inputs, rng):
     from moseg.tasks.detections import detect_objects
@@ -33,7 +35,7 @@ GROUNDING_DINO = Task(
     version=2,
     run=_run,
     params=_params,
-    network=Network("grounding_dino", "grounding_dino.weights", "grounding-dino-tiny"),
+    network=Network("grounding_dino", "grounding_dino.weights", "grounding-dino-tiny", DOCUMENTS),
 )
 
 STAGE = Stage(

@@ -55,7 +55,7 @@ SAM_HQ = Task(
     version=2,
     run=_run_sam_hq,
     params=_sam_hq_params,
-    network=Network("sam_hq", "sam_hq.weights", "sam-hq-vit-large"),
+    network=Network("sam_hq", "sam_hq.weights", "sam-hq-vit-large", ("config.json",)),
 )
 SAM2 = Task(
     "instances",
@@ -63,7 +63,7 @@ SAM2 = Task(
     version=2,
     run=_run_sam2,
     params=_sam2_params,
-    network=Network("sam2", "sam2.weights", "sam2.1-hiera-large"),
+    network=Network("sam2", "sam2.weights", "sam2.1-hiera-large", ("config.json",)),
 )
 
 STAGE = Stage(

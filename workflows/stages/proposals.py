@@ -122,7 +122,7 @@ SAM2 = Task(
     version=2,
     run=_run_sam2,
     params=_sam2_params,
-    network=Network("sam2", "sam2.weights", "sam2.1-hiera-large"),
+    network=Network("sam2", "sam2.weights", "sam2.1-hiera-large", ("config.json",)),
 )
 
 STAGE = Stage(

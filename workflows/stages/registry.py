@@ -107,8 +107,18 @@ def names_of(parameter: str) -> tuple[str, ...]:
         from moseg.tasks.motion_models import FLOW_MODELS
 
         return tuple(FLOW_MODELS)
+    if parameter.startswith("weights."):
+        return _names_of_weights(parameter)
     (names,) = (choice.names for choice in all_choices() if choice.parameter == parameter)
     return names
+
+
+def _names_of_weights(parameter: str) -> tuple[str, ...]:
+    """Return every architecture, or the documents of one (``weights.documents.<architecture>``)."""
+    documents = {task.network.architecture: task.network.documents for task in all_tasks() if task.network is not None}
+    if parameter == "weights.architecture":
+        return tuple(documents)
+    return documents[parameter.removeprefix("weights.documents.")]
 
 
 def artifact_names() -> tuple[str, ...]:

@@ -9,7 +9,6 @@ from typing import TypeVar
 
 from moseg.workflows.process.devices import current_device, network_context
 from moseg.workflows.stages.inputs import ArtifactView
-from moseg.workflows.weights.folder import open_weights
 
 Network = TypeVar("Network")
 
@@ -46,6 +45,9 @@ def open_network(build: Callable[..., Network], weights: ArtifactView) -> Iterat
 
 
 def _load(build: Callable[..., Network], weights: ArtifactView) -> Network:
+    # Here, because the items of the catalogue are checked against the networks that the stages declare.
+    from moseg.workflows.weights.folder import open_weights
+
     leaf = weights.attributes
     # What a task reads was fetched before the tasks were started; a worker never uses the network.
     folder = open_weights(os.environ, offline=True, allow_non_commercial=True)

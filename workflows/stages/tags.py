@@ -6,6 +6,8 @@ from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import Backend, Choice, Stage
 from moseg.workflows.stages.task import Network, Output, Task
 
+DOCUMENTS = ("tags.txt", "thresholds.txt")
+
 
 def _run_ram(params, inputs, rng):
     from moseg.tasks.networks.ram import build_ram
@@ -37,14 +39,16 @@ def _tagger(config: PipelineConfig) -> str | None:
     return config.detections.tagger if uses_tags else None
 
 
-RAM = Task("tags", "ram", version=2, run=_run_ram, params=_ram_params, network=Network("ram", "ram.weights", "ram"))
+RAM = Task(
+    "tags", "ram", version=2, run=_run_ram, params=_ram_params, network=Network("ram", "ram.weights", "ram", DOCUMENTS)
+)
 RAM_PLUS = Task(
     "tags",
     "ram-plus",
     version=2,
     run=_run_ram_plus,
     params=_ram_params,
-    network=Network("ram_plus", "ram.weights", "ram-plus"),
+    network=Network("ram_plus", "ram.weights", "ram-plus", DOCUMENTS),
 )
 
 STAGE = Stage(

@@ -33,11 +33,14 @@ class Network(NamedTuple):
         ``stage.name`` of the parameter that names the weights item.
     default : str
         Item that is read if the parameter names none.
+    documents : tuple of str
+        Files of the weights from which the network is built, in addition to its tensors.
     """
 
     architecture: str
     parameter: str
     default: str
+    documents: tuple[str, ...] = ()
 
     def item(self, config: PipelineConfig) -> str:
         """Return the name of the weights item that a configuration chooses."""

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from moseg.schemas.weights import Architecture, WeightsFile, WeightsItem
+from moseg.schemas.weights import WeightsFile, WeightsItem
 
 HUB = "https://huggingface.co"
 NO_COMMIT = "main"
@@ -48,7 +48,7 @@ UNKNOWN: Known = (None, None)
 
 def _hub_item(
     name: str,
-    architecture: Architecture,
+    architecture: str,
     repository: str,
     commit: str,
     files: dict[str, Known],
@@ -88,7 +88,7 @@ def _raft(name: str, file: str, size: int, sha256: str) -> WeightsItem:
     )
 
 
-def _ram(name: str, architecture: Architecture, repository: str, commit: str, file: str, known: Known) -> WeightsItem:
+def _ram(name: str, architecture: str, repository: str, commit: str, file: str, known: Known) -> WeightsItem:
     return _hub_item(
         name, architecture, repository, commit, {"model.pth": known}, {"model.pth": file}, others=TAG_FILES
     )

@@ -1,10 +1,9 @@
 """Properties of every item of the catalogue."""
 
-from typing import get_args
-
 import pytest
 
-from moseg.schemas.weights import TENSOR_SUFFIXES, Architecture
+from moseg.schemas.declared_names import declared_names
+from moseg.schemas.weights import TENSOR_SUFFIXES
 from moseg.workflows.weights.catalogue import CATALOGUE
 from moseg.workflows.weights.hub import parse_hub_url
 
@@ -12,7 +11,7 @@ ITEMS = {item.name: item for item in CATALOGUE}
 
 
 def test_every_architecture_has_weights():
-    assert {item.architecture for item in CATALOGUE} == set(get_args(Architecture))
+    assert {item.architecture for item in CATALOGUE} == set(declared_names("weights.architecture"))
     assert len(ITEMS) == len(CATALOGUE)
 
 

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from moseg.schemas.weights import DOCUMENTS
+from moseg.schemas.declared_names import declared_names
 
 CONTENT = b"weights" * 1000
 
@@ -130,7 +130,7 @@ def test_tiny_checkpoints_are_read_by_their_networks(tmp_path, moseg, monkeypatc
     build_raft(weights.read(item, weights.digests(item)))
 
 
-@pytest.mark.parametrize("architecture", DOCUMENTS)
+@pytest.mark.parametrize("architecture", declared_names("weights.architecture"))
 def test_every_network_has_a_tiny_checkpoint(tmp_path, architecture):
     from moseg.workflows.weights.catalogue import CATALOGUE
     from moseg.workflows.weights.folder import open_weights
