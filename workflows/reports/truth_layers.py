@@ -92,7 +92,7 @@ def _error_drawer(view: SequenceView, variant: Variant) -> Callable[[int], Pictu
 
 
 def _make_true_points(view: SequenceView) -> Layer:
-    (points, visible, labels), size = read_labelled_points(view.store, view.graph.leaves.labelled_points)
+    points, visible, labels, size = read_labelled_points(view.store, view.graph.leaves.labelled_points)
     order = np.argsort(labels > 0, kind="stable")
     colours = np.where((labels > 0)[:, None], np.array(TRUTH_COLOUR), np.array(STATIC_POINT) // 2).astype(np.uint8)
     drawn = DrawnPoints(points[order], visible[order], colours[order], size)
