@@ -159,6 +159,22 @@ def test_the_wheel_runs_without_the_checkout(wheel, squares, tmp_path):
     assert len(list((tmp_path / "out" / "masks").iterdir())) == 10
 
 
+@pytest.mark.parametrize("is_installed", [True, False])
+def test_a_script_imports_moseg_beside_modules_of_any_name(wheel, tmp_path, is_installed):
+    (tmp_path / "store").mkdir()
+    for name in ("schemas.py", "workflows.py", "moseg_tasks.py", "tasks.py", "store/__init__.py"):
+        (tmp_path / name).write_text("raise ImportError('the user's own')\n")
+    script = tmp_path / "script.py"
+    script.write_text("import moseg\nprint(moseg.segment_video, moseg.evaluate, moseg.load_config().flow.method)\n")
+    path = wheel.folder if is_installed else ROOT / EDITOR
+    environ = {"PATH": os.environ["PATH"], "HOME": str(tmp_path), "PYTHONPATH": str(path)}
+    ran = subprocess.run(
+        [sys.executable, script], cwd=tmp_path, env=environ, capture_output=True, text=True, check=False
+    )
+    assert ran.returncode == 0, ran.stderr
+    assert ran.stdout.endswith(" dis\n")
+
+
 def test_installed_code_and_the_checkouts_are_the_same_to_a_cluster(wheel, source):
     code = "from moseg.workflows.cluster.process_facts import code_fingerprint; print(code_fingerprint())"
     found = set()
