@@ -121,7 +121,7 @@ def _rigid_flow() -> Rows:
         (text, *(f"{{rigid-flow/{path}/{statistic}{forms[path]}}}" for statistic in ("median", "p95", "max")))
         for path, text in texts.items()
     ]
-    return [("share of the RMS flow left, percent", "median", "95th percentile", "largest"), *rows]
+    return [("share of the RMS flow not explained, percent", "median", "95th percentile", "largest"), *rows]
 
 
 def _trajectories() -> Rows:
@@ -208,7 +208,7 @@ TABLES = {
     ],
     "davis-sequences": _davis_sequences(),
     "quality": [
-        ("quality", "J", "Fu", "s a frame"),
+        ("quality", "J", "Fu", "s per frame"),
         *(
             (
                 f"`{quality}`",
