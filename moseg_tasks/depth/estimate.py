@@ -11,6 +11,8 @@ from moseg.tasks.depth.depth_anything import predict_depth_anything
 from moseg.tasks.depth.dpt_dinov2 import predict_dpt_dinov2
 from moseg.tasks.networks.depth import DptDinov2
 
+_PREDICT = {DptDinov2Params: predict_dpt_dinov2, DepthAnythingParams: predict_depth_anything}
+
 
 def estimate_inverse_depth(
     model: DptDinov2 | DepthAnythingForDepthEstimation,
@@ -46,11 +48,8 @@ def estimate_inverse_depth(
     if len(images) == 0:
         return np.zeros(images.shape[:3], np.float32)
     with torch.inference_mode():
-        if isinstance(params, DptDinov2Params):
-            inverse_depth = predict_dpt_dinov2(model, images, params)
-        else:
-            inverse_depth = predict_depth_anything(model, images, params)
+        inverse_depth = _PREDICT[type(params)](model, images, params)
     inverse_depth = inverse_depth.cpu().numpy()
     if not np.isfinite(inverse_depth).all():
-        raise InputError("inverse depth is not finite", where=f"what weights {params.weights} give")
+        raise InputError("inverse depth is not finite", where=f"the output of {type(model).__name__}")
     return inverse_depth
