@@ -122,6 +122,7 @@ def test_an_installed_package_is_seen_everywhere(run_with):
     code, _, err = run_with("eval", "--flow", "nonsense")
     assert code == 2 and "'folder' or 'farneback'" in err
     assert "farneback" in run_with("config", "show", "flow.method")[1]
+    assert "or nova-mean" in run_with("eval", "--help")[1] and "npz or count" in run_with("export", "--help")[1]
 
 
 def test_a_method_and_a_model_are_computed_and_their_code_stands_in_the_keys(run_with, site, squares, tmp_path):

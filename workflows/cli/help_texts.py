@@ -8,6 +8,7 @@ import typer
 from rich.markup import escape
 from typer.core import TyperCommand, TyperGroup, TyperOption
 
+from moseg.workflows.cli.export import fill_in_formats
 from moseg.workflows.cli.named_options import fill_in_choices
 
 _EXAMPLES = re.compile(r"\n*^Examples\n-+\n(.*)\Z", re.MULTILINE | re.DOTALL)
@@ -42,6 +43,7 @@ def _tidy(command: TyperGroup | TyperCommand) -> None:
     for parameter in (*command.params, command.get_help_option(context)):
         if isinstance(parameter, TyperOption):
             fill_in_choices(parameter)
+            fill_in_formats(parameter)
         if isinstance(parameter, TyperOption) and (parameter.is_flag or parameter.is_eager):
             parameter.metavar = ""
         elif isinstance(parameter, TyperOption) and parameter.metavar is None:
