@@ -37,5 +37,5 @@ def test_an_artifact_without_invalid_fits_gives_no_event(arrays):
     assert degenerate_event(REF, "flow_model", arrays) is None
 
 
-def test_reasons_are_known_of_the_stage_that_gives_them():
+def test_only_the_stage_that_gives_reasons_has_them():
     assert set(REASONS) == {RANSAC_FIT.name}

@@ -104,7 +104,7 @@ def test_waiting_lines_are_written_when_the_block_fails():
     assert [_refs(lines) for lines in store.appends] == [[REFS[0]]]
 
 
-def test_a_failed_append_is_raised_and_hides_no_other_error():
+def test_a_failed_append_is_raised_unless_it_would_hide_another_error():
     full = StoreError("cannot write a run's log: no space left")
     with pytest.raises(StoreError, match="a run's log"):
         _log_late(_Store(full))

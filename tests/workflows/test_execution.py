@@ -42,7 +42,7 @@ def test_missing_libraries_of_networks_are_reported_with_a_remedy(execute, monke
 
 
 @pytest.mark.parametrize("fault", [RuntimeError("shape"), ModuleNotFoundError("No module named 'ours'", name="ours")])
-def test_other_faults_stay_faults(execute, fault):
+def test_other_errors_are_raised_unchanged(execute, fault):
     with pytest.raises(type(fault)) as raised:
         execute(fault)
     assert raised.value is fault

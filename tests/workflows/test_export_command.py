@@ -88,7 +88,7 @@ def test_the_store_is_not_needed_and_nothing_else_is_touched(out, moseg, squares
 
 
 @pytest.mark.parametrize("name", ["npz", "davis"])
-def test_exported_masks_are_scored_as_those_that_segment_left(squares_out, squares, moseg, tmp_path, name):
+def test_exported_masks_score_like_those_of_segment(squares_out, squares, moseg, tmp_path, name):
     shutil.copytree(squares_out / "masks", tmp_path / "saved" / "squares" / "masks")
     assert moseg("export", squares_out, "--to", name, "--out", tmp_path / "exported").code == 0
     folders = {"saved": tmp_path / "saved", name: tmp_path / "exported" / (name if name == "davis" else "")}

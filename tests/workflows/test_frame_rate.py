@@ -66,6 +66,6 @@ def _rates(out):
     ("kind", "asked", "expected"),
     [("video", None, OWN), ("video", 30, 30), ("folder", None, 24), ("folder", 30, 30), ("video", 12.5, 12.5)],
 )
-def test_the_rate_asked_for_wins_over_the_video_s_own(request, videos, tmp_path, way, kind, asked, expected):
+def test_the_given_frame_rate_overrides_that_of_the_video(request, videos, tmp_path, way, kind, asked, expected):
     request.getfixturevalue(way)(videos[kind], tmp_path / "out", asked)
     assert _rates(tmp_path / "out") == (Fraction(expected), expected)

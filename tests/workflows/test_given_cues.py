@@ -125,7 +125,7 @@ def _stages(folder):
 
 
 @pytest.mark.parametrize("save", [_save_npy, _save_flo])
-def test_flow_from_files_gives_what_the_same_flow_gives_that_was_estimated(segment, flow_folder, tmp_path, save):
+def test_flow_from_files_gives_the_result_of_the_same_estimated_flow(segment, flow_folder, tmp_path, save):
     expected, _ = segment(store="estimated")
     found, _ = segment("--flow", f"folder:{flow_folder(FORWARD, BACKWARD, save=save)}")
     assert expected.any()
@@ -162,7 +162,7 @@ def test_invalid_pixels_of_kitti_do_not_count_as_at_rest(segment, squares, tmp_p
     np.testing.assert_array_equal(found, truth)
 
 
-def test_saliency_sees_no_motion_in_the_gaps_of_the_flow(segment, tmp_path, estimated):
+def test_flow_with_gaps_finds_the_objects_of_the_whole_flow(segment, tmp_path, estimated):
     def save(path, flow):
         valid = np.indices(flow.shape[:2]).sum(axis=0) % 2
         _save_kitti(path, flow * valid[..., None], valid)
@@ -176,7 +176,7 @@ def test_saliency_sees_no_motion_in_the_gaps_of_the_flow(segment, tmp_path, esti
     assert both > 0.8 * either
 
 
-def test_reduced_frames_take_flow_of_their_own_and_of_the_original_size(segment, squares, tmp_path, estimated):
+def test_reduced_frames_accept_flow_of_their_own_and_of_the_original_size(segment, squares, tmp_path, estimated):
     masks = ("--proposals", f"folder:{squares / 'squares' / 'masks'}", "--set", "max_side=64")
     _write_flow(tmp_path / "whole", estimated[FORWARD])
     halves = [cv2.resize(flow, (64, 48), interpolation=cv2.INTER_AREA) / 2 for flow in estimated[FORWARD]]
@@ -187,7 +187,7 @@ def test_reduced_frames_take_flow_of_their_own_and_of_the_original_size(segment,
     np.testing.assert_array_equal(whole, half)
 
 
-def test_tracks_from_a_file_tell_what_moves(segment, squares, track_file, truth, tmp_path):
+def test_tracks_from_a_file_find_the_moving_objects(segment, squares, track_file, truth, tmp_path):
     masks = ("--proposals", f"folder:{squares / 'squares' / 'masks'}", "--variant", "trajs", "--motions", "3")
     found, _ = segment("--tracks", f"folder:{track_file}", *masks)
     np.testing.assert_array_equal(found, truth)

@@ -54,7 +54,7 @@ def _identities(store):
 
 
 @pytest.mark.parametrize("variant", ["base", "fused"])
-def test_masks_and_summary_name_the_objects_as_the_user_does(given, segment, variant):
+def test_masks_and_summary_keep_the_ids_of_the_given_objects(given, segment, variant):
     folder, labels = given()
     masks, motion = segment(folder, "--variant", variant)
     np.testing.assert_array_equal(masks, labels)
@@ -62,7 +62,7 @@ def test_masks_and_summary_name_the_objects_as_the_user_does(given, segment, var
     assert [entry["num_frames"] for entry in motion["objects"]] == [NUM_FRAMES, NUM_FRAMES]
 
 
-def test_a_static_object_leaves_its_number_to_nobody(given, segment):
+def test_the_id_of_a_static_object_is_not_reused(given, segment):
     folder, labels = given()
     masks, motion = segment(folder, "--motions", "1")
     assert not masks.any()

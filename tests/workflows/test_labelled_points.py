@@ -98,7 +98,7 @@ def _only(report):
     return row["mean"]
 
 
-def test_a_perfect_prediction_scores_a_hundred_and_the_report_says_over_what(clip, score):
+def test_a_perfect_prediction_scores_a_hundred_and_the_report_counts_the_scored_points(clip, score):
     report, out = score(clip.points_root, clip.scene.moving)
     assert _only(report) == dict.fromkeys(MEASURES, 100)
     assert (report["dataset"], report["over"]) == ("kt3dinsmoseg", "points")
@@ -128,7 +128,7 @@ def test_points_score_a_good_prediction_nearly_as_masks_do(clip, score):
     assert {name: over_points[name] for name in MEASURES} == pytest.approx({m: dense[m] for m in MEASURES}, abs=4)
 
 
-def test_a_missed_and_a_false_object_are_told_by_the_points_on_them(clip, score):
+def test_missed_and_false_objects_are_scored_at_the_points_on_them(clip, score):
     moving, objects = clip.scene.moving, clip.scene.objects
     missed, found = (label for label in np.unique(moving) if label)
     static = next(label for label in np.unique(objects) if label not in (0, missed, found))
@@ -152,7 +152,7 @@ def test_an_evaluation_scores_at_the_points_as_saved_masks_do(clip, run, tmp_pat
     assert re.search(r"^0 artifacts to compute", run("plan", clip.points_root, given, *options), re.MULTILINE)
 
 
-def test_the_pipeline_finds_what_moves_in_the_clip_with_the_labelled_number_of_motions(clip, moseg, tmp_path):
+def test_the_pipeline_finds_the_moving_objects_with_the_labelled_number_of_motions(clip, moseg, tmp_path):
     data = ("--dataset", "kt3dinsmoseg", "--root", clip.points_root, "--sequences", CLIP)
     options = ("--motions", "gt", "--variant", "base", "--variant", "fused", "--json", tmp_path / "report.json")
     assert moseg("eval", *data, *options, "--store", tmp_path / "store", "--quiet").code == 0

@@ -57,7 +57,7 @@ def _tasks(refs):
         ("tracks", BEHIND_TRACKS),
     ],
 )
-def test_other_weights_recompute_their_stage_and_what_lies_behind_it(preset, stage, moved):
+def test_other_weights_recompute_their_stage_and_those_downstream(preset, stage, moved):
     config = _config(preset)
     before = _graph(config)
     read = [recipe.inputs["weights"] for recipe in before.recipes.values() if recipe.task == stage]
@@ -66,7 +66,7 @@ def test_other_weights_recompute_their_stage_and_what_lies_behind_it(preset, sta
     assert _tasks(after.recipes.keys() - before.recipes.keys()) == moved
 
 
-def test_weights_of_the_trackers_and_masks_move_them_alone():
+def test_weights_of_trackers_and_masks_change_only_the_keys_of_their_stages():
     config = _config("paper")
     before = _graph(config)
     for item, first in (("sam-hq-vit-large", "instances"), (config.deaot.weights, "proposals")):
@@ -90,12 +90,12 @@ def test_weights_of_the_trackers_and_masks_move_them_alone():
         ({"instances__max_area": 0.5}, {"instances", "seeds", "proposals"} | AFTER_PROPOSALS | GROUPS),
     ],
 )
-def test_a_network_s_parameters_move_what_it_makes_and_no_others(change, moved):
+def test_parameters_of_a_network_change_the_keys_of_its_results_and_no_others(change, moved):
     before, after = _graph(_config("paper")), _graph(_config("paper", **change))
     assert _tasks(after.recipes.keys() - before.recipes.keys()) == moved
 
 
-def test_named_tags_are_looked_for_and_nothing_is_tagged():
+def test_with_given_tags_no_frame_is_tagged():
     graph = _graph(_config("paper", detections__tags="car, person"))
     tasks = [recipe.task for recipe in graph.recipes.values()]
     assert "tags" not in tasks and "ram" not in graph.leaves.weights
@@ -141,7 +141,7 @@ def test_presets_read_the_weights_of_their_networks_only():
         assert read == set(graph.leaves.weights.values())
 
 
-def test_any_mix_of_backends_makes_a_graph():
+def test_any_combination_of_backends_makes_a_graph():
     for depth in ("none", "dpt-dinov2", "depth-anything-v2"):
         for tracks in ("lucas-kanade", "pips"):
             for source in ("saliency", "detections"):
@@ -158,7 +158,7 @@ def test_keys_are_golden():
     assert found == GOLDEN
 
 
-def test_sam2_reads_for_boxes_and_for_tracking_what_it_needs_for_each():
+def test_sam2_reads_only_its_parameters_for_boxes_or_for_tracking():
     before = _graph(_config("modern"))
     moved = {
         name: _tasks(_graph(_config("modern", **{f"sam2__{name}": 3})).recipes.keys() - before.recipes.keys())

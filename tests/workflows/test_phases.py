@@ -65,7 +65,7 @@ def test_a_plan_without_networks_is_one_phase():
     assert split_phases(plan) == [plan]
 
 
-def test_frames_go_through_a_network_together():
+def test_frames_of_a_network_share_a_call():
     (flows, *_) = split_phases(_plan(*(_recipe("flow", number, "raft") for number in range(5))))
     batches = list(batch_recipes(flows, lambda recipe: 2))
     assert [len(batch) for batch in batches] == [2, 2, 1]
@@ -101,7 +101,7 @@ def test_cheap_recipes_that_follow_each_other_share_a_call():
     assert tasks == [["flow", "flow"], ["flow"], ["proposals"], ["flow", "flow"]]
 
 
-def test_joined_calls_hold_every_recipe_once_and_after_its_inputs():
+def test_batched_calls_hold_every_recipe_once_and_after_its_inputs():
     recipes = []
     for number in range(7):
         flow = _recipe("flow", number)

@@ -158,7 +158,7 @@ def test_a_gpu_that_joins_a_run_on_cpus_is_used(connect):
     assert cluster.claim_gpus()
 
 
-def test_gpus_are_not_looked_for_before_a_network_is_to_run(local):
+def test_gpus_are_not_looked_for_before_a_network_runs(local):
     runner, asked = local
     before = list(asked)
     runner.run([Call("light", abs, (-1,))], lambda name, result: None)
@@ -178,7 +178,7 @@ def test_local_networks_never_overlap_and_run_where_the_gpu_is(local):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="SIGKILL is POSIX")
-def test_a_worker_that_dies_at_work_comes_back_with_its_gpu(local, tmp_path):
+def test_a_worker_that_dies_during_a_task_restarts_with_its_gpu(local, tmp_path):
     def die_once(path):
         import os
         import signal
@@ -209,21 +209,21 @@ def test_networks_go_to_the_worker_that_declares_a_gpu(cluster, declare):
 
 
 @pytest.mark.parametrize(("device", "num_gpus"), [("auto", 0), ("cpu", 1)])
-def test_networks_run_on_any_cpu_where_no_gpu_is_to_be_used(cluster, declare, device, num_gpus):
+def test_networks_run_on_any_cpu_if_no_gpu_may_be_used(cluster, declare, device, num_gpus):
     declare(num_gpus)
     with open_runner(scheduler=cluster.scheduler.address, device=device) as runner:
         networks, others = _run(runner)
     assert {device for _, device, *_ in networks + others} == {"cpu"}
 
 
-def test_a_gpu_that_no_worker_declares_is_refused_once_a_network_is_to_run(cluster):
+def test_a_gpu_that_no_worker_declares_is_rejected_before_a_network_runs(cluster):
     with open_runner(scheduler=cluster.scheduler.address, device="cuda") as runner:
         runner.run([Call("light", abs, (-1,))], lambda name, result: None)
         with pytest.raises(InputError, match=r"no worker declares a GPU in --scheduler tcp.* --resources GPU=1"):
             _run(runner)
 
 
-def test_a_worker_that_declares_a_gpu_and_has_none_is_refused(cluster, declare):
+def test_a_worker_that_declares_a_gpu_and_has_none_is_rejected(cluster, declare):
     declare(1)
     expected = "no such device in --device; got mps"
     with pytest.raises(InputError, match=expected), open_runner(scheduler=cluster.scheduler.address, device="mps"):

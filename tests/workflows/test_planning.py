@@ -87,7 +87,7 @@ def test_dropping_one_artifact_recomputes_it_only_where_it_is_needed(case, data)
     assert compute == ([dropped] if dropped in sinks else [])
 
 
-def test_only_the_way_to_a_dropped_artifact_is_recomputed():
+def test_only_the_path_to_a_dropped_artifact_is_recomputed():
     #   0 -> 1 -> 3 -> 4
     #   0 -> 2 ---^
     inputs = [[], [0], [0], [1, 2], [3]]
@@ -103,7 +103,7 @@ def test_leaves_are_neither_computed_nor_counted_but_kept():
     assert LEAF in plan.touched()
 
 
-def test_below_a_stored_sink_nothing_is_looked_up():
+def test_no_node_below_a_stored_sink_is_looked_up():
     asked = []
     graph = Graph([[], [0], [1], [0, 1]])
 

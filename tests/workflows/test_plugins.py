@@ -116,7 +116,7 @@ def _recipe(store: Path, task: str):
     return opened.manifest(next(iter(opened.refs(task)))).recipe
 
 
-def test_an_installed_package_is_seen_everywhere(run_with):
+def test_an_installed_package_is_found_by_every_command(run_with):
     assert "--flow farneback" in run_with("backends")[1] and "mean of residuals" in run_with("backends")[1]
     assert "nova-set" in run_with("datasets")[1]
     code, _, err = run_with("eval", "--flow", "nonsense")
@@ -124,7 +124,7 @@ def test_an_installed_package_is_seen_everywhere(run_with):
     assert "farneback" in run_with("config", "show", "flow.method")[1]
 
 
-def test_a_method_and_a_model_are_computed_and_their_code_stands_in_the_keys(run_with, site, squares, tmp_path):
+def test_a_method_and_a_model_are_computed_and_their_code_is_part_of_the_keys(run_with, site, squares, tmp_path):
     store = tmp_path / "store"
     data = ("--dataset", "folder", "--root", squares, "--store", store, *CUES)
     chosen = ("--flow", "farneback", "--affinity", "nova-mean", "--set", "fused_flow_model=shift")
@@ -169,7 +169,7 @@ def test_an_export_of_a_plug_in_is_written(run_with, squares, tmp_path):
         (NOVA.replace('"nova-set"', '"davis16"'), "data set exists in plug-in; got davis16"),
     ],
 )
-def test_a_plug_in_that_does_not_fit_is_refused_in_one_line(run_with, site, text, message):
+def test_an_invalid_plug_in_is_rejected_in_one_line(run_with, site, text, message):
     (site / "nova" / "__init__.py").write_text(text)
     code, _, err = run_with("backends")
     assert code == 2 and message in err and len(err.splitlines()) == 1

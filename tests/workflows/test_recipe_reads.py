@@ -169,7 +169,7 @@ def _settings(number: int) -> list[str]:
     return chosen
 
 
-def test_every_value_stands_in_some_run():
+def test_every_value_is_part_of_some_run():
     for place, (name, values) in enumerate(_choices(PipelineConfig).items()):
         met = {values[(number + place * (number // len(values))) % len(values)] for number in range(NUM_RUNS)}
         assert met == set(values), name

@@ -275,7 +275,7 @@ def test_a_failure_of_the_client_is_logged_by_the_client(evaluated_copy, error, 
     assert (events[-1].event, events[-1].outcome) == (EventKind.CLOSED, outcome)
 
 
-def test_only_a_damaged_artifact_is_planned_anew(evaluated_copy):
+def test_only_a_damaged_artifact_is_planned_again(evaluated_copy):
     store = _open(evaluated_copy.store)
     _drop(store, "score", "segmentation", "clustering")
     ref = next(store.refs("affinity"))
@@ -291,7 +291,7 @@ def test_only_a_damaged_artifact_is_planned_anew(evaluated_copy):
     assert read_status(store, list_runs(store)[0]).num_done == sum(COMPUTED[0] in found for found in kinds.values())
 
 
-def test_the_log_of_a_killed_run_shows_what_was_in_flight(evaluated, tmp_path):
+def test_the_log_of_a_killed_run_shows_its_unfinished_artifacts(evaluated, tmp_path):
     command = [sys.executable, "-c", DIES_AT, "saliency", *evaluated.arguments, "--store", str(tmp_path / "store")]
     assert subprocess.run(command, check=False).returncode == -signal.SIGKILL
     store = _open(tmp_path / "store")

@@ -87,7 +87,7 @@ def test_the_summary_names_shared_parameters_and_counts_others(show, refs):
     assert lines[-1] == "downstream: 0 artifacts"
 
 
-def test_what_was_removed_is_named_and_hides_what_lies_behind(evaluated_copy, moseg):
+def test_a_removed_artifact_is_named_and_ends_the_trace(evaluated_copy, moseg):
     store = open_store(str(evaluated_copy.store), create=False)
     (score,) = store.refs("score")
     for ref in list(store.refs("segmentation")):

@@ -9,7 +9,7 @@ from moseg.store import open_store
 LONG_AGO = 1_000_000_000
 
 
-def test_verify_tells_its_progress_unless_quiet(evaluated, moseg):
+def test_verify_reports_its_progress_unless_quiet(evaluated, moseg):
     told = moseg("store", "verify", "--store", evaluated.store)
     quiet = moseg("store", "verify", "--quiet", "--store", evaluated.store)
     assert "verified" in told.err
@@ -47,7 +47,7 @@ def test_gc_removes_old_logs_with_delete_only(evaluated_copy, moseg, old_log):
     assert set(store.logs()) == kept
 
 
-def test_gc_spares_logs_of_runs_at_work(evaluated_copy, moseg, old_log):
+def test_gc_keeps_logs_of_active_runs(evaluated_copy, moseg, old_log):
     store = open_store(str(evaluated_copy.store), create=False)
     store.pin(old_log, [], lease_seconds=600)
     assert moseg("store", "gc", "--delete", "--store", evaluated_copy.store).code == 0

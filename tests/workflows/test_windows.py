@@ -39,7 +39,7 @@ def _calls(number, drawn, folder=None):
         yield Call(f"stage{i % 3}-{i}", work, (i,), tuple(f"stage{j % 3}-{j}" for j in (i - 10, i - 1) if j >= 0))
 
 
-def test_calls_are_drawn_as_there_is_room_and_run_in_order(runner, tmp_path):
+def test_calls_are_submitted_within_the_window_and_run_in_order(runner, tmp_path):
     drawn, found, ahead = [], {}, []
 
     def done(name, result):
@@ -51,7 +51,7 @@ def test_calls_are_drawn_as_there_is_room_and_run_in_order(runner, tmp_path):
     assert max(ahead) < WINDOW
 
 
-def test_an_endless_run_ends_with_its_first_error(runner):
+def test_an_endless_iterator_of_calls_ends_with_the_first_error(runner):
     def work(number):
         if number == 3 * 32:
             raise KeyError(number)
@@ -74,7 +74,7 @@ def test_no_calls_start_no_workers(monkeypatch):
         assert runner.num_workers() == 2
 
 
-def test_the_scheduler_forgets_what_is_done(monkeypatch):
+def test_the_scheduler_forgets_finished_calls(monkeypatch):
     monkeypatch.setattr(runners, "MIN_WINDOW", WINDOW)
     monkeypatch.setattr(runners, "CALLS_PER_THREAD", WINDOW)
     sizes = []
