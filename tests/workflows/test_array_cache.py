@@ -1,4 +1,4 @@
-"""What a process keeps of the arrays that it read or wrote, and that no result depends on it."""
+"""The cache of the arrays that a process read or wrote, on which no result depends."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The overview of backends lists what there is, and nothing else."""
+"""The overview of backends lists all backends, and nothing else."""
 
 import json
 from typing import get_args
@@ -43,7 +43,7 @@ BY_PLACE = ("score", "object_hypotheses")
 
 
 def _choose(choice, backend):
-    """The configuration in which a backend is chosen and nothing else."""
+    """Return the configuration in which a backend is chosen and nothing else."""
     stage, _, name = choice.parameter.rpartition(".")
     values = {stage: {name: backend.method}} if stage else {}
     return PipelineConfig.model_validate({"proposal_source": "detections", **values})

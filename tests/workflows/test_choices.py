@@ -1,4 +1,4 @@
-"""Presets of networks and of geometry: what each sets, and that they do not get in each other's way."""
+"""Presets of networks and of geometry: the parameters that each sets, without overlap."""
 
 import pytest
 

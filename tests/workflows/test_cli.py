@@ -1,4 +1,4 @@
-"""The command line: what it prints, what it writes and its exit codes."""
+"""The command line: its output, its files and its exit codes."""
 
 import json
 import re
@@ -19,7 +19,7 @@ SCORES = {"P", "R", "F", "J"}
 
 
 def _tree(folder):
-    """Every file below a folder with its size and time of change."""
+    """Return all files below a folder with their sizes and modification times."""
     return {path: (path.stat().st_size, path.stat().st_mtime_ns) for path in sorted(folder.rglob("*"))}
 
 
@@ -79,7 +79,7 @@ def test_the_report_of_an_evaluation(evaluated):
     assert list(row["sequences"]) == ["squares"]
     assert row["mean"] == row["sequences"]["squares"]
     assert evaluated.report["store"]["computed"] > 0
-    # Two squares that move on their own before a panning backdrop are found.
+    # Both squares, which move on their own over a panning backdrop, are found.
     assert row["mean"]["F"] > 50
 
 

@@ -13,7 +13,7 @@ def _files(folder):
 
 
 def _assert_bad_input(ran, *words):
-    """Exit code 2 and one line that names what is wrong."""
+    """Check for exit code 2 and one line that names the error."""
     assert ran.code == 2
     (line,) = ran.err.splitlines()
     assert line.startswith("moseg: ")
@@ -67,13 +67,13 @@ def test_bad_use_is_one_line_before_any_work(moseg, arguments, word):
 
 @pytest.fixture
 def frames(squares, tmp_path):
-    """A copy of the frames of the squares, to spoil."""
+    """Return the folder of a copy of the squares' frames, for a test to damage."""
     return Path(shutil.copytree(squares / "squares" / "frames", tmp_path / "spoilt" / "frames"))
 
 
 @pytest.fixture
 def evaluate_spoilt(moseg, frames, squares):
-    """Evaluates the spoilt copy; masks are added unless there are some."""
+    """Return a function that evaluates the damaged copy, after adding masks if there are none."""
 
     def call():
         masks = frames.parent / "masks"

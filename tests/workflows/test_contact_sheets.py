@@ -1,4 +1,4 @@
-"""`moseg contact-sheet`: one picture a sequence, from the artifacts of an evaluation."""
+"""`moseg contact-sheet`: one picture per sequence, from the artifacts of an evaluation."""
 
 import re
 import shutil
@@ -19,7 +19,7 @@ SECTIONS = ("--section-length", "4", "--set", "sections.overlap=2")
 
 @pytest.fixture
 def sheets(moseg, tmp_path):
-    """Makes contact sheets of data of kind ``folder``; returns what was printed and the pictures by sequence."""
+    """Return a function that makes contact sheets of a ``folder`` data set and returns the output and the pictures."""
 
     def call(root, *options, out=tmp_path / "sheets"):
         data = ("--dataset", "folder", "--root", root, "--store", tmp_path / "store", "--quiet")
@@ -32,7 +32,7 @@ def sheets(moseg, tmp_path):
 
 @pytest.fixture
 def drawn(monkeypatch):
-    """The arguments of every drawing: head line, frames, title of the soft maps, void."""
+    """Return the recorded arguments of every drawing: head line, frames, title of the soft maps, void."""
     calls = []
 
     def draw(head, frames, *more):

@@ -21,7 +21,7 @@ def test_invalid_fits_are_counted_by_reason():
     )
     event = degenerate_event(REF, "fundamental", {"valid": VALID, "reason": reason})
     assert (event.ref, event.num_invalid, event.num_fits) == (REF, 3, 4)
-    # A homography where the fit holds is no reason for anything.
+    # A homography with a valid fit is not counted.
     assert event.reasons == {"too-few-points": 2, "collinear": 1}
 
 

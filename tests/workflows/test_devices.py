@@ -1,4 +1,4 @@
-"""Devices that do not exist are refused, and torch is not loaded before it is needed."""
+"""Devices that do not exist are rejected, and torch is not loaded before it is needed."""
 
 import subprocess
 import sys
@@ -15,7 +15,7 @@ from moseg.workflows.process.resources import pin_threads
 
 @pytest.fixture
 def machine(monkeypatch):
-    """Simulates a number of CUDA devices, and Apple's GPU or none; restores the chosen device."""
+    """Return a function that simulates CUDA devices and Apple's GPU; restore the chosen device afterwards."""
     monkeypatch.setattr(devices, "_chosen", "auto")
 
     def pretend(num_cuda=0, has_mps=False):

@@ -1,4 +1,4 @@
-"""Events reach the log before they are needed, cost little, and never hide the error that they report."""
+"""Events are in the log before they are needed, are cheap, and never hide the error that they report."""
 
 import os
 import pickle
@@ -25,7 +25,7 @@ REFS = [f"flow/{digit * 64}" for digit in "0123"]
 
 
 class _Store:
-    """A store that keeps appends, or refuses them."""
+    """Store that records appends, or raises an error on them."""
 
     def __init__(self, error=None):
         self.appends = []
@@ -43,7 +43,7 @@ def _refs(lines):
 
 @pytest.fixture
 def clock(monkeypatch):
-    """A clock that stands still until it is moved."""
+    """Return a clock that stands still until a test advances it."""
 
     class Clock:
         now = 0.0

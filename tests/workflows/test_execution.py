@@ -1,4 +1,4 @@
-"""A package or memory that a task misses on its machine is reported in one line."""
+"""A package or memory that a task lacks on its machine is reported in one line."""
 
 import pytest
 
@@ -10,12 +10,12 @@ from moseg.workflows.stages.task import Task
 
 
 class OutOfMemoryError(RuntimeError):
-    """Named as torch's own."""
+    """Error with the name of torch's own."""
 
 
 @pytest.fixture
 def execute(tmp_path, monkeypatch):
-    """Executes a recipe whose task raises the given error."""
+    """Return a function that executes a recipe whose task raises the given error."""
 
     def call(error):
         def run(params, inputs, rng):

@@ -1,4 +1,4 @@
-"""`moseg export`, and what `segment` writes for other programs: files, polite refusals, and the same scores."""
+"""`moseg export`, and the exports of `segment`: their files, their error messages, and equal scores."""
 
 import json
 import shutil
@@ -21,7 +21,7 @@ OPTIONS = ("--variant", "base", "--quiet")
 
 @pytest.fixture(scope="module")
 def squares_out(squares, tmp_path_factory):
-    """The squares segmented, each given mask an object, with everything that `--export` offers, and the store."""
+    """Return the output folder of the squares, segmented from given masks with all exports, and the store."""
     from moseg.workflows.cli.app import run
 
     folder = tmp_path_factory.mktemp("segmented")
@@ -38,7 +38,7 @@ def squares_out(squares, tmp_path_factory):
 
 @pytest.fixture
 def out(squares_out, tmp_path):
-    """A copy of the masks and the summary alone."""
+    """Return a folder with a copy of the masks and the summary only."""
     shutil.copytree(squares_out / "masks", tmp_path / "out" / "masks")
     shutil.copy(squares_out / "motion.json", tmp_path / "out")
     return tmp_path / "out"

@@ -1,4 +1,4 @@
-"""What stands in the recipes of a sequence's graph, and so what an option recomputes."""
+"""The recipes of a sequence's graph, and thus the artifacts that an option recomputes."""
 
 import pytest
 
@@ -48,7 +48,7 @@ LEAVES = SequenceLeaves(
 
 
 def _config(**changes):
-    """A configuration with sections of four frames; changes are given as ``stage__name=value``."""
+    """Return a configuration with sections of four frames; changes are given as ``stage__name=value``."""
     values = {"sections": {"length": 4, "overlap": 1}, "fundamental": {"gap": 2}}
     for name, value in changes.items():
         stage, _, field = name.partition("__")
@@ -154,7 +154,7 @@ def test_more_frames_reuse_every_node_that_does_not_read_them():
 
 
 def _backgrounds(num_frames, **saliency):
-    """Reference of each frame's background, and the recipes."""
+    """Return the reference of each frame's background, and the recipes."""
     graph = SequenceGraph(
         LEAVES._replace(frames=_refs("frame", num_frames)),
         _config(**{f"saliency__{name}": value for name, value in saliency.items()}),
@@ -222,7 +222,7 @@ def test_two_frames_are_enough():
 
 
 def test_keys_are_golden():
-    """They move when a recipe's wording, a default or a version does: then every store computes these nodes anew."""
+    """Keys change with the content of a recipe, a default or a version; every store then computes the nodes anew."""
     graph = SequenceGraph(LEAVES, _config())
     found = {variant.value: graph.score(variant).partition("/")[2][:16] for variant in Variant}
     found["flow"] = graph.frame_cues.flow(0, 1).partition("/")[2][:16]

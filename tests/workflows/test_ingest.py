@@ -1,4 +1,4 @@
-"""Leaves are named by what files decode to; what was decoded is remembered by the files' bytes."""
+"""Leaves have the key of their decoded content, and ingest artifacts that of the files' bytes."""
 
 import os
 import shutil
@@ -21,7 +21,7 @@ def folder(write_squares, tmp_path):
 
 @pytest.fixture
 def ingest(tmp_path):
-    """Ingests sources of one kind into the test's store; returns their attributes and how many had to be decoded."""
+    """Return a function that ingests sources of one kind and returns their attributes and the number decoded."""
 
     def call(kind, *sources):
         session = Session(open_store(str(tmp_path / "store")), SynchronousRunner(), quiet=True)

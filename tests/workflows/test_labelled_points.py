@@ -21,7 +21,7 @@ MEASURES = ("P", "R", "F", "J", "J_objects")
 
 
 class Clip(NamedTuple):
-    """A root with images and trajectories, another with images and masks, and what was rendered."""
+    """Root with images and trajectories, another root with images and masks, and the rendered scene."""
 
     points_root: Path
     masks_root: Path
@@ -42,14 +42,14 @@ def clip(tmp_path_factory, write_image) -> Clip:
 
 
 def _write_tracks(path, scene):
-    """The scene's exact tracks; KT3DMoSeg's label 1 is the background."""
+    """Write the scene's exact tracks; label 1 of KT3DMoSeg is the background."""
     x, y = np.floor(scene.points + 0.5).astype(int).transpose(2, 0, 1)
     track, frame = np.nonzero(scene.visible)
     under = np.zeros(scene.visible.shape, int)
     under[track, frame] = scene.moving[frame, y[track, frame], x[track, frame]]
-    # At its first sight a point is the centre of a pixel within its object.
+    # In its first frame a point is the centre of a pixel within its object.
     labels = under[np.arange(len(under)), scene.visible.argmax(axis=1)]
-    # On an outline a point may lie in a pixel whose centre shows what is behind it.
+    # A point on an outline may lie in a pixel whose centre shows the surface behind the object.
     visible = scene.visible & (under == labels[:, None])
     assert np.count_nonzero(visible) > 0.99 * np.count_nonzero(scene.visible)
     homogeneous = np.concatenate([scene.points, np.ones((*visible.shape, 1))], axis=-1)
@@ -66,7 +66,7 @@ def _write_predictions(folder, masks, write_image):
 
 @pytest.fixture
 def score(moseg, write_image, tmp_path):
-    """Scores masks (frame, y, x) against a root; returns the report and what was printed."""
+    """Return a function that scores masks (frame, y, x) against a root and returns the report and the output."""
 
     def call(root, masks):
         folder = _write_predictions(tmp_path / "saved", masks, write_image)
@@ -80,7 +80,7 @@ def score(moseg, write_image, tmp_path):
 
 @pytest.fixture
 def run(moseg, tmp_path):
-    """Runs a command on the clip with given masks as the objects that move; returns what it printed."""
+    """Return a function that runs a command on the clip with given masks of its moving objects."""
 
     def call(command, root, proposals, *options):
         data = ("--dataset", "kt3dinsmoseg", "--root", root, "--sequences", CLIP, "--store", tmp_path / "store")
@@ -115,7 +115,7 @@ def test_nothing_predicted_scores_nothing(clip, score):
 
 
 def test_points_score_a_good_prediction_nearly_as_masks_do(clip, score):
-    # A fifth of each object's height is missing: an error by area, not along outlines, where tracks are rare.
+    # A fifth of each object's height is missing: an error of area, not along outlines, where tracks are rare.
     predicted = clip.scene.moving.copy()
     for frame, moving in enumerate(clip.scene.moving):
         for label in np.unique(moving)[1:]:

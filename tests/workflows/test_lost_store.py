@@ -1,4 +1,4 @@
-"""A store that vanishes is reported in one line, and no other is created in its place."""
+"""A store that is removed is reported in one line, and no other is created in its place."""
 
 import shutil
 
@@ -70,7 +70,7 @@ def test_a_store_that_is_removed_during_a_task_is_not_created_again(tmp_path, mo
 
 @pytest.mark.parametrize("workers", [0, 1])
 def test_a_run_whose_store_is_removed_ends_with_one_line(squares, moseg, tmp_path, monkeypatch, workers):
-    # The last step of the client before the work begins.
+    # The last step of the client before the tasks start.
     monkeypatch.setattr(RunLog, "announce", lambda self: shutil.rmtree(tmp_path / "store"))
     options = ("--store", tmp_path / "store", "--out", tmp_path / "out", "--workers", workers, "--quiet")
     ran = moseg("segment", squares / "squares" / "frames", *options)

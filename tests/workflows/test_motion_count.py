@@ -1,4 +1,4 @@
-"""What the recipe of a clustering reads where the number of motions is to be found."""
+"""The inputs and parameters of a clustering's recipe if the number of motions is to be found."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The graph of pipelines with networks: which weights and parameters stand in which keys."""
+"""The graph of pipelines with networks: the weights and parameters that each key depends on."""
 
 import pytest
 
@@ -34,7 +34,7 @@ def _config(preset, **changes):
 
 
 def _graph(config, num_frames=9, changed=None):
-    """The fused variant's graph; the weights of the item `changed` are others."""
+    """Return the fused variant's graph, in which the item `changed` has other weights."""
     weights = {name: _ref("weights", name + "*" * (name == changed)) for name in needed_items(config)}
     frames = tuple(_ref("frame", str(number)) for number in range(num_frames))
     graph = SequenceGraph(SequenceLeaves("toy", (48, 64), frames, weights=weights), config)
@@ -71,7 +71,7 @@ def test_weights_of_trackers_and_masks_change_only_the_keys_of_their_stages():
     before = _graph(config)
     for item, first in (("sam-hq-vit-large", "instances"), (config.deaot.weights, "proposals")):
         moved = {*FIRST_FRAME[FIRST_FRAME.index(first) :]} | AFTER_PROPOSALS | GROUPS
-        # A section is seeded with what was tracked through the one before.
+        # A section starts from the objects that were tracked through the one before.
         assert _tasks(_graph(config, changed=item).recipes.keys() - before.recipes.keys()) == moved | {"seeds"}
 
 
@@ -150,7 +150,7 @@ def test_any_combination_of_backends_makes_a_graph():
 
 
 def test_keys_are_golden():
-    """They move when a recipe's wording, a default or a version does: then every store computes these nodes anew."""
+    """Keys change with the content of a recipe, a default or a version; every store then computes the nodes anew."""
     found = {}
     for preset in ("paper", "modern"):
         (*_, last) = _graph(_config(preset)).segmentations(Variant.FUSED)

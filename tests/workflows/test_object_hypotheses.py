@@ -1,4 +1,4 @@
-"""Many hypotheses in the graph of a video: what they recompute, and what they see that residual size does not."""
+"""Many hypotheses in the graph of a video: their keys, and motions that the size of residuals misses."""
 
 import json
 
@@ -80,7 +80,7 @@ def test_a_parameter_changes_the_keys_of_the_stages_that_read_it(changes, varian
 
 @pytest.fixture
 def residuals(tmp_path):
-    """Residuals of a frame pair whose background pans by (1, 0) px while object 1 moves by (0, 2) px."""
+    """Return residuals of a frame pair whose background pans by (1, 0) px while object 1 moves by (0, 2) px."""
     store = open_store(str(tmp_path / "store"))
     masks = np.zeros((2, 64, 96), np.uint16)
     masks[:, 16:48, 32:64] = 1

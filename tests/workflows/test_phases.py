@@ -1,4 +1,4 @@
-"""A plan is cut so that every network is loaded once, and frames go through it together."""
+"""A plan is divided so that every network is loaded once and computes several frames in a call."""
 
 from moseg.schemas.recipes import Recipe
 from moseg.workflows.engine.calls import batch_cheap, batch_recipes
@@ -18,7 +18,7 @@ def _plan(*recipes):
 
 
 def _video(num_frames):
-    """Flow and depth of every frame, and a fit of both: the order of a walk from the fits down."""
+    """Return recipes of flow, depth and a fit of both for every frame, in the order of a walk from the fits down."""
     recipes = []
     for number in range(num_frames):
         flow, depth = _recipe("flow", number, "raft"), _recipe("depth", number, "depth")
@@ -27,7 +27,7 @@ def _video(num_frames):
 
 
 def _chain(num_sections):
-    """Sections that start with what was tracked into them."""
+    """Return recipes of sections that start from the objects tracked into them."""
     recipes, tracked = [], {}
     for number in range(num_sections):
         found = _recipe("instances", number, "depth")

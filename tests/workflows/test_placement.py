@@ -1,4 +1,4 @@
-"""Calls that run a network go, one at a time, to a worker that has a GPU."""
+"""Calls that run a network run one at a time on a worker with a GPU."""
 
 import os
 from itertools import pairwise
@@ -15,9 +15,9 @@ from moseg.workflows.cluster.runners import Call, open_runner
 
 
 def _calls():
-    """Ten calls, every other with a network, which report where and when they ran."""
+    """Return ten calls, every other with a network, which report where and when they ran."""
 
-    # Workers cannot import this file; what is defined in a function travels as code.
+    # Workers cannot import this file; a function defined in a function is sent as code.
     def observe(number, *waits):
         import os
         import time
@@ -32,7 +32,7 @@ def _calls():
 
 
 def _run(runner):
-    """Reports of the network calls and of the others, in order of time."""
+    """Return the reports of the network calls and of the others, in order of time."""
     found = {}
     runner.run(_calls(), found.__setitem__)
     assert len(found) == 10
@@ -43,7 +43,7 @@ def _run(runner):
 
 @pytest.fixture(scope="module")
 def cluster():
-    """Two workers of an existing cluster."""
+    """Start two workers of an existing cluster."""
     with (
         LocalCluster(
             n_workers=2,
@@ -60,7 +60,7 @@ def cluster():
 
 @pytest.fixture(scope="module")
 def local():
-    """Two local workers of a machine that has one GPU, and the devices for which GPUs were looked for."""
+    """Start two local workers of a machine with one GPU; record the devices for which GPUs are looked for."""
     asked = []
 
     def pretend(device):
@@ -75,7 +75,7 @@ def local():
 
 @pytest.fixture
 def declare(cluster):
-    """Has the first worker declare so many GPUs, as `dask worker --resources` does; returns its process."""
+    """Return a function that declares GPUs of the first worker, as `dask worker --resources` does."""
 
     def call(num_gpus):
         async def set_resources(dask_worker):
@@ -125,7 +125,7 @@ def test_a_worker_that_declares_no_gpu_computes_on_its_cpu():
 
 @pytest.fixture
 def connect(monkeypatch):
-    """Connects to a cluster whose workers are in the given dict."""
+    """Return a function that connects to a cluster whose workers are in the given dict."""
 
     def call(workers, device):
         client = SimpleNamespace(

@@ -1,4 +1,4 @@
-"""`moseg plan` reads what there is, names only what must be computed, and writes nothing."""
+"""`moseg plan` reads the store, lists only the artifacts to compute, and writes nothing."""
 
 import re
 
@@ -6,13 +6,13 @@ import pytest
 
 
 def _tree(folder):
-    """Every file below a folder with its content."""
+    """Return all files below a folder with their contents."""
     return {path: path.is_file() and path.read_bytes() for path in sorted(folder.rglob("*"))}
 
 
 @pytest.fixture
 def plan(evaluated, moseg):
-    """Plans the squares on a store; returns the number of artifacts to compute, and by stage those and the reused."""
+    """Return a function that plans the squares and returns the artifacts to compute, and counts by stage."""
 
     def call(store, *settings):
         options = [word for word in evaluated.arguments[1:] if word != "--quiet"]
@@ -41,7 +41,7 @@ def test_a_damaged_ingest_artifact_is_planned_again_and_left_alone(evaluated_cop
     for path in (evaluated_copy.store / "objects" / "ingest").rglob("manifest.json"):
         path.write_bytes(damage)
     total, stages = plan(evaluated_copy.store)
-    # Frames and annotation, each remembered once; what they decode to is still known by its content.
+    # One ingest artifact of the frames and one of the annotation; the leaves are still in the store.
     assert (total, stages["ingest"]) == (2, (2, 0))
 
 

@@ -12,7 +12,7 @@ LEAF = f"frame/{'0' * 64}"
 
 
 class Graph:
-    """Toy recipes; node `n` reads the nodes of `inputs[n]`, or a leaf where it reads none."""
+    """Graph of toy recipes; node `n` reads the nodes of `inputs[n]`, or a leaf if it reads none."""
 
     def __init__(self, inputs):
         self.refs, self.recipes = [], {}
@@ -29,7 +29,7 @@ class Graph:
 
 
 def _missing_and_needed(inputs, stored, sinks):
-    """What a plan must compute, by its definition: a missing node that is a sink or that such a node reads."""
+    """Return the nodes that a plan must compute, by definition: missing sinks, and missing nodes that they read."""
     needed = set()
     for number in reversed(range(len(inputs))):
         is_read = any(number in inputs[other] for other in needed)

@@ -1,4 +1,4 @@
-"""Plug-ins: what a package or a script adds is found by its name everywhere, and its code stands in the keys."""
+"""Plug-ins of a package or a script: found by name in all commands, with their code in the keys."""
 
 import os
 import subprocess
@@ -87,7 +87,7 @@ CUES = ("--set", "sections.length=4", "--set", "sections.overlap=2")
 
 @pytest.fixture
 def site(tmp_path) -> Path:
-    """A folder of installed packages with the plug-in."""
+    """Return a folder of installed packages with the plug-in."""
     folder = tmp_path / "site"
     (folder / "nova").mkdir(parents=True)
     (folder / "nova" / "__init__.py").write_text(NOVA)
@@ -99,7 +99,7 @@ def site(tmp_path) -> Path:
 
 @pytest.fixture
 def run_with(site, tmp_path):
-    """Runs `moseg` in a process of its own that finds the packages of `site`; returns its code and outputs."""
+    """Return a function that runs `moseg` in its own process with `site` and returns exit code and output."""
 
     def call(*words: object, script: Path | None = None) -> tuple[int, str, str]:
         start = ["-c", "from moseg.workflows.cli import main; main()"] if script is None else [str(script)]
@@ -138,7 +138,7 @@ def test_a_method_and_a_model_are_computed_and_their_code_is_part_of_the_keys(ru
     path.write_text(path.read_text() + "# Changed.\n")
     planned = run_with("plan", *data, *chosen)[1]
     assert "\n0 artifacts to compute" not in planned and "flow" in planned
-    # What does not read it is as it was.
+    # Artifacts that do not read it are unchanged.
     assert "code" not in _recipe(store, "tracks").params
 
 

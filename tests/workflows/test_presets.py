@@ -21,7 +21,7 @@ STAGES = {"tags", "detections", "instances", "seeds", "proposals", "flow", "dept
 
 @pytest.fixture(scope="module")
 def tiny(tmp_path_factory):
-    """A folder of tiny checkpoints of every network, made by the command that the documentation names."""
+    """Return a folder of tiny checkpoints of every network, made by the command in the documentation."""
     from moseg.workflows.cli.app import run
 
     folder = tmp_path_factory.mktemp("tiny")
@@ -31,13 +31,13 @@ def tiny(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def video(tmp_path_factory, write_squares):
-    """Twelve frames of two squares in motion."""
+    """Return a video of twelve frames with two moving squares."""
     return write_squares(tmp_path_factory.mktemp("video") / "clip", num_frames=NUM_FRAMES) / "frames"
 
 
 @pytest.fixture(scope="module")
 def left_by(tiny, video, tmp_path_factory):
-    """Folder with the store and the masks that `moseg segment` leaves with a preset, which runs once."""
+    """Return a function that gives the folder of store and masks of a preset, which runs once."""
     from moseg.workflows.cli.app import run
 
     @cache
@@ -55,7 +55,7 @@ def left_by(tiny, video, tmp_path_factory):
 
 @pytest.fixture
 def copy_of(left_by, tmp_path):
-    """Puts what a preset left where `segment` finds it."""
+    """Return a function that copies the files of a preset's run to where `segment` finds them."""
 
     def call(preset):
         shutil.copytree(left_by(preset), tmp_path, dirs_exist_ok=True)
@@ -65,7 +65,7 @@ def copy_of(left_by, tmp_path):
 
 @pytest.fixture
 def weights(tiny, tmp_path, monkeypatch):
-    """A test's own copy of the tiny checkpoints, in place."""
+    """Return the folder of a test's own copy of the tiny checkpoints, which is set as the weights folder."""
     folder = tmp_path / "weights"
     shutil.copytree(tiny, folder)
     monkeypatch.setenv("MOSEG_WEIGHTS", str(folder))
@@ -75,7 +75,7 @@ def weights(tiny, tmp_path, monkeypatch):
 
 @pytest.fixture
 def segment(moseg, video, weights, tmp_path):
-    """Runs `moseg segment` on the video with one store for the test; returns artifacts computed and how it ended."""
+    """Return a function that runs `moseg segment` on the video and returns the computed artifacts and the outcome."""
 
     def call(*arguments):
         store, out = ("--store", tmp_path / "store"), ("--out", tmp_path / "out")
@@ -87,7 +87,7 @@ def segment(moseg, video, weights, tmp_path):
 
 
 def _stored(tmp_path):
-    """Keys of every stage in the test's store."""
+    """Return the keys of every stage in the test's store."""
     found = {}
     for path in (tmp_path / "store" / "objects").glob("*/*/*"):
         found.setdefault(path.parent.parent.name, set()).add(path.name)
@@ -211,7 +211,7 @@ def test_tensors_of_another_network_are_rejected(how, item, options, segment, we
 
 
 def _damage(path, how):
-    """Take a tensor out of a checkpoint, or put one into it."""
+    """Remove a tensor from a checkpoint, or add one."""
     import torch
     from safetensors.torch import load_file, save_file
 
@@ -232,7 +232,7 @@ def test_two_workers_give_the_bytes_of_one_process(left_by, moseg, video, weight
 
 
 def _contents(path):
-    """Every artifact of a store: the digests of its arrays, and its results."""
+    """Return all artifacts of a store: the digests of their arrays, and their attributes."""
     store = open_store(str(path), create=False)
     manifests = {ref: store.manifest(ref) for ref in store.refs()}
     return {ref: ([entry.digest for entry in found.arrays], found.attributes) for ref, found in manifests.items()}

@@ -20,7 +20,7 @@ needs_process_groups = pytest.mark.skipif(os.name != "posix", reason="process gr
 
 
 def _contents(folder):
-    """Every artifact's arrays, by digest of their bytes, and results."""
+    """Return all artifacts' arrays, by digest of their bytes, and attributes."""
     store = open_store(str(folder), create=False)
     found = {}
     for ref in store.refs():
@@ -73,7 +73,7 @@ def _interrupt(arguments, env):
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        # A shell has what it runs in the background ignore Ctrl-C.
+        # Processes that a shell runs in the background ignore Ctrl-C.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     out, err = run.communicate(timeout=DEADLINE_SEC)

@@ -1,4 +1,4 @@
-"""Where a video is cut into sections cannot be told from what comes out."""
+"""Results do not depend on where a video is cut into sections, or only within a bound."""
 
 from functools import partial
 from itertools import pairwise
@@ -23,7 +23,7 @@ CARRIED |= {"coherence_past": "misfit", "coherence_future": "misfit"}
 
 @pytest.fixture(scope="module")
 def clip(tmp_path_factory, write_image):
-    """Folder of frames: a textured square swings to and fro and turns from red to blue, over a backdrop that pans."""
+    """Return a folder of frames: a textured square oscillates and turns from red to blue over a panning backdrop."""
     folder = tmp_path_factory.mktemp("clip")
     rng = np.random.default_rng(3)
 
@@ -43,7 +43,7 @@ def clip(tmp_path_factory, write_image):
 
 @pytest.fixture(scope="module")
 def run(clip, tmp_path_factory):
-    """Segments the clip in sections of a length and returns what it gave for every frame, as arrays by name."""
+    """Return a function that segments the clip in sections of a length and returns its arrays by name."""
     store = str(tmp_path_factory.mktemp("store"))
     with open_session(store, quiet=True) as session:
         yield partial(_run, session, clip)
@@ -51,7 +51,7 @@ def run(clip, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def runs(run):
-    """What runs gave, by the length of their sections."""
+    """Return the arrays of runs by the length of their sections."""
     return {length: run(length) for length in (SHORT, WHOLE)}
 
 

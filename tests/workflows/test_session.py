@@ -20,7 +20,7 @@ DEADLINE_SEC = 600
 
 
 def _contents(store):
-    """Every artifact's arrays, by digest of their bytes, and results."""
+    """Return all artifacts' arrays, by digest of their bytes, and attributes."""
     found = {}
     for ref in store.refs():
         manifest = store.manifest(ref)
@@ -33,12 +33,12 @@ def _open(evaluation):
 
 
 def _drop(store, tasks):
-    """Remove all artifacts of some tasks; returns how many."""
+    """Remove all artifacts of some tasks and return their number."""
     return sum(store.remove(ref) for task in tasks for ref in list(store.refs(task)))
 
 
 def _files(evaluation, ref):
-    """Files of an artifact, the largest first, its manifest last."""
+    """Return the files of an artifact, the largest first, its manifest last."""
     task, key = split_ref(ref)
     folder = evaluation.store / "objects" / task / key[:2] / key
     files = sorted((path for path in folder.rglob("*") if path.is_file()), key=lambda path: -path.stat().st_size)
@@ -57,7 +57,7 @@ def _quarantined(evaluation):
 
 
 def _run(moseg, evaluation, tmp_path, *more):
-    """Evaluate again; the report."""
+    """Evaluate again and return the report."""
     ran = moseg(*evaluation.arguments, "--store", evaluation.store, "--json", tmp_path / "again.json", *more)
     assert (ran.code, ran.err) == (0, "")
     return json.loads((tmp_path / "again.json").read_text())
@@ -181,7 +181,7 @@ def test_damaged_labels_do_not_reach_the_users_masks(squares, moseg, tmp_path):
 
 
 class _OtherRunInBetween(SynchronousRunner):
-    """A runner before whose first call another run quarantines a damaged artifact."""
+    """Runner before whose first call another run quarantines a damaged artifact."""
 
     def __init__(self, store, ref):
         self._store, self._ref = store, ref

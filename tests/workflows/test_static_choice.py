@@ -1,4 +1,4 @@
-"""Who says what is static: the views' agreement or the background's group."""
+"""The decision which objects are static: by the agreement of the views or by the background's group."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ LEAVES = SequenceLeaves(name="toy", shape=(48, 64), frames=_refs("frame", 5), ma
 
 
 def _clustering(variant=Variant.FUSED, proposal_source="saliency", affinity=None, **clustering):
-    """Parameters of the clustering that a variant is scored by."""
+    """Return the parameters of the clustering of a variant's score."""
     config = PipelineConfig(proposal_source=proposal_source, clustering=clustering, affinity=affinity or {})
     graph = SequenceGraph(LEAVES, config)
     return graph.recipes[graph.clustering(variant)].params["clustering"]

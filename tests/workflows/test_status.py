@@ -1,4 +1,4 @@
-"""`moseg status` shows the state of a run: while it works, after it ended, and after it died."""
+"""`moseg status` shows the state of a run: while it is active, after it ended, and after it died."""
 
 import json
 import os
@@ -165,7 +165,7 @@ def test_an_artifact_restarted_by_another_worker_is_running_there():
 def test_the_remaining_time_follows_from_the_seconds_of_each_stage_and_the_pace():
     refs = [_ref(number) for number in range(4)]
     scores = [_ref(number, "score") for number in range(2)]
-    # Two workers, each at work all the time: the seconds of ten pass in five.
+    # Two workers, both always busy: ten seconds of computation take five.
     done = [*_computed(refs[0], 0.0, 4.0, pid=1), *_computed(refs[1], 0.0, 4.0, pid=2)]
     done += [*_computed(scores[0], 4.0, 5.0, pid=1), *_computed(_ref(9, "tracks"), 4.0, 5.0, pid=2)]
     status = _summary(_opened(), *_planned(*refs, *scores, _ref(9, "tracks")), *done, now=5.0)
@@ -181,7 +181,7 @@ def test_no_remaining_time_is_estimated_without_a_basis():
 
 @pytest.fixture
 def logged(tmp_path):
-    """A store, and a function that writes events to the log of a run in it."""
+    """Return a store, and a function that writes events to the log of a run in it."""
     store = open_store(str(tmp_path / "store"))
 
     def write(*events, run_id=RUN):
@@ -303,7 +303,7 @@ def test_stopping_to_follow_a_run_does_not_interrupt_it(logged, moseg, monkeypat
 
 
 class _Looks(SynchronousRunner):
-    """Looks at the run's status after each call."""
+    """Runner that reads the run's status after each call."""
 
     def __init__(self, look):
         self._look = look

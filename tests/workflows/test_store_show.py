@@ -11,7 +11,7 @@ from moseg.store import open_store
 
 @pytest.fixture
 def show(evaluated, moseg):
-    """The JSON, or with other options the text, that is shown of an artifact of the evaluated squares."""
+    """Return a function that returns the JSON, or with other options the text, of an artifact of the squares."""
 
     def call(key, *options):
         ran = moseg("store", "show", key, *options, "--store", evaluated.store)
@@ -23,7 +23,7 @@ def show(evaluated, moseg):
 
 @pytest.fixture
 def refs(evaluated):
-    """References of the evaluated squares by task."""
+    """Return the references of the evaluated squares by task."""
     found = {}
     for ref in open_store(str(evaluated.store), create=False).refs():
         found.setdefault(ref.partition("/")[0], []).append(ref)

@@ -1,4 +1,4 @@
-"""`moseg store push` and `pull`: what is copied, what is said of it, and that a run then reuses all of it."""
+"""`moseg store push` and `pull`: the copied artifacts, the messages, and the reuse of the copy by a run."""
 
 import json
 
@@ -9,7 +9,7 @@ from moseg.store import open_store, transfer
 
 @pytest.fixture
 def stores(evaluated, tmp_path):
-    """The evaluated store, and an address at which there is none yet."""
+    """Return the evaluated store, and an address without a store."""
     return evaluated.store, tmp_path / "other"
 
 

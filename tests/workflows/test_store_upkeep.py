@@ -1,4 +1,4 @@
-"""`moseg store verify` and `gc` beyond what test_cli.py shows of them: progress, and logs of ended runs."""
+"""`moseg store verify` and `gc` beyond the tests in test_cli.py: progress, and logs of ended runs."""
 
 import os
 
@@ -28,7 +28,7 @@ def test_an_artifact_that_vanishes_while_it_is_verified_is_skipped(evaluated_cop
 
 @pytest.fixture
 def old_log(evaluated_copy):
-    """The log of a run that ended long ago: its name, in a store of the test's own."""
+    """Write the log of a run that ended long ago into a store of the test's own, and return its name."""
     store = open_store(str(evaluated_copy.store), create=False)
     store.append_log("20010909-old", b"{}\n")
     for path in (evaluated_copy.store / "logs" / "20010909-old").iterdir():

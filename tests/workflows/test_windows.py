@@ -1,4 +1,4 @@
-"""Of any number of calls only a window is held, and no call runs before those it waits for."""
+"""Only a window of the calls is submitted at a time, and no call runs before those that it waits for."""
 
 from itertools import count
 
@@ -13,7 +13,7 @@ WINDOW = 32
 
 @pytest.fixture(params=[0, 2], ids=["synchronous", "workers"])
 def runner(request, monkeypatch):
-    """A runner whose window is small."""
+    """Return a runner whose submission window is small."""
     monkeypatch.setattr(runners, "CALLS_AT_ONCE", WINDOW)
     monkeypatch.setattr(runners, "MIN_WINDOW", WINDOW)
     monkeypatch.setattr(runners, "CALLS_PER_THREAD", WINDOW // 2)
@@ -22,9 +22,9 @@ def runner(request, monkeypatch):
 
 
 def _calls(number, drawn, folder=None):
-    """Calls that wait for the one before and the tenth before; with a folder each writes a file."""
+    """Yield calls that wait for the one before and the tenth before; with a folder, each writes a file."""
 
-    # Workers cannot import this file; what is defined in a function travels as code.
+    # Workers cannot import this file; a function defined in a function is sent as code.
     def work(number):
         from pathlib import Path
 
@@ -61,7 +61,7 @@ def test_an_endless_iterator_of_calls_ends_with_the_first_error(runner):
     with pytest.raises(KeyError, match="96"):
         runner.run(calls, lambda name, result: done.append(name))
     assert "stage-96" not in done
-    # The runner is as good as before.
+    # The runner can be used again.
     runner.run([Call("stage-1", abs, (-1,))], lambda name, result: done.append(result))
     assert done[-1] == 1
 
@@ -89,7 +89,7 @@ def test_the_scheduler_forgets_finished_calls(monkeypatch):
         runner.run(_calls(400, []), look)
         scheduler = Client.current().cluster.scheduler
         assert len(sizes) == 4
-        # The window, and what it still waits for or has just been collected.
+        # The window, and the calls that it still waits for or that were just collected.
         assert max(tasks for tasks, _, _ in sizes) <= 3 * WINDOW
         assert max(futures for _, futures, _ in sizes) <= 3 * WINDOW
         assert max(prefixes for _, _, prefixes in sizes) <= 5
