@@ -15,7 +15,7 @@ process for a call, and how much larger each became.
 *Runs.* Each size has a folder of videos, an empty store, and a scheduler and workers of its own, in processes of their
 own. Printed are the time on the wall and of all processors, the wall time of the same run again (warm), and the largest
 resident memory of the client, the scheduler and a worker; then, per pair, the same minus those of a nearly
-empty run (one video of two pairs), which includes interpreters, imports and first use. Time per pair should be constant.
+empty run (one video of two pairs), which includes interpreters, imports and first use. Time per pair should not grow.
 Memory per pair is constant if memory grows with the pairs, and decreases if memory is bounded.
 """
 
