@@ -10,11 +10,11 @@ LONG_AGO = 1_000_000_000
 
 
 def test_verify_reports_its_progress_unless_quiet(evaluated, moseg):
-    told = moseg("store", "verify", "--store", evaluated.store)
+    loud = moseg("store", "verify", "--store", evaluated.store)
     quiet = moseg("store", "verify", "--quiet", "--store", evaluated.store)
-    assert "verified" in told.err
+    assert "verified" in loud.err
     assert quiet.err == ""
-    assert quiet.out == told.out
+    assert quiet.out == loud.out
 
 
 def test_an_artifact_that_vanishes_while_it_is_verified_is_skipped(evaluated_copy, moseg, monkeypatch):
