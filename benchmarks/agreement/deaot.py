@@ -99,7 +99,7 @@ def moving_blobs(case: Case, seed: int) -> tuple[list[np.ndarray], np.ndarray]:
 
 
 def official_labels(network, frames: list[np.ndarray], seeds: np.ndarray, params: DeaotParams) -> Iterator[np.ndarray]:
-    """Return labels of all frames after the first by official transforms and engine, in the official evaluator's order."""
+    """Return labels of all frames but the first, by the official transforms, engine and order of the evaluator."""
     from dataloaders.video_transforms import MultiRestrictSize, MultiToTensor
     from networks.engines import build_engine
 

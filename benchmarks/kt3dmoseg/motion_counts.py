@@ -51,7 +51,7 @@ def all_cases(root: Path, seed: int) -> Iterator[tuple[str, int, Case]]:
 
 def evidence_of(case: Case, resample: bool, params: MotionCountParams, seed: int) -> CountEvidence:
     """Return all inputs that a method may read; resamples only on demand."""
-    most = min(params.most_motions, case.num_objects)
+    max_motions = min(params.most_motions, case.num_objects)
     affinity_params = HypothesisAffinityParams()
     rng = np.random.default_rng(seed)
     affinity = hypothesis_affinity(case.points, case.visible, case.owner, case.num_objects, affinity_params, rng)
@@ -59,7 +59,7 @@ def evidence_of(case: Case, resample: bool, params: MotionCountParams, seed: int
     others = resampled_affinities(tracks, case.num_objects, params, rng) if resample else []
 
     def labelings(matrix: np.ndarray) -> list[np.ndarray]:
-        return [group(matrix, count, "linkage") for count in range(1, most + 1)]
+        return [group(matrix, count, "linkage") for count in range(1, max_motions + 1)]
 
     kernel = fill_unknown([affinity])[0]
     eigenvalues = embed_views(kernel[None], 1).eigenvalues
