@@ -1,7 +1,7 @@
-"""Time and agreement of the k x k residuals of flow models, from moments and by a pass for each pair of objects.
+"""Time and agreement of the k x k residuals of flow models: from moments, and by one pass for each pair of objects.
 
 Run ``python benchmarks/flow_residuals.py [--objects K] [--repeat N] [--json FILE]``. Both ways start from the
-same flow, depth and masks at 854 x 480 and alternate, so that their ratio compares like with like on a busy machine.
+same flow, depth and masks at 854 x 480 and alternate, so that their ratio is fair on a busy machine.
 """
 
 import argparse
@@ -46,7 +46,7 @@ def main() -> None:
 
 
 def frame_pair(num_objects: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Flow of boxes in motions of their own before a background, with 0.1 px of noise; their depth and masks."""
+    """Return the flow of boxes with own motions over a background, with 0.1 px of noise, and their depth and masks."""
     rng = np.random.default_rng(0)
     x, y = np.meshgrid(*image_coordinates(HEIGHT, WIDTH))
     inverse_depth = (0.2 + 0.1 * np.maximum(y, 0) + 0.02 * np.sin(9 * x) * np.cos(7 * y)).astype(np.float32)
@@ -62,13 +62,13 @@ def frame_pair(num_objects: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def from_moments(flow, inverse_depth, masks, num_objects: int, model: FlowModel) -> np.ndarray:
-    """Fit every object and find all residuals, reading each pixel once."""
+    """Fit all objects and compute all residuals, reading each pixel once."""
     moments = flow_moments(flow, inverse_depth, masks, num_objects, model, PARAMS)
     return residuals_from_moments(moments, *fit_from_moments(moments, model, PARAMS))
 
 
 def direct(flow, inverse_depth, masks, num_objects: int, model: FlowModel) -> np.ndarray:
-    """Fit every object by its design rows, then evaluate each model on each object's pixels."""
+    """Fit all objects by their design rows, then evaluate each model on each object's pixels."""
     shift, scale = depth_gauge(inverse_depth if model.uses_depth else None, model)
     x, y = np.meshgrid(*image_coordinates(HEIGHT, WIDTH))
     designs, flows = [], []

@@ -1,8 +1,8 @@
 """Time and agreement of many minimal models and their residuals, in batches and by a loop over the hypotheses.
 
 Run ``python benchmarks/hypotheses.py [--hypotheses H] [--points N] [--repeat R]``. The loop solves one sample after the
-other by singular value decomposition and measures it on all points at once, as a plain program does. Both ways start
-from the same points and samples and alternate, so that their ratio compares like with like on a busy machine.
+other by singular value decomposition and evaluates it on all points at once, as a simple program does. Both ways start
+from the same points and samples and alternate, so that their ratio is fair on a busy machine.
 """
 
 import argparse
@@ -54,7 +54,7 @@ def main() -> None:
 
 
 def scene(num_points: int) -> Correspondences:
-    """Points seen in three frames of a camera that drives and turns, with noise."""
+    """Return points in three frames of a camera that moves forward and turns, with noise."""
     rng = np.random.default_rng(0)
     z = rng.uniform(6, 40, num_points)
     pixels = rng.uniform((0, 0), (1241, 374), (num_points, 2)) - CENTRE
@@ -69,12 +69,12 @@ def scene(num_points: int) -> Correspondences:
 
 
 def batched(model, data, samples, dtype) -> np.ndarray:
-    """Residuals (H, N) of all minimal models."""
+    """Return the residuals (H, N) of all minimal models."""
     return model.residual(model.fit(samples), data, dtype)
 
 
 def looped(name, data, samples) -> np.ndarray:
-    """The same, one hypothesis after the other."""
+    """Return the same residuals, computed one hypothesis after the other."""
     one = {
         "affine": affine,
         "homography": homography,
@@ -90,9 +90,9 @@ def looped(name, data, samples) -> np.ndarray:
 
 
 def disagreement(batched: np.ndarray, loop: np.ndarray, determined: np.ndarray) -> float:
-    """Median relative difference of the residuals of determined hypotheses; raises where 1 % of them is above 1e-3.
+    """Return the median relative difference of determined hypotheses' residuals; raises if 1 % of them exceed 1e-3.
 
-    Up to `NEAR`: further off, the three equations that the two trifocal residuals choose of four differ.
+    Only residuals up to `NEAR` count: beyond, the two trifocal residuals choose different three of four equations.
     """
     chosen = determined[:, None] & (loop < NEAR**2)
     difference = (np.abs(batched - loop) / np.maximum(loop, NOISE**2))[chosen]
@@ -137,7 +137,7 @@ def flow(sample, data, name) -> np.ndarray:
 
 
 def trifocal(sample, data, name) -> np.ndarray:
-    """Algorithms 16.1 and 16.2 of Hartley and Zisserman, then e' (JJ')^+ e of rank three for each point."""
+    """Fit by algorithms 16.1 and 16.2 of Hartley and Zisserman, then e' (JJ')^+ e of rank three for each point."""
     centroid = sample.points.mean(axis=0)
     scale = np.sqrt(2 / np.mean(np.sum((sample.points - centroid) ** 2, axis=-1), axis=0))
     equations = trilinear_equations((sample.points - centroid) * scale[:, None])
@@ -153,7 +153,7 @@ def trifocal(sample, data, name) -> np.ndarray:
     for column in range(6):
         step = np.zeros((3, 2))
         step[column // 2, column % 2] = 0.5
-        # Multilinear: central differences of any step are exact.
+        # The equations are multilinear, so that central differences of any step are exact.
         ahead, behind = (trilinear_equations(points + sign * step).reshape(-1, 4, 27) for sign in (1, -1))
         jacobian[..., column] = (ahead - behind) @ T.ravel() * scale[column // 2]
     U, S, _ = np.linalg.svd(jacobian, full_matrices=False)

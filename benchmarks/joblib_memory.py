@@ -1,21 +1,20 @@
-"""The same evaluation by `joblib.Memory` and by the artifact store: whole runs, cold and warm.
+"""Comparison of an evaluation by `joblib.Memory` and by the artifact store: whole runs, cold and warm.
 
 Run ``python benchmarks/joblib_memory.py [--dataset davis16 --root DIR] [--repeat N] [--jobs 2]``; the default, two
 small rendered scenes, takes about a minute and a half.
 
-joblib's side is the evaluation as one would write it with joblib: every task of our graph, in its order, is one call of
-a function that ``Memory.cache`` decorates, with joblib's defaults. Its arguments are the task, its parameters and the
+With joblib the evaluation is written in its usual way: every task of our graph, in its order, is one call of a
+function that ``Memory.cache`` decorates, with joblib's defaults. Its arguments are the task, its parameters and the
 arrays and attributes that it reads, which joblib hashes by content; its result is pickled. Decoding is cached too, by
 the digest of the files' bytes, as ours is. The task functions are ours, so the work is the same; what differs is how
-results are named, stored, found and handed on: a warm run of joblib's goes through every call again, hashes what it
-reads and loads what it gave, for the next call reads that. In joblib's favour: it has no graph to build, since the list
-of calls is made beforehand, and it keeps results in memory for the calls that follow. That the scores are equal is
-checked.
+results are named, stored, found and passed on: a warm run of joblib repeats every call, hashes its inputs and loads its
+result, because the next call reads it. In joblib's favour, it builds no graph, because the list of calls is made
+beforehand, and it keeps results in memory for later calls. The benchmark checks that the scores are equal.
 
-Both run in one process, which has imported all that they need; who is first alternates between rounds, and the medians
-of the rounds' times and ratios are printed. With ``--jobs``, sequences are spread by ``joblib.Parallel`` over so many
-processes, against as many workers, the start and end of both included in each run (ours starts none where nothing is
-to be computed).
+Both run in one process, which has imported all modules; their order alternates between rounds, and the medians of the
+rounds' times and ratios are printed. With ``--jobs``, sequences are spread by ``joblib.Parallel`` over so many
+processes, against as many workers; each run includes the start and end of both (ours starts none if nothing is to be
+computed).
 """
 
 import argparse
@@ -49,7 +48,7 @@ from moseg.workflows.stages.registry import find_task
 
 
 class Step(NamedTuple):
-    """One task of a sequence in the order of the plan: what it computes, and under which names it finds its inputs."""
+    """Task of a sequence in the order of the plan, with the names of its inputs."""
 
     ref: str
     task: str
@@ -59,7 +58,7 @@ class Step(NamedTuple):
 
 
 class Script(NamedTuple):
-    """What joblib's side does for one sequence: the names of what is decoded, the steps and the score's name."""
+    """Calls of one sequence by joblib: the names of the decoded content, the steps and the score's name."""
 
     source: SequenceSource
     frames: tuple[str, ...]
@@ -105,7 +104,7 @@ def main() -> int:
 
 
 def write_scripts(sources: Sequence[SequenceSource], config: PipelineConfig, root: Path) -> list[Script]:
-    """The calls of joblib's side, from our graph; only leaves are stored for it."""
+    """Return the calls for joblib, from our graph, which stores only leaves for them."""
     scripts = []
     with open_session(str(root), quiet=True) as session:
         for source, leaves in zip(sources, ingest_sequences(session, sources, config, annotated=True), strict=True):
@@ -118,8 +117,8 @@ def write_scripts(sources: Sequence[SequenceSource], config: PipelineConfig, roo
 
 
 def compare(runs: Mapping[str, Callable[[], list[SequenceScore]]], scratch: Path) -> dict[str, tuple[float, ...]]:
-    """Ours, joblib's and their ratio: seconds of a cold and of a warm run in the order of `runs`, and megabytes on
-    disk."""
+    """Return ours, joblib's and their ratio: seconds of a cold and a warm run in the order of `runs`, and megabytes
+    on disk."""
     found = {}
     for kind in ("cold", "warm"):
         seconds, scores = {}, {}
@@ -138,24 +137,24 @@ def compare(runs: Mapping[str, Callable[[], list[SequenceScore]]], scratch: Path
 
 
 def run_ours(sources: Sequence[SequenceSource], config: PipelineConfig, root: Path, jobs: int) -> list[SequenceScore]:
-    """The evaluation as `moseg eval` runs it; the score of each sequence."""
+    """Evaluate as `moseg eval` does, and return the score of each sequence."""
     with open_session(str(root), workers=jobs if jobs > 1 else 0, quiet=True) as session:
         report = evaluate(session, "benchmark", sources, config, (Variant.FUSED,))
     return [report.rows[0].sequences[source.name] for source in sources]
 
 
 def run_joblib(scripts: Sequence[Script], root: Path, jobs: int) -> list[SequenceScore]:
-    """The evaluation by joblib; the score of each sequence."""
+    """Evaluate by joblib, and return the score of each sequence."""
     calls = [joblib.delayed(run_script)(str(root), script) for script in scripts]
     scores = [SequenceScore(**attributes) for attributes in joblib.Parallel(n_jobs=jobs)(calls)]
     if jobs > 1:
-        # Otherwise a later run would find its processes started.
+        # Otherwise a later run would reuse the running processes.
         get_reusable_executor().shutdown()
     return scores
 
 
 def run_script(root: str, script: Script) -> dict:
-    """One sequence, every call through joblib's memory."""
+    """Compute one sequence with every call through joblib's memory."""
     pin_threads(1)
     memory = joblib.Memory(root, verbose=0)
     compute = memory.cache(run_step, ignore=["key"])
@@ -177,7 +176,7 @@ def run_script(root: str, script: Script) -> dict:
 
 
 def run_step(task: str, params: dict, inputs: dict, key: str) -> Artifact:
-    """One task; `key` seeds its random numbers, and is no part of the name under which joblib keeps the result."""
+    """Compute one task; `key` seeds its random numbers, and is not part of the name of the result in joblib."""
     params = dict(params)
     found = find_task(task, params.pop("method"))
     (output,) = found.compute(params, [MemoryInputs(inputs)], [seeded_generator(key)])
@@ -185,18 +184,18 @@ def run_step(task: str, params: dict, inputs: dict, key: str) -> Artifact:
 
 
 def decode_frames(fingerprint: str, source) -> list[np.ndarray]:
-    """The frames of a source; `fingerprint` is the digest of its files' bytes."""
+    """Decode the frames of a source; `fingerprint` is the digest of its files' bytes."""
     return list(source.read())
 
 
 def decode_annotation(fingerprint: str, source) -> Artifact:
-    """The ground truth of a sequence, as ingest stores it."""
+    """Decode the ground truth of a sequence, as ingest stores it."""
     indices, masks = zip(*source.read(), strict=True)
     return {"masks": np.stack(masks)}, {"indices": list(map(int, indices))}
 
 
 def _write_step(recipe: Recipe) -> Step:
-    # Plain data, as a script would have it.
+    # Plain data, as in a usual script.
     params = json.loads(json.dumps(recipe.params))
     return Step(recipe.ref, recipe.task, params, dict(recipe.inputs), recipe.key)
 

@@ -1,14 +1,14 @@
-"""What a run costs beside the work itself: start, planning, store and scheduler.
+"""Overhead of a run beside its tasks: start, planning, store and scheduler.
 
 Run ``python benchmarks/overhead.py [--dataset davis16 --root DIR] [--repeat N]``; the default, two small rendered
-scenes, takes some two minutes, and its starts weigh more than its work. Every run is a process of its own, from the
-start of its interpreter to its exit; cold ones have a new store and one CPU thread a process. Printed are
+scenes, takes about two minutes, and its starts take longer than its tasks. Every run is a process of its own, from the
+start of its interpreter to its exit; cold runs have a new store and one CPU thread per process. Printed are
 
-- a cold run with one worker over the seconds spent inside task functions, as the manifests of its store have them
-  (decoding at ingest included), and one with two workers;
+- a cold run with one worker over the seconds inside task functions, from the manifests of its store (including
+  decoding at ingest), and one with two workers;
 - a warm run beyond the start of an interpreter that imports the same modules, and the import of the command line;
-- where the time of a cold run goes, from samples of the stacks of the client and of its worker (in a run of its own,
-  since sampling costs a few per cent).
+- the time of a cold run by place, from samples of the stacks of the client and of its worker (in a run of its own,
+  because sampling costs a few per cent).
 
 The kinds of run alternate, and ratios and differences are taken within a round; the medians of the rounds are printed.
 """
@@ -64,7 +64,7 @@ def main() -> int:
 
 
 def report_cold(evaluation: list[str], scratch: Path, repeat: int) -> None:
-    """Print one worker over its task functions, and two workers beside one; leaves a full store at ``scratch/warm``."""
+    """Print one worker over its task functions, and two workers over one; leave a full store at ``scratch/warm``."""
     found: dict[str, list[float]] = defaultdict(list)
     for number in range(repeat):
         wall: dict[int, float] = {}
@@ -120,7 +120,7 @@ def report_warm(evaluation: list[str], scratch: Path, repeat: int) -> None:
 
 
 def report_places(evaluation: list[str], scratch: Path) -> None:
-    """Print where the client and the worker of a cold run spend their time."""
+    """Print the time of a cold run's client and worker by place."""
     folder = scratch / "samples"
     folder.mkdir()
     environ = {
@@ -130,7 +130,7 @@ def report_places(evaluation: list[str], scratch: Path) -> None:
     }
     wall = run_timed([*SAMPLED, *evaluation, "--store", str(scratch / "sampled"), "--workers", "1"], environ)
     inside = seconds_inside(scratch / "sampled")
-    print(f"\nwhere a cold run with one worker spends {wall:.1f} s ({inside:.1f} s inside task functions), by samples")
+    print(f"\nplaces of a cold run with one worker: {wall:.1f} s ({inside:.1f} s inside task functions), by samples")
     print("| process | in | s | of the wall |\n|---|---|---|---|")
     for path in sorted(folder.iterdir()):
         seconds = json.loads(path.read_text())
@@ -141,7 +141,7 @@ def report_places(evaluation: list[str], scratch: Path) -> None:
 
 
 def seconds_inside(root: Path) -> float:
-    """Seconds inside task functions, over all artifacts of a store."""
+    """Return the seconds inside task functions, over all artifacts of a store."""
     store = LocalStore(root, create=False)
     return sum(store.manifest(ref).seconds for ref in store.refs())
 

@@ -1,4 +1,4 @@
-"""What each flow model leaves of the flow of random rigid motions, as a share of its RMS.
+"""Residual of each flow model on the flow of random rigid motions, as a share of the RMS flow.
 
 Run ``python benchmarks/rigid_flow.py [--motions N] [--json FILE]``. Each motion is a random camera before a random
 scene: a field of view of 30 to 100 degrees, a slanted plane with waves and boxes as inverse depth, a translation and a
@@ -6,7 +6,7 @@ rotation in random directions, and a random share of the rotation in the flow. T
 Prazdny in units of half the longer side, without noise; models are fitted to it by least squares in float64. In
 ``zoomed`` the focal length changes too, and the inverse depth that the model is given is scaled and shifted; in
 ``stored`` flow and inverse depth are rounded to float32; in ``off-centre`` the principal point lies 5 % of the longer
-side from the image's centre, in a random direction, and the model is not told.
+side from the image's centre, in a random direction, and the model assumes the centre.
 """
 
 import argparse
@@ -22,7 +22,7 @@ from moseg.tasks.motion_models.monomials import image_coordinates
 HEIGHT, WIDTH, STEP = 480, 854, 24
 OFF_CENTRE = 0.05
 CASES = {"rigid": tuple(FLOW_MODELS), **dict.fromkeys(("zoomed", "stored", "off-centre"), ("oc_depth",))}
-"""What is measured, and of which models."""
+"""Measurements, with their models."""
 STATISTICS = ("median", "p95", "max")
 
 
@@ -58,7 +58,7 @@ def main() -> None:
 
 
 def rigid_view(x: np.ndarray, y: np.ndarray, case: str, rng: np.random.Generator) -> View:
-    """Flow at image coordinates x, y (N) of one random motion, and what is known of the depth there."""
+    """Return the flow at image coordinates x, y (N) of one random motion, and the given inverse depth there."""
     focal = 1 / np.tan(np.radians(rng.uniform(30, 100)) / 2)
     rho = random_inverse_depth(x, y, rng)
     translation, rotation = rng.normal(size=(2, 3))
@@ -82,7 +82,7 @@ def rigid_view(x: np.ndarray, y: np.ndarray, case: str, rng: np.random.Generator
 
 
 def random_inverse_depth(x: np.ndarray, y: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """A slanted plane with waves, and boxes nearer than it; relative, all of it positive."""
+    """Return the relative, positive inverse depth of a slanted plane with waves, and boxes nearer than it."""
     slope, wave, phase = rng.uniform(-0.3, 0.3, 2), rng.uniform(2, 8, 2), rng.uniform(0, 2 * np.pi, 2)
     rho = 0.7 + slope[0] * x + slope[1] * y + 0.1 * np.sin(wave[0] * x + phase[0]) * np.cos(wave[1] * y + phase[1])
     for _ in range(rng.integers(1, 5)):
@@ -94,23 +94,23 @@ def random_inverse_depth(x: np.ndarray, y: np.ndarray, rng: np.random.Generator)
 
 
 def share_left(x: np.ndarray, y: np.ndarray, view: View, model: FlowModel) -> float:
-    """RMS of the flow that the fitted model does not explain, in that of the flow."""
+    """Return the RMS of the flow that the fitted model does not explain, over the RMS of the flow."""
     design = model.design(x, y, view.inverse_depth)
     basis = np.linalg.qr(design.reshape(-1, model.num_parameters)).Q
     flow = view.flow.ravel()
-    # Projected twice: the first leaves what the basis lacks in orthogonality.
+    # Projected twice, because the basis is not exactly orthogonal.
     left = flow - basis @ (basis.T @ flow)
     left -= basis @ (basis.T @ left)
     return rms(left.reshape(-1, 2)) / rms(view.flow)
 
 
 def rms(flow: np.ndarray) -> float:
-    """Root mean square length."""
+    """Return the root mean square length."""
     return float(np.sqrt((flow**2).sum(axis=1).mean()))
 
 
 def summary(shares: np.ndarray) -> dict[str, float]:
-    """Median, 95th percentile and maximum, percent."""
+    """Return median, 95th percentile and maximum, percent."""
     median, p95 = np.quantile(shares, (0.5, 0.95))
     return dict(zip(STATISTICS, (100 * float(value) for value in (median, p95, shares.max())), strict=True))
 

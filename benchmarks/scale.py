@@ -1,11 +1,11 @@
-"""Time and memory of evaluations of ever more frame pairs, and of the plan of ten thousand.
+"""Time and memory of evaluations by number of frame pairs, and of the plan of ten thousand pairs.
 
 Run ``python benchmarks/scale.py [--pairs 100,1000,10000] [--one-video] [--workers N]``; the default, 100 and 1,000
-pairs, takes some two minutes, 10,000 another seven. Frames are 64 x 48 px: what grows with the number of pairs is then
-the engine's, not the arrays. The pipeline is the default one with all its parameters.
+pairs, takes about two minutes, 10,000 another seven. Frames are 64 x 48 px, so that growth with the number of pairs is
+that of the engine, not of the arrays. The pipeline has all default parameters.
 
-*Plans.* A plan leads from leaves that are known (the digests of decoded frames) to the list of tasks to compute: it
-writes the recipes of every sequence, digests them to keys, and asks the store which of them it has. Printed are seconds
+*Plans.* A plan leads from given leaves (the digests of decoded frames) to the list of tasks to compute: it writes the
+recipes of every sequence, digests them to keys, and looks them up in the store. Printed are seconds
 of a cold plan, on an empty store, and of a warm one, on a store that holds all sinks (the scores and the cues that an
 evaluation asks for); and of the pin that protects a cold plan's artifacts from a collection. Leaves are made up.
 
@@ -14,10 +14,9 @@ process for a call, and how much larger each became.
 
 *Runs.* Each size has a folder of videos, an empty store, and a scheduler and workers of its own, in processes of their
 own. Printed are the time on the wall and of all processors, the wall time of the same run again (warm), and the largest
-resident memory of the client, the scheduler and a worker; then, for each pair, what is left of them without a nearly
-empty run (one video of two pairs), which has the interpreters, the imports and the first use of everything. Time for
-each pair should stay as it is. Memory for each pair stays where memory grows with the pairs, and falls where it is
-bounded.
+resident memory of the client, the scheduler and a worker; then, per pair, the same minus those of a nearly
+empty run (one video of two pairs), which includes interpreters, imports and first use. Time per pair should not grow.
+Memory per pair is constant if memory grows with the pairs, and decreases if memory is bounded.
 """
 
 import argparse
@@ -83,7 +82,7 @@ def report_plans(shapes: Sequence[tuple[int, int]], scratch: Path) -> None:
         for ref in sinks:
             store.put(plan.compute[ref], {}, dims={})
         counts = f"{num_videos * per_video} | {num_videos} | {len(plan.compute)} | {len(sinks)}"
-        # The collector of a process that plans once has no other plan to look through.
+        # A process that plans once has no other plan for the garbage collector to traverse.
         del plan
         gc.collect()
         again, _, warm, warm_look = plan_timed(store, leaves)
@@ -94,7 +93,7 @@ def report_plans(shapes: Sequence[tuple[int, int]], scratch: Path) -> None:
 
 
 def plan_timed(store: LocalStore, leaves: Sequence[SequenceLeaves]) -> tuple[Plan, list[str], float, float]:
-    """The plan of an evaluation of these sequences, its sinks, seconds in all and of the look-ups."""
+    """Return the plan of an evaluation of these sequences, its sinks, and the seconds in all and of the look-ups."""
     config = PipelineConfig()
     start = time.perf_counter()
     recipes, sinks = {}, []
@@ -109,14 +108,14 @@ def plan_timed(store: LocalStore, leaves: Sequence[SequenceLeaves]) -> tuple[Pla
 
 
 def make_up_leaves(video: int, num_pairs: int) -> SequenceLeaves:
-    """Leaves of a sequence that was never decoded."""
+    """Return made-up leaves of a sequence."""
     frames = tuple(f"frame/{digest_json('made-up', [video, t])}" for t in range(num_pairs + 1))
     annotation = f"annotation/{digest_json('made-up', video)}"
     return SequenceLeaves(f"video-{video:05}", SIZE, frames, annotation=annotation, num_motions=2)
 
 
 def report_calls(counts: Sequence[int], scratch: Path) -> None:
-    """Print what empty calls cost each process."""
+    """Print the cost of empty calls in each process."""
     print("\n| empty calls | process | CPU of a call | larger by |\n|---|---|---|---|", flush=True)
     for count in counts:
         folder = scratch / f"calls-{count}"
@@ -126,7 +125,7 @@ def report_calls(counts: Sequence[int], scratch: Path) -> None:
 
 
 def report_runs(shapes: Sequence[tuple[int, int]], workers: int, scratch: Path) -> None:
-    """Print what runs of these sizes take, and what is left of it without a nearly empty run."""
+    """Print the cost of runs of these sizes, and the cost per pair minus that of a nearly empty run."""
     print(f"\nruns with {workers} worker(s), the first nearly empty")
     print("| pairs | videos | artifacts | MB | wall | CPU | warm | client | scheduler | worker |")
     print("|---|---|---|---|---|---|---|---|---|---|", flush=True)

@@ -42,7 +42,7 @@ LEAF_LAYOUTS: Mapping[str, Mapping[str, ArrayLayout]] = {
     },
     "trajectory_labels": {"labels": layout("uint16", "track", "motion")},
 }
-"""Of what ingest decodes; a stage says the layouts of its own arrays."""
+"""Layouts of the leaves that ingest decodes; each stage declares the layouts of its own arrays."""
 
 
 def check_arrays(
@@ -53,7 +53,7 @@ def check_arrays(
     Raises
     ------
     StoreError
-        The names, a dtype or a rank are not those of the layouts of `task`.
+        The names, a dtype or a rank differ from the layouts of `task`.
     """
     if set(arrays) != set(layouts):
         raise StoreError("wrong set of arrays", where=task, got=sorted(arrays), expected=sorted(layouts))

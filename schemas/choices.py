@@ -1,4 +1,4 @@
-"""Parameters whose values are names declared elsewhere: by the stages, by registries, and by plug-ins."""
+"""Parameters whose values are names that stages, registries and plug-ins declare."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -11,19 +11,19 @@ from moseg.schemas.declared_names import declared_names
 
 @dataclass(frozen=True)
 class ChoiceOf:
-    """The annotation of a parameter that takes one of the names declared for it.
+    """Annotation of a parameter that accepts one of the names declared for it.
 
     Attributes
     ----------
     parameter : str
-        ``stage.name``, as ``--set`` takes it.
+        ``stage.name``, as in ``--set``.
     """
 
     parameter: str
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Every declared name, in the order of the declarations."""
+        """Declared names, in the order of the declarations."""
         return declared_names(self.parameter)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:

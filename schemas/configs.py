@@ -65,7 +65,7 @@ class TrajectoryVariant(StrEnum):
 
 
 class SectionParams(Frozen):
-    """How a video is cut into sections; objects are proposed anew in each."""
+    """Parameters of the cut of a video into sections; each section has object proposals of its own."""
 
     length: Annotated[int, Unit.FRAMES] = Field(30, ge=1, description="l of the paper: frames of a section")
     overlap: Annotated[int, Unit.FRAMES] = Field(
@@ -74,7 +74,7 @@ class SectionParams(Frozen):
 
 
 class PipelineConfig(Frozen):
-    """Every parameter of the pipeline; each stage's recipe takes only its own."""
+    """Parameters of the whole pipeline; each stage's recipe contains only those that the stage reads."""
 
     max_side: Annotated[int, Unit.PIXELS] = Field(
         1280, ge=16, description="frames with a longer side are reduced to this for analysis, px"
@@ -131,7 +131,7 @@ class PipelineConfig(Frozen):
         return tuple(name.strip() for name in value.split(",")) if isinstance(value, str) else value
 
     def point_models(self, variant: TrajectoryVariant) -> tuple[str, ...]:
-        """Point models of a variant on labelled trajectories."""
+        """Return the point models of a variant on labelled trajectories."""
         return {
             TrajectoryVariant.FUSED: self.fused_point_models,
             TrajectoryVariant.TRAJS: ("fundamental",),
@@ -140,7 +140,7 @@ class PipelineConfig(Frozen):
         }[variant]
 
     def views(self, variant: Variant) -> tuple[str, ...]:
-        """Motion models of a variant: ``trajs`` or the name of a flow model; none for ``base``."""
+        """Return the motion models of a variant: ``trajs`` or the name of a flow model; none for ``base``."""
         return {
             Variant.FUSED: ("trajs", self.fused_flow_model),
             Variant.OC_DEPTH: ("oc_depth",),
@@ -155,5 +155,5 @@ class PipelineConfig(Frozen):
 
 
 def seeded_configs(config: PipelineConfig, seeds: Sequence[int] | None) -> dict[int | None, PipelineConfig]:
-    """Return the configuration with each of the seeds, by seed; without seeds the configuration itself, by None."""
+    """Return the configuration with each of the seeds, by seed; without seeds, the configuration itself by None."""
     return {seed: config.with_seed(seed) for seed in seeds} if seeds else {None: config}

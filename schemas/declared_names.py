@@ -1,7 +1,7 @@
-"""Where the names come from that a parameter of type `ChoiceOf` takes.
+"""Names that a parameter of type `ChoiceOf` accepts.
 
-The names are declared in rooms that this one does not import. The package `moseg`, which is imported before any of its
-rooms, says how they are found; they are looked up when a value is checked or listed.
+The names are declared in packages that `moseg.schemas` does not import. The package `moseg`, which is imported before
+all of them, sets the function that finds the names; it is called when a value is checked or listed.
 """
 
 from collections.abc import Callable, Iterable

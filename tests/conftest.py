@@ -1,4 +1,4 @@
-"""A tiny data set on disk, the command line in this process, and a store in which the data set was evaluated once."""
+"""Fixtures: a tiny data set on disk, the command line in this process, and a store with one evaluation of the data."""
 
 import json
 import shutil
@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
-# No example fails for its time, and each run tries the same ones: what passes on one machine passes on any.
+# No deadline, and the same examples in each run, so that results do not depend on the machine.
 settings.register_profile("search", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("same", settings.get_profile("search"), derandomize=True, database=None)
 settings.load_profile("same")
@@ -20,7 +20,7 @@ NUM_FRAMES, HEIGHT, WIDTH = 10, 96, 128
 
 
 class Ran(NamedTuple):
-    """How a command ended and what it printed."""
+    """Exit code and output of a command."""
 
     code: int
     out: str
@@ -28,7 +28,7 @@ class Ran(NamedTuple):
 
 
 class Evaluation(NamedTuple):
-    """A data set, a store, and what evaluated the one into the other."""
+    """Evaluation of a data set into a store, with its command and report."""
 
     root: Path
     store: Path
@@ -65,19 +65,19 @@ def _write_squares(folder: Path, num_frames: int = NUM_FRAMES, seed: int = 0) ->
 
 @pytest.fixture(scope="session")
 def write_image() -> Callable[[Path, np.ndarray], None]:
-    """Writes a grey or BGR array to a path, its folders made."""
+    """Return a function that writes a grey or BGR array to a path and creates its folders."""
     return _write_image
 
 
 @pytest.fixture(scope="session")
 def write_squares() -> Callable[..., Path]:
-    """Writes ``frames`` and ``masks`` of two textured squares that move, each in its way, over a panning backdrop."""
+    """Return a function that writes ``frames`` and ``masks`` of two moving squares over a panning backdrop."""
     return _write_squares
 
 
 @pytest.fixture(scope="session")
 def squares(tmp_path_factory) -> Path:
-    """Root of a data set of kind ``folder`` with the single sequence ``squares``."""
+    """Return the root of a data set of kind ``folder`` with the single sequence ``squares``."""
     root = tmp_path_factory.mktemp("data")
     _write_squares(root / "squares")
     return root
@@ -85,7 +85,7 @@ def squares(tmp_path_factory) -> Path:
 
 @pytest.fixture
 def in_empty_folder(tmp_path, monkeypatch) -> None:
-    """Defaults such as ``.moseg/store`` and ``out`` fall into a folder of the test's own; no data set is known."""
+    """Run in an empty folder, which then has defaults such as ``.moseg/store`` and ``out``; unset the data roots."""
     (tmp_path / "cwd").mkdir()
     monkeypatch.chdir(tmp_path / "cwd")
     monkeypatch.delenv("MOSEG_DATA", raising=False)
@@ -93,7 +93,7 @@ def in_empty_folder(tmp_path, monkeypatch) -> None:
 
 @pytest.fixture
 def moseg(capsys) -> Callable[..., Ran]:
-    """Runs a `moseg` command in this process."""
+    """Return a function that runs a `moseg` command in this process."""
     from moseg.workflows.cli.app import run
 
     def call(*arguments) -> Ran:
@@ -106,7 +106,7 @@ def moseg(capsys) -> Callable[..., Ran]:
 
 @pytest.fixture(scope="session")
 def evaluated(squares, tmp_path_factory) -> Evaluation:
-    """The squares evaluated in sections of four frames. Tests that damage the store take `evaluated_copy`."""
+    """Return the evaluation of the squares in sections of four frames; tests that damage it use `evaluated_copy`."""
     from moseg.workflows.cli.app import run
 
     folder = tmp_path_factory.mktemp("evaluated")
@@ -119,6 +119,6 @@ def evaluated(squares, tmp_path_factory) -> Evaluation:
 
 @pytest.fixture
 def evaluated_copy(evaluated, tmp_path) -> Evaluation:
-    """The same with a store of the test's own."""
+    """Return the same evaluation with a copy of its store."""
     shutil.copytree(evaluated.store, tmp_path / "store")
     return evaluated._replace(store=tmp_path / "store")

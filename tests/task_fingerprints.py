@@ -2,11 +2,11 @@
 
 A fingerprint is a digest over every definition that a task's adapter reaches, in its own module, in `moseg.tasks` and
 in `moseg.workflows`: functions, classes and module-level values, each followed through imports to the module that
-defines it. Comments, docstrings, layout and what merely stands beside are no part of it.
+defines it. Comments, docstrings, layout and definitions that are not reached are not part of it.
 
-Three things are left out on purpose. Parameter models (`schemas`): their values stand in the recipes, so another
-default is another key. The plumbing that hands arrays to and fro (`PLUMBING`): it changes no array. Libraries: their
-versions stand in the manifests.
+Three things are left out on purpose. Parameter models (`schemas`): their values are in the recipes, so that another
+default gives another key. The modules that only pass arrays on (`PLUMBING`): they change no array. Libraries: their
+versions are in the manifests.
 """
 
 import ast
@@ -37,21 +37,21 @@ LEAF_READERS = (
     ("ingest:trajectory_labels", "moseg.workflows.sources.trajectory_files", "TrajectoryLabels", "DECODING_VERSION"),
     ("ingest:scenes", "moseg.workflows.sources.scenes", "_rendered", "RENDERER_VERSION"),
 )
-"""What decodes files into leaves: an `ingest` artifact remembers its outcome, so it too has a version."""
+"""Decoders of files into leaves, which have versions too because `ingest` artifacts keep their results."""
 
 SourceReader = Callable[[str], str | None]
-"""Source of a module by its dotted name; None where there is no such module of ours."""
+"""Source of a module by its dotted name; None if it is not a module of this project."""
 
 
 class Fingerprint(NamedTuple):
-    """What stands in the record for one task."""
+    """Record of one task."""
 
     version: int
     fingerprint: str
 
 
 class Source(NamedTuple):
-    """One parsed module: its statements, those that bind each name, and the module and name behind each import."""
+    """Parsed module: its statements, those that bind each name, and the module and name behind each import."""
 
     statements: list[ast.stmt]
     binders: dict[str, list[int]]
@@ -59,14 +59,14 @@ class Source(NamedTuple):
 
 
 class ModuleName(NamedTuple):
-    """A name in a module; None stands for all that is in it."""
+    """Name in a module; None stands for the whole module."""
 
     module: str
     name: str | None
 
 
 def read_source(module: str) -> str | None:
-    """Source of a module of the followed packages, from the working tree."""
+    """Return the source of a module of the followed packages, from the working tree."""
     package, *inner = module.split(".")[1:] if module.startswith("moseg.") else [""]
     if f"moseg.{package}" not in FOLLOWED:
         return None
@@ -78,19 +78,19 @@ def read_source(module: str) -> str | None:
 
 
 def current_fingerprints(read: SourceReader = read_source) -> dict[str, Fingerprint]:
-    """Version and fingerprint of every task of the registry, and of every decoder behind the leaves."""
+    """Return the version and fingerprint of every task of the registry, and of every decoder behind the leaves."""
     return {name: Fingerprint(version, fingerprint(root, read)) for name, (version, root) in _roots().items()}
 
 
 def recorded_fingerprints(path: Path = RECORD) -> dict[str, Fingerprint]:
-    """What was recorded last; empty where nothing was."""
+    """Return the last record; empty if there is none."""
     if not path.is_file():
         return {}
     return {name: Fingerprint(**entry) for name, entry in json.loads(path.read_text(encoding="utf-8")).items()}
 
 
 def moved_unnoticed(recorded: dict[str, Fingerprint], current: dict[str, Fingerprint]) -> list[str]:
-    """Names whose code is not the recorded one although their version is."""
+    """Return the names whose code differs from the record although their version does not."""
     both = recorded.keys() & current.keys()
     return sorted(
         name
@@ -100,13 +100,13 @@ def moved_unnoticed(recorded: dict[str, Fingerprint], current: dict[str, Fingerp
 
 
 def fingerprint(root: ModuleName, read: SourceReader = read_source) -> str:
-    """Digest over every definition reached from `root`."""
+    """Return the digest over every definition reached from `root`."""
     lines = sorted(json.dumps(entry) for entry in reach(root, read))
     return blake2b("\n".join(lines).encode("ascii"), digest_size=32).hexdigest()
 
 
 def reach(root: ModuleName, read: SourceReader = read_source) -> list[list]:
-    """Each statement reached: its module, its text as a tree, and what the imported names in it stand for."""
+    """Return each reached statement: its module, its tree, and the definitions of the imported names in it."""
     parse = cache(lambda module: _parse(module, read))
     found: dict[tuple[str, int], list] = {}
     entered: set[ModuleName] = set()
@@ -163,7 +163,7 @@ def _parse(module: str, read: SourceReader) -> Source | None:
 
 
 def _statements_of(source: Source, name: str | None) -> list[int]:
-    """Statements that make up a name, and those that bind none: they run on import whatever is asked for."""
+    """Return the statements that define a name, and those that bind none, which run on every import."""
     code = [i for i, node in enumerate(source.statements) if not _is_text(node) and not _is_import(node)]
     if name is None:
         return code
@@ -173,7 +173,7 @@ def _statements_of(source: Source, name: str | None) -> list[int]:
 
 
 def _bound(statement: ast.stmt) -> set[str]:
-    """Names that a module-level statement binds or, through an item or attribute, fills."""
+    """Return the names that a module-level statement binds or, through an item or attribute, fills."""
     if isinstance(statement, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
         return {statement.name}
     if isinstance(statement, ast.Assign | ast.AnnAssign | ast.AugAssign):
@@ -196,7 +196,7 @@ def _imports(statements: list[ast.stmt]) -> dict[str, tuple[str, str | None]]:
 
 
 def _resolve(module: str, name: str | None, parse: Callable[[str], Source | None]) -> ModuleName:
-    """The module that defines an imported name, through the packages that only pass it on."""
+    """Return the module that defines an imported name, following packages that only re-export it."""
     while name is not None:
         source = parse(module)
         if source is not None and name in source.imports:
@@ -213,8 +213,8 @@ def _names(statement: ast.stmt) -> set[str]:
 
 
 def _tree(node) -> object:
-    """An AST as lists, the same on every Python: without positions, empty fields, texts that stand alone, and what a
-    task says of itself beside its code: its version, and what stands in its recipe."""
+    """Return an AST as lists, the same on every Python: without positions, empty fields and lone strings, and
+    without the declarations of a task beside its code: its version, and what its recipe contains."""
     if isinstance(node, list):
         return [_tree(item) for item in node if not _is_text(item)]
     if not isinstance(node, ast.AST):

@@ -1,10 +1,10 @@
-"""What the documents tell a user to type is understood, and their links lead somewhere.
+"""The commands in the documents are valid, and their links lead to existing pages.
 
 Command lines are the lines of indented blocks and the inline code that begin with `moseg` or `make`. They are parsed by
 the real command line and not run; a command without anything behind it is only mentioned. Inline code that begins with
-an option counts as given to the first command that knows it. Placeholders: `N` is a number, `…` is left out,
+an option counts as given to the first command that has it. Placeholders: `N` is a number, `…` is left out,
 `stage.name=value` stands for any parameter, names that begin with `my-` are the user's own; other words in capitals are
-taken as they stand.
+parsed literally.
 """
 
 import importlib.util
@@ -36,7 +36,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 def _load(path: Path):
-    """A script outside of the packages."""
+    """Load a script outside of the packages."""
     spec = importlib.util.spec_from_file_location(path.stem, path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -46,7 +46,7 @@ def _load(path: Path):
 _shown_commands = _load(ROOT / "docs" / "tools" / "shown_commands.py")
 DOCUMENTS, shown_code = _shown_commands.DOCUMENTS, _shown_commands.shown_code
 TO_BE_UNDERSTOOD = tuple(path for path in DOCUMENTS if path.name != "extending.md")
-"""What extending.md shows is understood where its examples were written: tests/docs/test_extending.py."""
+"""Commands of extending.md need its examples, so that tests/docs/test_extending.py checks them."""
 ARCHITECTURE_OF = {item.name: item.architecture for item in CATALOGUE}
 
 _PARAMETER = re.compile(rf"(?:{'|'.join(PipelineConfig.model_fields)})\.[a-z]\w*(?:=\S+)?")
@@ -55,19 +55,19 @@ _LINK = re.compile(r"\]\((?!\w+:)([^)#]*)(?:#([^)]+))?\)")
 
 
 class Shown(NamedTuple):
-    """Something that a document shows, and in which."""
+    """Code that a document shows, with the document."""
 
     document: str
     text: str
 
 
 def is_for_moseg(code: str) -> bool:
-    """Whether the code is a command line of `moseg`, or options or parameters for it."""
+    """Return whether the code is a command line of `moseg`, or options or parameters for it."""
     return code.startswith("moseg ") or _OPTION.match(code) is not None or _PARAMETER.fullmatch(code) is not None
 
 
 def check(code: str) -> None:
-    """Parse a command line, options or a parameter; raises TyperException or InputError where one is wrong."""
+    """Parse a command line, options or a parameter; raises TyperException or InputError if one is invalid."""
     if not code.startswith(("moseg ", "--")):
         name, _, value = code.partition("=")
         if not value:
@@ -79,7 +79,7 @@ def check(code: str) -> None:
         code = f"--set {code}"
     words = ["1" if word == "N" else word for word in shlex.split(code) if word != "…"]
     own = {name for parameter in build_command().params for name in parameter.opts}
-    # What `moseg` itself does with them (installing completion, say) is not to be done here.
+    # The callbacks of `moseg` itself, such as the installation of completion, are not run here.
     if words[-1] == "--help" and len(words) > 1:
         words = words[:-1]
     if words[-1] in own and words in (["moseg", words[-1]], words[-1:]):
@@ -93,7 +93,7 @@ def check(code: str) -> None:
 
 
 def _parse(words: list[str]) -> dict:
-    """Values of the parameters of a command, by name."""
+    """Return the values of the parameters of a command, by name."""
     command, name, context = build_command(), "moseg", None
     while isinstance(command, TyperGroup):
         context = command.make_context(name, list(words), parent=context)
@@ -102,7 +102,7 @@ def _parse(words: list[str]) -> dict:
 
 
 def _check_parsed(values: dict) -> None:
-    """Raises InputError where a value is none of those that the command itself would take."""
+    """Raise InputError unless the command itself would accept all values."""
     if "dataset" in values and values["dataset"] not in DATASETS:
         raise InputError("unknown data set", got=values["dataset"])
     for item in values.get("items") or ():
@@ -113,13 +113,13 @@ def _check_parsed(values: dict) -> None:
     if not values.keys() >= set(names):
         return
     settings = [setting for setting in values["settings"] if setting != "stage.name=value"]
-    # A file that is shown is the user's own.
+    # A shown file is the user's own.
     own = {"settings": settings, "config_file": None}
     config = PipelineOptions(**{name: values[name] for name in names} | own).choices().read()
     for item, architecture in needed_items(config).items():
         _check_item(item, architecture)
     for network in filter(None, (task.network for task in all_tasks())):
-        # The tagger's item may be of either architecture.
+        # The tagger's item may have either architecture.
         if network.parameter != "ram.weights":
             _check_item(network.item(config), network.architecture)
 
@@ -130,11 +130,11 @@ def _check_item(item: str, architecture: str | None) -> None:
 
 
 def _complete(words: list[str]) -> list[str] | None:
-    """A command line with these options; None where it is just the name of one, which exists."""
+    """Return a command line with these options; None if it is only the name of an existing command."""
     asked = {word.partition("=")[0] for word in words if word.startswith("--")}
     for path, options, num_arguments in _commands():
         if asked <= options:
-            # Of all presets this one has objects that the options of detections apply to.
+            # The options of detections apply to the proposals of this preset.
             preset = ["--preset", "paper"] if "--geometry" in options else []
             return ["moseg", *path, *preset, *["x"] * num_arguments, *words] if len(words) > 1 else None
     raise InputError("no such option", got=" ".join(sorted(asked)))
@@ -142,7 +142,7 @@ def _complete(words: list[str]) -> list[str] | None:
 
 @cache
 def _commands(command=None, path: tuple[str, ...] = ()) -> list[tuple[tuple[str, ...], set[str], int]]:
-    """Words, options and number of required arguments of each command, `eval` before the others."""
+    """Return words, options and number of required arguments of each command, `eval` before the others."""
     command = command or build_command()
     if isinstance(command, TyperGroup):
         found = [entry for name, inner in command.commands.items() for entry in _commands(inner, (*path, name))]
@@ -160,7 +160,7 @@ def _shown(is_meant) -> list[Shown]:
 
 
 @pytest.mark.parametrize("shown", _shown(is_for_moseg), ids=lambda shown: f"{shown.document}: {shown.text}")
-def test_what_is_shown_of_moseg_is_understood(shown):
+def test_every_shown_command_of_moseg_is_valid(shown):
     check(shown.text)
 
 
@@ -168,7 +168,7 @@ def test_what_is_shown_of_moseg_is_understood(shown):
 @pytest.mark.parametrize(
     "shown", _shown(lambda code: code.startswith("make ")), ids=lambda shown: f"{shown.document}: {shown.text}"
 )
-def test_what_is_shown_of_make_is_understood(shown):
+def test_every_shown_command_of_make_is_valid(shown):
     lines = dry_run(shown.text)
     if any(f"make {target}" in shown.text for target in ("eval", "ablation", "segment")):
         assert lines
@@ -177,13 +177,13 @@ def test_what_is_shown_of_make_is_understood(shown):
 
 
 def dry_run(code: str) -> list[str]:
-    """Command lines of `moseg` that a command line of make would run; raises InputError where one is wrong."""
+    """Return command lines of `moseg` that a command line of make would run; raises InputError if one is invalid."""
     words = shlex.split(code)[1:]
     variables = set(re.findall(r"^([A-Z0-9]+)\s*[?:]?=", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
     unknown = {word.partition("=")[0] for word in words if "=" in word} - variables
     if unknown:
         raise InputError("no such variable of make", got=", ".join(unknown))
-    # Of a make that runs these tests nothing is to be inherited.
+    # Variables of a make that runs these tests must not be inherited.
     env = {"PATH": os.environ["PATH"]}
     ran = subprocess.run(["make", "--dry-run", *words], cwd=ROOT, env=env, capture_output=True, text=True, check=False)
     if ran.returncode:
@@ -193,7 +193,7 @@ def dry_run(code: str) -> list[str]:
 
 
 @pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.name)
-def test_links_lead_somewhere(path):
+def test_links_lead_to_existing_pages_and_headings(path):
     broken = []
     for target, anchor in _LINK.findall(path.read_text(encoding="utf-8")):
         file = (path.parent / target).resolve() if target else path

@@ -1,4 +1,4 @@
-"""What is installed: the wheel holds all that runs and nothing else, and versions agree wherever they stand."""
+"""The wheel contains all code that runs and nothing else, and all statements of the version agree."""
 
 import os
 import re
@@ -22,7 +22,7 @@ ROOMS = {
     "moseg_tasks": "moseg/tasks",
     "workflows": "moseg/workflows",
 }
-"""Folders at the top of the checkout, and where each is installed."""
+"""Folders at the top of the checkout, with the package under which each is installed."""
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 BESIDE = ("benchmarks", "docs", "tests")
 FILES = (
@@ -37,7 +37,7 @@ FILES = (
     "setup.py",
 )
 EDITOR = "docs/editor"
-"""Links to the folders, by which the checkout is imported where it is not installed."""
+"""Links to the folders, through which a checkout is imported without installation."""
 FRONT = "api/moseg/__init__.py"
 PAGE_SUFFIXES = (".html", ".css", ".js")
 
@@ -55,7 +55,7 @@ class Wheel(NamedTuple):
 
 @pytest.fixture(scope="module")
 def source(tmp_path_factory) -> Path:
-    """A copy of the project's own files, for setuptools leaves files of its own beside the sources."""
+    """Return a copy of the project's files, because setuptools leaves files of its own beside the sources."""
     folder = tmp_path_factory.mktemp("source")
     for path in _project_files():
         target = folder / path.relative_to(ROOT)
@@ -93,7 +93,7 @@ def _project_files() -> list[Path]:
 
 
 def _expected_names() -> set[str]:
-    """Installed names of the rooms' modules and of the parts of pages."""
+    """Return the installed names of the modules and of the parts of pages."""
     found = set()
     for room in ROOMS:
         for path in (ROOT / room).rglob("*"):
@@ -128,7 +128,7 @@ def test_every_file_of_a_room_is_of_a_kind_that_is_installed():
     assert kinds <= {".py", ".pyc", *PAGE_SUFFIXES}
 
 
-def test_metadata_tell_what_it_is_and_needs(wheel):
+def test_metadata_describe_the_project_and_its_requirements(wheel):
     metadata = HeaderParser().parsestr(wheel.info("METADATA"))
     assert (metadata["Name"], metadata["Version"]) == ("moseg", PROJECT["version"])
     assert metadata["License-Expression"] == "MIT"
@@ -142,7 +142,7 @@ def test_metadata_tell_what_it_is_and_needs(wheel):
 
 def test_the_wheel_runs_without_the_checkout(wheel, squares, tmp_path):
     run = "import sys; from moseg.workflows.cli import main; main(sys.argv[1:])"
-    # Only what is unpacked, and the packages that it needs: the checkout's own rooms come from neither.
+    # Only the unpacked wheel and its dependencies are on the path, not the checkout.
     environ = {"PATH": os.environ["PATH"], "HOME": str(tmp_path), "PYTHONPATH": str(wheel.folder)}
     where = "import moseg, moseg.schemas, moseg.workflows; print(moseg.__file__, moseg.schemas.__file__)"
 
@@ -175,7 +175,7 @@ def test_a_script_imports_moseg_beside_modules_of_any_name(wheel, tmp_path, is_i
     assert ran.stdout.endswith(" dis\n")
 
 
-def test_installed_code_and_the_checkouts_are_the_same_to_a_cluster(wheel, source):
+def test_installed_code_and_the_checkout_have_the_same_fingerprint(wheel, source):
     code = "from moseg.workflows.cluster.process_facts import code_fingerprint; print(code_fingerprint())"
     found = set()
     for folder in (wheel.folder, source / EDITOR):
@@ -185,7 +185,7 @@ def test_installed_code_and_the_checkouts_are_the_same_to_a_cluster(wheel, sourc
     assert len(found) == 1
 
 
-def test_the_citation_file_is_of_this_version_and_names_the_paper():
+def test_the_citation_file_has_this_version_and_names_the_paper():
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     assert citation["cff-version"] == "1.2.0"
     assert {"message", "title", "authors"} <= set(citation)
@@ -195,7 +195,7 @@ def test_the_citation_file_is_of_this_version_and_names_the_paper():
     assert [author["family-names"] for author in paper["authors"]] == ["Huang", "Chen", "Zelek"]
 
 
-def test_the_changelog_tells_of_this_version():
+def test_the_changelog_has_an_entry_for_this_version():
     text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     versions = re.findall(r"^## \[(.+?)\](?: - (\d{4}-\d{2}-\d{2}))?$", text, re.MULTILINE)
     released = [version for version, date in versions if date]

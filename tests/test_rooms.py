@@ -1,4 +1,4 @@
-"""Imports between the rooms run one way, and nothing anywhere runs data as code."""
+"""Imports between the top-level packages run one way, and no code runs data as code."""
 
 import ast
 import sys
@@ -14,7 +14,7 @@ PACKAGES = {
     "moseg_tasks": "moseg.tasks",
     "workflows": "moseg.workflows",
 }
-"""Rooms, and the names that they are imported by."""
+"""Folders of the packages, and the names under which they are imported."""
 ROOMS = tuple(PACKAGES)
 SCIENCE = {"PIL", "cv2", "kmedoids", "numpy", "poselib", "pydantic", "scipy", "sklearn", "torch", "transformers"}
 OUTSIDE_WORLD = {
@@ -33,7 +33,7 @@ OUTSIDE_WORLD = {
 
 
 class Rule(NamedTuple):
-    """What a room may import beside itself: other rooms, libraries, and the standard library but for `no_stdlib`."""
+    """Allowed imports of a package: other packages, libraries, and the standard library except `no_stdlib`."""
 
     rooms: set[str]
     libraries: set[str]
@@ -66,9 +66,9 @@ RULES = {
 
 
 def _imports(tree: ast.AST) -> set[str]:
-    """Packages that a module imports, wherever in it: of ours the room, of others the top level.
+    """Return the packages that a module imports anywhere in its code: rooms of ours, else top-level packages.
 
-    Relative imports count as their own room's.
+    Relative imports count as imports of their own room.
     """
     found = set()
     for node in ast.walk(tree):
@@ -81,7 +81,7 @@ def _imports(tree: ast.AST) -> set[str]:
 
 
 def _package(module: str) -> str:
-    """The room of a module of ours, else its top-level package."""
+    """Return the room of a module of ours, else its top-level package."""
     first, _, rest = module.partition(".")
     return f"moseg.{rest.partition('.')[0]}" if first == "moseg" else first
 
@@ -98,7 +98,7 @@ def _forbidden_imports(room: str, source: str) -> set[str]:
 
 
 def _code_from_data(source: str) -> list[str]:
-    """Calls that run what they read: ``eval``, ``exec``, pickles, and NumPy or torch files that may hold pickles."""
+    """Return calls that can run their data: ``eval``, ``exec``, pickles, NumPy or torch files that may hold pickles."""
     tree = ast.parse(source)
     pickles = {"cloudpickle", "dill", "joblib", "marshal", "pickle", "shelve"}
     found = sorted(_imports(tree) & pickles)
@@ -141,8 +141,8 @@ def test_science_opens_no_files():
     assert {name: lines for name, lines in found.items() if lines} == {}
 
 
-def test_no_code_runs_what_it_reads():
-    # What is compared there with the store is joblib's own.
+def test_no_code_runs_the_data_it_reads():
+    # These benchmarks compare the store with joblib, which pickles.
     sources = set(_sources(*ROOMS, "benchmarks")) - {ROOT / "benchmarks/joblib_memory.py"}
     found = {path.relative_to(ROOT).as_posix(): _code_from_data(path.read_text()) for path in sources}
     assert {name: calls for name, calls in found.items() if calls} == {}
@@ -166,7 +166,7 @@ def test_no_code_runs_what_it_reads():
         ("workflows", "import zarr"),
     ],
 )
-def test_an_import_the_wrong_way_is_noticed(room, source):
+def test_a_forbidden_import_is_noticed(room, source):
     assert _forbidden_imports(room, source)
 
 
@@ -182,7 +182,7 @@ def test_an_import_the_wrong_way_is_noticed(room, source):
         "np.load(p, allow_pickle=a)",
     ],
 )
-def test_running_data_is_noticed(source):
+def test_code_that_runs_data_is_noticed(source):
     assert _code_from_data(source)
     assert not _code_from_data("torch.load(p, weights_only=True)")
     assert not _code_from_data("model.eval()\nnp.load(p, allow_pickle=False)\nre.compile(x)")

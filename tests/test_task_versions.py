@@ -1,4 +1,4 @@
-"""A task's code cannot change and still serve old results unnoticed."""
+"""A change of a task's code under an unchanged version is noticed."""
 
 import importlib.util
 import sys
@@ -8,7 +8,7 @@ import pytest
 
 
 def _load(name):
-    """A script beside this file; the folder of tests is not on the path, because its folders are named like rooms."""
+    """Load a script beside this file; tests are not on the path, because their folders are named like packages."""
     spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{name}.py"))
     sys.modules[name] = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(sys.modules[name])
@@ -53,12 +53,12 @@ ROOT = prints.ModuleName("moseg.workflows.stages.toy", "TOY")
 
 @pytest.fixture(scope="module")
 def current():
-    """Fingerprints of all tasks as they stand, each read from its sources."""
+    """Return the current fingerprints of all tasks, each read from its sources."""
     return prints.current_fingerprints()
 
 
 def _fingerprint(module=None, old="", new=""):
-    """Fingerprint of the toy task after one edit of one module's source."""
+    """Return the fingerprint of the toy task after one edit of one module's source."""
     sources = dict(TOY)
     if module is not None:
         assert old in sources[module]
@@ -66,7 +66,7 @@ def _fingerprint(module=None, old="", new=""):
     return prints.fingerprint(ROOT, sources.get)
 
 
-def test_every_task_has_the_recorded_code_or_a_raised_version(current):
+def test_every_task_has_the_recorded_code_or_a_higher_version(current):
     recorded = prints.recorded_fingerprints()
     moved = prints.moved_unnoticed(recorded, current)
     assert not moved, (
@@ -114,11 +114,11 @@ def test_another_program_is_another_fingerprint(module, old, new):
         ("moseg.tasks.toy.halve", "x / 2", "x // 2"),
     ],
 )
-def test_comments_docstrings_and_neighbours_are_no_part_of_it(module, old, new):
+def test_comments_docstrings_and_unused_definitions_do_not_change_a_fingerprint(module, old, new):
     assert _fingerprint(module, old, new) == _fingerprint()
 
 
-def test_a_changed_helper_moves_the_tasks_that_reach_it_and_no_others(current):
+def test_a_changed_function_changes_only_the_fingerprints_of_tasks_that_reach_it(current):
     module = "moseg.tasks.geometry.sampson"
 
     def edited(name):
@@ -130,7 +130,7 @@ def test_a_changed_helper_moves_the_tasks_that_reach_it_and_no_others(current):
     assert not moved & {"flow:dis", "proposals:given", "segmentation:moving-objects", "ingest:images"}
 
 
-def test_the_record_is_not_overwritten_while_a_version_stands_still(tmp_path, capsys):
+def test_the_record_is_not_overwritten_under_an_unchanged_version(tmp_path, capsys):
     path = tmp_path / "record.json"
     first = {"flow:dis": prints.Fingerprint(1, "aa")}
     moved = {"flow:dis": prints.Fingerprint(1, "bb")}

@@ -1,4 +1,4 @@
-"""Imports between the rooms of `workflows/` run one way, and no file lies loose among them."""
+"""Imports between the packages of `workflows/` run one way, and no module is directly in `workflows/`."""
 
 import ast
 from graphlib import TopologicalSorter
@@ -8,7 +8,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1] / "workflows"
 FRONT = ("api", "moseg")
-"""Folder of the package `moseg`, which stands above the rooms."""
+"""Folder of the package `moseg`, which contains the rooms."""
 ALLOWED = {
     "cli": {
         *("api", "config", "datasets", "exports", "plugins", "process", "reports", "runlog", "stages", "weights"),
@@ -41,7 +41,7 @@ ALLOWED = {
 
 
 def _imported_rooms(source: str) -> set[str]:
-    """Rooms that a module imports, wherever in it."""
+    """Return the rooms that a module imports anywhere in its code."""
     found = set()
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
@@ -55,13 +55,13 @@ def _modules() -> list[Path]:
     return [path for path in sorted(ROOT.rglob("*.py")) if path.relative_to(ROOT).parts[:2] != FRONT]
 
 
-def test_no_file_lies_loose():
+def test_no_module_is_directly_in_workflows():
     assert [path.name for path in ROOT.glob("*.py")] == ["__init__.py"]
     assert {path.relative_to(ROOT).parts[0] for path in _modules()} == {"__init__.py", *ALLOWED}
 
 
 @pytest.mark.parametrize("room", ALLOWED)
-def test_a_room_imports_the_rooms_it_may_and_no_fewer(room):
+def test_a_room_imports_exactly_the_allowed_rooms(room):
     found = set()
     for path in _modules():
         if path.relative_to(ROOT).parts[0] == room:

@@ -1,11 +1,11 @@
-"""How well our DeAOT and the official one agree on shared random weights.
+"""Agreement of our DeAOT with the official one on shared random weights.
 
     python benchmarks/agreement/deaot.py --official DIR
 
 DIR is a checkout of https://github.com/yoxu515/aot-benchmark (commit 601c138 was used). Both networks load one seeded
 state dict of R50-DeAOTL and track the same moving blobs through a video, each with its own engine. The figure is the
-largest difference of the networks' logits over all frames and groups; labels must be identical. Exit code 1 when over
-the bar.
+largest difference of the networks' logits over all frames and groups; labels must be identical. Exit code 1 if it is
+above the bar.
 """
 
 import argparse
@@ -28,7 +28,7 @@ UNBOUNDED = 10**6
 
 
 class Case(NamedTuple):
-    """A video to compare on; `size` is (y, x)."""
+    """Video for the comparison; `size` is (y, x)."""
 
     num_frames: int
     size: tuple[int, int]
@@ -47,7 +47,7 @@ CASES = {
 
 
 def random_state(seed: int) -> dict[str, torch.Tensor]:
-    """A state dict of R50-DeAOTL whose signals neither vanish nor explode, and whose objects stay apart."""
+    """Return a state dict of R50-DeAOTL whose signals neither vanish nor explode, with distinct objects."""
     rng = np.random.default_rng(seed)
     with torch.device("meta"):
         shapes = {name: tuple(value.shape) for name, value in Deaot(DeaotConfig()).state_dict().items()}
@@ -79,7 +79,7 @@ def random_state(seed: int) -> dict[str, torch.Tensor]:
 
 
 def moving_blobs(case: Case, seed: int) -> tuple[list[np.ndarray], np.ndarray]:
-    """Textured discs drifting over a textured background, and their labels in the first frame."""
+    """Return textured discs that drift over a textured background, and their labels in the first frame."""
     rng = np.random.default_rng(seed)
     height, width = case.size
     y, x = np.mgrid[:height, :width]
@@ -99,7 +99,7 @@ def moving_blobs(case: Case, seed: int) -> tuple[list[np.ndarray], np.ndarray]:
 
 
 def official_labels(network, frames: list[np.ndarray], seeds: np.ndarray, params: DeaotParams) -> Iterator[np.ndarray]:
-    """Labels of each frame after the first, by the official transforms and engine in the official evaluator's order."""
+    """Return labels of all frames but the first, by the official transforms, engine and order of the evaluator."""
     from dataloaders.video_transforms import MultiRestrictSize, MultiToTensor
     from networks.engines import build_engine
 
@@ -121,9 +121,9 @@ def official_labels(network, frames: list[np.ndarray], seeds: np.ndarray, params
 
 
 def official_network(folder: str, state: dict[str, torch.Tensor]) -> torch.nn.Module:
-    """The official R50-DeAOTL with these weights."""
+    """Return the official R50-DeAOTL with these weights."""
     sys.path.insert(0, folder)
-    # torchvision is imported there for what training does to images only.
+    # torchvision is imported there only for the image transforms of training.
     for name in ("torchvision", "torchvision.transforms", "torchvision.transforms.functional"):
         sys.modules.setdefault(name, types.ModuleType(name))
     from configs.models.r50_deaotl import ModelConfig
@@ -140,15 +140,15 @@ def official_network(folder: str, state: dict[str, torch.Tensor]) -> torch.nn.Mo
 
 
 class LogitRecord:
-    """What a network's decoder puts out, frame by frame, for all groups of objects."""
+    """Record of the output of a network's decoder, frame by frame, for all groups of objects."""
 
     def __init__(self, network: torch.nn.Module):
         self.outputs: list[torch.Tensor] = []
-        # A copy: the official engine writes over identities that are not in use.
+        # A copy, because the official engine overwrites the logits of unused identities.
         network.decoder.register_forward_hook(lambda _, __, output: self.outputs.append(output.clone()))
 
     def take(self) -> torch.Tensor:
-        """Logits (group, 1 + max_objects, y, x) since the last call."""
+        """Return the logits (group, 1 + max_objects, y, x) since the last call."""
         logits = torch.cat(self.outputs)
         self.outputs.clear()
         return logits
@@ -157,7 +157,7 @@ class LogitRecord:
 def compare(
     official: torch.nn.Module, ours: Deaot, records: tuple[LogitRecord, LogitRecord], case: Case, seed: int
 ) -> tuple[bool, str]:
-    """Whether both agree on one video, and the figures."""
+    """Return whether both agree on one video, and print the figures."""
     frames, seeds = moving_blobs(case, seed)
     difference, num_wrong, areas = 0.0, 0, []
     with torch.inference_mode():

@@ -2,9 +2,9 @@
 
 Run ``python benchmarks/agreement/depth_anything.py --official DIR``, DIR being a checkout of
 DepthAnything/Depth-Anything-V2; torchvision is not needed. Both load the same random weights of the small network and
-see the same frames, of the size that its position encodings are made for and of others, for which they are resampled.
-It prints the largest difference of inverse depth as a share of its spread, and that of the authors' own answer where
-the frame changes in the last digit. Last, frames that are resized, from the frame to the map at its size.
+get the same frames, of the size of its position encodings and of other sizes, for which these are resampled. It prints
+the largest difference of inverse depth as a share of its spread, and that of the authors' own result if the frame
+changes in the last digit. Last come resized frames, from the frame to the map at its size.
 """
 
 import argparse
@@ -65,7 +65,7 @@ def main() -> int:
         fusion_hidden_size=64,
     )
     state = random_state(DepthAnythingForDepthEstimation(config))
-    # Far from 0, where inverse depth is cut off.
+    # Far from 0, where inverse depth is clipped.
     state["head.conv3.bias"] += 3
     ours = build_depth_anything(Checkpoint("random", state, {"config.json": config.to_json_string()}))
     official = build_official(folder)
@@ -108,7 +108,7 @@ def official_head(state: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
 
 
 def build_official(folder: Path) -> torch.nn.Module:
-    """The authors' small network."""
+    """Return the authors' small network."""
     torchvision_parts.stand_in()
     sys.path.insert(0, str(folder))
     network = importlib.import_module("depth_anything_v2.dpt").DepthAnythingV2

@@ -17,7 +17,7 @@ NAMES = (
 
 
 def official_backbone(state: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
-    """The tensors of ``backbone.*``, queries, keys and values of a layer joined."""
+    """Return the tensors of ``backbone.*``, with the queries, keys and values of a layer concatenated."""
     tensors, parts = {}, {}
     for name, value in state.items():
         if not name.startswith("backbone."):
@@ -34,7 +34,7 @@ def official_backbone(state: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]
 
 
 def random_state(model: torch.nn.Module) -> dict[str, torch.Tensor]:
-    """Weights that keep the signals' size from layer to layer, none of them zero; smooth positions, as trained ones."""
+    """Return nonzero weights that keep signal sizes from layer to layer, and smooth positions, like trained ones."""
     state = model.state_dict()
     for name, value in state.items():
         noise = torch.randn(value.shape)

@@ -1,13 +1,13 @@
 """Agreement of DINOv2 with a DPT head by transformers, as our kernel runs it, with the authors' code.
 
 Run ``python benchmarks/agreement/dpt_dinov2.py --official DIR``, DIR being a checkout of facebookresearch/dinov2. Both
-load the same random weights of the small network and see the same frames, of the size that its position encodings are
-made for and of others, for which they are resampled and the frame is padded. It prints the largest difference of depth
-as a share of its spread, and that of the authors' own answer where the frame changes in the last digit.
+load the same random weights of the small network and get the same frames, of the size of its position encodings and of
+other sizes, for which these are resampled and the frame is padded. It prints the largest difference of depth as a share
+of its spread, and that of the authors' own result if the frame changes in the last digit.
 
-The authors add their least depth of 1 mm to what the network says, transformers does not; here it is taken off again.
-Last comes inverse depth as it is stored, from the frame on: where the authors' code stretches a prediction with its
-border over the frame, and where it interpolates depth and not its inverse, ours does not do as they do.
+The authors add their minimum depth of 1 mm to the network's output, transformers does not; here it is subtracted. Last
+comes the stored inverse depth, from the frame on. Ours differs on purpose in two places: the authors' code stretches a
+prediction with its border over the frame, and interpolates depth instead of inverse depth.
 """
 
 import argparse
@@ -73,9 +73,9 @@ def main() -> int:
         add_projection=True,
     )
     state = random_state(DPTForDepthEstimation(config))
-    # Far from 0, where depth is cut off.
+    # Far from 0, where depth is clipped.
     state["head.head.4.bias"] += 7
-    # The range of the authors' default, that of NYU; random depths reach beyond it.
+    # The range of the authors' default, that of NYU; random depths exceed it.
     depths = {"min_depth": LEAST_DEPTH, "max_depth": LARGEST_DEPTH}
     ours = build_dpt_dinov2(Checkpoint("random", state, {"config.json": config.to_json_string()}, depths))
     official = importlib.import_module("dinov2.hub.depthers").dinov2_vits14_dd(pretrained=False).eval()

@@ -2,13 +2,13 @@
 
 Run ``python benchmarks/agreement/grounding_dino.py --official DIR``, DIR being a checkout of
 IDEA-Research/GroundingDINO; torchvision and timm are not needed. Both load the same random weights, of the published
-widths with fewer layers, and see the same frames and names. It prints the largest differences of the words' logits and
-of the boxes as shares of their spread, and those of the authors' own where the frame changes in the last digit.
+widths with fewer layers, and get the same frames and names. It prints the largest differences of the words' logits and
+of the boxes as shares of their spread, and those of the authors' own if the frame changes in the last digit.
 
 Last come boxes, scores and names, from frames of other sizes on: by their transform, ``predict`` and the suppression of
 the demo that runs RAM before it.
 
-The text encoder is BERT by transformers in either; the authors' code makes its masks and places.
+Both use BERT by transformers as the text encoder; the authors' code makes its masks and positions.
 """
 
 import argparse
@@ -87,7 +87,7 @@ NAMES = (
     (r"^transformer\.tgt_embed", "model.query_position_embeddings"),
     (r"^transformer\.", "model."),
 )
-# Derived from sizes, not used, or once more under another name, as all layers share one head of boxes.
+# Derived from sizes, not used, or duplicates under another name, because all layers share one box head.
 LEFT_OUT = r"relative_position_index|pooler|position_ids|^transformer\.decoder\.bbox_embed|^bbox_embed\.[1-9]"
 JOINED = ("qkv.", "in_proj_")
 
@@ -117,7 +117,7 @@ def main() -> int:
     print(f"{'frame':10} {'logits':>9} {'boxes':>9} {'one ulp':>9} {'one ulp':>9}")
     for height, width in SIZES:
         frame = random_frame(height, width)
-        # Shown as they are.
+        # The side limits are set so that the frame is not resized.
         found = run_ours(detector._replace(shorter_side=min(height, width), longer_side=max(height, width)), frame)
         with torch.inference_mode():
             pixels = frame_tensor(frame, (height, width), torch.device("cpu"))
@@ -125,7 +125,7 @@ def main() -> int:
                 official(image, captions=[", ".join(TAGS) + "."])
                 for image in (pixels, pixels * (1 + torch.finfo(pixels.dtype).eps))
             )
-        # Places behind the text have logits of minus infinity.
+        # Positions after the text have logits of minus infinity.
         is_word = wanted["pred_logits"].isfinite()
         is_same_text = bool((found.logits.isfinite() == is_word).all())
         pairs = (
@@ -148,7 +148,7 @@ def random_frame(height: int, width: int) -> np.ndarray:
 
 
 def compare_frames(modules, official: torch.nn.Module, detector: GroundingDino, frame: np.ndarray) -> bool:
-    """Compare boxes, scores and names from the frame on, at half of the published input size; True where they agree."""
+    """Compare boxes, scores and names from the frame on, at half of the published input size; return if they agree."""
     transforms = modules.transforms
     prepare = transforms.Compose(
         [transforms.RandomResize([400], max_size=667), transforms.ToTensor(), transforms.Normalize(*IMAGENET)]
@@ -182,7 +182,7 @@ def compare_frames(modules, official: torch.nn.Module, detector: GroundingDino, 
 
 
 def run_ours(detector: GroundingDino, frame: np.ndarray):
-    """What the network says to our kernel."""
+    """Return the network's output in our kernel."""
     outputs = []
     with detector.model.register_forward_hook(lambda _module, _inputs, output: outputs.append(output)):
         detect_objects(detector, frame, TAGS, GroundingDinoParams())
@@ -190,7 +190,7 @@ def run_ours(detector: GroundingDino, frame: np.ndarray):
 
 
 def stand_in(name: str, folder: Path | None = None, **attributes) -> None:
-    """A module of these attributes; a package where there is a folder."""
+    """Return a module of these attributes; a package if it has a folder."""
     module = types.ModuleType(name)
     module.__path__ = [str(folder)] if folder else []
     vars(module).update(attributes)
@@ -201,7 +201,7 @@ def stand_in(name: str, folder: Path | None = None, **attributes) -> None:
 
 
 def import_official(folder: Path) -> types.SimpleNamespace:
-    """Their modules of the network and of its configuration; packages of theirs import more than is needed."""
+    """Import their modules of the network and its configuration alone, because their packages import more."""
     torchvision_parts.stand_in()
     vars(sys.modules["torchvision"]).update(__version__="0.20", _is_tracing=lambda: False)
     for name in ("torchvision.models", "timm", "timm.models", "supervision"):
@@ -229,14 +229,14 @@ def import_official(folder: Path) -> types.SimpleNamespace:
 
 
 class _Tokenizer:
-    """Knows the tokens that part names, as their network asks for them where it is made."""
+    """Tokenizer with the tokens that separate names, which the constructor of their network reads."""
 
     def convert_tokens_to_ids(self, tokens: list[str]) -> list[int]:
         return [{"[CLS]": 101, "[SEP]": 102, ".": 1012, "?": 1029}[token] for token in tokens]
 
 
 class _Text(torch.nn.Module):
-    """BERT with the masks and places that it is given; their wrapper of it needs an older transformers."""
+    """BERT with given masks and positions; their wrapper of it needs an older transformers."""
 
     def __init__(self, bert_model: BertModel):
         super().__init__()
@@ -252,7 +252,7 @@ class _Text(torch.nn.Module):
 
 
 def build_official(modules: types.SimpleNamespace, text: BertModel) -> torch.nn.Module:
-    """Their network with random weights, none of them zero."""
+    """Return their network with nonzero random weights."""
     sys.modules["groundingdino.util.get_tokenlizer"].get_pretrained_language_model = lambda _: text
     modules.network.get_tokenlizer.get_pretrained_language_model = lambda _: text
     modules.network.BertModelWarper = _Text

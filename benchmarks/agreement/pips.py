@@ -2,7 +2,7 @@
 
 Run ``python benchmarks/agreement/pips.py --official DIR``, where DIR is a checkout of github.com/aharley/pips. Both
 networks read one random state dict and follow the same points, some of them beyond the frame's edge, through a
-window of random frames. Exits with 1 where they differ by more than the bars below.
+window of random frames. Exits with 1 if they differ by more than the bars below.
 
 The published code expects a GPU and single precision, and takes one layer, a mean, from a library. Here it is run on
 the CPU, in either precision, with that layer in the library's place.
@@ -66,9 +66,9 @@ def main() -> int:
 
 
 def compare_frames(published: torch.nn.Module, ours: Pips, images: torch.Tensor) -> tuple[int, float]:
-    """Points seen in all frames, and largest difference of one, px, from frames that both shrink; one window.
+    """Return the points visible in all frames, and the largest difference, px, on frames that both reduce; one window.
 
-    Where the points begin, and when a track ends, is our pipeline's own; the authors' demo resizes by torch.
+    Only our pipeline chooses the start of points and the end of tracks; the authors' demo resizes by torch.
     """
     frames = images.numpy()
     masks = np.ones((NUM_FRAMES, HEIGHT, WIDTH), np.uint16)
@@ -86,7 +86,7 @@ def compare_frames(published: torch.nn.Module, ours: Pips, images: torch.Tensor)
 
 
 def import_published(folder: str) -> type[torch.nn.Module]:
-    """The published network's class."""
+    """Return the published network's class."""
     sys.path.insert(0, folder)
     layers = types.ModuleType("einops.layers.torch")
     layers.Rearrange, layers.Reduce = None, lambda pattern, kind: FrameMean()
@@ -107,7 +107,7 @@ class FrameMean(torch.nn.Module):
 
 @contextmanager
 def published_precision(dtype: torch.dtype) -> Iterator[None]:
-    """Makes the published code's single precision `dtype`, and its device the CPU."""
+    """Run the published code in precision `dtype` instead of float32, and on the CPU."""
     default = torch.get_default_dtype()
     with (
         mock.patch.object(torch, "float32", dtype),
@@ -122,7 +122,7 @@ def published_precision(dtype: torch.dtype) -> Iterator[None]:
 
 
 def random_frames() -> torch.Tensor:
-    """Smooth random frames, uint8 (S, y, x, 3)."""
+    """Return smooth random frames, uint8 (S, y, x, 3)."""
     noise = torch.rand(NUM_FRAMES, 3, HEIGHT // 8, WIDTH // 8)
     smooth = torch.nn.functional.interpolate(noise, (HEIGHT, WIDTH), mode="bicubic").clamp(0, 1)
     return (255 * smooth).to(torch.uint8).permute(0, 2, 3, 1).contiguous()
@@ -130,7 +130,7 @@ def random_frames() -> torch.Tensor:
 
 @torch.inference_mode()
 def follow_as_published(network, images: torch.Tensor, points: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-    """Points (N, S, 2) and logits of visibility (N, S) of the published code."""
+    """Return points (N, S, 2) and logits of visibility (N, S) of the published code."""
     with published_precision(points.dtype):
         frames = images.permute(0, 3, 1, 2)[None].to(points.dtype)
         predictions, _, visibility, _ = network(points[None], frames, iters=ITERATIONS)
@@ -139,7 +139,7 @@ def follow_as_published(network, images: torch.Tensor, points: torch.Tensor) -> 
 
 @torch.inference_mode()
 def follow(network: Pips, images: torch.Tensor, points: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-    """Points (N, S, 2) and logits of visibility (N, S) of ours."""
+    """Return points (N, S, 2) and logits of visibility (N, S) of our code."""
     pyramid = network.encode(images)
     return network(pyramid, points, network.appearances(pyramid, points), ITERATIONS)
 

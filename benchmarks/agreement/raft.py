@@ -1,7 +1,7 @@
-"""Agreement of our RAFT with the authors' code, and with torchvision's where it is installed.
+"""Agreement of our RAFT with the authors' code, and with torchvision's if it is installed.
 
 Run ``python benchmarks/agreement/raft.py --official DIR``, DIR being a checkout of princeton-vl/RAFT. Both load the
-same random state dict in the official layout and see the same pairs. It prints the flow's largest differences, in px;
+same random state dict in the official layout and get the same pairs. It prints the flow's largest differences, in px;
 last those from frame to flow, as the authors' demo and our kernel have it.
 """
 
@@ -54,22 +54,22 @@ def main() -> None:
 
 
 def princeton(is_small: bool):
-    """The authors' module, and a function that runs it on images in [0, 255]."""
+    """Return the authors' module, and a function that runs it on images in [0, 255]."""
     arguments = argparse.Namespace(small=is_small, mixed_precision=False)
     network = importlib.import_module("raft").RAFT(arguments)
     return network, lambda pair: network(*pair, iters=ITERATIONS, test_mode=True)[1]
 
 
 def torchvision(optical_flow, is_small: bool):
-    """The same of torchvision, which leaves the scaling to its caller."""
+    """Return the same of torchvision, whose caller scales the images."""
     network = (optical_flow.raft_small if is_small else optical_flow.raft_large)(weights=None)
     return network, lambda pair: network(*(to_unit(image) for image in pair), num_flow_updates=ITERATIONS)[-1]
 
 
 def compare(network: torch.nn.Module, run, dtype: torch.dtype) -> tuple[float, float, float, float]:
-    """Largest flow and largest differences over all pairs: ours to theirs, held and on demand; theirs to theirs.
+    """Return the largest flow and differences over all pairs: ours to theirs, held and on demand; theirs to theirs.
 
-    The last is what remains of the precision: their own change when the images change in the last digit.
+    The last shows the precision: their own change if the images change in the last digit.
     """
     tensors = random_state(network.state_dict())
     network.load_state_dict(tensors)
@@ -87,7 +87,7 @@ def compare(network: torch.nn.Module, run, dtype: torch.dtype) -> tuple[float, f
 
 
 def compare_frames(is_small: bool) -> tuple[float, float]:
-    """Largest flow and its largest difference, from frames of a size that has to be padded."""
+    """Return the largest flow and its largest difference, on frames of a size that has to be padded."""
     network, _ = princeton(is_small)
     tensors = random_state(network.state_dict())
     network.load_state_dict(tensors)
@@ -102,7 +102,7 @@ def compare_frames(is_small: bool) -> tuple[float, float]:
 
 
 def random_state(state: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
-    """Random tensors of the same names and shapes, of gains that keep the flow within the image and far from zero."""
+    """Return random tensors of the same names and shapes, with gains that keep the flow in the image and nonzero."""
     generator = torch.Generator().manual_seed(0)
     made: dict[int, torch.Tensor] = {}
     for key, value in state.items():
@@ -124,7 +124,7 @@ def random_tensor(key: str, value: torch.Tensor, generator: torch.Generator) -> 
 
 
 def image_pair(size: tuple[int, int], seed: int) -> list[torch.Tensor]:
-    """A smooth texture and the same shifted and changed a little: (1, 3, y, x) in [0, 255]."""
+    """Return a smooth texture, and the same slightly shifted and changed: (1, 3, y, x) in [0, 255]."""
     rng = np.random.default_rng(seed)
     noise = cv2.GaussianBlur(rng.normal(size=(*size, 3)), (0, 0), 2.0)
     first = 127 + 40 * noise / noise.std()
@@ -138,7 +138,7 @@ def to_unit(image: torch.Tensor) -> torch.Tensor:
 
 @contextlib.contextmanager
 def default_dtype(dtype: torch.dtype):
-    """Run official code in a precision that it does not foresee: it asks for float32 by default and by `float()`."""
+    """Run official code in a precision that it does not provide: it uses float32 by default and by `float()`."""
     before = torch.get_default_dtype()
     torch.set_default_dtype(dtype)
     try:

@@ -1,10 +1,10 @@
-"""Do our RAM and RAM++ give the logits of the official code? Both load one checkpoint of random weights.
+"""Agreement of the logits of our RAM and RAM++ with the official code. Both load one checkpoint of random weights.
 
     git clone https://github.com/xinyu1205/recognize-anything
     python benchmarks/agreement/ram.py --official recognize-anything [--full]
 
-The official package asks for torchvision, timm, fairscale and an old transformers. What it takes from them for tagging
-is little (names that are imported and not used, an initialiser, a split of a batch), so that stand-ins serve here.
+The official package requires torchvision, timm, fairscale and an old transformers. It uses little of them for tagging
+(names that are imported and not used, an initialiser, a split of a batch), so that stand-ins replace them here.
 """
 
 import argparse
@@ -35,7 +35,7 @@ SEED = 7
 
 
 class _Tokenizer:
-    """Stands in for BERT's, whose vocabulary is a download; its length sizes embeddings that are then deleted."""
+    """Stand-in for BERT's tokenizer, which needs a download; its length sizes embeddings that are then deleted."""
 
     def __call__(self, text):
         return types.SimpleNamespace(input_ids=text.split())
@@ -45,7 +45,7 @@ class _Tokenizer:
 
 
 def _stand_in(name: str, **attributes):
-    """Put a module of these attributes, and the packages above it, into `sys.modules`."""
+    """Add a module of these attributes, and its parent packages, to `sys.modules`."""
     parts = name.split(".")
     for end in range(1, len(parts) + 1):
         sys.modules.setdefault(".".join(parts[:end]), types.ModuleType(".".join(parts[:end])))
@@ -53,7 +53,7 @@ def _stand_in(name: str, **attributes):
 
 
 def _import_official(folder: Path) -> tuple[types.ModuleType, ...]:
-    """The official modules of RAM and RAM++, whose factories have the modules' names, and of their images."""
+    """Import the official modules of RAM and RAM++, whose factories have the modules' names, and of their images."""
     unused = dict.fromkeys(("download_cached_file", "_cfg", "PatchEmbed", "named_apply", "adapt_input_conv"))
     pair = {"to_2tuple": lambda side: side if isinstance(side, tuple) else (side, side)}
     _stand_in("timm.models.hub", **unused)
@@ -96,7 +96,7 @@ def _official_network(module: types.ModuleType, factory: str, depths: tuple[int,
 
 
 def _randomise(network: nn.Module, rng: np.random.Generator):
-    """Weights that keep the activations' size from layer to layer, and spread the logits about the thresholds."""
+    """Set weights that keep the activations' size from layer to layer and spread the logits about the thresholds."""
     for name, tensor in network.named_parameters():
         values = rng.standard_normal(tuple(tensor.shape), dtype=np.float32)
         if name.endswith("relative_position_bias_table"):
@@ -119,9 +119,9 @@ def _randomise(network: nn.Module, rng: np.random.Generator):
 
 
 def compare(module: types.ModuleType, transform, build, folder: Path, depths: tuple[int, ...]) -> float:
-    """Largest difference between logits, printed with what else was compared; infinite where the tags differ.
+    """Print the comparison, and return the largest difference between logits; infinite if the tags differ.
 
-    From the frame on: the official code sees it by its own transform.
+    It starts from the frame, which the official code reads by its own transform.
     """
     factory = module.__name__.rpartition(".")[2]
     rng = np.random.default_rng(SEED)
@@ -134,7 +134,7 @@ def compare(module: types.ModuleType, transform, build, folder: Path, depths: tu
     official.fc.register_forward_hook(lambda _module, _inputs, output: logits.append(output.squeeze(-1)))
     with torch.inference_mode():
         official.generate_tag(images)
-        # Nearly half of the tags come out: the usual threshold is at a logit of 0.62.
+        # Nearly half of the tags pass: the usual threshold is a logit of 0.62.
         official.fc.bias += 0.6 - logits.pop().median()
         official_tags = official.generate_tag(images)[0][0].split(" | ")
 

@@ -2,13 +2,13 @@
 
 Run ``python benchmarks/agreement/sam2.py --official DIR``, DIR being a checkout of facebookresearch/sam2; neither
 torchvision nor hydra is needed. Both load the same random weights of the tiny network, at 256 px instead of 1024, and
-see the same boxes on an image and the same masks in a video's first frame. Differences are printed as shares of the
-spread of what is compared, beside the authors' own when the frames change in the last digit, then shares of the pixels
-that change hands, and how often the objects are seen.
+get the same boxes on an image and the same masks in a video's first frame. Differences are printed as shares of the
+spread of what is compared, beside the authors' own if the frames change in the last digit, then shares of the pixels
+whose label differs, and how often the objects are visible.
 
 From the frame on, last, the authors' predictors resize frames of another size themselves.
 
-It is done in float64: in float32 random weights make so much of a rounding that no comparison holds over 20 frames.
+It runs in float64, because in float32 random weights amplify rounding so much that 20 frames cannot be compared.
 """
 
 import argparse
@@ -91,7 +91,7 @@ NAMES = (
 
 
 def our_config() -> Sam2VideoConfig:
-    """The published tiny network, transformers' default, for smaller images."""
+    """Return the configuration of the published tiny network, transformers' default, for smaller images."""
     return Sam2VideoConfig(
         vision_config={
             "model_type": "sam2_vision_model",
@@ -105,7 +105,7 @@ def our_config() -> Sam2VideoConfig:
 
 
 def random_state(config: Sam2VideoConfig) -> dict[str, torch.Tensor]:
-    """Weights that keep the signals' size from layer to layer; all objects are seen in all frames."""
+    """Return weights that keep the signals' size from layer to layer; all objects are visible in all frames."""
     state = Sam2VideoModel(config).state_dict()
     for name, value in state.items():
         noise = torch.randn(value.shape)
@@ -140,7 +140,7 @@ def official_names(state: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
 
 
 def build_official(folder: Path) -> torch.nn.Module:
-    """The authors' video predictor by their own configuration file, for smaller images."""
+    """Return the authors' video predictor by their own configuration file, for smaller images."""
     for name in ("hydra", "hydra.core", "hydra.core.global_hydra", "iopath", "iopath.common", "iopath.common.file_io"):
         sys.modules.setdefault(name, types.ModuleType(name))
     sys.modules["hydra"].initialize_config_module = None
@@ -152,7 +152,7 @@ def build_official(folder: Path) -> torch.nn.Module:
     model = yaml.safe_load(text)["model"] | {"image_size": SIDE}
     for kind in ("self_attention", "cross_attention"):
         model["memory_attention"]["layer"][kind]["feat_sizes"] = [GRID, GRID]
-    # What their function that builds the predictor sets besides; it fills holes on CUDA only.
+    # Settings of their function that builds the predictor, which fills holes on CUDA only.
     model |= {"_target_": "sam2.sam2_video_predictor.SAM2VideoPredictor", "binarize_mask_from_pts_for_mem_enc": True}
     stability = {"via_stability": True, "stability_delta": 0.05, "stability_thresh": 0.98}
     model["sam_mask_decoder_extra_args"] = {f"dynamic_multimask_{key}": value for key, value in stability.items()}
@@ -160,9 +160,9 @@ def build_official(folder: Path) -> torch.nn.Module:
 
 
 def instantiate(content):
-    """What a configuration describes: objects of the classes named by ``_target_``."""
+    """Return the objects of the classes that a configuration names by ``_target_``."""
     if not isinstance(content, dict):
-        # YAML 1.1 reads 1e-6 as text.
+        # YAML 1.1 parses 1e-6 as text.
         return float(content) if re.fullmatch(r"\d+e-\d+", str(content)) else content
     values = {key: instantiate(value) for key, value in content.items()}
     if "_target_" not in values:
@@ -172,7 +172,7 @@ def instantiate(content):
 
 
 def moving_discs(num_frames: int) -> tuple[list[np.ndarray], np.ndarray]:
-    """Two textured discs on a textured background, and their labels in the first frame."""
+    """Return a video of two textured discs on a textured background, and their labels in the first frame."""
     rng = np.random.default_rng(0)
     textures = [cv2.GaussianBlur(rng.normal(size=(SIDE, SIDE, 3)), (0, 0), 3) for _ in range(3)]
     y, x = np.mgrid[:SIDE, :SIDE]
@@ -196,7 +196,7 @@ class Masks(NamedTuple):
 
 
 def official_boxes(official: torch.nn.Module, pixels: torch.Tensor) -> Masks:
-    """Masks of the boxes, as the authors' image predictor makes them."""
+    """Return the masks of the boxes by the authors' image predictor."""
     _, features, _, sizes = official._prepare_backbone_features(official.forward_image(pixels))
     features[-1] = features[-1] + official.no_mem_embed
     maps = [feature.permute(1, 2, 0).view(1, -1, *size) for feature, size in zip(features, sizes, strict=True)]
@@ -216,7 +216,7 @@ def official_boxes(official: torch.nn.Module, pixels: torch.Tensor) -> Masks:
 
 
 def our_boxes(model: torch.nn.Module, image: np.ndarray) -> Masks:
-    """Masks of the boxes by our kernel."""
+    """Return the masks of the boxes by our kernel."""
     outputs = []
     with model.register_forward_hook(lambda _module, _inputs, output: outputs.append(output)):
         masks, quality = segment_boxes_sam2(model, image, BOXES, Sam2Params())
@@ -224,7 +224,7 @@ def our_boxes(model: torch.nn.Module, image: np.ndarray) -> Masks:
 
 
 def official_video(official: torch.nn.Module, pixels: torch.Tensor, seeds: np.ndarray) -> Masks:
-    """Objects tracked by the authors' video predictor."""
+    """Return the objects tracked by the authors' video predictor."""
     with mock.patch("sam2.sam2_video_predictor.load_video_frames", return_value=(pixels, SIDE, SIDE)):
         state = official.init_state("")
     labels = official_labels(official, state, seeds)
@@ -237,7 +237,7 @@ def official_video(official: torch.nn.Module, pixels: torch.Tensor, seeds: np.nd
 
 
 def official_labels(official: torch.nn.Module, state: dict, seeds: np.ndarray) -> np.ndarray:
-    """Labels of all frames by the authors' video predictor; a pixel is the surest object's."""
+    """Return the labels of all frames by the authors' video predictor; a pixel has its most probable object."""
     for label in (1, 2):
         official.add_new_mask(state, 0, label, seeds == label)
     labels = []
@@ -249,7 +249,7 @@ def official_labels(official: torch.nn.Module, state: dict, seeds: np.ndarray) -
 
 
 def our_video(model: torch.nn.Module, frames: list[np.ndarray], seeds: np.ndarray) -> Masks:
-    """Objects tracked by our kernel."""
+    """Return the objects tracked by our kernel."""
     outputs = []
     with model.register_forward_hook(lambda _module, _inputs, output: outputs.append(output)):
         labels = track_masks_sam2(model, frames, seeds, Sam2Params())
@@ -258,7 +258,7 @@ def our_video(model: torch.nn.Module, frames: list[np.ndarray], seeds: np.ndarra
 
 
 def report(name: str, ours: Masks, theirs: Masks, nudged: Masks) -> bool:
-    """Print how far they are apart; whether that is little."""
+    """Print the differences, and return whether they are small."""
     pairs = ((ours.logits, theirs.logits), (ours.quality, theirs.quality), (nudged.logits, theirs.logits))
     figures = [((a - b).abs().max() / b[b > NOT_SEEN].std()).item() for a, b in pairs]
     changed, moved = (np.mean(masks.found != theirs.found) for masks in (ours, nudged))
@@ -270,7 +270,7 @@ def report(name: str, ours: Masks, theirs: Masks, nudged: Masks) -> bool:
 
 @contextmanager
 def double_precision() -> Iterator[None]:
-    """Let both codes compute and remember in float64; they ask for float32 and round memories to bfloat16."""
+    """Run both codes and their memories in float64 instead of float32 and bfloat16."""
     kinds = dict.fromkeys(("float", "float32", "bfloat16"), torch.float64)
     with (
         mock.patch.multiple(torch, **kinds),
@@ -296,7 +296,7 @@ def main() -> int:
 
 
 def compare(folder: Path) -> bool:
-    """Whether they agree."""
+    """Return whether both codes agree."""
     torch.manual_seed(0)
     official, state = build_official(folder), random_state(our_config())
     frames, seeds = moving_discs(NUM_FRAMES)
@@ -316,8 +316,8 @@ def compare(folder: Path) -> bool:
 
 
 def compare_frames(image_model: Sam2Model, video_model: Sam2VideoModel, official: torch.nn.Module) -> bool:
-    """Compare masks and labels where each code reads and resizes the frames itself; True where they agree."""
-    # Shorter videos are told apart by how old their authors let pointers get.
+    """Compare masks and labels if each code reads and resizes the frames itself; return whether they agree."""
+    # In shorter videos the authors' maximum age of pointers differs.
     frames, seeds = moving_discs(16)
     frames = [cv2.resize(frame, WIDE) for frame in frames]
     seeds = cv2.resize(seeds, WIDE, interpolation=cv2.INTER_NEAREST)
@@ -333,7 +333,7 @@ def compare_frames(image_model: Sam2Model, video_model: Sam2VideoModel, official
     print(f"boxes, end to end: {num_pixels} pixels of masks differ, quality by {difference:.1e}", flush=True)
     with tempfile.TemporaryDirectory() as folder, mock.patch("sam2.utils.misc.tqdm", lambda items, **_: items):
         for index, frame in enumerate(frames):
-            # They read what is called so; PNG loses nothing.
+            # They read files of this name; PNG is lossless.
             Image.fromarray(frame).save(Path(folder) / f"{index}.jpg", format="png")
         state = official.init_state(folder)
     labels = official_labels(official, state, seeds)
@@ -344,7 +344,7 @@ def compare_frames(image_model: Sam2Model, video_model: Sam2VideoModel, official
 
 
 def load(official: torch.nn.Module, state: dict[str, torch.Tensor]) -> tuple[Sam2Model, Sam2VideoModel]:
-    """Our networks of these weights, which the official one gets as well."""
+    """Return our networks with these weights, which the official one loads as well."""
     official.load_state_dict(official_names(state))
     checkpoint = Checkpoint("random", state, {"config.json": our_config().to_json_string()})
     return build_sam2_image(checkpoint), build_sam2_video(checkpoint)

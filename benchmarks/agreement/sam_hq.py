@@ -1,7 +1,7 @@
 """Agreement of SAM-HQ's masks with those of the authors' code.
 
 Run ``python benchmarks/agreement/sam_hq.py --official DIR``, DIR being a checkout of SysCV/sam-hq; neither torchvision
-nor timm is needed. Both load the same random weights and see the same image and boxes. It prints the largest
+nor timm is needed. Both load the same random weights and get the same image and boxes. It prints the largest
 differences as shares of the spread of what is compared, how far the authors' own masks move when the image changes in
 the last digit, and what the ``forward`` of transformers makes of the same weights. Last, the authors' predictor and our
 kernel on frames that are resized and padded: pixels of masks that differ.
@@ -66,8 +66,8 @@ NAMES = (
 
 
 def build_official(folder: Path) -> torch.nn.Module:
-    """The authors' network, of the same small size."""
-    # Their packages import torchvision and timm for parts that are not needed here; so each module is imported alone.
+    """Return the authors' network, of the same small size."""
+    # Each module is imported alone, because their packages import torchvision and timm for parts not needed here.
     for name in ("segment_anything", "segment_anything.modeling"):
         sys.modules[name] = types.ModuleType(name)
         sys.modules[name].__path__ = [str(folder.joinpath(*name.split(".")))]
@@ -93,7 +93,7 @@ def build_official(folder: Path) -> torch.nn.Module:
 
 
 def build_ours() -> SamHQModel:
-    """Our network with random weights, none of them zero."""
+    """Return our network with nonzero random weights."""
     config = SamHQConfig(
         vision_config={
             "hidden_size": VIT["embed_dim"],
@@ -137,7 +137,7 @@ def main() -> None:
 
 
 def compare_frames(model: SamHQModel, official: torch.nn.Module) -> float:
-    """The larger of the share of pixels that differ and the difference of quality (an IoU), from the frame on."""
+    """Return the larger of the share of differing pixels and the difference of quality (an IoU), from the frame on."""
     torchvision_parts.stand_in()
     sys.modules["segment_anything.modeling"].Sam = type(official)
     predictor = importlib.import_module("segment_anything.predictor").SamPredictor(official)
@@ -158,7 +158,7 @@ def compare_frames(model: SamHQModel, official: torch.nn.Module) -> float:
 
 
 def compare(model: SamHQModel, official: torch.nn.Module) -> float:
-    """The worst of the differences printed."""
+    """Return the largest of the printed differences."""
     pixels = torch.randn(1, 3, SIDE, SIDE)
     boxes = torch.tensor([[10.0, 20, 100, 200], [50, 60, 250, 130], [0, 0, 255, 255]])
     features = encode_image(model, pixels)
@@ -180,7 +180,7 @@ def compare(model: SamHQModel, official: torch.nn.Module) -> float:
 
 
 def run_official(official: torch.nn.Module, pixels, boxes, hq_token_only: bool) -> tuple[torch.Tensor, torch.Tensor]:
-    """The authors' logits (n, y, x) and quality (n,)."""
+    """Return the authors' logits (n, y, x) and quality (n,)."""
     embedding, layers = official.image_encoder(pixels)
     corners, dense = official.prompt_encoder(points=None, boxes=boxes, masks=None)
     logits, quality = official.mask_decoder(
@@ -196,7 +196,7 @@ def run_official(official: torch.nn.Module, pixels, boxes, hq_token_only: bool) 
 
 
 def share(found: torch.Tensor, wanted: torch.Tensor) -> float:
-    """The largest difference as a share of the spread of what is wanted."""
+    """Return the largest difference as a share of the spread of the expected values."""
     return ((found - wanted).abs().max() / wanted.std()).item()
 
 

@@ -1,4 +1,4 @@
-"""The few functions of torchvision that the authors' preprocessing calls, as it does them, since it need not be here.
+"""Replacements of the few functions of torchvision that the authors' preprocessing calls, so that it is not needed.
 
 On an image of PIL ``Resize`` is PIL's own, bilinear; on a tensor it is torch's bilinear interpolation with smoothing.
 """
@@ -12,14 +12,14 @@ from PIL import Image
 
 
 def resize(image: Image.Image | torch.Tensor, size: tuple[int, int]) -> Image.Image | torch.Tensor:
-    """An image at a height and width."""
+    """Return an image at a height and width."""
     if isinstance(image, Image.Image):
         return image.resize(tuple(size)[::-1], Image.Resampling.BILINEAR)
     return torch.nn.functional.interpolate(image[None], size=tuple(size), mode="bilinear", antialias=True)[0]
 
 
 def to_tensor(image: Image.Image | np.ndarray) -> torch.Tensor:
-    """(3, y, x) in [0, 1]."""
+    """Return (3, y, x) in [0, 1]."""
     return torch.from_numpy(np.array(image)).permute(2, 0, 1).float() / 255
 
 
@@ -62,7 +62,7 @@ class Compose:
 
 
 def keep_best(boxes: torch.Tensor, scores: torch.Tensor, max_iou: float) -> torch.Tensor:
-    """Indices of what ``torchvision.ops.nms`` keeps of boxes (n, 4), best first."""
+    """Return the indices of the boxes (n, 4) that ``torchvision.ops.nms`` keeps, best first."""
     kept: list[int] = []
     for index in scores.argsort(descending=True, stable=True).tolist():
         low = torch.maximum(boxes[index, :2], boxes[kept, :2])
@@ -75,7 +75,7 @@ def keep_best(boxes: torch.Tensor, scores: torch.Tensor, max_iou: float) -> torc
 
 
 def stand_in() -> None:
-    """Put them where the authors' code imports them from."""
+    """Register the functions where the authors' code imports them from."""
     for name in ("torchvision", "torchvision.transforms", "torchvision.transforms.functional", "torchvision.ops"):
         if name not in sys.modules:
             sys.modules[name] = types.ModuleType(name)

@@ -1,4 +1,4 @@
-"""Commands run as processes of their own, and how long they took."""
+"""Commands run as processes of their own, with their time."""
 
 import os
 import subprocess
@@ -30,7 +30,7 @@ for name in names:
 
 
 def run_timed(command: Sequence[str], environ: Mapping[str, str] | None = None) -> float:
-    """Wall-clock seconds of a command; raises CalledProcessError, its output printed, where it fails."""
+    """Return the wall-clock seconds of a command; raises CalledProcessError, after printing its output, if it fails."""
     start = time.perf_counter()
     done = subprocess.run(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env={**os.environ, **(environ or {})}, check=False

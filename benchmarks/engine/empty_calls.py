@@ -1,4 +1,4 @@
-"""Calls that do nothing, through a scheduler to one worker and back: what a call costs each of them."""
+"""Cost of calls that do nothing, through a scheduler to one worker and back, in each process."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -9,18 +9,18 @@ from engine.own_cluster import start_cluster
 from moseg.workflows.cluster.runners import Call, open_runner
 
 NUM_FIRST = 100
-"""Calls beforehand: the first ones pay for connections and imports."""
+"""Number of calls beforehand, which include connections and imports."""
 
 
 class CallCost(NamedTuple):
-    """Of one process: seconds of its processor for each call, and by how many bytes all of them made it larger."""
+    """Cost in one process: CPU seconds per call, and bytes by which all calls increased its memory."""
 
     cpu: float
     grown: int
 
 
 def measure_calls(num_calls: int, folder: Path) -> dict[str, CallCost]:
-    """Cost of so many calls to client, scheduler and worker; Dask's files go to `folder`."""
+    """Return the cost of so many calls in client, scheduler and worker; Dask writes its files to `folder`."""
     with start_cluster(1, folder) as cluster, open_runner(scheduler=cluster.address) as runner:
 
         def run(count: int, name: str) -> None:

@@ -1,4 +1,4 @@
-"""One evaluation of tiny videos on a cluster of its own: what it takes."""
+"""Cost of one evaluation of tiny videos on a cluster of its own."""
 
 import os
 import shutil
@@ -18,7 +18,7 @@ from moseg.store import LocalStore
 
 
 class Peaks(NamedTuple):
-    """Largest resident memory by role, bytes; of the workers the largest one's."""
+    """Largest resident memory by role, bytes; for workers, that of the largest one."""
 
     client: int
     scheduler: int
@@ -26,17 +26,17 @@ class Peaks(NamedTuple):
 
 
 class Cost(NamedTuple):
-    """Of one run.
+    """Cost of one run.
 
     Attributes
     ----------
     wall, cpu : float
-        Seconds on the wall, and of the processors in client, scheduler and workers.
+        Wall-clock seconds, and CPU seconds of client, scheduler and workers.
     warm : float
-        Seconds on the wall of the same run again, without a cluster.
+        Wall-clock seconds of the same run again, without a cluster.
     peaks : Peaks
     num_artifacts, nbytes : int
-        What it left in the store.
+        Artifacts and bytes in its store.
     """
 
     wall: float
@@ -48,7 +48,7 @@ class Cost(NamedTuple):
 
 
 def measure(num_videos: int, per_video: int, size: tuple[int, int], workers: int, scratch: Path) -> Cost:
-    """Cost of evaluating so many videos of so many pairs on an empty store."""
+    """Return the cost of evaluating so many videos of so many pairs on an empty store."""
     folder = scratch / f"run-{num_videos}x{per_video}"
     write_videos(folder / "videos", num_videos, per_video, size)
     store = folder / "artifacts"
@@ -74,7 +74,7 @@ def measure(num_videos: int, per_video: int, size: tuple[int, int], workers: int
                 )
             samples = MemorySamples([client.pid, cluster.scheduler, *cluster.workers])
             samples.start()
-            # Not the process's own wait: it does not say what the child used.
+            # Not the process's own wait, which does not return the child's usage.
             _, status, used = os.wait4(client.pid, 0)
             wall = time.perf_counter() - start
             client_peak, scheduler_peak, *worker_peaks = samples.stop()

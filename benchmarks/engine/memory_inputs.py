@@ -1,4 +1,4 @@
-"""What a task's adapter reads, out of memory instead of a store."""
+"""Inputs of a task's adapter, from memory instead of a store."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -10,27 +10,27 @@ Artifact = tuple[Mapping[str, np.ndarray], Mapping[str, Any]]
 
 
 class MemoryView:
-    """An artifact in memory, with the interface of `moseg.workflows.stages.inputs.ArtifactView`."""
+    """Artifact in memory, with the interface of `moseg.workflows.stages.inputs.ArtifactView`."""
 
     def __init__(self, artifact: Artifact):
         self._arrays, self._attributes = artifact
 
     def array(self, name: str) -> np.ndarray:
-        """The whole array."""
+        """Return the whole array."""
         return self._arrays[name]
 
     cached = array
 
     def rows(self, name: str, start: int, stop: int) -> np.ndarray:
-        """Rows start..stop of the leading axis."""
+        """Return rows start..stop of the leading axis."""
         return self._arrays[name][start:stop]
 
     def row_reader(self, name: str) -> Callable[[int], np.ndarray]:
-        """A function from an index to that row of the leading axis."""
+        """Return a function from an index to that row of the leading axis."""
         return self._arrays[name].__getitem__
 
     def shape(self, name: str) -> tuple[int, ...]:
-        """Shape of an array."""
+        """Return the shape of an array."""
         return self._arrays[name].shape
 
     @property
@@ -52,5 +52,5 @@ class MemoryInputs:
         return MemoryView(self._inputs[role])
 
     def all(self, role: str) -> list[MemoryView]:
-        """The artifacts of a role that lists several."""
+        """Return the artifacts of a role that lists several."""
         return [MemoryView(artifact) for artifact in self._inputs[role]]

@@ -9,7 +9,7 @@ INTERVAL_SEC = 0.05
 
 
 class MemorySamples(threading.Thread):
-    """The largest resident memory of each process, asked twenty times a second; shared pages count for each."""
+    """Largest resident memory of each process, sampled twenty times a second; shared pages count for each."""
 
     def __init__(self, pids: Sequence[int]):
         super().__init__(name="moseg-bench-memory", daemon=True)
@@ -18,13 +18,13 @@ class MemorySamples(threading.Thread):
         self._is_over = threading.Event()
 
     def run(self) -> None:
-        """Ask until `stop`."""
+        """Sample until `stop`."""
         while not self._is_over.wait(INTERVAL_SEC):
             for index, process in enumerate(self._processes):
                 self._peaks[index] = max(self._peaks[index], _resident(process))
 
     def stop(self) -> list[int]:
-        """The peaks in bytes, in the order of the processes; nothing is asked any more."""
+        """End the sampling and return the peaks in bytes, in the order of the processes."""
         self._is_over.set()
         self.join()
         return self._peaks
@@ -34,5 +34,5 @@ def _resident(process: psutil.Process) -> int:
     try:
         return process.memory_info().rss
     except psutil.NoSuchProcess:
-        # It has ended since; its peak is known.
+        # The process has ended; its peak is already sampled.
         return 0

@@ -1,4 +1,4 @@
-"""A Dask scheduler and workers as processes of their own, so that each role's memory can be told from the others'."""
+"""Dask scheduler and workers as processes of their own, so that the memory of each role can be measured separately."""
 
 import json
 import os
@@ -15,7 +15,7 @@ from distributed import Client
 from moseg.workflows.process.resources import allocation_environ, thread_environ
 
 START_SECONDS = 60.0
-"""For how long a scheduler may take to listen, and workers to come."""
+"""Time limit for the start of a scheduler and of its workers."""
 
 
 class OwnCluster(NamedTuple):
@@ -28,9 +28,9 @@ class OwnCluster(NamedTuple):
 
 @contextmanager
 def start_cluster(num_workers: int, folder: Path) -> Iterator[OwnCluster]:
-    """Start a scheduler and workers of one thread each for the block, set as the local workers of `moseg` are.
+    """Start a scheduler and workers of one thread each for the block, with the settings of `moseg`'s local workers.
 
-    `folder` takes what Dask writes to disk and what the processes print.
+    Dask's files and the output of the processes are written to `folder`.
     """
     environ = {**os.environ, **thread_environ(1), **allocation_environ()}
     environ["DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED"] = "False"

@@ -1,6 +1,6 @@
-"""Where a process spends its wall time: what its threads are in, asked every few milliseconds.
+"""Wall time of a process by place, from samples of its threads' stacks every few milliseconds.
 
-`start` begins in the process that imports this module; in a Dask worker that has it as a preload, Dask does. The counts
+`start` begins the sampling of this process; in a Dask worker with this module as a preload, Dask begins it. The counts
 are written when the process, or the worker, ends.
 """
 
@@ -15,7 +15,7 @@ from pathlib import Path
 from types import FrameType
 
 FOLDER_VARIABLE = "MOSEG_BENCH_SAMPLES"
-"""Environment variable that names the folder for the counts, a file for each process."""
+"""Environment variable with the folder for the counts, one file per process."""
 INTERVAL_SEC = 0.004
 IDLE = "nothing of ours"
 
@@ -69,7 +69,7 @@ class StackSamples(threading.Thread):
             return
         self._is_over.set()
         self.join()
-        # By share: a busy interpreter is late for its samples.
+        # By share, because a busy interpreter delays its samples.
         each = (time.perf_counter() - self._began) / max(1, self._num_samples)
         seconds: Counter[str] = Counter()
         for rank, count in self._counts.items():
@@ -94,7 +94,7 @@ class StackSamples(threading.Thread):
 
 
 def start() -> StackSamples:
-    """Sample this process until it ends."""
+    """Start sampling this process until it ends."""
     samples = StackSamples()
     samples.start()
     atexit.register(samples.write)
@@ -102,12 +102,12 @@ def start() -> StackSamples:
 
 
 def dask_setup(worker) -> None:
-    """Called by Dask in a worker that has this module as a preload."""
+    """Start sampling; Dask calls this in a worker with this module as a preload."""
     worker.moseg_bench_samples = start()
 
 
 def dask_teardown(worker) -> None:
-    """Called by Dask when that worker closes."""
+    """Write the samples; Dask calls this when the worker closes."""
     worker.moseg_bench_samples.write()
 
 

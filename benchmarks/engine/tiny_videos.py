@@ -1,4 +1,4 @@
-"""Many small videos with ground truth, as a folder of sequences."""
+"""Folder of many small videos with ground truth."""
 
 from pathlib import Path
 
@@ -7,19 +7,19 @@ import numpy as np
 
 
 def write_videos(root: Path, num_videos: int, num_pairs: int, size: tuple[int, int]) -> None:
-    """Write videos of so many frame pairs each: a textured square swings over a backdrop that pans.
+    """Write videos of so many frame pairs each: a textured square oscillates over a panning backdrop.
 
     Parameters
     ----------
     root : path
-        Gets ``<video>/frames/*.png`` and ``<video>/masks/*.png``.
+        Folder for ``<video>/frames/*.png`` and ``<video>/masks/*.png``.
     size : (int, int)
         Height and width of the frames, px.
     """
     height, width = size
     side = min(height, width) // 3
     for video in range(num_videos):
-        # Of its own texture: equal frames of two videos would be one artifact.
+        # Each video has its own texture, because equal frames of two videos would be one artifact.
         rng = np.random.default_rng(video)
         folders = [root / f"video-{video:05}" / name for name in ("frames", "masks")]
         for folder in folders:

@@ -1,10 +1,10 @@
-"""How often the number of motions is found on KT3DMoSeg, with objects that are pure.
+"""Accuracy of the number of motions found on KT3DMoSeg, with objects of one motion each.
 
 ``python benchmarks/kt3dmoseg/motion_counts.py [ROOT] [--seeds N] [--methods NAME ...] [--set NAME=VALUE ...] [--sweep
 NAME=V,V]`` prints for each method how often it finds the right number of motions (percent of clips and seeds): for the
 three partitions of ``object_partitions.py``, and, where the right number is 1, for the objects of the background alone
 and for synthetic objects that stand still. ``--sweep`` repeats a method for several values of one of its parameters,
-and says what it gives where each clip's value is the one that is best on all other clips.
+and prints the result if each clip has the value that is best on all other clips.
 """
 
 import argparse
@@ -28,13 +28,13 @@ from moseg.tasks.synthetic.rigid_tracks import rigid_tracks
 
 METHODS = ("description_length", "geometric", "confidences", "stability", "eigengap")
 NUM_SYNTHETIC = 10
-"""Static scenes of each level of noise."""
+"""Number of static scenes for each level of noise."""
 NOISES = (0.0, 0.1, 0.5)
 """px."""
 
 
 def all_cases(root: Path, seed: int) -> Iterator[tuple[str, int, Case]]:
-    """Every case, with the name of its column and the number of its clip or scene."""
+    """Return all cases, with the name of their column and the number of their clip or scene."""
     clips = read_clips(root)
     backgrounds = [Clip(*(array[clip.motion == 0] for array in clip)) for clip in clips]
     for partition in PARTITIONS:
@@ -50,8 +50,8 @@ def all_cases(root: Path, seed: int) -> Iterator[tuple[str, int, Case]]:
 
 
 def evidence_of(case: Case, resample: bool, params: MotionCountParams, seed: int) -> CountEvidence:
-    """Everything that a method may read; resamples only where they are asked for."""
-    most = min(params.most_motions, case.num_objects)
+    """Return all inputs that a method may read; resamples only on demand."""
+    max_motions = min(params.most_motions, case.num_objects)
     affinity_params = HypothesisAffinityParams()
     rng = np.random.default_rng(seed)
     affinity = hypothesis_affinity(case.points, case.visible, case.owner, case.num_objects, affinity_params, rng)
@@ -59,7 +59,7 @@ def evidence_of(case: Case, resample: bool, params: MotionCountParams, seed: int
     others = resampled_affinities(tracks, case.num_objects, params, rng) if resample else []
 
     def labelings(matrix: np.ndarray) -> list[np.ndarray]:
-        return [group(matrix, count, "linkage") for count in range(1, most + 1)]
+        return [group(matrix, count, "linkage") for count in range(1, max_motions + 1)]
 
     kernel = fill_unknown([affinity])[0]
     eigenvalues = embed_views(kernel[None], 1).eigenvalues
@@ -78,7 +78,7 @@ def row(name: str, right: dict[str, list[bool]]) -> str:
 
 
 def left_out(found: list[dict[str, dict[int, list[bool]]]]) -> dict[str, list[bool]]:
-    """What each clip gets from the setting that is right most often on all others: column -> rights.
+    """Return the rights of each clip under the setting that is right most often on all others, by column.
 
     `found` is for each setting {column: {clip: rights}}, of labelled clips alone.
     """

@@ -1,4 +1,4 @@
-"""Affinities between objects on KT3DMoSeg, with objects that are pure and the number of motions given.
+"""Affinities between objects on KT3DMoSeg, with objects of one motion each and the number of motions given.
 
 ``python benchmarks/kt3dmoseg/object_affinities.py [ROOT] [--seeds N] [--grouping linkage|spectral] [--stress]`` prints
 for each affinity the objects and the trajectories in a wrong group (percent, mean over clips and seeds) and how many
@@ -32,33 +32,33 @@ from moseg.tasks.synthetic.rigid_tracks import rigid_tracks
 
 IMAGE_SHAPE = (375, 1242)
 WHOLE_FRAME = 10**6
-"""More objects than there are: samples of the whole frame."""
+"""Object id above all others, for samples of the whole frame."""
 NUM_SCENES = 10
 SCENES = {
     "[6, 1, 1] exact": ([6, 1, 1], 0.0),
     "[6, 1, 1] 0.1 px": ([6, 1, 1], 0.1),
     "[4, 2, 2] exact": ([4, 2, 2], 0.0),
 }
-"""Objects of the background and of each mover, and noise, px."""
+"""Numbers of objects of the background and of each moving object, and noise, px."""
 
 Affinity = Callable[[Case, np.random.Generator], np.ndarray]
 
 
 def from_hypotheses(case: Case, rng: np.random.Generator, params: HypothesisAffinityParams) -> np.ndarray:
-    """Affinity from hypotheses of the frame."""
+    """Return the affinity from hypotheses of the frame."""
     return hypothesis_affinity(case.points, case.visible, case.owner, case.num_objects, params, rng)
 
 
 def from_models(
     case: Case, rng: np.random.Generator, fundamental: FundamentalParams, params: AffinityParams
 ) -> np.ndarray:
-    """Affinity from residuals of the objects under one another's fundamental matrices."""
+    """Return the affinity from residuals of the objects under one another's fundamental matrices."""
     return unit_diagonal(estimate_affinity(model_residuals(case, fundamental), params))
 
 
 @cache
 def model_residuals(case: Case, params: FundamentalParams) -> np.ndarray:
-    """Residuals (M, K, K) that several affinities start from."""
+    """Return the residuals (M, K, K) from which several affinities start."""
     rng = np.random.default_rng(0)
     residuals = []
     for frame in range(case.points.shape[1] - params.gap):
@@ -71,7 +71,7 @@ def model_residuals(case: Case, params: FundamentalParams) -> np.ndarray:
 
 
 def affinities() -> dict[str, Affinity | None]:
-    """The rows of the table; None tells nothing apart."""
+    """Return the affinities of the table's rows; None is an affinity without information."""
     paper, ours = FundamentalParams(**GEOMETRIES["paper"]["fundamental"]), FundamentalParams()
     rows: dict[str, Affinity | None] = {"everything one motion": None}
     for reading in ("objects", "models"):
@@ -79,7 +79,7 @@ def affinities() -> dict[str, Affinity | None]:
             ork = AffinityParams(method="ork", ork_reading=reading, ork_threshold=t)
             rows[f"paper's ORK, ranks {reading}, t = {t}"] = partial(from_models, fundamental=paper, params=ork)
     for direction in ("mean", "min"):
-        # No object is known to be the background here.
+        # No object is marked as the background here.
         size = AffinityParams(method="residual", direction=direction)
         rows[f"residual size, {direction} of directions"] = partial(from_models, fundamental=ours, params=size)
     whole = {"num_objects": WHOLE_FRAME}
@@ -98,7 +98,7 @@ def affinities() -> dict[str, Affinity | None]:
 
 
 def group(affinity: np.ndarray, num_motions: int, grouping: str) -> np.ndarray:
-    """Motion of each object; what was never seen together is as alike as the best chain over others says."""
+    """Return the motion of each object; unobserved affinities are filled in from the best chain over other objects."""
     known = np.where(np.isfinite(affinity), affinity, best_chain(np.nan_to_num(affinity)))
     if grouping == "spectral":
         return cluster_points(embed_views(known[None], num_motions).coordinates, num_motions)
@@ -109,7 +109,7 @@ def group(affinity: np.ndarray, num_motions: int, grouping: str) -> np.ndarray:
 
 
 def errors(found: list[Case], affinity: Affinity | None, grouping: str) -> np.ndarray:
-    """Objects and trajectories in a wrong group, percent: (cases, 2)."""
+    """Return objects and trajectories in a wrong group, percent: (cases, 2)."""
     rows = []
     for number, case in enumerate(found):
         labels = np.zeros(case.num_objects, np.int64)
@@ -121,23 +121,23 @@ def errors(found: list[Case], affinity: Affinity | None, grouping: str) -> np.nd
 
 
 def noisy(case: Case, rng: np.random.Generator, scale: float) -> Case:
-    """Trajectories with noise of this standard deviation in each coordinate, px."""
+    """Return trajectories with noise of this standard deviation in each coordinate, px."""
     return replace(case, points=case.points + rng.normal(0, scale, case.points.shape))
 
 
 def few(case: Case, rng: np.random.Generator, most: int) -> Case:
-    """At most so many trajectories of each object."""
+    """Return at most so many trajectories of each object."""
     kept = np.concatenate([rng.permutation(np.flatnonzero(case.owner == k))[:most] for k in range(case.num_objects)])
     return replace(case, points=case.points[kept], visible=case.visible[kept], owner=case.owner[kept])
 
 
 def polluted(case: Case, rng: np.random.Generator, share: float) -> Case:
-    """A share of each mover's trajectories is background that its outline caught."""
+    """Assign trajectories of the background to each moving object, up to a share of its trajectories."""
     owner = case.owner.copy()
     for mover in np.flatnonzero(case.motion):
         background = np.flatnonzero(case.motion[owner] == 0)
         caught = round(share / (1 - share) * np.count_nonzero(case.owner == mover))
-        # Never more than a tenth of what is left: some clips show less background than movers.
+        # At most a tenth of the rest, because some clips have less background than moving objects.
         owner[rng.choice(background, min(caught, len(background) // 10), replace=False)] = mover
     return replace(case, owner=owner)
 
@@ -151,7 +151,7 @@ STRESS = {
 
 
 def generated(num_objects: list[int], noise: float) -> list[Case]:
-    """Scenes of generated tracks, 10 frames and 25 tracks an object."""
+    """Return scenes of generated tracks, 10 frames and 25 tracks per object."""
     generators = (np.random.default_rng(seed) for seed in range(NUM_SCENES))
     return [Case(*rigid_tracks(num_objects, 10, 25, noise, rng)) for rng in generators]
 
@@ -191,7 +191,7 @@ def main() -> None:
 
 
 def cell(found: np.ndarray) -> str:
-    """Both mean errors of (cases, 2), and in how many cases there is none."""
+    """Return both mean errors of (cases, 2), and the number of cases without error."""
     objects, trajectories = found.mean(axis=0)
     return f"{objects:.1f}/{trajectories:.1f} ({np.count_nonzero(found[:, 1] == 0)}/{len(found)})"
 

@@ -1,8 +1,8 @@
-"""Labelled trajectories cut into objects in three ways, each object of one motion by construction.
+"""Partitions of labelled trajectories into objects in three ways, each object of one motion by construction.
 
 ``one``: the background in 8 cells, each mover one object. ``two``: movers cut in two across their longer extent.
 ``big``: one large background object, 8 static patches beside it, each mover one object. The order of the objects is
-random, for a nearly diagonal affinity gives away the order that they stand in.
+random, because a nearly diagonal affinity reveals their order.
 """
 
 from collections.abc import Iterable
@@ -18,12 +18,12 @@ from moseg.workflows.sources.mat_tracks import decode_mat_tracks
 
 PARTITIONS = ("one", "two", "big")
 BACKGROUND = 1
-"""GtLabel of what stands still."""
+"""GtLabel of the static background."""
 NUM_CELLS = 8
 PATCH_SHARE, PATCH_TRACKS = 0.4, 10
-"""Share of a cell's trajectories that its patch takes, those nearest to its centre, and the least number."""
+"""Share of a cell's trajectories in its patch, those nearest to its centre, and their minimum number."""
 CUT_FROM = 16
-"""Movers with fewer trajectories stay whole."""
+"""Moving objects with fewer trajectories are not divided."""
 
 
 class Clip(NamedTuple):
@@ -53,7 +53,7 @@ class Case:
 
 
 def read_clips(root: Path) -> list[Clip]:
-    """The clips ``<clip>_Tracks.mat`` of a folder in the order of their names."""
+    """Read the clips ``<clip>_Tracks.mat`` of a folder in the order of their names."""
     files = sorted(root.glob("*_Tracks.mat"))
     if not files:
         raise MissingInputError("no clip", where=root, expected="<clip>_Tracks.mat of KT3DMoSeg")
@@ -68,7 +68,7 @@ def read_clips(root: Path) -> list[Clip]:
 
 
 def cases(clips: Iterable[Clip], partition: str, seed: int) -> list[Case]:
-    """Every clip under one partition; the same seed cuts and orders the same."""
+    """Return all clips under one partition; the same seed gives the same objects in the same order."""
     found = []
     for number, clip in enumerate(clips):
         rng = np.random.default_rng([seed, PARTITIONS.index(partition), number])
@@ -77,7 +77,7 @@ def cases(clips: Iterable[Clip], partition: str, seed: int) -> list[Case]:
 
 
 def cut(clip: Clip, partition: str, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Object of each trajectory (N,) and motion of each object (K,)."""
+    """Return the object of each trajectory (N,) and the motion of each object (K,)."""
     seen = clip.visible[..., None]
     place = (clip.points * seen).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
     background = np.flatnonzero(clip.motion == 0)
@@ -97,18 +97,18 @@ def cut(clip: Clip, partition: str, rng: np.random.Generator) -> tuple[np.ndarra
 
 
 def _cells(place: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Cell of each trajectory, by k-means of their mean places."""
+    """Return the cell of each trajectory, by k-means of their mean places."""
     return KMeans(NUM_CELLS, n_init=1, random_state=int(rng.integers(2**31))).fit(place).labels_
 
 
 def _centre(place: np.ndarray, cell: np.ndarray) -> np.ndarray:
-    """The trajectories of a cell nearest to its centre."""
+    """Return the trajectories of a cell nearest to its centre."""
     distance = np.linalg.norm(place[cell] - place[cell].mean(axis=0), axis=1)
     return cell[np.argsort(distance)[: max(round(PATCH_SHARE * len(cell)), min(PATCH_TRACKS, len(cell)))]]
 
 
 def _halves(place: np.ndarray, mover: np.ndarray) -> list[np.ndarray]:
-    """A mover's trajectories, as many on either side across its longer extent."""
+    """Return a moving object's trajectories, halved across its longer extent."""
     centred = place[mover] - place[mover].mean(axis=0)
     along = centred @ np.linalg.svd(centred, full_matrices=False)[2][0]
     order = mover[np.argsort(along, kind="stable")]

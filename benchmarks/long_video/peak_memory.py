@@ -1,7 +1,7 @@
-"""Peak memory and time of `moseg segment` on videos of different length.
+"""Peak memory and time of `moseg segment` on videos of different lengths.
 
 Run ``python benchmarks/long_video/peak_memory.py [--frames 200 1000] [--size 320x180] [-- OPTION ...]``; some two
-minutes. A textured square swings over a backdrop that pans. Each video is segmented by a process of its own with an
+minutes. A textured square oscillates over a panning backdrop. Each video is segmented by a process of its own with an
 empty store, so that the peak is that of a cold run, decoding and overlay included; what follows ``--`` are further
 options of `moseg segment`. With ``--workers`` the peak is that of the largest process.
 """
@@ -27,7 +27,7 @@ MOSEG = (sys.executable, "-c", "from moseg.workflows.cli import main; main()")
 
 
 class Cost(NamedTuple):
-    """Of one run: largest resident memory of a process, bytes, and seconds on the wall and of the CPU."""
+    """Cost of one run: largest resident memory of a process, bytes, and wall-clock and CPU seconds."""
 
     peak: int
     wall: float
@@ -53,7 +53,7 @@ def main() -> int:
 
 
 def measure(num_frames: int, height: int, width: int, root: Path | None, options: list[str]) -> Cost:
-    """Cost of segmenting a video of so many frames."""
+    """Return the cost of segmenting a video of so many frames."""
     folder = Path(tempfile.mkdtemp(prefix="moseg-bench-", dir=root))
     try:
         video = folder / "video.mp4"
@@ -66,7 +66,7 @@ def measure(num_frames: int, height: int, width: int, root: Path | None, options
 
 
 def frames(num_frames: int, height: int, width: int) -> Iterator[np.ndarray]:
-    """Frames uint8 (y, x, 3) of the video."""
+    """Yield the frames uint8 (y, x, 3) of the video."""
     rng = np.random.default_rng(0)
     side = height // 4
 
@@ -83,18 +83,18 @@ def frames(num_frames: int, height: int, width: int) -> Iterator[np.ndarray]:
 
 
 def run(command: list[str], printed: Path) -> Cost:
-    """Run a command to its end; raises CalledProcessError where it fails."""
+    """Run a command to its end; raises CalledProcessError if it fails."""
     with printed.open("wb") as output:
         start = time.perf_counter()
         process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT)
-        # Not `resource.getrusage` of all children: that is the largest one's so far.
+        # Not `resource.getrusage` of all children, which gives the largest child so far.
         _, status, usage = os.wait4(process.pid, 0)
         wall = time.perf_counter() - start
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode:
         print(printed.read_text(), file=sys.stderr)
         raise subprocess.CalledProcessError(process.returncode, command)
-    # Kilobytes, but on macOS bytes.
+    # In kilobytes, on macOS in bytes.
     peak = usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024)
     return Cost(peak, wall, usage.ru_utime + usage.ru_stime)
 

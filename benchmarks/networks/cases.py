@@ -1,4 +1,4 @@
-"""What each backend is given: frames of 854 x 480, the size of DAVIS, and its own parameters' defaults."""
+"""Input of each backend: frames of 854 x 480, the size of DAVIS, and the default parameters."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -55,16 +55,16 @@ class Clock:
 
 
 class Case(NamedTuple):
-    """A backend and its work.
+    """Backend and its work.
 
     Attributes
     ----------
     work : str
-        What it is given.
+        Description of its input.
     make_checkpoint, build : callable
     run : callable
-        Of the network and a running clock, which it starts anew where a warm-up ends; returns the number of frames that
-        it worked on since.
+        Takes the network and a running clock, which it restarts after a warm-up; returns the number of frames since
+        then.
     """
 
     work: str
@@ -79,7 +79,7 @@ def _image(seed: int = 0) -> np.ndarray:
 
 
 def _video(num_frames: int, clock: Clock, num_warm: int) -> Iterator[np.ndarray]:
-    """Frames one by one; the clock starts after some."""
+    """Yield frames; the clock starts after the first ones."""
     for index in range(num_frames):
         if index == num_warm:
             clock.start()
@@ -87,7 +87,7 @@ def _video(num_frames: int, clock: Clock, num_warm: int) -> Iterator[np.ndarray]
 
 
 def _seeds(num_objects: int) -> np.ndarray:
-    """Discs in a row, 0 = background."""
+    """Return labels of discs in a row, 0 = background."""
     y, x = np.mgrid[:HEIGHT, :WIDTH]
     column = (x * num_objects // WIDTH + 1).astype(np.uint16)
     centre = (column - 0.5) * WIDTH / num_objects
@@ -122,13 +122,13 @@ def _run_sam2_image(model, _: Clock) -> int:
 
 
 def _run_sam2_video(model, clock: Clock) -> int:
-    # From the eighth frame on the network looks at as many masks as it ever does.
+    # From the eighth frame on the network reads the maximum number of masks.
     track_masks_sam2(model, _video(10, clock, 8), _seeds(2), Sam2Params())
     return 2
 
 
 def _run_deaot(model, clock: Clock) -> int:
-    # Every frame is remembered, so that memory is full soon.
+    # Every frame is stored, so that the memory is full soon.
     params = DeaotParams(memory_every=1)
     num_warm = params.memory_frames + 1
     track_masks_deaot(model, _video(num_warm + 4, clock, num_warm), _seeds(5), params)

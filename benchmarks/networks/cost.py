@@ -57,7 +57,7 @@ def main() -> int:
 
 
 def measure(name: str) -> None:
-    """Print the row of one network. Libraries are imported here only: a process starts with its parent's peak."""
+    """Print the row of one network, importing libraries only here, because a process starts with its parent's peak."""
     psutil, cv2, torch, cases = (importlib.import_module(module) for module in ("psutil", "cv2", "torch", "cases"))
     torch.set_num_threads(1)
     cv2.setNumThreads(1)
@@ -68,7 +68,7 @@ def measure(name: str) -> None:
     clock.start()
     num_frames = case.run(network, clock)
     wall, cpu = (seconds / num_frames for seconds in clock.read())
-    # Kilobytes, but on macOS bytes.
+    # In kilobytes, on macOS in bytes.
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
     memory = f"{before / GIB:.1f} GiB | {peak / GIB:.1f} GiB"
     print(f"| {name} | {case.work} | {memory} | {wall:.1f} | {cpu:.1f} |", flush=True)

@@ -50,12 +50,12 @@ def raft(is_small: bool) -> Checkpoint:
 
 
 def grounding_dino(is_base: bool) -> Checkpoint:
-    """The tiny one is transformers' default; the base one has the backbone swin_B_384_22k of the authors' code."""
+    """Return the tiny network, transformers' default, or the base one with the authors' backbone swin_B_384_22k."""
     backbone = {"model_type": "swin", "out_indices": [2, 3, 4]}
     if is_base:
         larger = {"embed_dim": 128, "depths": [2, 2, 18, 2], "num_heads": [4, 8, 16, 32]}
         backbone |= larger | {"window_size": 12, "image_size": 384}
-    # A vocabulary in BERT's layout that knows only a few words; the network's own embeddings have BERT's full size.
+    # A vocabulary in BERT's layout with only a few words; the network's own embeddings have BERT's full size.
     vocabulary = make_grounding_dino(0).files["vocab.txt"].decode()
     documents = {
         "vocab.txt": vocabulary,
@@ -65,7 +65,7 @@ def grounding_dino(is_base: bool) -> Checkpoint:
 
 
 def sam_hq(is_large: bool) -> Checkpoint:
-    """``sam_vit_b`` and ``sam_vit_l`` of the authors' ``build_sam.py``; the former is transformers' default."""
+    """Return ``sam_vit_b`` or ``sam_vit_l`` of the authors' ``build_sam.py``; the former is transformers' default."""
     larger = {"hidden_size": 1024, "num_hidden_layers": 24, "num_attention_heads": 16}
     vision = larger | {"global_attn_indexes": [5, 11, 17, 23]} if is_large else {}
     decoder = {"vit_dim": 1024 if is_large else 768}
@@ -73,7 +73,7 @@ def sam_hq(is_large: bool) -> Checkpoint:
 
 
 def sam2(is_large: bool) -> Checkpoint:
-    """``sam2.1_hiera_t.yaml`` and ``sam2.1_hiera_l.yaml`` of the authors' code; the former is transformers' default."""
+    """Return ``sam2.1_hiera_t.yaml``, transformers' default, or ``sam2.1_hiera_l.yaml`` of the authors' code."""
     backbone = {"model_type": "sam2_hiera_det_model"}
     vision = {"model_type": "sam2_vision_model", "backbone_config": backbone}
     if is_large:
@@ -86,7 +86,7 @@ def sam2(is_large: bool) -> Checkpoint:
 
 
 def dpt_dinov2(is_large: bool) -> Checkpoint:
-    """``vit_small`` and ``vit_large`` with the head of ``hub/depthers.py`` in the authors' code."""
+    """Return ``vit_small`` or ``vit_large`` with the head of ``hub/depthers.py`` in the authors' code."""
     width, num_layers, outputs = (1024, 24, [5, 12, 18, 24]) if is_large else (384, 12, [3, 6, 9, 12])
     config = DPTConfig(
         backbone_config=_dinov2(width, num_layers, outputs, apply_layernorm=False),
@@ -99,7 +99,7 @@ def dpt_dinov2(is_large: bool) -> Checkpoint:
 
 
 def depth_anything_small() -> Checkpoint:
-    """``vits`` of the authors' ``run.py``."""
+    """Return ``vits`` of the authors' ``run.py``."""
     config = DepthAnythingConfig(
         backbone_config=_dinov2(384, 12, [3, 6, 9, 12], apply_layernorm=True),
         reassemble_hidden_size=384,
@@ -110,7 +110,7 @@ def depth_anything_small() -> Checkpoint:
 
 
 def _dinov2(width: int, num_layers: int, outputs: list[int], apply_layernorm: bool) -> Dinov2Config:
-    """A backbone whose heads have 64 channels, as all of DINOv2."""
+    """Return a backbone whose heads have 64 channels, as all of DINOv2."""
     return Dinov2Config(
         hidden_size=width,
         num_hidden_layers=num_layers,
@@ -131,7 +131,7 @@ def _checkpoint(
 
 
 def _random_state(module: torch.nn.Module) -> dict[str, torch.Tensor]:
-    """Weights of unit gain: numbers that become too small to be normal would slow the arithmetic down."""
+    """Return weights of unit gain, because denormal numbers would slow down the arithmetic."""
     state = module.state_dict()
     for tensor in state.values():
         if tensor.ndim > 1 and tensor.is_floating_point():

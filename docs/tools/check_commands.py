@@ -1,8 +1,8 @@
 """Run every command line of moseg and make that the documents show: ``python docs/tools/check_commands.py``.
 
-Each document gets a folder of its own with small inputs in place of those that it speaks of (`stand_ins`): what is
-shown for ``/data/DAVIS`` runs on eight tiny sequences, what is shown for ``s3://my-bucket`` on a server in this
-process. One line is printed for each command: ok, FAIL or not run, and why. The exit code is 1 where one failed.
+Each document gets a folder of its own with small inputs in place of those that it names (`stand_ins`): commands for
+``/data/DAVIS`` run on eight tiny sequences, commands for ``s3://my-bucket`` on a server in this process. One line is
+printed for each command: ok, FAIL or not run, with the reason. The exit code is 1 if a command failed.
 """
 
 import argparse
@@ -47,8 +47,8 @@ NOT_RUN = (
     (r"--install-completion|--show-completion", "changes the shell's own files"),
     (r"^moseg status --follow", "follows until its run ends; tests/workflows/test_status.py runs it"),
 )
-"""What is not run, and why; the patterns are tried on the command as shown."""
-BY_A_TEST = {"docs/extending.md": "needs what the page tells to write; tests/docs/test_extending.py runs it"}
+"""Commands that are not run, with the reason; the patterns are matched against the command as shown."""
+BY_A_TEST = {"docs/extending.md": "needs files that the page shows; tests/docs/test_extending.py runs it"}
 """Documents whose commands a test runs."""
 WORDS = {
     "N": "1",
@@ -64,7 +64,7 @@ WORDS = {
     "/data": "{folder}/data",
     "stage.name=value": "sections.length=30",
 }
-"""What stands for a word of a command."""
+"""Replacements of words of a command."""
 PARTS = {
     "tcp://host:8786": "{scheduler}",
     "/data/": "{folder}/data/",
@@ -76,7 +76,7 @@ PARTS = {
     "folder:TRACKS": "folder:tracks",
     "=DIR": "=tiny",
 }
-"""What stands for a part of a word."""
+"""Replacements of parts of words."""
 _RUN = re.compile(r"20\d{6}T\d{4,6}(-[0-9a-f]{8})?")
 VIDEO_SUFFIXES = (".mp4", ".mov", ".mkv", ".avi", ".webm")
 OUTPUTS = ("-o", "--out", "--report", "--overlay")
@@ -84,7 +84,7 @@ OF_DATA = ("eval", "ablate", "plan", "contact-sheet")
 
 
 class Check(NamedTuple):
-    """How one command of a document went.
+    """Outcome of one command of a document.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class Check(NamedTuple):
         ``ok``, ``FAIL`` or ``not run``.
     seconds : float
     reason : str
-        Why it was not run, or the end of what a failure said.
+        Why it was not run, or the end of the output of a failure.
     """
 
     document: str
@@ -105,7 +105,7 @@ class Check(NamedTuple):
 
 
 def main() -> int:
-    """Run the commands of the documents named; exit code 1 where one fails."""
+    """Run the commands of the given documents; exit with code 1 if one fails."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("documents", nargs="*", help="names such as README.md; all if none is given")
     parser.add_argument("--workers", type=int, default=2, help="documents at a time")
@@ -118,7 +118,7 @@ def main() -> int:
         (folder / "inputs").mkdir()
         write_stand_ins(folder / "inputs", BIN / "moseg")
         services = stack.enter_context(Services(folder / "services"))
-        # A mention without options says the same wherever it stands.
+        # A mention without options is the same in every document.
         said: set[str] = set()
         jobs = []
         for path in chosen:
@@ -139,7 +139,7 @@ def main() -> int:
 
 
 def check_document(path: Path, codes: list[str], folder: Path, services: Services) -> list[Check]:
-    """Run a document's commands one after the other in a folder of its own, and say how each went."""
+    """Run a document's commands one after the other in a folder of its own, and return their outcomes."""
     name = path.relative_to(ROOT).as_posix()
     own = folder / f"work-{name.replace('/', '-')}"
     values = _lay_out(folder / "inputs", own)
@@ -185,11 +185,11 @@ def _check(name: str, code: str, own: Path, values: dict[str, str], services: Se
 
 
 def shorten(words: list[str]) -> list[str]:
-    """The same command on one scene, where it would run on all of the synthetic data set."""
+    """Return the command, restricted to one scene if it would run on all of the synthetic data set."""
     if words[0] == "make":
         is_synthetic = not any(word.startswith("DATASET=") and word != "DATASET=synthetic" for word in words)
         extra = [f"ARGS=--sequences {SCENE}"] if {"eval", "ablation"} & {*words} and is_synthetic else []
-        # Set-up is done: it belongs to the working copy, which stands above this folder.
+        # Set-up is done: it belongs to the working copy, which contains this folder.
         return ["make", "-f", str(ROOT / "Makefile"), "-o", ".venv/.ready", *words[1:], *extra]
     dataset = words[words.index("--dataset") + 1] if "--dataset" in words else "synthetic"
     if words[1] in OF_DATA and dataset == "synthetic" and "--sequences" not in words:
@@ -198,7 +198,7 @@ def shorten(words: list[str]) -> list[str]:
 
 
 def is_mention(command: str) -> bool:
-    """Whether only the name of a command, or of a group of commands, is given where it needs arguments."""
+    """Return whether only a name of a command or group is given that needs arguments."""
     words = command.split()
     if words[0] == "make":
         return False
@@ -230,7 +230,7 @@ def _fill(word: str, own: Path, values: dict[str, str], services: Services) -> s
 
 
 def _make_videos(words: list[str], own: Path) -> None:
-    """A video under each name of one that a command reads."""
+    """Write a video under each name that commands read."""
     for before, word in pairwise(words):
         name = word.removeprefix("VIDEO=")
         if name.lower().endswith(VIDEO_SUFFIXES) and before not in OUTPUTS and not (own / name).exists():
@@ -250,7 +250,7 @@ def _environ(own: Path) -> dict[str, str]:
 
 
 def _lay_out(inputs: Path, own: Path) -> dict[str, str]:
-    """Link the inputs into a document's folder and give it a store of its own; what stands for keys of that store."""
+    """Link the inputs into a document's folder with a store of its own, and return the replacements of its keys."""
     own.mkdir()
     for path in inputs.iterdir():
         if path.name not in ("store", "data"):

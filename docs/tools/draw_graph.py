@@ -1,6 +1,6 @@
-"""Draw the graph of a sequence, one box a stage: ``python docs/tools/draw_graph.py`` writes docs/images/graph*.svg.
+"""Draw the graph of a sequence, one box per stage: ``python docs/tools/draw_graph.py`` writes docs/images/graph*.svg.
 
-Boxes and arrows are read from the recipes that `moseg.workflows.graph.SequenceGraph` writes, and not kept by hand.
+Boxes and arrows are read from the recipes that `moseg.workflows.graph.SequenceGraph` writes.
 """
 
 from itertools import pairwise
@@ -20,7 +20,7 @@ DRAWINGS = {
     "graph.svg": ("weights-free", "The graph of the default pipeline"),
     "graph_networks.svg": ("paper", "The graph with objects, points, flow and depth from networks"),
 }
-"""Preset that each drawing is of, and its title."""
+"""Preset and title of each drawing."""
 
 PARTS = {
     "from outside": ("frame", "annotation", "weights"),
@@ -32,7 +32,7 @@ PARTS = {
     "motions": ("fundamental", "fundamental_residual", "flow_model", "flow_residual", "affinity", "clustering"),
     "results": ("segmentation", "score"),
 }
-"""Stages by part, which gives a box its colour."""
+"""Stages by part; the part sets the colour of a box."""
 UNITS = {
     "frame": "file content",
     "annotation": "file content",
@@ -50,10 +50,10 @@ UNITS = {
     "segmentation": "a section and variant",
     "score": "the sequence and variant",
 }
-"""What one artifact is about, where it is not a section."""
+"""Unit of one artifact, for stages whose unit is not a section."""
 
 HANDED_ON = {("proposals", "seeds")}
-"""What a section hands to the next one, beside what a stage hands to itself; drawn upwards."""
+"""Edges from a section to the next one, except those from a stage to itself; drawn upwards."""
 
 BOX, HEIGHT, STEP, MARGIN, HEAD, KEY = 172.0, 38.0, 66.0, 24.0, 74.0, 106.0
 """Sizes and distances, px."""
@@ -74,7 +74,7 @@ STYLE = """
 
 
 def stage_edges(preset: str) -> list[Edge]:
-    """Which stage reads which, for the fused variant of a preset and its score, and what they read from outside."""
+    """Return the edges between the stages of a preset's fused variant and its score, and the leaves that they read."""
     config = PipelineConfig.model_validate({**PRESETS[preset], "sections": {"length": 4, "overlap": 1}})
     graph = SequenceGraph(_leaves(config), config)
     graph.score(Variant.FUSED)
@@ -84,7 +84,7 @@ def stage_edges(preset: str) -> list[Edge]:
 
 
 def draw(preset: str, title: str) -> str:
-    """The drawing as SVG, readable on light and dark pages."""
+    """Return the drawing as SVG, readable on light and dark pages."""
     edges = stage_edges(preset)
     stages = sorted({stage for edge in edges for stage in edge})
     layout = lay_out(
@@ -150,7 +150,7 @@ def _box(stage: str, x: float, row: int) -> str:
 
 
 def _end(edge: Edge, layout: Layout) -> float:
-    """Where on its box an arrow ends, relative to the middle: those into one box side by side, as they come."""
+    """Return the end of an arrow relative to the middle of its box; arrows into one box end side by side."""
     into = sorted((route[-2][0], other) for other, route in layout.routes.items() if other[1] == edge[1])
     place = [other for _, other in into].index(edge) - (len(into) - 1) / 2
     return place * min(28.0, (BOX - 24) / len(into))
@@ -170,7 +170,7 @@ def _edge(edge: Edge, route: list[tuple[float, int]], end: float) -> str:
 
 
 def _upwards(edge: Edge, layout: Layout) -> str:
-    """What is carried from one section to the next."""
+    """Return the edges from one section to the next as SVG."""
     source, target = edge
     x0, y0 = MARGIN + layout.x[source] + BOX / 2, _top(layout.rows[source]) + HEIGHT - 10
     x1, y1 = MARGIN + layout.x[target] + BOX / 2, _top(layout.rows[target]) + 10
@@ -188,7 +188,7 @@ def _key(place: int, index: int, part: str) -> str:
 
 
 def main() -> None:
-    """Write every drawing."""
+    """Write all drawings."""
     IMAGES.mkdir(exist_ok=True)
     for name, (preset, title) in DRAWINGS.items():
         (IMAGES / name).write_text(draw(preset, title), encoding="utf-8")

@@ -1,13 +1,13 @@
 """Figures of the documents, taken from the files of measurements.
 
 In a page, ``<!--=NAME/PATH-->77.5<!--/-->`` holds one figure and ``<!--table NAME-->`` to ``<!--/table-->`` a table of
-`result_tables`. What stands between is written; nobody edits it. NAME is a measurement or a file of what was measured
-apart, PATH leads to a number in it, and ``:.0f`` behind it says how it is printed (``.1f`` if nothing is said):
+`result_tables`. The text between the markers is generated. NAME is a measurement or a file of a separate measurement,
+PATH leads to a number in it, and ``:.0f`` after it sets its format (``.1f`` by default):
 
-- of scores ``fused/J`` is a variant's mean, ``fused/J@dog`` a sequence's, ``fused/J#least`` the least over sequences,
+- of scores ``fused/J`` is a variant's mean, ``fused/J@dog`` a sequence's, ``fused/J#least`` the minimum over sequences,
   ``fused/J#lowest`` the three lowest with their names;
 - ``seconds`` is the time of the whole command, ``seconds_a_frame`` a share of it;
-- of every other file a path is the keys on the way.
+- in every other file a path consists of the keys to the number.
 """
 
 import json
@@ -35,14 +35,14 @@ _PLACE = re.compile(r"\{([^}]+)\}")
 
 
 class Figures:
-    """The numbers in the files of a folder, by name and path."""
+    """Numbers in the files of a folder, by name and path."""
 
     def __init__(self, folder: Path = RESULTS):
         self._folder = folder
         self._read = cache(self._read_file)
 
     def text(self, expression: str) -> str:
-        """The figure as printed; `NOT_MEASURED` where its measurement has no file, LookupError where it has no such."""
+        """Return the figure as printed, or `NOT_MEASURED` without a file; raises LookupError for an unknown path."""
         path, _, form = expression.partition(":")
         name, _, rest = path.partition("/")
         said = self._read(name)
@@ -55,7 +55,7 @@ class Figures:
         return value if isinstance(value, str) else format(value, form or ".1f")
 
     def seconds(self, name: str) -> float | None:
-        """Time of a measurement's command, s; None where it has no file."""
+        """Return the time of a measurement's command, s; None if it has no file."""
         said = self._read(name)
         return None if said is None else said["seconds"]
 
@@ -82,7 +82,7 @@ class Figures:
         return (row["sequences"][sequence] if sequence else row["mean"])[score]
 
     def _read_file(self, name: str) -> dict[str, Any] | None:
-        """What the file of a name says; None where a measurement has none yet."""
+        """Return the content of the file of a name; None if a measurement has no file yet."""
         for path in (self._folder / f"{name}.json", self._folder / "apart" / f"{name}.json"):
             if path.exists():
                 return json.loads(path.read_text(encoding="utf-8"))
@@ -92,7 +92,7 @@ class Figures:
 
 
 def written(text: str, figures: Figures) -> str:
-    """The page with every figure and table in its place; LookupError where one is unknown."""
+    """Return the page with all figures and tables filled in; raises LookupError if one is unknown."""
 
     def block(found: re.Match) -> str:
         if found[2] not in TABLES:
@@ -104,5 +104,5 @@ def written(text: str, figures: Figures) -> str:
 
 
 def filled(text: str, figures: Figures) -> str:
-    """The text with ``{expression}`` replaced by the figure."""
+    """Return the text with each ``{expression}`` replaced by its figure."""
     return _PLACE.sub(lambda found: figures.text(found[1]), text)

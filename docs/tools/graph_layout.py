@@ -1,4 +1,4 @@
-"""A layered drawing of a directed acyclic graph: who stands in which row, and where the edges run between them.
+"""Layered drawing of a directed acyclic graph: the rows of the nodes, and the routes of the edges between them.
 
 References
 ----------
@@ -14,11 +14,11 @@ Edge = tuple[str, str]
 
 NUM_SWEEPS = 40
 STIFFNESS = 8
-"""How much more than others the parts of one edge want to be in line with each other."""
+"""Weight of the alignment of the parts of one edge, relative to other alignments."""
 
 
 class Layout(NamedTuple):
-    """Where everything is drawn.
+    """Positions of nodes and edges in the drawing.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class Layout(NamedTuple):
     x : dict of str to float
         Horizontal centre of each node, px.
     routes : dict of edge to list of (float, int)
-        For each edge its (x, row) in every row from its source to its target.
+        The (x, row) of each edge in every row from its source to its target.
     """
 
     rows: dict[str, int]
@@ -36,16 +36,16 @@ class Layout(NamedTuple):
 
 
 def lay_out(edges: list[Edge], widths: Mapping[str, float], gap: float, lane: float) -> Layout:
-    """Rows by longest path, order by barycentres, places by relaxation.
+    """Lay out a graph: rows by longest path, order by barycentres, positions by relaxation.
 
     Parameters
     ----------
     edges : list of (source, target)
-        Without cycles.
+        The graph has no cycles.
     widths : mapping of str to float
         Width of each node, px.
     gap : float
-        Least space between two neighbours, px.
+        Minimum space between two neighbours, px.
     lane : float
         Width of an edge that passes a row, px.
     """
@@ -76,7 +76,7 @@ def lay_out(edges: list[Edge], widths: Mapping[str, float], gap: float, lane: fl
 
 
 def _rows(edges: list[Edge]) -> dict[str, int]:
-    """Each node below all that it reads; a node that reads nothing right above the first that reads it."""
+    """Place each node below all that it reads, and a node that reads nothing right above its first reader."""
     above: dict[str, list[str]] = {node: [] for edge in edges for node in edge}
     for source, target in edges:
         above[target].append(source)
@@ -96,7 +96,7 @@ def _rows(edges: list[Edge]) -> dict[str, int]:
 
 
 def _order(levels: list[list[str]], near: Mapping[str, tuple[list[str], list[str]]]) -> None:
-    """Sweep down and up, sorting each row by its neighbours' mean place; the order with fewest crossings stays."""
+    """Sort each row by its neighbours' mean place, sweeping down and up; return the order with fewest crossings."""
     best, fewest = [list(level) for level in levels], _crossings(levels, near)
     for sweep in range(NUM_SWEEPS):
         side = sweep % 2
@@ -141,7 +141,7 @@ def _place(levels, near, width, gap: float) -> dict[str, float]:
             wanted = {}
             for node in level:
                 pulls = [(STIFFNESS if ">" in node and ">" in n else 1, x[n]) for n in near[node][0] + near[node][1]]
-                # A little to the middle: the drawing stays upright.
+                # A weak pull to the middle keeps the drawing upright.
                 pulls += [] if ">" in node else [(1, 0.0)]
                 wanted[node] = sum(pull * place for pull, place in pulls) / sum(pull for pull, _ in pulls)
             _spread(level, wanted, x, width, gap)
@@ -150,7 +150,7 @@ def _place(levels, near, width, gap: float) -> dict[str, float]:
 
 
 def _spread(level, wanted, x, width, gap: float) -> None:
-    """The places nearest to those wanted, in least squares, that keep order and distance: pooled neighbours."""
+    """Return the places nearest to the wanted ones, in least squares, that keep order and distance, by pooling."""
     blocks: list[tuple[float, int]] = []
     offset, offsets = 0.0, []
     for index, node in enumerate(level):

@@ -1,6 +1,6 @@
-"""List the licences of what is installed with this project: ``python docs/tools/list_licences.py [--extra models]``.
+"""List the licences of packages installed with the project: ``python docs/tools/list_licences.py [--extra models]``.
 
-Read from the metadata of the packages, for those that `pyproject.toml` names and all that they need themselves.
+They are read from the metadata of the packages that `pyproject.toml` names and of their dependencies.
 """
 
 import argparse
@@ -14,7 +14,7 @@ _LONGEST_NAME = 60
 
 
 def main() -> None:
-    """Print a table, one package a row."""
+    """Print a table, one package per row."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument(
         "--extra", action="append", default=[], choices=["models", "test"], help="also those of an extra"
@@ -27,7 +27,7 @@ def main() -> None:
 
 
 def needed_packages(name: str, extras: list[str]) -> dict[str, Distribution]:
-    """Everything installed that a package needs, itself left out."""
+    """Return all installed dependencies of a package."""
     found: dict[str, Distribution] = {}
     waiting = [(name, tuple(extras))]
     while waiting:
@@ -40,14 +40,14 @@ def needed_packages(name: str, extras: list[str]) -> dict[str, Distribution]:
             try:
                 found[needed] = distribution(needed)
             except PackageNotFoundError:
-                # Needed on other systems or versions of Python.
+                # Only needed on other systems or versions of Python.
                 continue
             waiting.append((needed, ()))
     return found
 
 
 def licence_of(package: Distribution) -> str:
-    """What the metadata say, in the field that the package uses."""
+    """Return the licence from the metadata field that the package uses."""
     metadata = package.metadata
     classifiers = [
         entry.split(" :: ")[-1] for entry in metadata.get_all("Classifier", []) if entry.startswith("License")

@@ -1,6 +1,6 @@
 """Make the pictures of the documents: ``python docs/tools/make_pictures.py`` writes docs/images/*.webp.
 
-They are made by the program itself, from scenes of the embedded synthetic data set.
+They are rendered from the results of moseg on scenes of the embedded synthetic data set.
 """
 
 import argparse
@@ -38,14 +38,14 @@ LOW, HIGH = np.array([247.0, 251.0, 255.0]), np.array([8.0, 69.0, 148.0])
 
 
 class Column(NamedTuple):
-    """What stands above a panel, and the panel, uint8 (y, x, rgb)."""
+    """Column of a picture: the title above a panel, and the panel, uint8 (y, x, rgb)."""
 
     title: str
     panel: np.ndarray
 
 
 def strip_columns(store: ArtifactStore, graph: SequenceGraph, config: PipelineConfig, frame: int) -> list[Column]:
-    """From the frame to what moves."""
+    """Return the columns from the frame to the moving objects."""
     image = store.read(graph.leaves.frames[frame], "image")
     flow = store.read(graph.frame_cues.flow(frame, frame + 1), "flow").astype(np.float32)
     saliency = store.read(graph.frame_cues.saliency(frame), "saliency").astype(np.float32)
@@ -58,7 +58,7 @@ def strip_columns(store: ArtifactStore, graph: SequenceGraph, config: PipelineCo
 
 
 def affinity_columns(store: ArtifactStore, graph: SequenceGraph, config: PipelineConfig, frame: int) -> list[Column]:
-    """From the objects to what moves, by way of each model's affinity and the fused one."""
+    """Return the columns from the objects over each model's and the fused affinity to the moving objects."""
     image = store.read(graph.leaves.frames[frame], "image")
     section, row = divmod(frame, config.sections.length)
     identity = store.read(graph.objects.linking(), "identity")[section]
@@ -83,7 +83,7 @@ def _result(store: ArtifactStore, graph: SequenceGraph, config: PipelineConfig, 
 
 
 def _matrix(values: np.ndarray, side: int) -> np.ndarray:
-    """Squares from light, 0, to dark, 1, with their numbers."""
+    """Draw a matrix as squares from light, 0, to dark, 1, with their numbers."""
     margin = 16
     step = (side - margin) // len(values)
     image = Image.new("RGB", (side, side), PAPER)
@@ -107,7 +107,7 @@ def _resized(panel: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def _compose(rows: dict[str, list[Column]]) -> Image.Image:
-    """Scenes below each other, each with its name."""
+    """Draw scenes below each other, each with its name."""
     scale = WIDTH / max(column.panel.shape[1] for columns in rows.values() for column in columns)
     sizes = {
         name: [(round(c.panel.shape[1] * scale), round(c.panel.shape[0] * scale)) for c in columns]

@@ -1,8 +1,8 @@
-"""The measurements behind the figures of the documents, in the order in which `make results RERUN=all` repeats them.
+"""Measurements behind the figures of the documents, in the order in which `make results RERUN=all` repeats them.
 
-A measurement is one command line. What it gave stands in ``benchmarks/results/<name>.json``. Data sets come one after
-the other, and what gives cues to others comes before them: in a store of their own, each command computes only what
-those before it left to compute.
+A measurement is one command line. Its result is ``benchmarks/results/<name>.json``. Data sets come one after the other,
+and commands that compute cues come before those that reuse them: in a store of their own, each command computes only
+the artifacts that those before it have not computed.
 """
 
 from fnmatch import fnmatchcase
@@ -16,9 +16,9 @@ DATA = {
         "Seq038_Clip02,Seq059_Clip01,Seq071_Clip01,Seq095_Clip01",
     ),
 }
-"""Data that must be given: the word that stands for its root in a command, and what is measured of it."""
+"""Data sets that must be given: the placeholder of the root in a command, and the measured sequences."""
 NUM_FRAMES = {"davis16": 583}
-"""Frames of what is measured, by data set."""
+"""Number of measured frames, by data set."""
 
 DAVIS = f"--dataset davis16 --root DAVIS --sequences {DATA['davis'][1]}"
 TRAJECTORIES = f"--dataset kt3dmoseg --root KT3DMOSEG --sequences {DATA['kt3dmoseg'][1]} --seeds 5"
@@ -30,7 +30,7 @@ PAPER_CLUSTERING = f"--affinity ork {SPECTRAL}"
 XU_LAMBDA = "--set clustering.co_regularisation=0.01"
 
 SETTINGS = {"synthetic": SYNTHETIC, "exact": EXACT, "oracle": ORACLE, "davis": DAVIS}
-"""What affinities are compared on: with the default's proposals and cues; with true proposals and exact cues; with true
+"""Settings of comparisons of affinities: with default proposals and cues; with true proposals and exact cues; with true
 proposals, DIS and Lucas-Kanade, without depth; on real video."""
 AFFINITIES = {
     "residual": "",
@@ -47,7 +47,7 @@ SWEEPS = {
     "window": ("object_hypotheses.window", ("0.1", "0.15", "0.2", "0.25", "0.3")),
     "rows": ("object_hypotheses.background_rows", ("2", "3", "4")),
 }
-"""Parameters of the affinity of many hypotheses, and values of each. With rows the columns change too, to one more."""
+"""Parameters of the affinity of many hypotheses, and their values. The number of columns is that of rows plus one."""
 COUNTS = ("description_length", "geometric", "confidences", "stability", "eigengap")
 VIEWS = {
     "two-views": "--views homography,fundamental",
@@ -57,16 +57,16 @@ CHOSEN = {"num_hypotheses": "200", "window": "0.2", "background_rows": "3"}
 
 
 class Measurement(NamedTuple):
-    """One command line whose result is kept.
+    """Measurement: one command line whose result is kept.
 
     Attributes
     ----------
     name : str
-        Of its file, without the suffix.
+        Name of its file, without the suffix.
     command : str
-        The words of `DATA` stand for roots.
+        Command line, with the placeholders of `DATA` for roots.
     data : str or None
-        Key of `DATA`; None where nothing must be given.
+        Key of `DATA`; None if no data set must be given.
     """
 
     name: str
@@ -75,7 +75,7 @@ class Measurement(NamedTuple):
 
 
 def chosen(names: str) -> list[Measurement]:
-    """The measurements named, separated by commas: names, patterns such as ``exact-*``, or ``all``, in their order."""
+    """Return the measurements named by a list with commas of names, patterns such as ``exact-*``, or ``all``."""
     patterns = ["*" if name == "all" else name for name in names.split(",")]
     unknown = [pattern for pattern in patterns if not any(fnmatchcase(m.name, pattern) for m in CATALOGUE)]
     if unknown:
@@ -105,7 +105,7 @@ def _catalogue() -> list[Measurement]:
         },
         **_sweeps(),
         "oracle-depth-residual-auto": f"moseg ablate {ORACLE} --depth groundtruth --motions auto",
-        # The first of DAVIS: what it takes is what a run without anything in its store takes.
+        # The first of DAVIS, so that its time is that of a run on an empty store.
         "davis-default": f"moseg eval {DAVIS}",
         **_of_setting("davis"),
         **_static("davis"),
@@ -121,7 +121,7 @@ def _catalogue() -> list[Measurement]:
 
 
 def _of_setting(setting: str) -> dict[str, str]:
-    """All affinities in one setting, with the number of motions found and given."""
+    """Return the measurements of all affinities in one setting, with the number of motions found and given."""
     return {
         f"{setting}-{affinity}-{motions}": f"moseg ablate {SETTINGS[setting]} --motions {motions} {options}"
         for affinity, options in AFFINITIES.items()
@@ -130,7 +130,7 @@ def _of_setting(setting: str) -> dict[str, str]:
 
 
 def _static(setting: str) -> dict[str, str]:
-    """What is static, under the default's clustering and under the paper's with the number of motions found."""
+    """Return the measurements of the decision on static objects, for the default's and the paper's clustering."""
     clusterings = {"ours": "", "paper": f"{PAPER_CLUSTERING} --set clustering.auto=eigengap"}
     return {
         f"{setting}-static-{clustering}-{static}": (
@@ -142,7 +142,7 @@ def _static(setting: str) -> dict[str, str]:
 
 
 def _paper_choices() -> dict[str, str]:
-    """The paper's geometry under each reading of its kernel and each t."""
+    """Return the measurements of the paper's geometry for each reading of its kernel and each t."""
     return {
         f"exact-paper-{reading}-{t}": (
             f"moseg ablate {EXACT} --motions gt --geometry paper"
@@ -154,7 +154,7 @@ def _paper_choices() -> dict[str, str]:
 
 
 def _sweeps() -> dict[str, str]:
-    """The affinities of many hypotheses under other values of their parameters, with true proposals."""
+    """Return the measurements of affinities of many hypotheses for other parameters, with true proposals."""
     return {
         f"oracle-{affinity}-{sweep}-{value}": (
             f"moseg eval {ORACLE} --motions auto --affinity {affinity} --set {parameter}={value}"
@@ -168,7 +168,7 @@ def _sweeps() -> dict[str, str]:
 
 
 def _trajectories() -> dict[str, str]:
-    """KT3DMoSeg: the number of motions given and found, other views, other ways to group and to count."""
+    """Return the measurements on KT3DMoSeg: motions given and found, other views, groupings and counting methods."""
     commands = {f"kt3d-{motions}": f"moseg ablate {TRAJECTORIES} --motions {motions}" for motions in ("gt", "auto")}
     commands |= {f"kt3d-gt-{name}": f"moseg eval {TRAJECTORIES} --motions gt {views}" for name, views in VIEWS.items()}
     for method, name, views in (

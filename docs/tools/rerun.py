@@ -1,4 +1,4 @@
-"""One measurement made again: its command is run, and its result written as JSON that names no machine."""
+"""Repetition of one measurement: its command is run, and its result is written as JSON that names no machine."""
 
 import json
 import os
@@ -22,29 +22,29 @@ from moseg.workflows.cli.pipeline_options import PipelineOptions
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "benchmarks" / "results"
 SCORES = ("P", "R", "F", "J", "error", "median_error", "num_motions", "num_motions_true", "num_motions_correct")
-"""What is kept of each sequence's scores and of their means."""
+"""Scores that are kept of each sequence and of their means."""
 ON_FRAMES = ("flow_model", "fundamental", "affinity", "object_hypotheses", "clustering")
 ON_TRAJECTORIES = ("fused_point_models", "hypotheses", "kernel", "trajectory_clustering")
-"""Parameters that say what geometry was measured, and stand beside the result."""
+"""Parameters of the measured geometry, which are kept beside the result."""
 DECIMALS = 4
 
 
 def rerun(measurement: Measurement, roots: Mapping[str, str], store: Path, folder: Path) -> dict[str, Any]:
-    """Run the command of a measurement and return what its file says.
+    """Run the command of a measurement and return the content of its file.
 
     Parameters
     ----------
     roots : mapping of str to str
         Folder of each key of `DATA`.
     store : Path
-        Where `moseg` keeps what it computes.
+        Store of `moseg`.
     folder : Path
-        An empty place for the command's own JSON.
+        Empty folder for the command's own JSON.
 
     Raises
     ------
     subprocess.CalledProcessError
-        The command failed; what it said is on the terminal.
+        The command failed; its output is on the terminal.
     """
     written = folder / "written.json"
     words = [*arguments(measurement, roots), "--json", str(written)]
@@ -65,13 +65,13 @@ def rerun(measurement: Measurement, roots: Mapping[str, str], store: Path, folde
 
 
 def arguments(measurement: Measurement, roots: Mapping[str, str]) -> list[str]:
-    """Words of the command with the folders of its data."""
+    """Return the words of the command with the folders of its data."""
     folders = {DATA[data][0]: root for data, root in roots.items()}
     return [folders.get(word, word) for word in shlex.split(measurement.command)]
 
 
 def parameters(measurement: Measurement) -> dict[str, Any]:
-    """Values of the parameters that say what a command of `moseg` measures; raises where it is not understood."""
+    """Return the values of the parameters that a command of `moseg` measures; raises if they cannot be parsed."""
     command, words, context, name = get_command(app), shlex.split(measurement.command)[1:], None, "moseg"
     while isinstance(command, TyperGroup):
         context = command.make_context(name, words, parent=context)
@@ -83,18 +83,18 @@ def parameters(measurement: Measurement) -> dict[str, Any]:
 
 
 def file_of(name: str) -> Path:
-    """Where the result of a measurement stands."""
+    """Return the path of the result of a measurement."""
     return RESULTS / f"{name}.json"
 
 
 def write(said: dict[str, Any]) -> None:
-    """Write the file of a measurement, one sequence a line."""
+    """Write the file of a measurement, one sequence per line."""
     text = json.dumps(said, indent=1, ensure_ascii=False)
     file_of(said["name"]).write_text(_joined(text) + "\n", encoding="utf-8")
 
 
 def rounded(value: Any) -> Any:
-    """The same with all fractions rounded, but for tiny ones."""
+    """Return the same value with all fractions rounded, except tiny ones."""
     if isinstance(value, dict):
         return {key: rounded(inner) for key, inner in value.items()}
     if isinstance(value, list):
@@ -105,7 +105,7 @@ def rounded(value: Any) -> Any:
 
 
 def _kept(row: dict[str, Any]) -> dict[str, Any]:
-    """A variant's row, without scores that no page shows."""
+    """Return a variant's row without the scores that no page shows."""
     sequences = {name: _scores(score) for name, score in row["sequences"].items()}
     return row | {"sequences": sequences, "mean": _scores(row["mean"])}
 
@@ -115,7 +115,7 @@ def _scores(score: dict[str, float]) -> dict[str, float]:
 
 
 def _joined(text: str) -> str:
-    """The same JSON with every innermost object and list on one line."""
+    """Return the same JSON with every innermost object and list on one line."""
     lines, inner = [], []
     for line in text.splitlines():
         if line.endswith(("{", "[")):

@@ -1,4 +1,4 @@
-"""The tables of measured figures in the documents: texts of their cells, with ``{expression}`` for each figure."""
+"""Tables of measured figures in the documents: texts of their cells, with ``{expression}`` for each figure."""
 
 from measurements import AFFINITIES, COUNTS, DATA, MOTIONS, READINGS, SWEEPS, THRESHOLDS
 
@@ -10,7 +10,7 @@ Rows = list[tuple[str, ...]]
 
 
 def table(name: str) -> str:
-    """A table in Markdown."""
+    """Return a table in Markdown."""
     head, *rows = TABLES[name]
     return "".join(f"| {' | '.join(row)} |\n" for row in (head, ("---",) * len(head), *rows)).replace("| --- ", "|---")
 

@@ -1,4 +1,4 @@
-"""What commands of the documents talk to: an S3 server and a Dask cluster, on this machine and only while asked for."""
+"""Services that commands of the documents use: an S3 server and a Dask cluster on this machine, started on demand."""
 
 import logging
 import os
@@ -10,12 +10,12 @@ BUCKET = "my-bucket"
 
 
 class Services:
-    """Starts each service when the first command asks for it, and ends them all with the block.
+    """Services that start when the first command needs them, and all end with the block.
 
     Parameters
     ----------
     folder : Path
-        For what a service writes.
+        Folder for the files of the services.
     """
 
     def __init__(self, folder: Path):
@@ -35,7 +35,7 @@ class Services:
             self._cluster.close()
 
     def environ(self, command: str) -> dict[str, str]:
-        """Variables with which a command that names an object store finds the server; none for others."""
+        """Return the variables with which a command that names an object store finds the server; none for others."""
         if "s3://" not in command and " URL" not in command:
             return {}
         with self._lock:
@@ -45,7 +45,7 @@ class Services:
         return {**keys, "AWS_ENDPOINT_URL": self._address, "NO_PROXY": "127.0.0.1"}
 
     def scheduler(self) -> str:
-        """Address of a scheduler with one worker."""
+        """Return the address of a scheduler with one worker."""
         with self._lock:
             if self._cluster is None:
                 from distributed import LocalCluster

@@ -1,4 +1,4 @@
-"""The command lines that the documents show: lines of indented blocks and inline code that begin with moseg or make."""
+"""Command lines that the documents show: lines of indented blocks and inline code that begin with moseg or make."""
 
 import re
 from pathlib import Path
@@ -13,25 +13,25 @@ _PROGRAMS = ("moseg ", "make ")
 
 
 def shown_code(text: str) -> list[str]:
-    """Lines of indented blocks, what their comments offer instead, and inline code, each on one line.
+    """Return lines of indented blocks, alternatives in their comments, and inline code, each on one line.
 
-    Variables of the environment that are set for one command only are left out.
+    Environment variables that are set for one command only are left out.
     """
     return [without_variables(code) for code in _shown(text)]
 
 
 def shown_commands(text: str) -> list[str]:
-    """Command lines of moseg and make among them, each once, with the variables that are set for them."""
+    """Return the command lines of moseg and make among them, each once, with the variables that are set for them."""
     return list(dict.fromkeys(code for code in _shown(text) if without_variables(code).startswith(_PROGRAMS)))
 
 
 def without_variables(code: str) -> str:
-    """The command itself, as it is called where the project is installed."""
+    """Return the command without variables, as called with an installed project."""
     return _ASSIGNMENTS.sub("", code).removeprefix(".venv/bin/")
 
 
 def variables(code: str) -> dict[str, str]:
-    """Variables of the environment that are set for the command."""
+    """Return the environment variables that are set for the command."""
     found = _ASSIGNMENTS.match(code)
     return dict(pair.split("=", 1) for pair in found.group().split()) if found else {}
 
@@ -42,6 +42,6 @@ def _shown(text: str) -> list[str]:
         code, _, comment = line.partition("  #")
         found.append(code.strip())
         instead = comment.partition("or: ")[2].partition(";")[0].strip()
-        # Another option in place of the line's own: the last one counts.
+        # The comment gives an alternative to an option of the line: the last one counts.
         found.append(f"{code.strip()} {instead}" if instead.startswith("-") else instead)
     return found + [" ".join(code.split()) for code in _INLINE.findall(_CODE_LINE.sub("", text))]

@@ -1,6 +1,6 @@
-"""Small inputs in place of those that the documents speak of: a video, data sets, cues, weights, a store with a run.
+"""Small inputs in place of those that the documents name: a video, data sets, cues, weights, a store with a run.
 
-All of it is cut from one scene of the embedded synthetic data set.
+All are made from one scene of the embedded synthetic data set.
 """
 
 import json
@@ -23,9 +23,9 @@ SEED_RUN = ("eval", "--dataset", "synthetic", "--sequences", SCENE, "--variant",
 
 
 def write_stand_ins(folder: Path, moseg: Path) -> None:
-    """Write them all below a folder.
+    """Write all stand-ins below a folder.
 
-    ``clip.mp4``, ``frames/``, which is ``holiday-frames/`` too, ``masks/``, ``flow/``, ``depth/``, ``tracks/`` and
+    ``clip.mp4``, ``frames/`` (also as ``holiday-frames/``), ``masks/``, ``flow/``, ``depth/``, ``tracks/`` and
     ``results/`` belong to one video; ``data/`` holds the data sets, ``weights/`` tiny checkpoints, ``store/`` a store
     with one run.
     """
@@ -53,7 +53,7 @@ def write_stand_ins(folder: Path, moseg: Path) -> None:
 
 
 def write_video(path: Path, images: np.ndarray) -> None:
-    """An H.264 video of frames uint8 (frame, y, x, rgb)."""
+    """Write an H.264 video of frames uint8 (frame, y, x, rgb)."""
     with av.open(str(path), "w") as container:
         stream = container.add_stream("libx264", rate=FRAME_RATE)
         stream.height, stream.width = images.shape[1:3]
@@ -64,7 +64,7 @@ def write_video(path: Path, images: np.ndarray) -> None:
 
 
 def _write_data(data: Path, scene: RenderedScene, masks: np.ndarray) -> None:
-    """The data sets, each below a folder of its name and below the one that the documents give as its root."""
+    """Write the data sets, each below a folder of its name and below the root that the documents give."""
     for name in DAVIS:
         for root, labels in (("davis16", 255 * (masks > 0)), ("davis-moving", masks)):
             _write_images(data / root / "JPEGImages" / "480p" / name, scene.images, ".jpg")
@@ -107,7 +107,7 @@ def _write_arrays(folder: Path, arrays: np.ndarray) -> None:
 
 
 def _write_trajectories(path: Path, scene: RenderedScene) -> None:
-    """Points that every frame shows, labelled by their motion from 1 on."""
+    """Write points that every frame shows, labelled by their motion from 1 on."""
     x, y = np.rint(scene.points[:, 0]).astype(int).T
     shown = scene.visible.all(axis=1)
     motion = scene.moving[0][np.clip(y, 0, scene.moving.shape[1] - 1), np.clip(x, 0, scene.moving.shape[2] - 1)]

@@ -1,9 +1,9 @@
 """Write the measured figures of the documents from ``benchmarks/results``: ``python docs/tools/write_results.py``.
 
 ``--rerun all``, or names and patterns separated by commas (``--rerun 'exact-*,davis-default'``), repeats measurements
-first, in a store of their own, and writes their files. Data sets are given by ``--davis`` and ``--kt3dmoseg``; what
-needs one that is not given is left as it is, and named. At the end each measurement is listed with its command and the
-seconds that it took after those before it.
+first, in a store of their own, and writes their files. Data sets are given by ``--davis`` and ``--kt3dmoseg``;
+measurements of a data set that is not given are left as they are, and named. At the end each measurement is listed with
+its command and the seconds that it took after those before it.
 """
 
 import argparse
@@ -20,12 +20,12 @@ from rerun import rerun, write
 
 
 def main() -> int:
-    """Repeat what is asked for, write the pages, list the measurements; exit code 1 where a command failed."""
+    """Repeat the chosen measurements, write the pages, list the measurements; exit with code 1 if a command failed."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rerun", default="", metavar="NAMES", help="measurements to repeat, or all")
     parser.add_argument("--davis", default="", metavar="ROOT", help="folder of DAVIS-2016")
     parser.add_argument("--kt3dmoseg", default="", metavar="ROOT", help="folder of <clip>_Tracks.mat")
-    parser.add_argument("--store", type=Path, help="keep what is computed here, and use what is; else nothing is kept")
+    parser.add_argument("--store", type=Path, help="artifact store to use and keep; by default a temporary one")
     options = parser.parse_args()
     roots = {data: str(Path(vars(options)[data]).resolve()) for data in DATA if vars(options)[data]}
     try:
@@ -59,7 +59,7 @@ def _rerun(wanted: list[Measurement], roots: dict[str, str], store: Path | None)
                 print(f"{head}: left as it is, {DATA[measurement.data][0]} is not given", flush=True)
                 continue
             if measurement.data != before:
-                # No data set's cues serve another.
+                # Data sets share no cues.
                 shutil.rmtree(own, ignore_errors=True)
                 before = measurement.data
             try:

@@ -1,4 +1,4 @@
-"""`make docs-check` runs what the documents show, says what fails, and leaves nothing out without a reason."""
+"""`make docs-check` runs the commands of the documents, reports failures, and skips none without a reason."""
 
 import importlib
 import re
@@ -12,7 +12,7 @@ TOOLS = Path(__file__).resolve().parents[2] / "docs" / "tools"
 
 @pytest.fixture(scope="module")
 def checks():
-    """The script; scripts of docs/tools import each other by name."""
+    """Return the script; scripts of docs/tools import each other by name."""
     sys.path.insert(0, str(TOOLS))
     yield importlib.import_module("check_commands")
     sys.path.remove(str(TOOLS))
@@ -20,7 +20,7 @@ def checks():
 
 @pytest.fixture
 def document(checks, tmp_path, monkeypatch):
-    """Checks a document of the given text, in place of the project's own; what is printed for each command."""
+    """Return a function that checks a document of the given text and returns the line printed for each command."""
 
     def document(text: str) -> list:
         monkeypatch.setattr(checks, "ROOT", tmp_path)
@@ -35,21 +35,21 @@ def document(checks, tmp_path, monkeypatch):
     return document
 
 
-def test_a_command_that_works_is_ok_and_one_that_fails_says_why(document, capsys):
+def test_a_working_command_is_ok_and_a_failing_one_shows_its_error(document, capsys):
     good, bad = document("    moseg datasets show synthetic\n    moseg datasets show sintetic\n")
     assert (good.verdict, bad.verdict) == ("ok", "FAIL")
     assert "exit code 2" in bad.reason and "sintetic" in bad.reason
     assert re.search(r"^FAIL .*page\.md: moseg datasets show sintetic$", capsys.readouterr().out, re.MULTILINE)
 
 
-def test_what_is_not_run_says_why(document, capsys):
+def test_a_command_that_is_not_run_is_listed_with_the_reason(document, capsys):
     named, fetched = document("`moseg score` and `moseg weights fetch raft-large`")
     assert (named.verdict, fetched.verdict) == ("not run", "not run")
     assert "needs arguments" in named.reason and "gigabytes" in fetched.reason
     assert capsys.readouterr().out.count("not run") == 2
 
 
-def test_every_reason_not_to_run_something_is_about_something_shown(checks):
+def test_every_reason_not_to_run_a_command_matches_a_shown_command(checks):
     shown = [
         checks.without_variables(code)
         for path in checks.DOCUMENTS
@@ -84,7 +84,7 @@ def test_a_run_on_all_synthetic_scenes_is_shortened_and_no_other(checks):
         assert checks.shorten(command.split()) == command.split()
 
 
-def test_variables_of_a_command_are_set_for_it_and_are_no_part_of_it(checks):
+def test_variables_of_a_command_are_set_for_it_and_are_not_part_of_it(checks):
     (code,) = checks.shown_commands("    MOSEG_DATA=/data moseg datasets\n")
     assert checks.variables(code) == {"MOSEG_DATA": "/data"}
     assert checks.without_variables(code) == "moseg datasets"

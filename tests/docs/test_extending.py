@@ -1,4 +1,4 @@
-"""What docs/extending.md tells to write works: all of it is applied to a copy of the project, and its commands run."""
+"""The examples of docs/extending.md work: all are applied to a copy of the project, and its commands are run."""
 
 import json
 import os
@@ -18,7 +18,7 @@ from scipy.io import savemat
 
 ROOT = Path(__file__).resolve().parents[2]
 EDITOR = "docs/editor"
-"""Links to the packages, by which the copy is imported."""
+"""Links to the packages, through which the copy is imported."""
 PAGE = ROOT / "docs" / "extending.md"
 PACKAGES = ("schemas", "store", "moseg_tasks", "workflows")
 RUN_AS_SHOWN = (
@@ -34,8 +34,8 @@ RUN_ON_LESS = (
     "moseg eval --dataset synthetic --flow farneback",
     "moseg eval --dataset synthetic --proposals groundtruth --affinity median",
 )
-"""Run below with the same options on a smaller input."""
-# Runs lines of a command's words until there are no more, and answers each with its exit code and output.
+"""Commands that the tests run with the same options on a smaller input."""
+# Runs each line of a command's words, and answers it with the exit code and the output.
 SERVE = """
 import contextlib, io, json, sys
 from moseg.workflows.cli.app import run
@@ -50,7 +50,7 @@ _STEP = re.compile(r"(New file|Change in)\s+`([^`]+\.py)`[^\n]*(?:\n\S[^\n]*)*\n
 
 
 class Step(NamedTuple):
-    """A file that the page names, and the block of code below its name."""
+    """File that the page names, and the block of code below its name."""
 
     is_new: bool
     path: str
@@ -58,13 +58,13 @@ class Step(NamedTuple):
 
 
 def read_steps(text: str) -> list[Step]:
-    """Every new file and every change of the page, in its order."""
+    """Return all new files and changes of the page, in its order."""
     blocks = ((found, dedent(found[3]).strip("\n") + "\n") for found in _STEP.finditer(text))
     return [Step(found[1] == "New file", found[2], block) for found, block in blocks]
 
 
 def apply(step: Step, root: Path) -> None:
-    """Write a new file, or put each group of ``+`` lines in the place of the ``-`` lines before it."""
+    """Write a new file, or replace each group of ``-`` lines by the ``+`` lines after it."""
     path = root / step.path
     if step.is_new:
         assert not path.exists(), f"{step.path} exists by now: the page needs another name"
@@ -81,7 +81,7 @@ def apply(step: Step, root: Path) -> None:
 
 @pytest.fixture(scope="module")
 def extended(tmp_path_factory):
-    """A copy of the project with all that the page tells to write."""
+    """Return a copy of the project with all examples of the page."""
     root = tmp_path_factory.mktemp("extended")
     for name in PACKAGES:
         shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
@@ -94,7 +94,7 @@ def extended(tmp_path_factory):
 
 
 def _install_plugin(text: str, root: Path) -> None:
-    """Put the metadata that the page's ``pyproject.toml`` makes where Python looks for installed packages."""
+    """Write the metadata of the page's ``pyproject.toml`` where Python looks for installed packages."""
     block = re.search(r"`pyproject.toml` of the package:\n\n((?: {4}.*\n|\n)+)", text)[1]
     project = tomllib.loads(dedent(block))["project"]
     folder = root / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
@@ -108,7 +108,7 @@ def _install_plugin(text: str, root: Path) -> None:
 
 @pytest.fixture(scope="module")
 def run(extended):
-    """Runs a command line of moseg with the copy, in one process for all; returns what it prints."""
+    """Return a function that runs a command line of moseg with the copy, in one process, and returns its output."""
 
     def run(code: str) -> str:
         server.stdin.write(json.dumps(shlex.split(code)[1:]) + "\n")
@@ -124,13 +124,13 @@ def run(extended):
 
 
 def _environ(extended: Path) -> dict[str, str]:
-    """Where Python finds the copy in place of the project."""
+    """Return the environment in which Python finds the copy in place of the project."""
     return {**os.environ, "PYTHONPATH": str(extended / EDITOR), "PYTHONWARNINGS": "ignore"}
 
 
 @pytest.fixture(scope="module")
 def sequence(extended, write_squares):
-    """The sequence of two squares where the page's data set has it, and where `folder` has it."""
+    """Write the sequence of two squares in the layout of the page's data set and of `folder`."""
     source = write_squares(extended / "squares", num_frames=4)
     shutil.copytree(source / "frames", extended / "my-data" / "frames" / "squares")
     shutil.copytree(source / "masks", extended / "my-data" / "labels" / "squares")
@@ -142,7 +142,7 @@ def test_every_command_of_the_page_is_run_here():
     assert set(shown) == {*RUN_AS_SHOWN, *RUN_ON_LESS}
 
 
-def test_the_page_has_an_example_of_everything():
+def test_the_page_has_an_example_of_every_kind_of_extension():
     steps = read_steps(PAGE.read_text(encoding="utf-8"))
     assert sum(step.is_new for step in steps) == 10
     assert {step.path for step in steps if not step.is_new} >= {
@@ -165,7 +165,7 @@ def test_the_data_set_is_scored(run, sequence):
 def test_the_flow_model_is_fitted(run, extended, sequence):
     options = "--proposals groundtruth --variant fused --store fits"
     run(f"moseg eval --dataset my-benchmark --root my-data --set fused_flow_model=affine {options}")
-    # A flow model's artifacts name it in their recipe.
+    # The recipes of a flow model's artifacts name it.
     assert '"affine"' in _recipe(extended / "fits", "flow_model")
 
 
@@ -185,7 +185,7 @@ def test_the_affinity_of_the_plug_in_is_computed(run, extended, sequence):
 
 def test_the_script_registers_the_method(extended, sequence):
     shutil.rmtree(next(extended.glob("my_affinities-*.dist-info")))
-    # A folder of frames is as good as a video.
+    # A folder of frames replaces the video.
     shutil.copytree(sequence / "frames", extended / "holiday.mp4")
     options = {"cwd": extended, "env": _environ(extended), "text": True, "capture_output": True}
     ran = subprocess.run([sys.executable, "median.py"], check=False, **options)
@@ -228,5 +228,5 @@ def test_the_stage_is_computed_once_and_then_read(extended):
 
 
 def _recipe(store: Path, task: str) -> str:
-    """Manifest of one of the task's artifacts, in which its recipe stands."""
+    """Return the manifest of one of the task's artifacts, which contains its recipe."""
     return next((store / "objects" / task).rglob("manifest.json")).read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The drawing of the graph in the documents shows the stages and the edges that the code has."""
+"""The drawing of the graph in the documents shows the stages and the edges of the code."""
 
 import importlib
 import sys
@@ -13,14 +13,14 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 @pytest.fixture(scope="module")
 def draw_graph():
-    """The script that draws it; scripts of docs/tools import each other by name."""
+    """Return the script that draws it; scripts of docs/tools import each other by name."""
     sys.path.insert(0, str(DOCS / "tools"))
     yield importlib.import_module("draw_graph")
     sys.path.remove(str(DOCS / "tools"))
 
 
 @pytest.mark.parametrize("name", ["graph.svg", "graph_networks.svg"])
-def test_the_drawing_kept_shows_every_stage_and_edge_of_the_code(draw_graph, name):
+def test_the_stored_drawing_shows_every_stage_and_edge_of_the_code(draw_graph, name):
     preset, title = draw_graph.DRAWINGS[name]
     root = ElementTree.parse(DOCS / "images" / name).getroot()
     edges = {tuple(path.get("data-edge").split()) for path in root.iter(f"{SVG}path") if path.get("data-edge")}

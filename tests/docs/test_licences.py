@@ -1,4 +1,4 @@
-"""The documents name the licence of every weights item, and say which are for non-commercial use only."""
+"""The documents name the licence of every weights item, and mark those for non-commercial use only."""
 
 import importlib
 import re
@@ -14,7 +14,7 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
 def row_of(item: str) -> list[str]:
-    """Cells of the row of the table of licences that names the item."""
+    """Return the cells of the row of the table of licences that names the item."""
     section = (DOCS / "models.md").read_text(encoding="utf-8").split("### Licences of weights")[1].split("\n## ")[0]
     (row,) = [line for line in section.splitlines() if f"`{item}`" in line]
     return [cell.strip() for cell in row.strip("|").split("|")]

@@ -1,4 +1,4 @@
-"""The pictures of the documents are small, are all shown, and can be made again."""
+"""The pictures of the documents are small, are all shown, and can be drawn again."""
 
 import importlib
 import sys
@@ -14,14 +14,14 @@ MOST_BYTES = 250_000
 
 @pytest.fixture(scope="module")
 def make_pictures():
-    """The script that makes them."""
+    """Return the script that draws them."""
     sys.path.insert(0, str(ROOT / "docs" / "tools"))
     yield importlib.import_module("make_pictures")
     sys.path.remove(str(ROOT / "docs" / "tools"))
 
 
 @pytest.mark.parametrize("path", IMAGES, ids=lambda path: path.name)
-def test_a_picture_is_small_and_shown_with_words_for_who_cannot_see_it(path):
+def test_a_picture_is_small_and_shown_with_alternative_text(path):
     assert path.stat().st_size < MOST_BYTES
     pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
     shown = [part for page in pages for part in page.read_text(encoding="utf-8").split("![")[1:]]

@@ -1,4 +1,4 @@
-"""The figures on the pages are those of the measurements, and every measurement can be made again."""
+"""The figures on the pages are those of the measurements, and every measurement can be repeated."""
 
 import importlib
 import json
@@ -20,7 +20,7 @@ SCORE = {"P": 90.0, "R": 80.0, "F": 70.0, "J": 60.0}
 
 @dataclass(frozen=True)
 class Tools:
-    """The scripts; scripts of docs/tools import each other by name."""
+    """Scripts of docs/tools, which import each other by name."""
 
     figures: ModuleType
     measurements: ModuleType
@@ -39,7 +39,7 @@ def tools():
 
 @pytest.fixture
 def folder(tmp_path):
-    """Results with a single measurement, of two sequences."""
+    """Return a folder of results with a single measurement, of two sequences."""
     sequences = {"dog": {**SCORE, "J": 50.0}, "cows": {**SCORE, "J": 70.0}}
     rows = [{"variant": "fused", "sequences": sequences, "mean": SCORE}]
     said = {"name": "davis-default", "seconds": 58.3, "result": {"dataset": "davis16", "rows": rows}}
@@ -47,7 +47,7 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_the_pages_say_what_was_measured(tools):
+def test_the_pages_show_the_measured_figures(tools):
     figures = tools.figures.Figures()
     for page in tools.figures.PAGES:
         text = page.read_text(encoding="utf-8")
@@ -105,14 +105,14 @@ def test_a_figure_that_does_not_exist_is_an_error(tools, folder, text):
         tools.figures.written(text, tools.figures.Figures(folder))
 
 
-def test_every_table_stands_on_a_page_once(tools):
+def test_every_table_is_on_a_page_once(tools):
     text = "".join(page.read_text(encoding="utf-8") for page in tools.figures.PAGES)
     assert sorted(re.findall(r"<!--table (\S+)-->", text)) == sorted(tools.tables.TABLES)
 
 
-def test_what_the_page_says_of_the_papers_geometry_follows_from_the_files(tools):
+def test_statements_about_the_papers_geometry_follow_from_the_files(tools):
     def lead(name):
-        """Fu of fused beyond that of the best single view."""
+        """Return the Fu of fused minus that of the best single view."""
         said = json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
         scores = {row["variant"]: row["mean"]["F"] for row in said["result"]["rows"]}
         return scores["fused"] - max(scores[view] for view in ("oc-depth", "oc", "trajs"))
@@ -124,13 +124,13 @@ def test_what_the_page_says_of_the_papers_geometry_follows_from_the_files(tools)
     assert all(lead(name) >= -0.05 for name in (*settings, "synthetic-residual-auto"))
 
 
-def test_no_score_on_the_page_of_results_is_typed(tools):
+def test_no_score_on_the_page_of_results_is_written_by_hand(tools):
     text = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
     text = re.sub(r"<!--table .*?<!--/table-->|<!--=\S+-->.*?<!--/-->|`[^`]+`", "", text, flags=re.DOTALL)
     assert re.findall(r"\d+\.\d+", text) == []
 
 
-def test_every_command_is_one_that_the_command_line_understands(tools):
+def test_every_command_of_a_measurement_is_valid(tools):
     for measurement in tools.measurements.CATALOGUE:
         words = measurement.command.split()
         if words[0] == "moseg":
@@ -142,12 +142,12 @@ def test_every_command_is_one_that_the_command_line_understands(tools):
 @pytest.mark.parametrize(
     "command", ["moseg evaluate", "moseg eval --data-set davis16", "moseg eval --set affinity.ork_treshold=2"]
 )
-def test_a_command_that_is_not_understood_is_noticed(tools, command):
+def test_an_invalid_command_is_noticed(tools, command):
     with pytest.raises((TyperException, InputError)):
         tools.rerun.parameters(tools.measurements.Measurement("wrong", command, None))
 
 
-def test_every_file_is_of_a_measurement_under_its_present_command(tools):
+def test_every_file_belongs_to_a_measurement_with_its_current_command(tools):
     commands = {measurement.name: measurement.command for measurement in tools.measurements.CATALOGUE}
     for path in RESULTS.glob("*.json"):
         said = json.loads(path.read_text(encoding="utf-8"))
@@ -162,7 +162,7 @@ def test_files_name_no_machine(tools):
         assert re.findall(r'["=: ](?:/|~|[A-Z]:\\)[^"]*', path.read_text(encoding="utf-8")) == []
 
 
-def test_the_folders_of_the_data_take_the_place_of_their_words(tools):
+def test_data_folders_replace_their_placeholders(tools):
     (measurement,) = tools.measurements.chosen("davis-default")
     words = tools.rerun.arguments(measurement, {"davis": "/data/DAVIS of mine"})
     assert words[words.index("--root") + 1] == "/data/DAVIS of mine"
@@ -177,7 +177,7 @@ def test_measurements_are_chosen_by_name_and_pattern_in_their_order(tools):
         tools.measurements.chosen("davis-default,davis-defualt")
 
 
-def test_a_rerun_writes_the_file_and_says_what_lacks_its_data(tools, tmp_path, monkeypatch, capsys):
+def test_a_rerun_writes_the_file_and_names_measurements_without_data(tools, tmp_path, monkeypatch, capsys):
     small = tools.measurements.Measurement("small", "moseg eval --sequences static-camera --motions gt", None)
     large = tools.measurements.Measurement("large", "moseg eval --dataset davis16 --root DAVIS", "davis")
     monkeypatch.setattr(tools.rerun, "RESULTS", tmp_path)

@@ -1,4 +1,4 @@
-"""A store that workers filled, reports before they are pages, a browser to see them in, and blows at a step of work."""
+"""Fixtures: a store that workers filled, reports before they are rendered, a browser for pages, and injected faults."""
 
 import json
 import os
@@ -36,7 +36,7 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stab
 
 @pytest.fixture(scope="session")
 def evaluated_by_workers(evaluated, tmp_path_factory):
-    """The squares evaluated by two worker processes; their store is for reading."""
+    """Return the evaluation of the squares by two worker processes; tests only read its store."""
     from moseg.workflows.cli.app import run
 
     folder = tmp_path_factory.mktemp("evaluated-by-workers")
@@ -47,7 +47,7 @@ def evaluated_by_workers(evaluated, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def browser():
-    """Chromium, started once for each module that asks for it."""
+    """Start Chromium, once for each module that uses it."""
     executable = next(filter(None, map(shutil.which, BROWSERS)), None)
     if executable is None:
         pytest.skip(f"no browser: none of {', '.join(BROWSERS)} is on the PATH")
@@ -60,7 +60,7 @@ def browser():
 
 @pytest.fixture
 def new_page(browser):
-    """Opens an empty page in a browser of the options given; it waits for what a busy machine takes long to show."""
+    """Return a function that opens an empty page in a browser with options, with timeouts for a busy machine."""
     contexts = []
 
     def call(**options):
@@ -75,7 +75,7 @@ def new_page(browser):
 
 @pytest.fixture
 def pages(monkeypatch):
-    """The pages that are written, in place of whole files of HTML."""
+    """Return the content of the pages that are written, in place of HTML files."""
     written = []
 
     def render(made):
@@ -88,10 +88,11 @@ def pages(monkeypatch):
 
 @pytest.fixture
 def strike_at(tmp_path) -> Callable[..., tuple[dict[str, str], Path]]:
-    """Environment in which the first process to take a step, so many times, does a deed; and what is there then.
+    """Return a function that gives an environment with an injected fault, and the file that exists after the fault.
 
-    The step is an expression of an audit `event` and its `arguments`, the deed a line of Python. It happens in a worker
-    or in the client, at that step on any machine, as no watch from outside could have it.
+    The first process that reaches a step a given number of times executes a deed. The step is an expression of an audit
+    `event` and its `arguments`, the deed a line of Python. The deed happens in a worker or in the client, at exactly
+    that step on any machine, which no observer outside the process could ensure.
     """
 
     def arm(step: str, deed: str, in_worker: bool, steps: int = 1) -> tuple[dict[str, str], Path]:
@@ -99,7 +100,7 @@ def strike_at(tmp_path) -> Callable[..., tuple[dict[str, str], Path]]:
         folder.mkdir()
         token = folder / "done"
         site = STRIKES.format(step=step, deed=deed, in_worker=in_worker, steps=steps, token=str(token))
-        # Each Python runs what it finds first under this name.
+        # Python runs the first file of this name that it finds.
         (folder / "sitecustomize.py").write_text(site)
         paths = [str(folder), *filter(None, [os.environ.get("PYTHONPATH")])]
         return {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}, token

@@ -1,4 +1,4 @@
-"""What a process keeps of the arrays that it read or wrote, and that no result depends on it."""
+"""The cache of the arrays that a process read or wrote, on which no result depends."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def store(tmp_path):
     return open_store(str(tmp_path / "store"))
 
 
-def test_the_least_recently_used_arrays_give_way(store):
+def test_the_least_recently_used_arrays_are_dropped(store):
     cache = ArrayCache(limit=3 * 800)
     for name in "abc":
         cache.keep(store.url, "flow/1", {name: np.zeros(100)})
@@ -55,7 +55,7 @@ def test_stores_do_not_share_arrays(store, tmp_path):
     assert cache.find(open_store(str(tmp_path / "other")).url, "flow/1", "x") is None
 
 
-def test_what_was_just_computed_is_not_read_back(store, monkeypatch):
+def test_computed_arrays_are_not_read_back_from_the_store(store, monkeypatch):
     made = np.arange(24, dtype=np.uint16).reshape(2, 3, 4)
     task = Task("segmentation", "toy", version=1, run=lambda params, inputs, rng: Output({"labels": made}))
     monkeypatch.setattr("moseg.workflows.engine.execution.find_task", lambda *_: task)
@@ -67,7 +67,7 @@ def test_what_was_just_computed_is_not_read_back(store, monkeypatch):
     assert np.array_equal(view.rows("labels", 1, 2), made[1:])
 
 
-def test_rows_outside_a_kept_array_are_refused_as_by_the_store(store):
+def test_rows_outside_a_kept_array_are_rejected_as_by_the_store(store):
     recipe = Recipe(task="segmentation", version=1)
     _put(store, recipe, {"labels": np.zeros((2, 3, 4), np.uint16)})
     view = ArtifactView(store, recipe.ref)
@@ -76,7 +76,7 @@ def test_rows_outside_a_kept_array_are_refused_as_by_the_store(store):
         view.rows("labels", 1, 3)
 
 
-def test_what_was_dropped_is_kept_no_more():
+def test_dropped_arrays_are_no_longer_kept():
     cache = ArrayCache(limit=10_000)
     cache.keep("store", "flow/1", {"x": np.zeros(1000), "y": np.zeros(100)})
     cache.keep("store", "flow/2", {"x": np.zeros(100)})

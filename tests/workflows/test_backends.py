@@ -1,4 +1,4 @@
-"""The overview of backends lists what there is, and nothing else."""
+"""The overview of backends lists all backends, and nothing else."""
 
 import json
 
@@ -30,7 +30,7 @@ def test_every_method_of_a_stage_with_a_choice_is_listed(stage):
 
 
 @pytest.mark.parametrize("stage", STAGES.values(), ids=lambda stage: stage.name)
-def test_a_stage_computes_itself(stage):
+def test_the_declaration_of_a_stage_is_consistent(stage):
     assert {task.name for task in stage.tasks} == {stage.name}
     assert (stage.method is None) <= (len(stage.tasks) == 1 or stage.name in BY_PLACE)
     assert all((task.run is None) != (task.run_together is None) for task in stage.tasks)
@@ -42,7 +42,7 @@ BY_PLACE = ("score", "object_hypotheses")
 
 
 def _choose(choice, backend):
-    """The configuration in which a backend is chosen and nothing else."""
+    """Return the configuration in which a backend is chosen and nothing else."""
     stage, _, name = choice.parameter.rpartition(".")
     values = {stage: {name: backend.method}} if stage else {}
     return PipelineConfig.model_validate({"proposal_source": "detections", **values})
@@ -64,7 +64,7 @@ def test_every_weights_item_is_taken_by_a_backend_and_every_default_exists():
         assert weights.item(backend.network.default).architecture == backend.network.architecture
 
 
-def test_arrays_that_are_not_those_of_the_stage_are_refused():
+def test_arrays_without_the_layouts_of_the_stage_are_rejected():
     flow = np.zeros((4, 5, 2), np.float32)
     assert axes_of("flow", {"flow": flow}) == {"flow": ("y", "x", "uv")}
     for arrays in ({"flow": flow.astype(float)}, {"flow": flow[0]}, {"flows": flow}, {}):
@@ -72,7 +72,7 @@ def test_arrays_that_are_not_those_of_the_stage_are_refused():
             axes_of("flow", arrays)
 
 
-def test_sizes_are_those_on_disk_where_the_files_are_here(tmp_path):
+def test_sizes_of_present_files_are_those_on_disk(tmp_path):
     weights = open_weights({"MOSEG_WEIGHTS": str(tmp_path)})
     (tmp_path / "pips").mkdir()
     (tmp_path / "pips" / "model.pth").write_bytes(b"12345")
@@ -81,7 +81,7 @@ def test_sizes_are_those_on_disk_where_the_files_are_here(tmp_path):
     assert sizes["raft-small"] == 4_006_189
 
 
-def test_the_overview_tells_the_size_of_own_files(tmp_path, moseg, monkeypatch):
+def test_the_overview_shows_the_size_of_own_files(tmp_path, moseg, monkeypatch):
     monkeypatch.setenv("MOSEG_WEIGHTS", str(tmp_path))
     item = {"name": "own", "architecture": "raft", "files": [{"name": "model.pth"}]}
     (tmp_path / "weights.json").write_text(json.dumps({"items": [item]}))
@@ -91,7 +91,7 @@ def test_the_overview_tells_the_size_of_own_files(tmp_path, moseg, monkeypatch):
     assert " 5 kB " in row and "unknown size" not in row
 
 
-def test_pins_are_named_honestly():
+def test_pins_are_named_by_what_they_verify():
     items = open_weights({"MOSEG_WEIGHTS": "/nowhere"}).items
     assert describe_pin(items["raft-large"]) == "SHA-256"
     assert describe_pin(items["depth-anything-v2-base"]) == "revision"
@@ -99,7 +99,7 @@ def test_pins_are_named_honestly():
     assert describe_pin(items["pips"]) == "first download"
 
 
-def test_the_overview_says_what_is_here_and_how_to_get_the_rest(tmp_path, moseg, monkeypatch):
+def test_the_overview_shows_present_weights_and_how_to_get_the_others(tmp_path, moseg, monkeypatch):
     monkeypatch.setenv("MOSEG_WEIGHTS", str(tmp_path))
     (tmp_path / "raft-large").mkdir()
     (tmp_path / "raft-large" / "model.pth").write_bytes(b"")

@@ -1,4 +1,4 @@
-"""Presets of networks and of geometry: what each sets, and that they do not get in each other's way."""
+"""Presets of networks and of geometry: the parameters that each sets, without overlap."""
 
 import pytest
 
@@ -13,13 +13,13 @@ def test_presets_and_geometries_set_different_stages():
     }
 
 
-def test_nothing_chosen_is_the_default():
+def test_without_a_choice_the_configuration_is_the_default():
     assert PipelineOptions().choices().read() == PipelineConfig()
 
 
 @pytest.mark.parametrize("preset", PRESETS)
 @pytest.mark.parametrize("geometry", GEOMETRIES)
-def test_every_preset_goes_with_every_geometry(preset, geometry):
+def test_every_preset_can_be_combined_with_every_geometry(preset, geometry):
     config = PipelineOptions(preset=preset, geometry=geometry).choices().read()
     assert (config.affinity.method == "ork") == (geometry == "paper")
     assert (config.proposal_source == "detections") == (preset != "weights-free")
@@ -32,7 +32,7 @@ def test_an_option_changes_one_choice_of_a_preset():
     assert changed == {"flow", "pips"}
 
 
-def test_ranks_that_do_not_tell_the_number_of_motions_are_told_of(evaluated_copy, moseg):
+def test_ranks_that_do_not_determine_the_number_of_motions_are_reported(evaluated_copy, moseg):
     ran = moseg(*evaluated_copy.arguments, "--store", evaluated_copy.store, "--geometry", "paper")
     assert ran.code == 0 and "give it by --motions" in ran.out
     ran = moseg(*evaluated_copy.arguments, "--store", evaluated_copy.store, "--geometry", "paper", "--motions", "gt")

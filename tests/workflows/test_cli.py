@@ -1,4 +1,4 @@
-"""The command line: what it prints, what it writes and its exit codes."""
+"""The command line: its output, its files and its exit codes."""
 
 import json
 import re
@@ -19,7 +19,7 @@ SCORES = {"P", "R", "F", "J"}
 
 
 def _tree(folder):
-    """Every file below a folder with its size and time of change."""
+    """Return all files below a folder with their sizes and modification times."""
     return {path: (path.stat().st_size, path.stat().st_mtime_ns) for path in sorted(folder.rglob("*"))}
 
 
@@ -79,7 +79,7 @@ def test_the_report_of_an_evaluation(evaluated):
     assert list(row["sequences"]) == ["squares"]
     assert row["mean"] == row["sequences"]["squares"]
     assert evaluated.report["store"]["computed"] > 0
-    # Two squares that move on their own before a panning backdrop are found.
+    # Both squares, which move on their own over a panning backdrop, are found.
     assert row["mean"]["F"] > 50
 
 
@@ -135,7 +135,7 @@ def test_saved_masks_are_scored_as_they_were_evaluated(evaluated, moseg, tmp_pat
     assert report["rows"][0]["mean"] == pytest.approx(evaluated.report["rows"][0]["mean"])
 
 
-def test_masks_that_are_all_background_move_nothing(squares, moseg, tmp_path, write_image):
+def test_empty_masks_score_as_no_motion(squares, moseg, tmp_path, write_image):
     for number in range(10):
         write_image(tmp_path / "given" / f"{number:05d}.png", np.zeros((96, 128), np.uint8))
     given = ("--proposals", f"folder:{tmp_path / 'given'}", "--store", tmp_path / "store", "--quiet")
@@ -172,7 +172,7 @@ def test_the_store_lists_what_it_shows(evaluated, moseg):
     assert json.loads(by_key.out) == shown
 
 
-def test_why_names_the_field_that_made_a_miss(evaluated_copy, moseg):
+def test_why_names_the_field_that_caused_a_miss(evaluated_copy, moseg):
     store = ("--store", evaluated_copy.store)
     (before,) = moseg("store", "ls", "--task", "clustering", *store).out.split()
     assert "only artifact of its task" in moseg("store", "why", before, *store).out
@@ -183,7 +183,7 @@ def test_why_names_the_field_that_made_a_miss(evaluated_copy, moseg):
     assert "params.num_motions: 3 here, null there" in why
 
 
-def test_verify_finds_damage_and_takes_it_out_of_service(evaluated_copy, moseg):
+def test_verify_finds_and_quarantines_damaged_artifacts(evaluated_copy, moseg):
     store = ("--store", evaluated_copy.store)
     assert moseg("store", "verify", *store).code == 0
     damaged = next((evaluated_copy.store / "objects" / "flow").rglob("c.0*"))
@@ -219,7 +219,7 @@ def test_du_counts_artifacts_and_bytes(evaluated, moseg):
 
 
 @pytest.mark.parametrize("command", ["datasets", "backends"])
-def test_overviews_need_nothing(moseg, command):
+def test_overviews_need_no_data_and_no_store(moseg, command):
     ran = moseg(command)
     assert (ran.code, ran.err) == (0, "")
     assert "synthetic" in ran.out

@@ -13,7 +13,7 @@ def _files(folder):
 
 
 def _assert_bad_input(ran, *words):
-    """Exit code 2 and one line that names what is wrong."""
+    """Check for exit code 2 and one line that names the error."""
     assert ran.code == 2
     (line,) = ran.err.splitlines()
     assert line.startswith("moseg: ")
@@ -67,13 +67,13 @@ def test_bad_use_is_one_line_before_any_work(moseg, arguments, word):
 
 @pytest.fixture
 def frames(squares, tmp_path):
-    """A copy of the frames of the squares, to spoil."""
+    """Return the folder of a copy of the squares' frames, for a test to damage."""
     return Path(shutil.copytree(squares / "squares" / "frames", tmp_path / "spoilt" / "frames"))
 
 
 @pytest.fixture
 def evaluate_spoilt(moseg, frames, squares):
-    """Evaluates the spoilt copy; masks are added unless there are some."""
+    """Return a function that evaluates the damaged copy, after adding masks if there are none."""
 
     def call():
         masks = frames.parent / "masks"
@@ -84,7 +84,7 @@ def evaluate_spoilt(moseg, frames, squares):
     return call
 
 
-def test_no_video_is_not_the_folder_one_stands_in(moseg, frames, monkeypatch):
+def test_an_empty_video_argument_is_not_the_working_folder(moseg, frames, monkeypatch):
     monkeypatch.chdir(frames)
     _assert_bad_input(moseg("segment", ""), "no video named")
 
@@ -117,7 +117,7 @@ def test_a_sequence_without_ground_truth_cannot_be_scored(moseg, frames):
 
 
 @pytest.mark.parametrize("command", ["eval", "ablate"])
-def test_json_that_cannot_be_written_is_said_before_the_work(moseg, squares, tmp_path, command):
+def test_json_that_cannot_be_written_is_reported_before_the_work(moseg, squares, tmp_path, command):
     (tmp_path / "file").touch()
     for target in (tmp_path / "file" / "report.json", tmp_path):
         ran = moseg(command, "--dataset", "folder", "--root", squares, "--json", target)
@@ -125,7 +125,7 @@ def test_json_that_cannot_be_written_is_said_before_the_work(moseg, squares, tmp
     assert not Path(".moseg").exists()
 
 
-def test_a_store_that_is_none(moseg, squares, tmp_path):
+def test_a_path_that_is_no_store(moseg, squares, tmp_path):
     (tmp_path / "file").touch()
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder" / "thesis.tex").touch()
@@ -136,6 +136,6 @@ def test_a_store_that_is_none(moseg, squares, tmp_path):
         assert _files(tmp_path) == before
 
 
-def test_a_key_that_names_nothing_or_too_much(evaluated, moseg):
+def test_an_unknown_or_ambiguous_key(evaluated, moseg):
     _assert_bad_input(moseg("store", "show", "flow/zz", "--store", evaluated.store), "flow/zz")
     _assert_bad_input(moseg("store", "show", "flow/", "--store", evaluated.store), "18")

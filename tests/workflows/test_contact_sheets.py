@@ -1,4 +1,4 @@
-"""`moseg contact-sheet`: one picture a sequence, from the artifacts of an evaluation."""
+"""`moseg contact-sheet`: one picture per sequence, from the artifacts of an evaluation."""
 
 import re
 import shutil
@@ -19,7 +19,7 @@ SECTIONS = ("--section-length", "4", "--set", "sections.overlap=2")
 
 @pytest.fixture
 def sheets(moseg, tmp_path):
-    """Makes contact sheets of data of kind ``folder``; returns what was printed and the pictures by sequence."""
+    """Return a function that makes contact sheets of a ``folder`` data set and returns the output and the pictures."""
 
     def call(root, *options, out=tmp_path / "sheets"):
         data = ("--dataset", "folder", "--root", root, "--store", tmp_path / "store", "--quiet")
@@ -32,7 +32,7 @@ def sheets(moseg, tmp_path):
 
 @pytest.fixture
 def drawn(monkeypatch):
-    """The arguments of every drawing: head line, frames, title of the soft maps, void."""
+    """Return the recorded arguments of every drawing: head line, frames, title of the soft maps, void."""
     calls = []
 
     def draw(head, frames, *more):
@@ -84,7 +84,7 @@ def test_a_second_sheet_is_the_same_and_computes_nothing(squares, sheets):
     np.testing.assert_array_equal(same["squares"], pictures["squares"])
 
 
-def test_a_soft_map_that_is_gone_is_made_again(squares, sheets, tmp_path):
+def test_a_missing_soft_map_is_computed_again(squares, sheets, tmp_path):
     sheets(squares, "--frames", "3")
     store = open_store(str(tmp_path / "store"), create=False)
     for ref in list(store.refs("saliency")):
@@ -168,7 +168,7 @@ def test_without_ground_truth_frames_of_the_whole_video_are_shown_and_no_score(s
         assert [(frame.index, frame.J, frame.truth) for frame in frames] == [(2, None, None), (7, None, None)]
 
 
-def test_only_annotated_frames_are_shown_where_some_are(squares, sheets, drawn, tmp_path):
+def test_only_annotated_frames_are_shown_if_there_are_any(squares, sheets, drawn, tmp_path):
     shutil.copytree(squares, tmp_path / "data")
     for number in {*range(10)} - {4, 6, 9}:
         (tmp_path / "data" / "squares" / "masks" / f"{number:05d}.png").unlink()

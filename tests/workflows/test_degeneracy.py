@@ -21,7 +21,7 @@ def test_invalid_fits_are_counted_by_reason():
     )
     event = degenerate_event(REF, "fundamental", {"valid": VALID, "reason": reason})
     assert (event.ref, event.num_invalid, event.num_fits) == (REF, 3, 4)
-    # A homography where the fit holds is no reason for anything.
+    # A homography with a valid fit is not counted.
     assert event.reasons == {"too-few-points": 2, "collinear": 1}
 
 
@@ -37,5 +37,5 @@ def test_an_artifact_without_invalid_fits_gives_no_event(arrays):
     assert degenerate_event(REF, "flow_model", arrays) is None
 
 
-def test_reasons_are_known_of_the_stage_that_gives_them():
+def test_only_the_stage_that_gives_reasons_has_them():
     assert set(REASONS) == {RANSAC_FIT.name}

@@ -1,4 +1,4 @@
-"""Devices that do not exist are refused, and torch is not loaded before it is needed."""
+"""Devices that do not exist are rejected, and torch is not loaded before it is needed."""
 
 import subprocess
 import sys
@@ -15,7 +15,7 @@ from moseg.workflows.process.resources import pin_threads
 
 @pytest.fixture
 def machine(monkeypatch):
-    """Simulates a number of CUDA devices, and Apple's GPU or none; restores the chosen device."""
+    """Return a function that simulates CUDA devices and Apple's GPU; restore the chosen device afterwards."""
     monkeypatch.setattr(devices, "_chosen", "auto")
 
     def pretend(num_cuda=0, has_mps=False):
@@ -31,13 +31,13 @@ def _run_python(code):
 
 
 @pytest.mark.parametrize("text", ["", "gpu", "CPU", "cuda:", "cuda:x", "cuda:-1", "cpu:0", "auto "])
-def test_a_wrong_name_of_a_device_is_refused(text):
+def test_an_unknown_device_is_rejected(text):
     with pytest.raises(InputError, match=r"unknown device in --device; .* expected auto, cpu, cuda"):
         parse_device(text)
 
 
 @pytest.mark.parametrize(("text", "num_cuda"), [("cuda", 0), ("cuda:0", 0), ("cuda:2", 2), ("mps", 2)])
-def test_a_missing_device_is_refused(machine, text, num_cuda):
+def test_a_missing_device_is_rejected(machine, text, num_cuda):
     machine(num_cuda)
     with pytest.raises(InputError, match=f"no such device in --device; got {text}"):
         set_device(text)
@@ -106,6 +106,6 @@ def test_threads_bind_opencv():
 
 
 @pytest.mark.parametrize("count", [0, -1])
-def test_fewer_than_one_thread_is_refused(count):
+def test_fewer_than_one_thread_is_rejected(count):
     with pytest.raises(InputError, match="--threads"):
         pin_threads(count)

@@ -1,4 +1,4 @@
-"""Events reach the log before they are needed, cost little, and never hide the error that they report."""
+"""Events are in the log before they are needed, are cheap, and never hide the error that they report."""
 
 import os
 import pickle
@@ -25,7 +25,7 @@ REFS = [f"flow/{digit * 64}" for digit in "0123"]
 
 
 class _Store:
-    """A store that keeps appends, or refuses them."""
+    """Store that records appends, or raises an error on them."""
 
     def __init__(self, error=None):
         self.appends = []
@@ -43,7 +43,7 @@ def _refs(lines):
 
 @pytest.fixture
 def clock(monkeypatch):
-    """A clock that stands still until it is moved."""
+    """Return a clock that stands still until a test advances it."""
 
     class Clock:
         now = 0.0
@@ -104,7 +104,7 @@ def test_waiting_lines_are_written_when_the_block_fails():
     assert [_refs(lines) for lines in store.appends] == [[REFS[0]]]
 
 
-def test_a_failed_append_is_raised_and_hides_no_other_error():
+def test_a_failed_append_is_raised_unless_it_would_hide_another_error():
     full = StoreError("cannot write a run's log: no space left")
     with pytest.raises(StoreError, match="a run's log"):
         _log_late(_Store(full))

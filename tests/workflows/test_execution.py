@@ -1,4 +1,4 @@
-"""A package or memory that a task misses on its machine is reported in one line."""
+"""A package or memory that a task lacks on its machine is reported in one line."""
 
 import pytest
 
@@ -10,12 +10,12 @@ from moseg.workflows.stages.task import Task
 
 
 class OutOfMemoryError(RuntimeError):
-    """Named as torch's own."""
+    """Error with the name of torch's own."""
 
 
 @pytest.fixture
 def execute(tmp_path, monkeypatch):
-    """Executes a recipe whose task raises the given error."""
+    """Return a function that executes a recipe whose task raises the given error."""
 
     def call(error):
         def run(params, inputs, rng):
@@ -42,7 +42,7 @@ def test_missing_libraries_of_networks_are_reported_with_a_remedy(execute, monke
 
 
 @pytest.mark.parametrize("fault", [RuntimeError("shape"), ModuleNotFoundError("No module named 'ours'", name="ours")])
-def test_other_faults_stay_faults(execute, fault):
+def test_other_errors_are_raised_unchanged(execute, fault):
     with pytest.raises(type(fault)) as raised:
         execute(fault)
     assert raised.value is fault

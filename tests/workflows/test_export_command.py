@@ -1,4 +1,4 @@
-"""`moseg export`, and what `segment` writes for other programs: files, polite refusals, and the same scores."""
+"""`moseg export`, and the exports of `segment`: their files, their error messages, and equal scores."""
 
 import json
 import shutil
@@ -21,7 +21,7 @@ OPTIONS = ("--variant", "base", "--quiet")
 
 @pytest.fixture(scope="module")
 def squares_out(squares, tmp_path_factory):
-    """The squares segmented, each given mask an object, with everything that `--export` offers, and the store."""
+    """Return the output folder of the squares, segmented from given masks with all exports, and the store."""
     from moseg.workflows.cli.app import run
 
     folder = tmp_path_factory.mktemp("segmented")
@@ -38,7 +38,7 @@ def squares_out(squares, tmp_path_factory):
 
 @pytest.fixture
 def out(squares_out, tmp_path):
-    """A copy of the masks and the summary alone."""
+    """Return a folder with a copy of the masks and the summary only."""
     shutil.copytree(squares_out / "masks", tmp_path / "out" / "masks")
     shutil.copy(squares_out / "motion.json", tmp_path / "out")
     return tmp_path / "out"
@@ -88,7 +88,7 @@ def test_the_store_is_not_needed_and_nothing_else_is_touched(out, moseg, squares
 
 
 @pytest.mark.parametrize("name", ["npz", "davis"])
-def test_exported_masks_are_scored_as_those_that_segment_left(squares_out, squares, moseg, tmp_path, name):
+def test_exported_masks_score_like_those_of_segment(squares_out, squares, moseg, tmp_path, name):
     shutil.copytree(squares_out / "masks", tmp_path / "saved" / "squares" / "masks")
     assert moseg("export", squares_out, "--to", name, "--out", tmp_path / "exported").code == 0
     folders = {"saved": tmp_path / "saved", name: tmp_path / "exported" / (name if name == "davis" else "")}

@@ -1,4 +1,4 @@
-"""Which pixels the flow models of a section read."""
+"""The pixels that the flow models of a section read."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def _put(store, recipe, arrays, attributes=None):
 
 @pytest.fixture
 def fit(tmp_path):
-    """Fits one pair's flow: a background that stands, and an object that moves by (3, 1) px."""
+    """Return a function that fits one pair's flow: a static background, and an object that moves by (3, 1) px."""
     store = open_store(str(tmp_path / "store"))
     masks = np.zeros((1, HEIGHT, WIDTH), np.uint16)
     masks[0, 4:16, 8:24] = 1

@@ -1,4 +1,4 @@
-"""The rate of overlay and summary is the one asked for, else the video's own; by command and by call alike."""
+"""The frame rate of overlay and summary: the given one, else the video's, by command and by call alike."""
 
 import json
 from fractions import Fraction
@@ -17,7 +17,7 @@ OWN = 10
 
 @pytest.fixture(scope="module")
 def videos(tmp_path_factory):
-    """A video of 10 frames per second, and a folder of its frames, which has no rate."""
+    """Return a video of 10 frames per second, and a folder of its frames, which has no frame rate."""
     root = tmp_path_factory.mktemp("videos")
     backdrop = cv2.GaussianBlur(np.random.default_rng(0).integers(0, 256, (48, 80, 3)).astype(np.uint8), (0, 0), 1.2)
     frames = [backdrop[:, number : number + 64] for number in range(4)]
@@ -35,7 +35,7 @@ def store(tmp_path_factory):
 
 @pytest.fixture
 def by_command(moseg, store):
-    """Segments by `moseg segment`."""
+    """Return a function that segments by `moseg segment`."""
 
     def call(video, out, fps):
         asked = () if fps is None else ("--fps", fps)
@@ -47,7 +47,7 @@ def by_command(moseg, store):
 
 @pytest.fixture
 def by_call(store):
-    """Segments by `moseg.segment_video`."""
+    """Return a function that segments by `moseg.segment_video`."""
 
     def call(video, out, fps):
         result = python.segment_video(video, quality="fast", store=store, fps=fps, progress=False)
@@ -66,6 +66,6 @@ def _rates(out):
     ("kind", "asked", "expected"),
     [("video", None, OWN), ("video", 30, 30), ("folder", None, 24), ("folder", 30, 30), ("video", 12.5, 12.5)],
 )
-def test_the_rate_asked_for_wins_over_the_video_s_own(request, videos, tmp_path, way, kind, asked, expected):
+def test_the_given_frame_rate_overrides_that_of_the_video(request, videos, tmp_path, way, kind, asked, expected):
     request.getfixturevalue(way)(videos[kind], tmp_path / "out", asked)
     assert _rates(tmp_path / "out") == (Fraction(expected), expected)

@@ -1,4 +1,4 @@
-"""The fused decision is right where each single view fails: the claim that the method stands on."""
+"""The fused decision is right where each single view fails, as the method claims."""
 
 import json
 

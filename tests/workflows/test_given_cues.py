@@ -1,4 +1,4 @@
-"""Flow and point tracks from folders take the place of what would be estimated."""
+"""Flow and point tracks from folders replace the estimated ones."""
 
 import shutil
 from itertools import pairwise
@@ -26,7 +26,7 @@ def frames(squares):
 
 @pytest.fixture(scope="module")
 def estimated(frames):
-    """Flow that the pipeline itself estimates, forward and backward, float32 (pair, y, x, 2)."""
+    """Return the flow that the pipeline estimates, forward and backward, float32 (pair, y, x, 2)."""
     images = [np.asarray(Image.open(path)) for path in sorted(frames.iterdir())]
     pairs = list(pairwise(images))
     return {
@@ -58,7 +58,7 @@ def _write_flow(folder, flows, save=_save_npy):
 
 @pytest.fixture
 def flow_folder(tmp_path, estimated):
-    """Writes the estimated flow of the directions asked for; returns the folder."""
+    """Return a function that writes the estimated flow of given directions and returns the folder."""
 
     def write(*directions, save=_save_npy):
         for direction in directions:
@@ -69,7 +69,7 @@ def flow_folder(tmp_path, estimated):
 
 
 def _tracks(masks):
-    """Exact tracks of a grid of points of the first frame."""
+    """Return exact tracks of a grid of points of the first frame."""
     y, x = (grid.ravel() for grid in np.mgrid[4:HEIGHT:4, 4:WIDTH:4])
     step = np.array([STEPS[label] for label in masks[0, y, x]])
     points = np.stack([x, y], axis=-1)[:, None] + step[:, None] * np.arange(NUM_FRAMES)[:, None]
@@ -82,7 +82,7 @@ def _tracks(masks):
 
 @pytest.fixture(scope="module")
 def truth(squares):
-    """Labels of the two squares, uint8 (frame, y, x)."""
+    """Return the labels of the two squares, uint8 (frame, y, x)."""
     return np.stack([np.asarray(Image.open(path)) for path in sorted((squares / "squares" / "masks").iterdir())])
 
 
@@ -95,7 +95,7 @@ def track_file(tmp_path, truth):
 
 @pytest.fixture
 def segment(frames, moseg, tmp_path):
-    """Segments the squares; returns the masks written, and what the command printed."""
+    """Return a function that segments the squares and returns the masks and the command's output."""
 
     def call(*options, store="store"):
         files = ("--store", tmp_path / store, "--out", tmp_path / "out", "--quiet")
@@ -108,7 +108,7 @@ def segment(frames, moseg, tmp_path):
 
 @pytest.fixture
 def refused(frames, moseg, tmp_path):
-    """Runs a segmentation that ends with one line; returns it."""
+    """Return a function that runs a segmentation with bad input and returns its error message."""
 
     def call(*options):
         ran = moseg("segment", frames, *options, "--store", tmp_path / "store", "--out", tmp_path / "out", *SECTIONS)
@@ -125,7 +125,7 @@ def _stages(folder):
 
 
 @pytest.mark.parametrize("save", [_save_npy, _save_flo])
-def test_flow_from_files_gives_what_the_same_flow_gives_that_was_estimated(segment, flow_folder, tmp_path, save):
+def test_flow_from_files_gives_the_result_of_the_same_estimated_flow(segment, flow_folder, tmp_path, save):
     expected, _ = segment(store="estimated")
     found, _ = segment("--flow", f"folder:{flow_folder(FORWARD, BACKWARD, save=save)}")
     assert expected.any()
@@ -152,7 +152,7 @@ def test_flow_that_was_read_once_is_not_read_again_and_a_changed_file_is(segment
 
 def test_invalid_pixels_of_kitti_do_not_count_as_at_rest(segment, squares, tmp_path, estimated, truth):
     def save(path, flow):
-        # All but a seventh of the pixels, as sparse as laser scans leave it.
+        # One pixel in seven is valid, as sparse as in laser scans.
         valid = np.arange(HEIGHT * WIDTH).reshape(HEIGHT, WIDTH) % 7 == 0
         _save_kitti(path, flow * valid[..., None], valid)
 
@@ -162,7 +162,7 @@ def test_invalid_pixels_of_kitti_do_not_count_as_at_rest(segment, squares, tmp_p
     np.testing.assert_array_equal(found, truth)
 
 
-def test_saliency_sees_no_motion_in_the_gaps_of_the_flow(segment, tmp_path, estimated):
+def test_flow_with_gaps_finds_the_objects_of_the_whole_flow(segment, tmp_path, estimated):
     def save(path, flow):
         valid = np.indices(flow.shape[:2]).sum(axis=0) % 2
         _save_kitti(path, flow * valid[..., None], valid)
@@ -176,7 +176,7 @@ def test_saliency_sees_no_motion_in_the_gaps_of_the_flow(segment, tmp_path, esti
     assert both > 0.8 * either
 
 
-def test_reduced_frames_take_flow_of_their_own_and_of_the_original_size(segment, squares, tmp_path, estimated):
+def test_reduced_frames_accept_flow_of_their_own_and_of_the_original_size(segment, squares, tmp_path, estimated):
     masks = ("--proposals", f"folder:{squares / 'squares' / 'masks'}", "--set", "max_side=64")
     _write_flow(tmp_path / "whole", estimated[FORWARD])
     halves = [cv2.resize(flow, (64, 48), interpolation=cv2.INTER_AREA) / 2 for flow in estimated[FORWARD]]
@@ -187,7 +187,7 @@ def test_reduced_frames_take_flow_of_their_own_and_of_the_original_size(segment,
     np.testing.assert_array_equal(whole, half)
 
 
-def test_tracks_from_a_file_tell_what_moves(segment, squares, track_file, truth, tmp_path):
+def test_tracks_from_a_file_find_the_moving_objects(segment, squares, track_file, truth, tmp_path):
     masks = ("--proposals", f"folder:{squares / 'squares' / 'masks'}", "--variant", "trajs", "--motions", "3")
     found, _ = segment("--tracks", f"folder:{track_file}", *masks)
     np.testing.assert_array_equal(found, truth)

@@ -1,4 +1,4 @@
-"""Masks that are given keep their own ids, 255 beside ids is void, and a frame without a mask shows no object."""
+"""Given masks keep their own ids, 255 beside ids is void, and a frame without a mask has no object."""
 
 import json
 import shutil
@@ -17,7 +17,7 @@ NUM_FRAMES = 10
 
 @pytest.fixture
 def given(squares, write_image, tmp_path):
-    """Writes masks of the two squares as 3 and 9 with a patch of 255, of some frames; returns folder and labels."""
+    """Return a function that writes masks of some frames, with ids 3 and 9 and a patch of 255, and their labels."""
 
     def write(folder=tmp_path / "given", numbers=range(NUM_FRAMES), ids=(0, 3, 9)):
         labels = np.zeros((NUM_FRAMES, 96, 128), np.uint8)
@@ -35,7 +35,7 @@ def given(squares, write_image, tmp_path):
 
 @pytest.fixture
 def segment(squares, moseg, tmp_path):
-    """Segments the squares with masks of a folder; returns the masks written and `motion.json`."""
+    """Return a function that segments the squares with masks of a folder and returns masks and `motion.json`."""
 
     def call(folder, *more):
         options = ("--proposals", f"folder:{folder}", "--store", tmp_path / "store", "--out", tmp_path / "out")
@@ -48,13 +48,13 @@ def segment(squares, moseg, tmp_path):
 
 
 def _identities(store):
-    """Ids of the given objects of every section."""
+    """Return the ids of the given objects of every section."""
     store = open_store(str(store), create=False)
     return [store.attributes(ref)["identities"] for ref in store.refs("proposals")]
 
 
 @pytest.mark.parametrize("variant", ["base", "fused"])
-def test_masks_and_summary_name_the_objects_as_the_user_does(given, segment, variant):
+def test_masks_and_summary_keep_the_ids_of_the_given_objects(given, segment, variant):
     folder, labels = given()
     masks, motion = segment(folder, "--variant", variant)
     np.testing.assert_array_equal(masks, labels)
@@ -62,7 +62,7 @@ def test_masks_and_summary_name_the_objects_as_the_user_does(given, segment, var
     assert [entry["num_frames"] for entry in motion["objects"]] == [NUM_FRAMES, NUM_FRAMES]
 
 
-def test_a_static_object_leaves_its_number_to_nobody(given, segment):
+def test_the_id_of_a_static_object_is_not_reused(given, segment):
     folder, labels = given()
     masks, motion = segment(folder, "--motions", "1")
     assert not masks.any()

@@ -1,4 +1,4 @@
-"""What stands in the recipes of a sequence's graph, and so what an option recomputes."""
+"""The recipes of a sequence's graph, and thus the artifacts that an option recomputes."""
 
 import pytest
 
@@ -48,7 +48,7 @@ LEAVES = SequenceLeaves(
 
 
 def _config(**changes):
-    """A configuration with sections of four frames; changes are given as ``stage__name=value``."""
+    """Return a configuration with sections of four frames; changes are given as ``stage__name=value``."""
     values = {"sections": {"length": 4, "overlap": 1}, "fundamental": {"gap": 2}}
     for name, value in changes.items():
         stage, _, field = name.partition("__")
@@ -101,12 +101,12 @@ def _tasks(refs):
         ({"max_side": 640}, set()),
     ],
 )
-def test_an_option_moves_the_keys_of_what_reads_it_and_no_others(changes, moved):
+def test_an_option_changes_the_keys_of_the_stages_that_read_it_and_no_others(changes, moved):
     before, after = _recipes(), _recipes(**changes)
     assert _tasks(after.keys() - before.keys()) == moved
 
 
-def test_the_threshold_of_ork_moves_ork():
+def test_the_threshold_of_ork_changes_the_keys_of_ork():
     before, after = _recipes(affinity__method="ork"), _recipes(affinity__method="ork", affinity__ork_threshold=5)
     assert _tasks(after.keys() - before.keys()) == {"affinity"} | END
 
@@ -131,7 +131,7 @@ def test_without_depth_the_flow_models_differ_only_in_name():
     assert _tasks(_recipes(Variant.OC_DEPTH).keys() - _recipes(Variant.OC).keys()) == FLOW_MODEL | {"affinity"} | END
 
 
-def test_depth_is_read_by_the_model_that_has_it():
+def test_only_flow_models_with_depth_read_depth():
     with_depth = _recipes(Variant.OC, depth__method="groundtruth")
     assert with_depth == _recipes(Variant.OC)
     inputs = {
@@ -147,14 +147,14 @@ def test_the_name_of_a_sequence_is_in_no_key():
     assert _recipes(leaves=LEAVES._replace(name="other")) == _recipes()
 
 
-def test_more_frames_reuse_what_does_not_look_ahead_to_them():
+def test_more_frames_reuse_every_node_that_does_not_read_them():
     short = _recipes(leaves=LEAVES._replace(frames=LEAVES.frames[:8]))
     reused = {ref.partition("/")[0] for ref in short.keys() & _recipes().keys()}
     assert {"flow", "saliency", "consistency", "accumulation"} <= reused
 
 
 def _backgrounds(num_frames, **saliency):
-    """Reference of each frame's background, and the recipes."""
+    """Return the reference of each frame's background, and the recipes."""
     graph = SequenceGraph(
         LEAVES._replace(frames=_refs("frame", num_frames)),
         _config(**{f"saliency__{name}": value for name, value in saliency.items()}),
@@ -162,14 +162,14 @@ def _backgrounds(num_frames, **saliency):
     return [graph.frame_cues.background(frame) for frame in range(num_frames)], graph.recipes
 
 
-def test_frames_in_a_row_share_a_background_and_a_short_rest_joins_them():
+def test_consecutive_frames_share_a_background_and_a_short_last_run_joins_the_one_before():
     backgrounds, recipes = _backgrounds(27, selection_length=10, selection_step=4)
     assert [backgrounds.index(ref) for ref in backgrounds] == [0] * 10 + [10] * 10 + [20] * 7
     assert [len(recipes[backgrounds[frame]].inputs["flows"]) for frame in (0, 10, 20)] == [3, 3, 2]
     assert len(set(_backgrounds(24, selection_length=10)[0])) == 2
 
 
-def test_more_frames_leave_the_backgrounds_before_them():
+def test_more_frames_do_not_change_the_backgrounds_before_them():
     short, _ = _backgrounds(26, selection_length=10, selection_step=4)
     assert _backgrounds(40, selection_length=10, selection_step=4)[0][:20] == short[:20]
 
@@ -211,7 +211,7 @@ def test_given_cues_are_not_estimated():
         ({"tracks": None}, {"tracks__method": "groundtruth"}),
     ],
 )
-def test_what_the_data_set_does_not_give_is_said_with_the_sequence(missing, changes):
+def test_an_error_about_a_missing_cue_names_the_sequence(missing, changes):
     with pytest.raises(InputError, match="sequence toy"):
         _recipes(leaves=LEAVES._replace(**missing), **changes)
 
@@ -222,7 +222,7 @@ def test_two_frames_are_enough():
 
 
 def test_keys_are_golden():
-    """They move when a recipe's wording, a default or a version does: then every store computes these nodes anew."""
+    """Keys change with the content of a recipe, a default or a version; every store then computes the nodes anew."""
     graph = SequenceGraph(LEAVES, _config())
     found = {variant.value: graph.score(variant).partition("/")[2][:16] for variant in Variant}
     found["flow"] = graph.frame_cues.flow(0, 1).partition("/")[2][:16]

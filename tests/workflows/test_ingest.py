@@ -1,4 +1,4 @@
-"""Leaves are named by what files decode to; what was decoded is remembered by the files' bytes."""
+"""Leaves have the key of their decoded content, and ingest artifacts that of the files' bytes."""
 
 import os
 import shutil
@@ -21,7 +21,7 @@ def folder(write_squares, tmp_path):
 
 @pytest.fixture
 def ingest(tmp_path):
-    """Ingests sources of one kind into the test's store; returns their attributes and how many had to be decoded."""
+    """Return a function that ingests sources of one kind and returns their attributes and the number decoded."""
 
     def call(kind, *sources):
         session = Session(open_store(str(tmp_path / "store")), SynchronousRunner(), quiet=True)
@@ -67,7 +67,7 @@ def test_equal_pixels_in_other_files_are_the_same_leaves(folder, ingest, write_i
     assert num_decoded == 1
 
 
-def test_another_time_of_change_is_not_another_file(folder, ingest):
+def test_another_modification_time_is_not_another_file(folder, ingest):
     ingest("frame", _frames(folder / "frames"))
     for path in (folder / "frames").iterdir():
         os.utime(path, (0, 0))
@@ -93,14 +93,14 @@ def test_another_size_of_analysis_is_another_leaf(folder, ingest):
     assert not set(small["leaves"]) & set(full["leaves"])
 
 
-def test_leaves_do_not_depend_on_how_the_frames_are_dealt_out(folder, ingest):
+def test_leaves_do_not_depend_on_how_frames_are_split_into_calls(folder, ingest):
     source = _frames(folder / "frames")
     whole, _ = ingest("frame", source)
     parts, _ = ingest("frame", *source.chunks(2))
     assert [leaf for part in parts for leaf in part["leaves"]] == whole[0]["leaves"]
 
 
-def test_a_vanished_leaf_is_ingested_anew(folder, ingest, tmp_path):
+def test_a_missing_leaf_is_ingested_again(folder, ingest, tmp_path):
     source = _frames(folder / "frames")
     (before,), _ = ingest("frame", source)
     store = _store(tmp_path)

@@ -21,7 +21,7 @@ MEASURES = ("P", "R", "F", "J", "J_objects")
 
 
 class Clip(NamedTuple):
-    """A root with images and trajectories, another with images and masks, and what was rendered."""
+    """Root with images and trajectories, another root with images and masks, and the rendered scene."""
 
     points_root: Path
     masks_root: Path
@@ -42,14 +42,14 @@ def clip(tmp_path_factory, write_image) -> Clip:
 
 
 def _write_tracks(path, scene):
-    """The scene's exact tracks; KT3DMoSeg's label 1 is the background."""
+    """Write the scene's exact tracks; label 1 of KT3DMoSeg is the background."""
     x, y = np.floor(scene.points + 0.5).astype(int).transpose(2, 0, 1)
     track, frame = np.nonzero(scene.visible)
     under = np.zeros(scene.visible.shape, int)
     under[track, frame] = scene.moving[frame, y[track, frame], x[track, frame]]
-    # At its first sight a point is the centre of a pixel within its object.
+    # In its first frame a point is the centre of a pixel within its object.
     labels = under[np.arange(len(under)), scene.visible.argmax(axis=1)]
-    # On an outline a point may lie in a pixel whose centre shows what is behind it.
+    # A point on an outline may lie in a pixel whose centre shows the surface behind the object.
     visible = scene.visible & (under == labels[:, None])
     assert np.count_nonzero(visible) > 0.99 * np.count_nonzero(scene.visible)
     homogeneous = np.concatenate([scene.points, np.ones((*visible.shape, 1))], axis=-1)
@@ -66,7 +66,7 @@ def _write_predictions(folder, masks, write_image):
 
 @pytest.fixture
 def score(moseg, write_image, tmp_path):
-    """Scores masks (frame, y, x) against a root; returns the report and what was printed."""
+    """Return a function that scores masks (frame, y, x) against a root and returns the report and the output."""
 
     def call(root, masks):
         folder = _write_predictions(tmp_path / "saved", masks, write_image)
@@ -80,7 +80,7 @@ def score(moseg, write_image, tmp_path):
 
 @pytest.fixture
 def run(moseg, tmp_path):
-    """Runs a command on the clip with given masks as the objects that move; returns what it printed."""
+    """Return a function that runs a command on the clip with given masks of its moving objects."""
 
     def call(command, root, proposals, *options):
         data = ("--dataset", "kt3dinsmoseg", "--root", root, "--sequences", CLIP, "--store", tmp_path / "store")
@@ -98,7 +98,7 @@ def _only(report):
     return row["mean"]
 
 
-def test_a_perfect_prediction_scores_a_hundred_and_the_report_says_over_what(clip, score):
+def test_a_perfect_prediction_scores_a_hundred_and_the_report_counts_the_scored_points(clip, score):
     report, out = score(clip.points_root, clip.scene.moving)
     assert _only(report) == dict.fromkeys(MEASURES, 100)
     assert (report["dataset"], report["over"]) == ("kt3dinsmoseg", "points")
@@ -115,7 +115,7 @@ def test_nothing_predicted_scores_nothing(clip, score):
 
 
 def test_points_score_a_good_prediction_nearly_as_masks_do(clip, score):
-    # A fifth of each object's height is missing: an error by area, not along outlines, where tracks are rare.
+    # A fifth of each object's height is missing: an error of area, not along outlines, where tracks are rare.
     predicted = clip.scene.moving.copy()
     for frame, moving in enumerate(clip.scene.moving):
         for label in np.unique(moving)[1:]:
@@ -128,7 +128,7 @@ def test_points_score_a_good_prediction_nearly_as_masks_do(clip, score):
     assert {name: over_points[name] for name in MEASURES} == pytest.approx({m: dense[m] for m in MEASURES}, abs=4)
 
 
-def test_a_missed_and_a_false_object_are_told_by_the_points_on_them(clip, score):
+def test_missed_and_false_objects_are_scored_at_the_points_on_them(clip, score):
     moving, objects = clip.scene.moving, clip.scene.objects
     missed, found = (label for label in np.unique(moving) if label)
     static = next(label for label in np.unique(objects) if label not in (0, missed, found))
@@ -152,7 +152,7 @@ def test_an_evaluation_scores_at_the_points_as_saved_masks_do(clip, run, tmp_pat
     assert re.search(r"^0 artifacts to compute", run("plan", clip.points_root, given, *options), re.MULTILINE)
 
 
-def test_the_pipeline_finds_what_moves_in_the_clip_with_the_labelled_number_of_motions(clip, moseg, tmp_path):
+def test_the_pipeline_finds_the_moving_objects_with_the_labelled_number_of_motions(clip, moseg, tmp_path):
     data = ("--dataset", "kt3dinsmoseg", "--root", clip.points_root, "--sequences", CLIP)
     options = ("--motions", "gt", "--variant", "base", "--variant", "fused", "--json", tmp_path / "report.json")
     assert moseg("eval", *data, *options, "--store", tmp_path / "store", "--quiet").code == 0

@@ -6,7 +6,7 @@ from moseg.workflows.cluster.runners import Call, SynchronousRunner
 
 
 def _peak(num_calls):
-    """Bytes at most of a run of calls that each wait for the one before."""
+    """Return the peak memory in bytes of a run of calls that each wait for the one before."""
     calls = [Call(f"call-{i}", _nothing, (), (f"call-{i - 1}",) if i else ()) for i in range(num_calls)]
     tracemalloc.start()
     try:

@@ -1,4 +1,4 @@
-"""A store that vanishes is reported in one line, and no other is created in its place."""
+"""A store that is removed is reported in one line, and no other is created in its place."""
 
 import shutil
 
@@ -29,7 +29,7 @@ def _ingest(url):
 
 @pytest.mark.parametrize("work", [_execute, _ingest])
 @pytest.mark.parametrize("scheme", ["", "file://"])
-def test_no_work_of_a_worker_creates_a_store(tmp_path, work, scheme):
+def test_no_task_of_a_worker_creates_a_store(tmp_path, work, scheme):
     with pytest.raises(MissingStoreError, match=r"no artifact store in .*gone"):
         work(f"{scheme}{tmp_path / 'gone'}")
     assert list(tmp_path.iterdir()) == []
@@ -46,7 +46,7 @@ def test_no_work_of_a_worker_creates_a_store(tmp_path, work, scheme):
     ],
     ids=["put", "append_log", "quarantine", "pin", "remove"],
 )
-def test_an_open_store_that_vanished_is_not_created_anew(tmp_path, use):
+def test_an_open_store_that_was_removed_is_not_created_again(tmp_path, use):
     store = open_store(str(tmp_path / "store"))
     shutil.rmtree(tmp_path / "store")
     with pytest.raises(StoreError, match=str(tmp_path / "store")):
@@ -54,7 +54,7 @@ def test_an_open_store_that_vanished_is_not_created_anew(tmp_path, use):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_store_that_vanishes_during_a_task_is_not_created_anew(tmp_path, monkeypatch):
+def test_a_store_that_is_removed_during_a_task_is_not_created_again(tmp_path, monkeypatch):
     def run(params, inputs, rng):
         shutil.rmtree(tmp_path / "store")
         raise RuntimeError("nothing left to read")
@@ -69,8 +69,8 @@ def test_a_store_that_vanishes_during_a_task_is_not_created_anew(tmp_path, monke
 
 
 @pytest.mark.parametrize("workers", [0, 1])
-def test_a_run_whose_store_vanishes_ends_with_one_line(squares, moseg, tmp_path, monkeypatch, workers):
-    # The last step of the client before the work begins.
+def test_a_run_whose_store_is_removed_ends_with_one_line(squares, moseg, tmp_path, monkeypatch, workers):
+    # The last step of the client before the tasks start.
     monkeypatch.setattr(RunLog, "announce", lambda self: shutil.rmtree(tmp_path / "store"))
     options = ("--store", tmp_path / "store", "--out", tmp_path / "out", "--workers", workers, "--quiet")
     ran = moseg("segment", squares / "squares" / "frames", *options)

@@ -1,4 +1,4 @@
-"""A process keeps the memory that arrays have freed."""
+"""A process reuses the memory that arrays have freed."""
 
 import os
 import platform

@@ -1,4 +1,4 @@
-"""What the recipe of a clustering reads where the number of motions is to be found."""
+"""The inputs and parameters of a clustering's recipe if the number of motions is to be found."""
 
 import pytest
 
@@ -16,13 +16,13 @@ def _clustering(**clustering):
 
 
 @pytest.mark.parametrize("auto", READ_TRACKS)
-def test_tracks_are_read_by_the_ways_to_count_that_need_them(auto):
+def test_tracks_are_inputs_of_the_counting_methods_that_read_them(auto):
     assert {"tracks", "linking"} <= set(_clustering(auto=auto).inputs)
     assert set(_clustering(auto=auto, motions="gt").inputs) == {"affinities"}
 
 
 @pytest.mark.parametrize("auto", ["threshold", "eigengap", "confidences"])
-def test_no_other_way_to_count_waits_for_tracks(auto):
+def test_no_other_counting_method_has_tracks_as_inputs(auto):
     assert set(_clustering(auto=auto).inputs) == {"affinities"}
 
 
@@ -32,7 +32,7 @@ def test_only_the_parameters_that_are_read_are_part_of_the_recipe(auto):
     assert "count" not in _clustering(auto=auto, motions=3).params["clustering"]
 
 
-def test_what_is_not_read_changes_nothing():
+def test_parameters_that_are_not_read_change_no_key():
     assert _clustering() == _clustering(count={"gap": 1})
     unread = {"motion_price": 0.5, "least_silhouette": 0.1}
     assert _clustering(auto="description_length") == _clustering(auto="description_length", count=unread)

@@ -1,4 +1,4 @@
-"""The graph of pipelines with networks: which weights and parameters stand in which keys."""
+"""The graph of pipelines with networks: the weights and parameters that each key depends on."""
 
 import pytest
 
@@ -34,7 +34,7 @@ def _config(preset, **changes):
 
 
 def _graph(config, num_frames=9, changed=None):
-    """The fused variant's graph; the weights of the item `changed` are others."""
+    """Return the fused variant's graph, in which the item `changed` has other weights."""
     weights = {name: _ref("weights", name + "*" * (name == changed)) for name in needed_items(config)}
     frames = tuple(_ref("frame", str(number)) for number in range(num_frames))
     graph = SequenceGraph(SequenceLeaves("toy", (48, 64), frames, weights=weights), config)
@@ -57,7 +57,7 @@ def _tasks(refs):
         ("tracks", BEHIND_TRACKS),
     ],
 )
-def test_other_weights_recompute_their_stage_and_what_lies_behind_it(preset, stage, moved):
+def test_other_weights_recompute_their_stage_and_those_downstream(preset, stage, moved):
     config = _config(preset)
     before = _graph(config)
     read = [recipe.inputs["weights"] for recipe in before.recipes.values() if recipe.task == stage]
@@ -66,12 +66,12 @@ def test_other_weights_recompute_their_stage_and_what_lies_behind_it(preset, sta
     assert _tasks(after.recipes.keys() - before.recipes.keys()) == moved
 
 
-def test_weights_of_the_trackers_and_masks_move_them_alone():
+def test_weights_of_trackers_and_masks_change_only_the_keys_of_their_stages():
     config = _config("paper")
     before = _graph(config)
     for item, first in (("sam-hq-vit-large", "instances"), (config.deaot.weights, "proposals")):
         moved = {*FIRST_FRAME[FIRST_FRAME.index(first) :]} | AFTER_PROPOSALS | GROUPS
-        # A section is seeded with what was tracked through the one before.
+        # A section starts from the objects that were tracked through the one before.
         assert _tasks(_graph(config, changed=item).recipes.keys() - before.recipes.keys()) == moved | {"seeds"}
 
 
@@ -90,12 +90,12 @@ def test_weights_of_the_trackers_and_masks_move_them_alone():
         ({"instances__max_area": 0.5}, {"instances", "seeds", "proposals"} | AFTER_PROPOSALS | GROUPS),
     ],
 )
-def test_a_network_s_parameters_move_what_it_makes_and_no_others(change, moved):
+def test_parameters_of_a_network_change_the_keys_of_its_results_and_no_others(change, moved):
     before, after = _graph(_config("paper")), _graph(_config("paper", **change))
     assert _tasks(after.recipes.keys() - before.recipes.keys()) == moved
 
 
-def test_named_tags_are_looked_for_and_nothing_is_tagged():
+def test_with_given_tags_no_frame_is_tagged():
     graph = _graph(_config("paper", detections__tags="car, person"))
     tasks = [recipe.task for recipe in graph.recipes.values()]
     assert "tags" not in tasks and "ram" not in graph.leaves.weights
@@ -141,7 +141,7 @@ def test_presets_read_the_weights_of_their_networks_only():
         assert read == set(graph.leaves.weights.values())
 
 
-def test_any_mix_of_backends_makes_a_graph():
+def test_any_combination_of_backends_makes_a_graph():
     for depth in ("none", "dpt-dinov2", "depth-anything-v2"):
         for tracks in ("lucas-kanade", "pips"):
             for source in ("saliency", "detections"):
@@ -150,7 +150,7 @@ def test_any_mix_of_backends_makes_a_graph():
 
 
 def test_keys_are_golden():
-    """They move when a recipe's wording, a default or a version does: then every store computes these nodes anew."""
+    """Keys change with the content of a recipe, a default or a version; every store then computes the nodes anew."""
     found = {}
     for preset in ("paper", "modern"):
         (*_, last) = _graph(_config(preset)).segmentations(Variant.FUSED)
@@ -158,7 +158,7 @@ def test_keys_are_golden():
     assert found == GOLDEN
 
 
-def test_sam2_reads_for_boxes_and_for_tracking_what_it_needs_for_each():
+def test_sam2_reads_only_its_parameters_for_boxes_or_for_tracking():
     before = _graph(_config("modern"))
     moved = {
         name: _tasks(_graph(_config("modern", **{f"sam2__{name}": 3})).recipes.keys() - before.recipes.keys())

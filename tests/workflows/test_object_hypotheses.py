@@ -1,4 +1,4 @@
-"""Many hypotheses in the graph of a video: what they recompute, and what they see that residual size does not."""
+"""Many hypotheses in the graph of a video: their keys, and motions that the size of residuals misses."""
 
 import json
 
@@ -73,14 +73,14 @@ def test_hypotheses_need_no_fit_to_an_object_and_both_together_share_each():
         ({"noise_floor": 0.2}, Variant.TRAJS, set()),
     ],
 )
-def test_a_parameter_moves_the_keys_of_what_reads_it(changes, variant, moved):
+def test_a_parameter_changes_the_keys_of_the_stages_that_read_it(changes, variant, moved):
     before, after = _recipes("hypotheses", variant), _recipes("hypotheses", variant, **changes)
     assert _tasks(after.keys() - before.keys()) == moved
 
 
 @pytest.fixture
 def residuals(tmp_path):
-    """Residuals of a frame pair whose background pans by (1, 0) px while object 1 moves by (0, 2) px."""
+    """Return residuals of a frame pair whose background pans by (1, 0) px while object 1 moves by (0, 2) px."""
     store = open_store(str(tmp_path / "store"))
     masks = np.zeros((2, 64, 96), np.uint16)
     masks[:, 16:48, 32:64] = 1
@@ -134,7 +134,7 @@ def residuals(tmp_path):
 
 
 @pytest.mark.parametrize(("task", "num_models"), [(FLOW_PATCHES, 1), (TRACK_SAMPLES, 2)])
-def test_the_cells_of_the_background_are_explained_together_and_the_mover_is_not(residuals, task, num_models):
+def test_one_hypothesis_explains_the_cells_of_the_background_but_not_the_moving_object(residuals, task, num_models):
     found = residuals(task)
     assert found.shape == (1, num_models, 40, 2 + 4)
     assert found.dtype == np.float32
@@ -144,7 +144,7 @@ def test_the_cells_of_the_background_are_explained_together_and_the_mover_is_not
     assert of_background[:, 1].min() > 0.5
 
 
-def test_many_hypotheses_find_the_mover_that_fits_to_each_object_lose(tmp_path):
+def test_many_hypotheses_find_the_moving_object_that_fits_to_each_object_miss(tmp_path):
     """Trajectories alone, the number of motions not given: fitted to few tracks of one object, a fundamental matrix
     explains too much."""
     scores = {}

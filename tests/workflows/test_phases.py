@@ -1,4 +1,4 @@
-"""A plan is cut so that every network is loaded once, and frames go through it together."""
+"""A plan is divided so that every network is loaded once and computes several frames in a call."""
 
 from moseg.schemas.recipes import Recipe
 from moseg.workflows.engine.calls import batch_cheap, batch_recipes
@@ -18,7 +18,7 @@ def _plan(*recipes):
 
 
 def _video(num_frames):
-    """Flow and depth of every frame, and a fit of both: the order of a walk from the fits down."""
+    """Return recipes of flow, depth and a fit of both for every frame, in the order of a walk from the fits down."""
     recipes = []
     for number in range(num_frames):
         flow, depth = _recipe("flow", number, "raft"), _recipe("depth", number, "depth")
@@ -27,7 +27,7 @@ def _video(num_frames):
 
 
 def _chain(num_sections):
-    """Sections that start with what was tracked into them."""
+    """Return recipes of sections that start from the objects tracked into them."""
     recipes, tracked = [], {}
     for number in range(num_sections):
         found = _recipe("instances", number, "depth")
@@ -65,7 +65,7 @@ def test_a_plan_without_networks_is_one_phase():
     assert split_phases(plan) == [plan]
 
 
-def test_frames_go_through_a_network_together():
+def test_frames_of_a_network_share_a_call():
     (flows, *_) = split_phases(_plan(*(_recipe("flow", number, "raft") for number in range(5))))
     batches = list(batch_recipes(flows, lambda recipe: 2))
     assert [len(batch) for batch in batches] == [2, 2, 1]
@@ -101,7 +101,7 @@ def test_cheap_recipes_that_follow_each_other_share_a_call():
     assert tasks == [["flow", "flow"], ["flow"], ["proposals"], ["flow", "flow"]]
 
 
-def test_joined_calls_hold_every_recipe_once_and_after_its_inputs():
+def test_batched_calls_hold_every_recipe_once_and_after_its_inputs():
     recipes = []
     for number in range(7):
         flow = _recipe("flow", number)

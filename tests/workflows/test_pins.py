@@ -1,4 +1,4 @@
-"""The artifacts of a run stay in the store while it works and after it finished, however other runs end."""
+"""The artifacts of a run stay in the store during the run and after it, however other runs end."""
 
 import json
 import shutil
@@ -41,7 +41,7 @@ class _Fails(SynchronousRunner):
 
 
 class _LooksOn(SynchronousRunner):
-    """Calls `look` once there is work to do: the plan is then made, and pinned."""
+    """Runner that calls `look` when the first call arrives: the plan is then made, and pinned."""
 
     def __init__(self, look):
         self._look = look
@@ -68,7 +68,7 @@ def _unpin_all(store):
 
 
 def _rerun(evaluation, runner):
-    """Evaluate the squares again; the session's computed artifacts."""
+    """Evaluate the squares again and return the computed artifacts of the session."""
     data = open_dataset("folder", str(evaluation.root), max_side=CONFIG.max_side)
     with closing(Session(_open(evaluation), runner, quiet=True)) as session:
         evaluate(session, data.name, [data.sequence("squares")], CONFIG, [Variant.FUSED])
@@ -107,7 +107,7 @@ def test_a_run_at_work_keeps_its_lease_however_a_run_of_the_same_work_ends(evalu
         assert leaves <= {*lease.refs}
         end(evaluated_copy)
         assert store.pinned()[lease.run_id] == lease
-        # The pin that a finished run leaves is not what keeps these.
+        # The pin of a finished run does not protect these.
         for run_id in store.pinned().keys() - {lease.run_id}:
             store.unpin(run_id)
         removed.extend(_collect(store))

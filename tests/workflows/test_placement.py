@@ -1,4 +1,4 @@
-"""Calls that run a network go, one at a time, to a worker that has a GPU."""
+"""Calls that run a network run one at a time on a worker with a GPU."""
 
 import os
 from itertools import pairwise
@@ -15,9 +15,9 @@ from moseg.workflows.cluster.runners import Call, open_runner
 
 
 def _calls():
-    """Ten calls, every other with a network, which report where and when they ran."""
+    """Return ten calls, every other with a network, which report where and when they ran."""
 
-    # Workers cannot import this file; what is defined in a function travels as code.
+    # Workers cannot import this file; a function defined in a function is sent as code.
     def observe(number, *waits):
         import os
         import time
@@ -32,7 +32,7 @@ def _calls():
 
 
 def _run(runner):
-    """Reports of the network calls and of the others, in order of time."""
+    """Return the reports of the network calls and of the others, in order of time."""
     found = {}
     runner.run(_calls(), found.__setitem__)
     assert len(found) == 10
@@ -43,7 +43,7 @@ def _run(runner):
 
 @pytest.fixture(scope="module")
 def cluster():
-    """Two workers of an existing cluster."""
+    """Start two workers of an existing cluster."""
     with (
         LocalCluster(
             n_workers=2,
@@ -60,7 +60,7 @@ def cluster():
 
 @pytest.fixture(scope="module")
 def local():
-    """Two local workers of a machine that has one GPU, and the devices for which GPUs were looked for."""
+    """Start two local workers of a machine with one GPU; record the devices for which GPUs are looked for."""
     asked = []
 
     def pretend(device):
@@ -75,7 +75,7 @@ def local():
 
 @pytest.fixture
 def declare(cluster):
-    """Has the first worker declare so many GPUs, as `dask worker --resources` does; returns its process."""
+    """Return a function that declares GPUs of the first worker, as `dask worker --resources` does."""
 
     def call(num_gpus):
         async def set_resources(dask_worker):
@@ -125,7 +125,7 @@ def test_a_worker_that_declares_no_gpu_computes_on_its_cpu():
 
 @pytest.fixture
 def connect(monkeypatch):
-    """Connects to a cluster whose workers are in the given dict."""
+    """Return a function that connects to a cluster whose workers are in the given dict."""
 
     def call(workers, device):
         client = SimpleNamespace(
@@ -158,7 +158,7 @@ def test_a_gpu_that_joins_a_run_on_cpus_is_used(connect):
     assert cluster.claim_gpus()
 
 
-def test_gpus_are_not_looked_for_before_a_network_is_to_run(local):
+def test_gpus_are_not_looked_for_before_a_network_runs(local):
     runner, asked = local
     before = list(asked)
     runner.run([Call("light", abs, (-1,))], lambda name, result: None)
@@ -178,7 +178,7 @@ def test_local_networks_never_overlap_and_run_where_the_gpu_is(local):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="SIGKILL is POSIX")
-def test_a_worker_that_dies_at_work_comes_back_with_its_gpu(local, tmp_path):
+def test_a_worker_that_dies_during_a_task_restarts_with_its_gpu(local, tmp_path):
     def die_once(path):
         import os
         import signal
@@ -209,21 +209,21 @@ def test_networks_go_to_the_worker_that_declares_a_gpu(cluster, declare):
 
 
 @pytest.mark.parametrize(("device", "num_gpus"), [("auto", 0), ("cpu", 1)])
-def test_networks_run_on_any_cpu_where_no_gpu_is_to_be_used(cluster, declare, device, num_gpus):
+def test_networks_run_on_any_cpu_if_no_gpu_may_be_used(cluster, declare, device, num_gpus):
     declare(num_gpus)
     with open_runner(scheduler=cluster.scheduler.address, device=device) as runner:
         networks, others = _run(runner)
     assert {device for _, device, *_ in networks + others} == {"cpu"}
 
 
-def test_a_gpu_that_no_worker_declares_is_refused_once_a_network_is_to_run(cluster):
+def test_a_gpu_that_no_worker_declares_is_rejected_before_a_network_runs(cluster):
     with open_runner(scheduler=cluster.scheduler.address, device="cuda") as runner:
         runner.run([Call("light", abs, (-1,))], lambda name, result: None)
         with pytest.raises(InputError, match=r"no worker declares a GPU in --scheduler tcp.* --resources GPU=1"):
             _run(runner)
 
 
-def test_a_worker_that_declares_a_gpu_and_has_none_is_refused(cluster, declare):
+def test_a_worker_that_declares_a_gpu_and_has_none_is_rejected(cluster, declare):
     declare(1)
     expected = "no such device in --device; got mps"
     with pytest.raises(InputError, match=expected), open_runner(scheduler=cluster.scheduler.address, device="mps"):

@@ -1,4 +1,4 @@
-"""`moseg plan` reads what there is, names only what must be computed, and writes nothing."""
+"""`moseg plan` reads the store, lists only the artifacts to compute, and writes nothing."""
 
 import re
 
@@ -6,13 +6,13 @@ import pytest
 
 
 def _tree(folder):
-    """Every file below a folder with its content."""
+    """Return all files below a folder with their contents."""
     return {path: path.is_file() and path.read_bytes() for path in sorted(folder.rglob("*"))}
 
 
 @pytest.fixture
 def plan(evaluated, moseg):
-    """Plans the squares on a store; returns the number of artifacts to compute, and by stage those and the reused."""
+    """Return a function that plans the squares and returns the artifacts to compute, and counts by stage."""
 
     def call(store, *settings):
         options = [word for word in evaluated.arguments[1:] if word != "--quiet"]
@@ -29,7 +29,7 @@ def plan(evaluated, moseg):
     return call
 
 
-def test_on_a_store_that_is_absent_all_is_to_compute(evaluated, plan, tmp_path):
+def test_without_a_store_every_artifact_is_to_compute(evaluated, plan, tmp_path):
     total, stages = plan(tmp_path / "absent" / "store")
     assert total == evaluated.report["store"]["computed"]
     assert all(reused == 0 for _, reused in stages.values())
@@ -37,11 +37,11 @@ def test_on_a_store_that_is_absent_all_is_to_compute(evaluated, plan, tmp_path):
 
 
 @pytest.mark.parametrize("damage", [b"", b"{}", b"\xff\x00 no JSON"])
-def test_a_damaged_memory_of_files_is_to_ingest_anew_and_left_alone(evaluated_copy, plan, damage):
+def test_a_damaged_ingest_artifact_is_planned_again_and_left_alone(evaluated_copy, plan, damage):
     for path in (evaluated_copy.store / "objects" / "ingest").rglob("manifest.json"):
         path.write_bytes(damage)
     total, stages = plan(evaluated_copy.store)
-    # Frames and annotation, each remembered once; what they decode to is still known by its content.
+    # One ingest artifact of the frames and one of the annotation; the leaves are still in the store.
     assert (total, stages["ingest"]) == (2, (2, 0))
 
 
@@ -59,14 +59,14 @@ def test_a_parameter_that_the_chosen_method_does_not_read_recomputes_nothing(eva
     assert plan(evaluated_copy.store, "affinity.ork_threshold=5")[0] == 0
 
 
-def test_the_same_parameter_counts_where_the_method_reads_it(evaluated_copy, moseg, plan):
+def test_the_same_parameter_recomputes_a_method_that_reads_it(evaluated_copy, moseg, plan):
     fusion = "clustering.fusion=coregularised"
     assert moseg(*evaluated_copy.arguments, "--store", evaluated_copy.store, "--set", fusion).code == 0
     assert plan(evaluated_copy.store, fusion)[0] == 0
     assert plan(evaluated_copy.store, fusion, "clustering.co_regularisation=0.3")[0] > 0
 
 
-def test_networks_can_be_planned_before_their_weights_are_here(evaluated, moseg, tmp_path, monkeypatch):
+def test_networks_can_be_planned_without_their_weights(evaluated, moseg, tmp_path, monkeypatch):
     monkeypatch.setenv("MOSEG_WEIGHTS", str(tmp_path / "weights"))
     options = [word for word in evaluated.arguments[1:] if word != "--quiet"]
     ran = moseg("plan", *options, "--store", evaluated.store, "--preset", "paper")

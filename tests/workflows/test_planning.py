@@ -12,7 +12,7 @@ LEAF = f"frame/{'0' * 64}"
 
 
 class Graph:
-    """Toy recipes; node `n` reads the nodes of `inputs[n]`, or a leaf where it reads none."""
+    """Graph of toy recipes; node `n` reads the nodes of `inputs[n]`, or a leaf if it reads none."""
 
     def __init__(self, inputs):
         self.refs, self.recipes = [], {}
@@ -29,7 +29,7 @@ class Graph:
 
 
 def _missing_and_needed(inputs, stored, sinks):
-    """What a plan must compute, by its definition: a missing node that is a sink or that such a node reads."""
+    """Return the nodes that a plan must compute, by definition: missing sinks, and missing nodes that they read."""
     needed = set()
     for number in reversed(range(len(inputs))):
         is_read = any(number in inputs[other] for other in needed)
@@ -87,7 +87,7 @@ def test_dropping_one_artifact_recomputes_it_only_where_it_is_needed(case, data)
     assert compute == ([dropped] if dropped in sinks else [])
 
 
-def test_only_the_way_to_a_dropped_artifact_is_recomputed():
+def test_only_the_path_to_a_dropped_artifact_is_recomputed():
     #   0 -> 1 -> 3 -> 4
     #   0 -> 2 ---^
     inputs = [[], [0], [0], [1, 2], [3]]
@@ -103,7 +103,7 @@ def test_leaves_are_neither_computed_nor_counted_but_kept():
     assert LEAF in plan.touched()
 
 
-def test_below_a_stored_sink_nothing_is_looked_up():
+def test_no_node_below_a_stored_sink_is_looked_up():
     asked = []
     graph = Graph([[], [0], [1], [0, 1]])
 

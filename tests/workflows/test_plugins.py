@@ -1,4 +1,4 @@
-"""Plug-ins: what a package or a script adds is found by its name everywhere, and its code stands in the keys."""
+"""Plug-ins of a package or a script: found by name in all commands, with their code in the keys."""
 
 import os
 import subprocess
@@ -87,7 +87,7 @@ CUES = ("--set", "sections.length=4", "--set", "sections.overlap=2")
 
 @pytest.fixture
 def site(tmp_path) -> Path:
-    """A folder of installed packages with the plug-in."""
+    """Return a folder of installed packages with the plug-in."""
     folder = tmp_path / "site"
     (folder / "nova").mkdir(parents=True)
     (folder / "nova" / "__init__.py").write_text(NOVA)
@@ -99,7 +99,7 @@ def site(tmp_path) -> Path:
 
 @pytest.fixture
 def run_with(site, tmp_path):
-    """Runs `moseg` in a process of its own that finds the packages of `site`; returns its code and outputs."""
+    """Return a function that runs `moseg` in its own process with `site` and returns exit code and output."""
 
     def call(*words: object, script: Path | None = None) -> tuple[int, str, str]:
         start = ["-c", "from moseg.workflows.cli import main; main()"] if script is None else [str(script)]
@@ -116,7 +116,7 @@ def _recipe(store: Path, task: str):
     return opened.manifest(next(iter(opened.refs(task)))).recipe
 
 
-def test_an_installed_package_is_seen_everywhere(run_with):
+def test_an_installed_package_is_found_by_every_command(run_with):
     assert "--flow farneback" in run_with("backends")[1] and "mean of residuals" in run_with("backends")[1]
     assert "nova-set" in run_with("datasets")[1]
     code, _, err = run_with("eval", "--flow", "nonsense")
@@ -125,7 +125,7 @@ def test_an_installed_package_is_seen_everywhere(run_with):
     assert "or nova-mean" in run_with("eval", "--help")[1] and "npz or count" in run_with("export", "--help")[1]
 
 
-def test_a_method_and_a_model_are_computed_and_their_code_stands_in_the_keys(run_with, site, squares, tmp_path):
+def test_a_method_and_a_model_are_computed_and_their_code_is_part_of_the_keys(run_with, site, squares, tmp_path):
     store = tmp_path / "store"
     data = ("--dataset", "folder", "--root", squares, "--store", store, *CUES)
     chosen = ("--flow", "farneback", "--affinity", "nova-mean", "--set", "fused_flow_model=shift")
@@ -139,7 +139,7 @@ def test_a_method_and_a_model_are_computed_and_their_code_stands_in_the_keys(run
     path.write_text(path.read_text() + "# Changed.\n")
     planned = run_with("plan", *data, *chosen)[1]
     assert "\n0 artifacts to compute" not in planned and "flow" in planned
-    # What does not read it is as it was.
+    # Artifacts that do not read it are unchanged.
     assert "code" not in _recipe(store, "tracks").params
 
 
@@ -170,7 +170,7 @@ def test_an_export_of_a_plug_in_is_written(run_with, squares, tmp_path):
         (NOVA.replace('"nova-set"', '"davis16"'), "data set exists in plug-in; got davis16"),
     ],
 )
-def test_a_plug_in_that_does_not_fit_is_refused_in_one_line(run_with, site, text, message):
+def test_an_invalid_plug_in_is_rejected_in_one_line(run_with, site, text, message):
     (site / "nova" / "__init__.py").write_text(text)
     code, _, err = run_with("backends")
     assert code == 2 and message in err and len(err.splitlines()) == 1

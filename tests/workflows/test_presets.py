@@ -21,7 +21,7 @@ STAGES = {"tags", "detections", "instances", "seeds", "proposals", "flow", "dept
 
 @pytest.fixture(scope="module")
 def tiny(tmp_path_factory):
-    """A folder of tiny checkpoints of every network, made by the command that the documentation names."""
+    """Return a folder of tiny checkpoints of every network, made by the command in the documentation."""
     from moseg.workflows.cli.app import run
 
     folder = tmp_path_factory.mktemp("tiny")
@@ -31,13 +31,13 @@ def tiny(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def video(tmp_path_factory, write_squares):
-    """Twelve frames of two squares in motion."""
+    """Return a video of twelve frames with two moving squares."""
     return write_squares(tmp_path_factory.mktemp("video") / "clip", num_frames=NUM_FRAMES) / "frames"
 
 
 @pytest.fixture(scope="module")
 def left_by(tiny, video, tmp_path_factory):
-    """Folder with the store and the masks that `moseg segment` leaves with a preset, which runs once."""
+    """Return a function that gives the folder of store and masks of a preset, which runs once."""
     from moseg.workflows.cli.app import run
 
     @cache
@@ -55,7 +55,7 @@ def left_by(tiny, video, tmp_path_factory):
 
 @pytest.fixture
 def copy_of(left_by, tmp_path):
-    """Puts what a preset left where `segment` finds it."""
+    """Return a function that copies the files of a preset's run to where `segment` finds them."""
 
     def call(preset):
         shutil.copytree(left_by(preset), tmp_path, dirs_exist_ok=True)
@@ -65,7 +65,7 @@ def copy_of(left_by, tmp_path):
 
 @pytest.fixture
 def weights(tiny, tmp_path, monkeypatch):
-    """A test's own copy of the tiny checkpoints, in place."""
+    """Return the folder of a test's own copy of the tiny checkpoints, which is set as the weights folder."""
     folder = tmp_path / "weights"
     shutil.copytree(tiny, folder)
     monkeypatch.setenv("MOSEG_WEIGHTS", str(folder))
@@ -75,7 +75,7 @@ def weights(tiny, tmp_path, monkeypatch):
 
 @pytest.fixture
 def segment(moseg, video, weights, tmp_path):
-    """Runs `moseg segment` on the video with one store for the test; returns artifacts computed and how it ended."""
+    """Return a function that runs `moseg segment` on the video and returns the computed artifacts and the outcome."""
 
     def call(*arguments):
         store, out = ("--store", tmp_path / "store"), ("--out", tmp_path / "out")
@@ -87,7 +87,7 @@ def segment(moseg, video, weights, tmp_path):
 
 
 def _stored(tmp_path):
-    """Keys of every stage in the test's store."""
+    """Return the keys of every stage in the test's store."""
     found = {}
     for path in (tmp_path / "store" / "objects").glob("*/*/*"):
         found.setdefault(path.parent.parent.name, set()).add(path.name)
@@ -113,7 +113,7 @@ def test_a_preset_runs_from_the_video_to_its_masks_and_a_second_run_computes_not
     assert ran.code == 0 and again == 0
 
 
-def test_tiny_networks_find_objects_that_last(segment, copy_of, tmp_path):
+def test_tiny_networks_find_an_object_in_the_first_and_last_frame(segment, copy_of, tmp_path):
     copy_of("paper")
     _, ran = segment("--preset", "paper", "--variant", "base")
     assert ran.code == 0, ran.err
@@ -131,7 +131,7 @@ def test_tiny_networks_find_objects_that_last(segment, copy_of, tmp_path):
         ("deaot", {"proposals", "tracks", "flow_model"}, {"tags", "detections", "instances", "flow", "depth"}),
     ],
 )
-def test_another_weights_file_recomputes_its_stage_and_what_lies_behind(
+def test_another_weights_file_recomputes_its_stage_and_those_downstream(
     architecture, moved, kept, segment, copy_of, weights, moseg, tmp_path
 ):
     copy_of("paper")
@@ -154,7 +154,7 @@ def test_stages_can_be_chosen_one_by_one(segment):
     assert ran.code == 0, ran.err
 
 
-def test_named_tags_skip_the_tagger(segment, copy_of, weights, tmp_path):
+def test_given_tags_skip_the_tagger(segment, copy_of, weights, tmp_path):
     copy_of("paper")
     shutil.rmtree(tmp_path / "store" / "objects" / "tags")
     shutil.rmtree(weights / "ram")
@@ -168,7 +168,7 @@ def test_frames_in_one_pass_give_the_keys_of_frames_one_by_one(segment):
     assert segment("--flow", "raft", "--depth", "dpt-dinov2", "--batch", "1")[0] == 0
 
 
-def test_missing_weights_are_one_line_with_the_command_that_gets_them(segment, tmp_path, monkeypatch):
+def test_missing_weights_are_one_line_with_the_command_that_fetches_them(segment, tmp_path, monkeypatch):
     monkeypatch.setenv("MOSEG_WEIGHTS", str(tmp_path / "nothing"))
     _, ran = segment("--flow", "raft", "--offline")
     assert ran.code == 2
@@ -176,7 +176,7 @@ def test_missing_weights_are_one_line_with_the_command_that_gets_them(segment, t
     assert "model.pth" in line and "moseg weights fetch raft-large" in line
 
 
-def test_cut_weights_are_one_line(segment, weights):
+def test_truncated_weights_are_one_line(segment, weights):
     path = weights / "raft-large" / "model.pth"
     path.write_bytes(path.read_bytes()[:1000])
     _, ran = segment("--flow", "raft")
@@ -201,7 +201,7 @@ def test_cut_weights_are_one_line(segment, weights):
     ],
 )
 @pytest.mark.parametrize("how", ["missing", "unexpected"])
-def test_tensors_that_are_not_the_network_s_are_refused(how, item, options, segment, weights):
+def test_tensors_of_another_network_are_rejected(how, item, options, segment, weights):
     (path,) = (entry for entry in (weights / item).iterdir() if entry.suffix in (".pth", ".bin", ".safetensors"))
     _damage(path, how)
     _, ran = segment(*options)
@@ -211,7 +211,7 @@ def test_tensors_that_are_not_the_network_s_are_refused(how, item, options, segm
 
 
 def _damage(path, how):
-    """Take a tensor out of a checkpoint, or put one into it."""
+    """Remove a tensor from a checkpoint, or add one."""
     import torch
     from safetensors.torch import load_file, save_file
 
@@ -232,13 +232,13 @@ def test_two_workers_give_the_bytes_of_one_process(left_by, moseg, video, weight
 
 
 def _contents(path):
-    """Every artifact of a store: the digests of its arrays, and its results."""
+    """Return all artifacts of a store: the digests of their arrays, and their attributes."""
     store = open_store(str(path), create=False)
     manifests = {ref: store.manifest(ref) for ref in store.refs()}
     return {ref: ([entry.digest for entry in found.arrays], found.attributes) for ref, found in manifests.items()}
 
 
-def test_what_was_made_with_other_weights_is_explained_by_the_file(segment, moseg, weights, tmp_path):
+def test_why_names_the_weights_file_that_changed(segment, moseg, weights, tmp_path):
     assert segment("--flow", "raft")[1].code == 0
     assert moseg("weights", "tiny", weights, "--seed", "1", "--only", "raft-large").code == 0
     before = _stored(tmp_path)["flow"]
@@ -257,7 +257,7 @@ def test_networks_without_their_libraries_are_one_line(segment, monkeypatch):
     assert "torch" in line and "pip install 'moseg[models]'" in line
 
 
-def test_a_video_that_is_none_is_found_out_before_weights_are_looked_for(moseg, video, tmp_path, monkeypatch):
+def test_an_invalid_video_is_reported_before_weights_are_looked_for(moseg, video, tmp_path, monkeypatch):
     monkeypatch.setenv("MOSEG_WEIGHTS", str(tmp_path / "nothing"))
     (tmp_path / "one").mkdir()
     shutil.copy(sorted(video.iterdir())[0], tmp_path / "one")
@@ -278,7 +278,7 @@ def test_a_video_that_is_none_is_found_out_before_weights_are_looked_for(moseg, 
         (("--flow", "raft", "--batch", "0"), ("--batch", "0")),
     ],
 )
-def test_options_that_make_no_sense_are_one_line(segment, options, words):
+def test_contradictory_options_are_one_line(segment, options, words):
     _, ran = segment(*options)
     assert ran.code == 2
     (line,) = ran.err.splitlines()

@@ -1,4 +1,4 @@
-"""Qualities: what accuracy may cost, on top of any preset."""
+"""Qualities: trade-offs between accuracy and time, on top of any preset."""
 
 import numpy as np
 import pytest
@@ -23,19 +23,19 @@ def test_the_default_quality_changes_nothing():
     assert PipelineOptions(quality="default").choices().read() == PipelineOptions().choices().read()
 
 
-def test_fast_looks_at_smaller_frames_and_a_setting_has_the_last_word():
+def test_fast_reduces_frames_and_a_setting_overrides_it():
     config = PipelineOptions(quality="fast").choices().read()
     assert (config.max_side, config.saliency.working_side) == (427, 284)
     config = PipelineOptions(quality="fast", settings=["saliency.working_side=300"]).choices().read()
     assert (config.max_side, config.saliency.working_side) == (427, 300)
 
 
-def test_a_quality_leaves_the_backend_of_a_preset():
+def test_a_quality_keeps_the_backend_of_a_preset():
     config = PipelineOptions(preset="paper", quality="best").choices().read()
     assert (config.flow.method, config.flow.preset) == ("raft", "fine")
 
 
-def test_an_unknown_quality_is_told_with_the_one_that_was_meant():
+def test_an_unknown_quality_is_reported_with_a_suggestion():
     with pytest.raises(InputError, match="best"):
         PipelineOptions(quality="bset").choices().read()
 
@@ -46,14 +46,14 @@ def test_an_unknown_quality_ends_in_one_line(moseg):
 
 
 @pytest.mark.parametrize("side", [20, 96])
-def test_fine_flow_finds_a_known_shift_another_way_than_medium(side):
+def test_fine_flow_finds_a_known_shift_and_differs_from_medium(side):
     rng = np.random.default_rng(4)
     coarse = rng.integers(0, 256, (side // 4 + 4, side // 4 + 4, 3), dtype=np.uint8)
     scene = np.kron(coarse, np.ones((4, 4, 1), np.uint8))
     image0, image1 = scene[4 : 4 + side, 4 : 4 + side], scene[4 : 4 + side, 2 : 2 + side]
     fine, medium = (estimate_flow(image0, image1, FlowParams(preset=preset)) for preset in ("fine", "medium"))
     assert fine.shape == (side, side, 2) and np.isfinite(fine).all()
-    # Smaller frames are searched at full size by either.
+    # Both search smaller frames at full size.
     assert np.array_equal(fine, medium) == (side < 32)
     if side > 32:
         np.testing.assert_allclose(np.median(fine, axis=(0, 1)), [2, 0], atol=0.1)

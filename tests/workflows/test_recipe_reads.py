@@ -38,7 +38,7 @@ def _ref(task: str, number: int) -> str:
 
 
 class _Artifact(SimpleNamespace):
-    """A stored artifact of given arrays."""
+    """Stored artifact of given arrays."""
 
     def array(self, name):
         return self.arrays[name]
@@ -58,7 +58,7 @@ def _run(recipe: Recipe, inputs: dict):
 
 
 def _object_inputs() -> dict:
-    """What a clustering of a sequence of one section reads: affinities of two views, and tracks."""
+    """Return the inputs of a clustering of a sequence of one section: affinities of two views, and tracks."""
     rng = np.random.default_rng(0)
     half = rng.random((2, NUM_OBJECTS, NUM_OBJECTS))
     views = [(affinity + affinity.T) / 4 + np.eye(NUM_OBJECTS) / 2 for affinity in half]
@@ -133,7 +133,7 @@ def test_clusterings_of_trajectories_read_what_their_recipes_name():
             graph = TrajectoryGraph(leaves, config)
             recipe = graph.recipes[graph.clustering(variant)]
             clustering = recipe.params["clustering"]
-            # Published methods have one grouping, which leaves `stability` nothing to compare: that is refused.
+            # Published methods have one grouping, so that `stability` has nothing to compare and is rejected.
             is_refused = clustering.get("auto") == "stability" and clustering["method"] != "energy"
             if not is_refused and str(recipe.params) not in done:
                 done.add(str(recipe.params))
@@ -144,7 +144,7 @@ def test_clusterings_of_trajectories_read_what_their_recipes_name():
 
 
 def _choices(model: type, prefix: str = "") -> dict[str, tuple]:
-    """Values of every field that has a few, by the name that ``--set`` takes."""
+    """Return the values of every field that has a few, by the name in ``--set``."""
     found: dict[str, tuple] = {}
     for name, field in model.model_fields.items():
         if isinstance(field.annotation, type) and hasattr(field.annotation, "model_fields"):
@@ -162,14 +162,14 @@ NUM_RUNS = max(len(values) for values in _choices(PipelineConfig).values())
 
 
 def _settings(number: int) -> list[str]:
-    """One value of each field; over all runs every value stands at least once, each time beside others."""
+    """Return one value of each field; over all runs each value occurs at least once, in different combinations."""
     chosen = []
     for place, (name, values) in enumerate(_choices(PipelineConfig).items()):
         chosen += ["--set", f"{name}={values[(number + place * (number // len(values))) % len(values)]}"]
     return chosen
 
 
-def test_every_value_stands_in_some_run():
+def test_every_value_is_part_of_some_run():
     for place, (name, values) in enumerate(_choices(PipelineConfig).items()):
         met = {values[(number + place * (number // len(values))) % len(values)] for number in range(NUM_RUNS)}
         assert met == set(values), name

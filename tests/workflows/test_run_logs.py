@@ -103,7 +103,7 @@ def test_workers_write_their_own_parts_of_the_same_log(evaluated, evaluated_by_w
     client = events[0].pid
     assert events[0].num_workers == 2
     workers = {event.pid for event in events if event.event == EventKind.STARTED}
-    # The first to be up may have done it all.
+    # The first worker that is ready may have computed everything.
     assert len(workers) in (1, 2) and client not in workers
 
 
@@ -139,7 +139,7 @@ def test_without_write_access_for_logs_a_store_can_be_read_only(evaluated_copy, 
 
 
 class _StoresFirst(SynchronousRunner):
-    """Before its first work, another run stores one of the artifacts."""
+    """Runner before whose first call another run stores one of the artifacts."""
 
     def __init__(self, store, recipe, attributes):
         self._put = lambda: store.put(recipe, {}, attributes)
@@ -161,7 +161,7 @@ def test_an_artifact_that_another_run_stores_first_is_a_lost_race(evaluated_copy
 
 @pytest.fixture
 def execute(tmp_path, monkeypatch):
-    """Executes recipes by a function of the store in place of their tasks; the events of the run, and its error."""
+    """Return a function that executes recipes by a function of the store and returns the run's events and error."""
     store = open_store(str(tmp_path / "store"))
 
     def call(recipes, run):
@@ -275,7 +275,7 @@ def test_a_failure_of_the_client_is_logged_by_the_client(evaluated_copy, error, 
     assert (events[-1].event, events[-1].outcome) == (EventKind.CLOSED, outcome)
 
 
-def test_only_a_damaged_artifact_is_planned_anew(evaluated_copy):
+def test_only_a_damaged_artifact_is_planned_again(evaluated_copy):
     store = _open(evaluated_copy.store)
     _drop(store, "score", "segmentation", "clustering")
     ref = next(store.refs("affinity"))
@@ -291,7 +291,7 @@ def test_only_a_damaged_artifact_is_planned_anew(evaluated_copy):
     assert read_status(store, list_runs(store)[0]).num_done == sum(COMPUTED[0] in found for found in kinds.values())
 
 
-def test_the_log_of_a_killed_run_shows_what_was_in_flight(evaluated, tmp_path):
+def test_the_log_of_a_killed_run_shows_its_unfinished_artifacts(evaluated, tmp_path):
     command = [sys.executable, "-c", DIES_AT, "saliency", *evaluated.arguments, "--store", str(tmp_path / "store")]
     assert subprocess.run(command, check=False).returncode == -signal.SIGKILL
     store = _open(tmp_path / "store")

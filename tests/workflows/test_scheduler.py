@@ -20,7 +20,7 @@ needs_process_groups = pytest.mark.skipif(os.name != "posix", reason="process gr
 
 
 def _contents(folder):
-    """Every artifact's arrays, by digest of their bytes, and results."""
+    """Return all artifacts' arrays, by digest of their bytes, and attributes."""
     store = open_store(str(folder), create=False)
     found = {}
     for ref in store.refs():
@@ -44,7 +44,7 @@ def _has_group(group):
     return True
 
 
-def test_an_existing_cluster_gives_the_same_keys_and_bytes_and_lives_on(evaluated, moseg, tmp_path):
+def test_an_existing_cluster_gives_the_same_keys_and_bytes_and_keeps_running(evaluated, moseg, tmp_path):
     with LocalCluster(
         n_workers=1,
         threads_per_worker=1,
@@ -73,7 +73,7 @@ def _interrupt(arguments, env):
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        # A shell has what it runs in the background ignore Ctrl-C.
+        # Processes that a shell runs in the background ignore Ctrl-C.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     out, err = run.communicate(timeout=DEADLINE_SEC)
@@ -92,7 +92,7 @@ def test_ctrl_c_while_workers_start_ends_all_with_one_line(evaluated, strike_at,
 
 
 @needs_process_groups
-def test_ctrl_c_at_work_ends_all_with_one_line_and_the_run_goes_on_from_there(evaluated, moseg, strike_at, tmp_path):
+def test_ctrl_c_during_a_run_ends_all_with_one_line_and_the_run_can_be_resumed(evaluated, moseg, strike_at, tmp_path):
     step = "event == 'os.rename' and '/objects/flow/' in str(arguments[1])"
     env, pressed = strike_at(step, CTRL_C, in_worker=True, steps=2)
     arguments = (*evaluated.arguments, "--store", str(tmp_path / "store"))

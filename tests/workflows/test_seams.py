@@ -1,4 +1,4 @@
-"""Where a video is cut into sections cannot be told from what comes out."""
+"""Results do not depend on where a video is cut into sections, or only within a bound."""
 
 from functools import partial
 from itertools import pairwise
@@ -23,7 +23,7 @@ CARRIED |= {"coherence_past": "misfit", "coherence_future": "misfit"}
 
 @pytest.fixture(scope="module")
 def clip(tmp_path_factory, write_image):
-    """Folder of frames: a textured square swings to and fro and turns from red to blue, over a backdrop that pans."""
+    """Return a folder of frames: a textured square oscillates and turns from red to blue over a panning backdrop."""
     folder = tmp_path_factory.mktemp("clip")
     rng = np.random.default_rng(3)
 
@@ -43,7 +43,7 @@ def clip(tmp_path_factory, write_image):
 
 @pytest.fixture(scope="module")
 def run(clip, tmp_path_factory):
-    """Segments the clip in sections of a length and returns what it gave for every frame, as arrays by name."""
+    """Return a function that segments the clip in sections of a length and returns its arrays by name."""
     store = str(tmp_path_factory.mktemp("store"))
     with open_session(store, quiet=True) as session:
         yield partial(_run, session, clip)
@@ -51,7 +51,7 @@ def run(clip, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def runs(run):
-    """What runs gave, by the length of their sections."""
+    """Return the arrays of runs by the length of their sections."""
     return {length: run(length) for length in (SHORT, WHOLE)}
 
 
@@ -77,13 +77,13 @@ def _run(session, clip, length, **appearance):
 
 
 @pytest.mark.parametrize("role", CARRIED)
-def test_what_follows_the_flow_is_the_same_bits_whatever_the_cuts(runs, role):
+def test_passes_along_the_flow_give_the_same_bits_for_any_cuts(runs, role):
     assert runs[WHOLE][role].any()
     for cut, whole in zip(runs[SHORT][role], runs[WHOLE][role], strict=True):
         np.testing.assert_array_equal(cut, whole)
 
 
-def test_the_foreground_differs_by_what_the_weights_of_colours_allow(runs):
+def test_the_foreground_differs_within_the_bound_of_the_weights_of_colours(runs):
     config = PipelineConfig()
     # All frames of a section have the same weight in its colours: those of WHOLE all 1, those of SHORT from 1 down to
     # this. It bounds how far two means, and so two shares of a colour, are apart.
@@ -104,7 +104,7 @@ def test_the_foreground_has_no_step_at_a_cut(run, runs):
     assert max(at_cuts) <= max(steps.values())
 
 
-def test_masks_are_the_same_whatever_the_cuts(runs):
+def test_masks_are_the_same_for_any_cuts(runs):
     cut, whole = (runs[length]["labels"] > 0 for length in (SHORT, WHOLE))
     shared, either = (cut & whole).sum(axis=(1, 2)), (cut | whole).sum(axis=(1, 2))
     assert (shared > 0.97 * either).all()

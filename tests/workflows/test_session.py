@@ -20,7 +20,7 @@ DEADLINE_SEC = 600
 
 
 def _contents(store):
-    """Every artifact's arrays, by digest of their bytes, and results."""
+    """Return all artifacts' arrays, by digest of their bytes, and attributes."""
     found = {}
     for ref in store.refs():
         manifest = store.manifest(ref)
@@ -33,12 +33,12 @@ def _open(evaluation):
 
 
 def _drop(store, tasks):
-    """Remove all artifacts of some tasks; returns how many."""
+    """Remove all artifacts of some tasks and return their number."""
     return sum(store.remove(ref) for task in tasks for ref in list(store.refs(task)))
 
 
 def _files(evaluation, ref):
-    """Files of an artifact, the largest first, its manifest last."""
+    """Return the files of an artifact, the largest first, its manifest last."""
     task, key = split_ref(ref)
     folder = evaluation.store / "objects" / task / key[:2] / key
     files = sorted((path for path in folder.rglob("*") if path.is_file()), key=lambda path: -path.stat().st_size)
@@ -57,7 +57,7 @@ def _quarantined(evaluation):
 
 
 def _run(moseg, evaluation, tmp_path, *more):
-    """Evaluate again; the report."""
+    """Evaluate again and return the report."""
     ran = moseg(*evaluation.arguments, "--store", evaluation.store, "--json", tmp_path / "again.json", *more)
     assert (ran.code, ran.err) == (0, "")
     return json.loads((tmp_path / "again.json").read_text())
@@ -115,7 +115,7 @@ BEHIND_FLOW = ["saliency", "proposals", "flow_model", "flow_residual", *END]
         ("segmentation", _lose, ["score"]),
     ],
 )
-def test_a_damaged_array_is_quarantined_and_made_again(evaluated_copy, moseg, tmp_path, damaged, damage, dropped):
+def test_a_damaged_array_is_quarantined_and_recomputed(evaluated_copy, moseg, tmp_path, damaged, damage, dropped):
     store = _open(evaluated_copy)
     before = _contents(store)
     ref = sorted(store.refs(damaged))[0]
@@ -133,7 +133,7 @@ def test_a_damaged_array_is_quarantined_and_made_again(evaluated_copy, moseg, tm
 
 @pytest.mark.parametrize("damaged", ["score", "ingest"])
 @pytest.mark.parametrize("damage", [_flip, _lose])
-def test_a_damaged_manifest_is_quarantined_and_made_again(evaluated_copy, moseg, tmp_path, damaged, damage):
+def test_a_damaged_manifest_is_quarantined_and_recomputed(evaluated_copy, moseg, tmp_path, damaged, damage):
     store = _open(evaluated_copy)
     before = _contents(store)
     ref = sorted(store.refs(damaged))[0]
@@ -145,7 +145,7 @@ def test_a_damaged_manifest_is_quarantined_and_made_again(evaluated_copy, moseg,
     assert _quarantined(evaluated_copy) == [ref]
 
 
-def test_several_damaged_artifacts_are_all_made_again(evaluated_copy, moseg, tmp_path):
+def test_several_damaged_artifacts_are_all_recomputed(evaluated_copy, moseg, tmp_path):
     store = _open(evaluated_copy)
     before = _contents(store)
     damaged = sorted([*sorted(store.refs("segmentation"))[:2], *store.refs("annotation"), *store.refs("score")])
@@ -181,7 +181,7 @@ def test_damaged_labels_do_not_reach_the_users_masks(squares, moseg, tmp_path):
 
 
 class _OtherRunInBetween(SynchronousRunner):
-    """A runner before whose first call another run quarantines a damaged artifact."""
+    """Runner before whose first call another run quarantines a damaged artifact."""
 
     def __init__(self, store, ref):
         self._store, self._ref = store, ref
@@ -192,7 +192,7 @@ class _OtherRunInBetween(SynchronousRunner):
         super().run(calls, on_done)
 
 
-def test_an_artifact_that_another_run_quarantines_meanwhile_is_made_again(evaluated_copy):
+def test_an_artifact_that_another_run_quarantines_meanwhile_is_recomputed(evaluated_copy):
     store = _open(evaluated_copy)
     before = _contents(store)
     _drop(store, ["score"])
@@ -222,7 +222,7 @@ def _start(evaluation, store, *more, env=None):
     return subprocess.Popen(arguments, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
-def test_a_killed_run_is_resumed_where_it_was(evaluated, moseg, strike_at, tmp_path):
+def test_a_killed_run_is_resumed_from_its_stored_artifacts(evaluated, moseg, strike_at, tmp_path):
     step = "event == 'os.rename' and '/objects/saliency/' in str(arguments[1])"
     env, _ = strike_at(step, "os.kill(os.getpid(), signal.SIGKILL)", in_worker=False, steps=3)
     run = _start(evaluated, tmp_path / "store", env=env)

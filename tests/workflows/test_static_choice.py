@@ -1,4 +1,4 @@
-"""Who says what is static: the views' agreement or the background's group."""
+"""The decision which objects are static: by the agreement of the views or by the background's group."""
 
 import numpy as np
 import pytest
@@ -19,26 +19,26 @@ LEAVES = SequenceLeaves(name="toy", shape=(48, 64), frames=_refs("frame", 5), ma
 
 
 def _clustering(variant=Variant.FUSED, proposal_source="saliency", affinity=None, **clustering):
-    """Parameters of the clustering that a variant is scored by."""
+    """Return the parameters of the clustering of a variant's score."""
     config = PipelineConfig(proposal_source=proposal_source, clustering=clustering, affinity=affinity or {})
     graph = SequenceGraph(LEAVES, config)
     return graph.recipes[graph.clustering(variant)].params["clustering"]
 
 
 @pytest.mark.parametrize("variant", [Variant.FUSED, Variant.OC_DEPTH, Variant.OC, Variant.TRAJS])
-def test_only_what_was_proposed_because_it_moves_needs_agreement_to_be_dropped(variant):
+def test_only_proposals_from_motion_need_agreement_to_be_dropped(variant):
     assert _clustering(variant)["static"] == "agreement"
     assert _clustering(variant, "groundtruth")["static"] == "group"
     assert _clustering(variant, static="group")["static"] == "group"
     assert _clustering(variant, "groundtruth", static="agreement")["static"] == "agreement"
 
 
-def test_a_given_number_of_motions_says_what_is_static():
+def test_a_given_number_of_motions_decides_what_is_static():
     assert "static" not in _clustering(motions=3)
     assert _clustering(motions=3, static="agreement") == _clustering(motions=3, static="group")
 
 
-def test_agreement_reads_the_threshold_however_the_groups_are_counted():
+def test_agreement_reads_the_threshold_for_every_counting_method():
     assert "threshold" in _clustering(auto="eigengap")
     assert "threshold" not in _clustering(auto="eigengap", static="group")
 
@@ -62,7 +62,7 @@ class _Views:
 
 
 @pytest.mark.parametrize(("static", "motion"), [("agreement", [0, 1]), ("group", [0, 0])])
-def test_a_view_that_cannot_tell_keeps_an_object_only_by_agreement(static, motion):
+def test_an_undecided_view_keeps_an_object_only_by_agreement(static, motion):
     alike = np.full((2, 2), 0.9)
     blind = {"affinity": alike, "static_support": np.array([1.0, 1.0])}
     badly_fitted = {"affinity": alike, "static_support": np.array([1.0, 0.01])}

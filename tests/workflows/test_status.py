@@ -1,4 +1,4 @@
-"""`moseg status` shows the state of a run: while it works, after it ended, and after it died."""
+"""`moseg status` shows the state of a run: while it is active, after it ended, and after it died."""
 
 import json
 import os
@@ -85,7 +85,7 @@ def _summary(*events, now=10.0):
 
 
 @pytest.mark.parametrize("outcome", Outcome)
-def test_a_run_that_closed_is_in_the_state_that_it_gave(outcome):
+def test_a_closed_run_has_the_state_that_it_logged(outcome):
     status = _summary(_opened(NO_PROCESS), _closed(outcome, 4.0, "why"))
     assert (status.state.value, status.seconds, status.message) == (outcome.value, 4.0, "why")
     assert status.rest_seconds is None
@@ -147,7 +147,7 @@ def test_a_repaired_artifact_is_counted_once_and_is_no_hit():
     assert [trouble.message for trouble in status.quarantined] == ["bad chunk"]
 
 
-def test_started_and_unfinished_artifacts_are_in_flight():
+def test_started_and_unfinished_artifacts_are_running():
     begun = [_work(EventKind.STARTED, _ref(number), 1.0, pid=1) for number in (1, 2, 3)]
     done = [_work(EventKind.COMPUTED, _ref(1), 4.0, seconds=3.0), _work(EventKind.COMMITTED, _ref(1), 4.0)]
     status = _summary(_opened(), *begun, *done, _work(EventKind.STARTED, _ref(9), 2.0, pid=5))
@@ -157,7 +157,7 @@ def test_started_and_unfinished_artifacts_are_in_flight():
     ]
 
 
-def test_an_artifact_restarted_by_another_worker_is_in_flight_there():
+def test_an_artifact_restarted_by_another_worker_is_running_there():
     lost, again = _work(EventKind.STARTED, _ref(1), 1.0, pid=1), _work(EventKind.STARTED, _ref(1), 5.0, pid=2)
     assert [work.pid for work in _summary(_opened(), lost, again).in_flight] == [2]
 
@@ -165,7 +165,7 @@ def test_an_artifact_restarted_by_another_worker_is_in_flight_there():
 def test_the_remaining_time_follows_from_the_seconds_of_each_stage_and_the_pace():
     refs = [_ref(number) for number in range(4)]
     scores = [_ref(number, "score") for number in range(2)]
-    # Two workers, each at work all the time: the seconds of ten pass in five.
+    # Two workers, both always busy: ten seconds of computation take five.
     done = [*_computed(refs[0], 0.0, 4.0, pid=1), *_computed(refs[1], 0.0, 4.0, pid=2)]
     done += [*_computed(scores[0], 4.0, 5.0, pid=1), *_computed(_ref(9, "tracks"), 4.0, 5.0, pid=2)]
     status = _summary(_opened(), *_planned(*refs, *scores, _ref(9, "tracks")), *done, now=5.0)
@@ -181,7 +181,7 @@ def test_no_remaining_time_is_estimated_without_a_basis():
 
 @pytest.fixture
 def logged(tmp_path):
-    """A store, and a function that writes events to the log of a run in it."""
+    """Return a store, and a function that writes events to the log of a run in it."""
     store = open_store(str(tmp_path / "store"))
 
     def write(*events, run_id=RUN):
@@ -217,7 +217,7 @@ def test_a_log_without_a_beginning_hides_no_other_run(logged, moseg, tmp_path):
     assert (ran.code, len(ran.err.splitlines())) == (1, 1)
 
 
-def test_a_status_shows_what_a_user_looks_for(logged, moseg):
+def test_a_status_shows_state_counts_time_and_failures(logged, moseg):
     store, write = logged
     write(_opened(NO_PROCESS), *_planned(_ref(1), _ref(2), _ref(3)), *_planned(_ref(4, "tracks"), kind=EventKind.HIT))
     write(*_computed(_ref(1), 0.0, 2.0), _work(EventKind.STARTED, _ref(2), 2.0))
@@ -231,7 +231,7 @@ def test_a_status_shows_what_a_user_looks_for(logged, moseg):
     assert "bad chunk" in ran.out and "failed: no [worker] left" in ran.out
 
 
-def test_all_failures_stand_in_the_json_and_the_first_on_the_terminal(logged, moseg, tmp_path):
+def test_the_json_has_all_failures_and_the_terminal_the_first(logged, moseg, tmp_path):
     store, write = logged
     write(_opened(), *(_trouble(EventKind.FAILED, _ref(number), f"broken {number}") for number in range(30)))
     ran = moseg("status", RUN, "--store", store.url, "--json", tmp_path / "status.json")
@@ -290,7 +290,7 @@ def test_following_shows_a_run_until_it_ends(logged, moseg, monkeypatch):
     assert "finished" in ran.out and "1 of 1 artifacts (100 %)" in ran.out
 
 
-def test_who_stops_following_has_interrupted_nothing(logged, moseg, monkeypatch):
+def test_stopping_to_follow_a_run_does_not_interrupt_it(logged, moseg, monkeypatch):
     def stop(seconds):
         raise KeyboardInterrupt
 
@@ -303,7 +303,7 @@ def test_who_stops_following_has_interrupted_nothing(logged, moseg, monkeypatch)
 
 
 class _Looks(SynchronousRunner):
-    """Looks at the run's status after each call."""
+    """Runner that reads the run's status after each call."""
 
     def __init__(self, look):
         self._look = look
@@ -347,7 +347,7 @@ def test_the_status_of_a_run_agrees_with_its_report(request, moseg, tmp_path, ho
     assert status["failures"] == status["quarantined"] == status["in_flight"] == []
 
 
-def test_old_logs_are_those_that_no_run_at_work_writes(logged):
+def test_logs_of_active_runs_are_not_old(logged):
     store, write = logged
     runs = [f"2026112{number}T000000-aaaaaa" for number in range(3)]
     for run_id in runs:

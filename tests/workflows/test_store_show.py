@@ -11,7 +11,7 @@ from moseg.store import open_store
 
 @pytest.fixture
 def show(evaluated, moseg):
-    """The JSON, or with other options the text, that is shown of an artifact of the evaluated squares."""
+    """Return a function that returns the JSON, or with other options the text, of an artifact of the squares."""
 
     def call(key, *options):
         ran = moseg("store", "show", key, *options, "--store", evaluated.store)
@@ -23,7 +23,7 @@ def show(evaluated, moseg):
 
 @pytest.fixture
 def refs(evaluated):
-    """References of the evaluated squares by task."""
+    """Return the references of the evaluated squares by task."""
     found = {}
     for ref in open_store(str(evaluated.store), create=False).refs():
         found.setdefault(ref.partition("/")[0], []).append(ref)
@@ -87,7 +87,7 @@ def test_the_summary_names_shared_parameters_and_counts_others(show, refs):
     assert lines[-1] == "downstream: 0 artifacts"
 
 
-def test_what_was_removed_is_named_and_hides_what_lies_behind(evaluated_copy, moseg):
+def test_a_removed_artifact_is_named_and_ends_the_trace(evaluated_copy, moseg):
     store = open_store(str(evaluated_copy.store), create=False)
     (score,) = store.refs("score")
     for ref in list(store.refs("segmentation")):

@@ -1,4 +1,4 @@
-"""`moseg store push` and `pull`: what is copied, what is said of it, and that a run then reuses all of it."""
+"""`moseg store push` and `pull`: the copied artifacts, the messages, and the reuse of the copy by a run."""
 
 import json
 
@@ -9,7 +9,7 @@ from moseg.store import open_store, transfer
 
 @pytest.fixture
 def stores(evaluated, tmp_path):
-    """The evaluated store, and an address at which there is none yet."""
+    """Return the evaluated store, and an address without a store."""
     return evaluated.store, tmp_path / "other"
 
 
@@ -48,7 +48,7 @@ def test_a_collection_keeps_what_was_copied(moseg, stores):
     assert pins[0] == pins[1]
 
 
-def test_of_a_run_goes_what_it_reaches_and_no_more(evaluated_copy, moseg, stores):
+def test_a_run_is_copied_with_the_artifacts_that_it_reaches_and_no_others(evaluated_copy, moseg, stores):
     there, store = stores[1], ("--store", evaluated_copy.store)
     first = set(_open(evaluated_copy.store).refs())
     (run,) = _open(evaluated_copy.store).pinned()
@@ -59,7 +59,7 @@ def test_of_a_run_goes_what_it_reaches_and_no_more(evaluated_copy, moseg, stores
     assert list(_open(there).pinned()) == [run]
 
 
-def test_a_run_may_be_named_as_status_names_it(evaluated_copy, moseg, stores):
+def test_a_run_can_be_named_as_by_status(evaluated_copy, moseg, stores):
     store = ("--store", evaluated_copy.store)
     assert moseg(*evaluated_copy.arguments, *store, "--set", "affinity.scale=0.8").code == 0
     (before,) = _open(stores[0]).pinned()
@@ -69,7 +69,7 @@ def test_a_run_may_be_named_as_status_names_it(evaluated_copy, moseg, stores):
     assert after in _open(evaluated_copy.store).pinned()
 
 
-def test_a_task_goes_with_its_inputs_and_is_kept(moseg, stores):
+def test_a_task_is_copied_with_its_inputs_and_pinned(moseg, stores):
     here, there = stores
     assert moseg("store", "pull", here, "--task", "linking", "--store", there, "--quiet").code == 0
     tasks = {ref.partition("/")[0] for ref in _open(there).refs()}
@@ -78,7 +78,7 @@ def test_a_task_goes_with_its_inputs_and_is_kept(moseg, stores):
     assert _open(there).gc(is_dry=False, grace_seconds=0).removed == ()
 
 
-def test_results_go_alone_where_asked(moseg, stores):
+def test_results_can_be_copied_without_their_inputs(moseg, stores):
     here, there = stores
     ran = moseg("store", "pull", here, "--task", "segmentation", "--no-inputs", "--store", there, "--quiet")
     assert ran.code == 0
@@ -86,14 +86,14 @@ def test_results_go_alone_where_asked(moseg, stores):
     assert _open(there).gc(is_dry=False, grace_seconds=0).removed == ()
 
 
-def test_keys_may_be_cut_short(moseg, stores):
+def test_keys_can_be_abbreviated(moseg, stores):
     here, there = stores
     (score,) = _open(here).refs("score")
     assert moseg("store", "push", there, score[:16], "--no-inputs", "--store", here, "--quiet").code == 0
     assert list(_open(there).refs()) == [score]
 
 
-def test_dry_tells_and_touches_nothing(moseg, stores):
+def test_dry_reports_and_changes_nothing(moseg, stores):
     here, there = stores
     ran = moseg("store", "push", there, "--dry", "--store", here)
     assert (ran.code, ran.err) == (0, "")
@@ -119,7 +119,7 @@ def test_progress_goes_to_standard_error(moseg, stores):
     assert len(ran.out.splitlines()) == 1
 
 
-def test_what_cannot_be_copied_is_one_line_and_makes_no_store(moseg, stores, tmp_path):
+def test_an_invalid_copy_is_one_line_and_creates_no_store(moseg, stores, tmp_path):
     here, there = stores
     push = ("store", "push", there, "--store", here)
     _bad(moseg(*push, "--run", "nobody"), "nobody")
@@ -136,7 +136,7 @@ def test_what_cannot_be_copied_is_one_line_and_makes_no_store(moseg, stores, tmp
     _bad(moseg("store", "push", tmp_path / "thesis", "--store", here), "thesis")
 
 
-def test_a_run_at_work_cannot_be_copied_as_a_finished_one(evaluated_copy, moseg, stores):
+def test_an_unfinished_run_cannot_be_copied(evaluated_copy, moseg, stores):
     store = _open(evaluated_copy.store)
     store.pin("live-one", list(store.refs("flow")), lease_seconds=600)
     _bad(moseg("store", "push", stores[1], "--run", "live-one", "--store", evaluated_copy.store), "live-one")
@@ -144,7 +144,7 @@ def test_a_run_at_work_cannot_be_copied_as_a_finished_one(evaluated_copy, moseg,
     assert "live-one" not in _open(stores[1]).pinned()
 
 
-def test_a_collection_at_the_target_during_a_copy_takes_nothing(moseg, stores, monkeypatch):
+def test_a_collection_at_the_target_during_a_copy_deletes_nothing(moseg, stores, monkeypatch):
     here, there = stores
     copy, collections = transfer.transfer, []
 

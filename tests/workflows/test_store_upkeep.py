@@ -1,4 +1,4 @@
-"""`moseg store verify` and `gc` beyond what test_cli.py shows of them: progress, and logs of ended runs."""
+"""`moseg store verify` and `gc` beyond the tests in test_cli.py: progress, and logs of ended runs."""
 
 import os
 
@@ -9,12 +9,12 @@ from moseg.store import open_store
 LONG_AGO = 1_000_000_000
 
 
-def test_verify_tells_its_progress_unless_quiet(evaluated, moseg):
-    told = moseg("store", "verify", "--store", evaluated.store)
+def test_verify_reports_its_progress_unless_quiet(evaluated, moseg):
+    loud = moseg("store", "verify", "--store", evaluated.store)
     quiet = moseg("store", "verify", "--quiet", "--store", evaluated.store)
-    assert "verified" in told.err
+    assert "verified" in loud.err
     assert quiet.err == ""
-    assert quiet.out == told.out
+    assert quiet.out == loud.out
 
 
 def test_an_artifact_that_vanishes_while_it_is_verified_is_skipped(evaluated_copy, moseg, monkeypatch):
@@ -28,7 +28,7 @@ def test_an_artifact_that_vanishes_while_it_is_verified_is_skipped(evaluated_cop
 
 @pytest.fixture
 def old_log(evaluated_copy):
-    """The log of a run that ended long ago: its name, in a store of the test's own."""
+    """Write the log of a run that ended long ago into a store of the test's own, and return its name."""
     store = open_store(str(evaluated_copy.store), create=False)
     store.append_log("20010909-old", b"{}\n")
     for path in (evaluated_copy.store / "logs" / "20010909-old").iterdir():
@@ -47,7 +47,7 @@ def test_gc_removes_old_logs_with_delete_only(evaluated_copy, moseg, old_log):
     assert set(store.logs()) == kept
 
 
-def test_gc_spares_logs_of_runs_at_work(evaluated_copy, moseg, old_log):
+def test_gc_keeps_logs_of_active_runs(evaluated_copy, moseg, old_log):
     store = open_store(str(evaluated_copy.store), create=False)
     store.pin(old_log, [], lease_seconds=600)
     assert moseg("store", "gc", "--delete", "--store", evaluated_copy.store).code == 0

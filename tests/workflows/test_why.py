@@ -1,11 +1,11 @@
-"""`moseg store why` follows inputs down to the parameter that made a miss."""
+"""`moseg store why` follows inputs down to the parameter that caused a miss."""
 
 import pytest
 
 
 @pytest.fixture
 def why(evaluated_copy, moseg):
-    """Evaluates with another setting; returns the answer for the new artifact of a task."""
+    """Return a function that evaluates with another setting and returns the answer for a task's new artifact."""
     store = ("--store", evaluated_copy.store)
 
     def ask(task, setting):
@@ -26,7 +26,7 @@ def test_a_parameter_of_the_affinity_is_named_from_every_task_above_it(why, task
 
 @pytest.mark.parametrize("task", ["proposals", "flow_residual", "segmentation", "score"])
 def test_a_parameter_of_the_first_stages_is_named_from_every_task_above_it(why, task):
-    """Not the number of the section, in which another section of the same run differs as little."""
+    """The section number, in which another section of the run differs as little, is not named."""
     answer = why(task, "saliency.floor=0.35")
     assert answer.splitlines()[-1] == "  params.floor: 0.35 here, 0.3 there"
 

@@ -1,4 +1,4 @@
-"""Of any number of calls only a window is held, and no call runs before those it waits for."""
+"""Only a window of the calls is submitted at a time, and no call runs before those that it waits for."""
 
 from itertools import count
 
@@ -13,7 +13,7 @@ WINDOW = 32
 
 @pytest.fixture(params=[0, 2], ids=["synchronous", "workers"])
 def runner(request, monkeypatch):
-    """A runner whose window is small."""
+    """Return a runner whose submission window is small."""
     monkeypatch.setattr(runners, "CALLS_AT_ONCE", WINDOW)
     monkeypatch.setattr(runners, "MIN_WINDOW", WINDOW)
     monkeypatch.setattr(runners, "CALLS_PER_THREAD", WINDOW // 2)
@@ -22,9 +22,9 @@ def runner(request, monkeypatch):
 
 
 def _calls(number, drawn, folder=None):
-    """Calls that wait for the one before and the tenth before; with a folder each writes a file."""
+    """Yield calls that wait for the one before and the tenth before; with a folder, each writes a file."""
 
-    # Workers cannot import this file; what is defined in a function travels as code.
+    # Workers cannot import this file; a function defined in a function is sent as code.
     def work(number):
         from pathlib import Path
 
@@ -39,7 +39,7 @@ def _calls(number, drawn, folder=None):
         yield Call(f"stage{i % 3}-{i}", work, (i,), tuple(f"stage{j % 3}-{j}" for j in (i - 10, i - 1) if j >= 0))
 
 
-def test_calls_are_drawn_as_there_is_room_and_run_in_order(runner, tmp_path):
+def test_calls_are_submitted_within_the_window_and_run_in_order(runner, tmp_path):
     drawn, found, ahead = [], {}, []
 
     def done(name, result):
@@ -51,7 +51,7 @@ def test_calls_are_drawn_as_there_is_room_and_run_in_order(runner, tmp_path):
     assert max(ahead) < WINDOW
 
 
-def test_an_endless_run_ends_with_its_first_error(runner):
+def test_an_endless_iterator_of_calls_ends_with_the_first_error(runner):
     def work(number):
         if number == 3 * 32:
             raise KeyError(number)
@@ -61,7 +61,7 @@ def test_an_endless_run_ends_with_its_first_error(runner):
     with pytest.raises(KeyError, match="96"):
         runner.run(calls, lambda name, result: done.append(name))
     assert "stage-96" not in done
-    # The runner is as good as before.
+    # The runner can be used again.
     runner.run([Call("stage-1", abs, (-1,))], lambda name, result: done.append(result))
     assert done[-1] == 1
 
@@ -74,7 +74,7 @@ def test_no_calls_start_no_workers(monkeypatch):
         assert runner.num_workers() == 2
 
 
-def test_the_scheduler_forgets_what_is_done(monkeypatch):
+def test_the_scheduler_forgets_finished_calls(monkeypatch):
     monkeypatch.setattr(runners, "MIN_WINDOW", WINDOW)
     monkeypatch.setattr(runners, "CALLS_PER_THREAD", WINDOW)
     sizes = []
@@ -89,7 +89,7 @@ def test_the_scheduler_forgets_what_is_done(monkeypatch):
         runner.run(_calls(400, []), look)
         scheduler = Client.current().cluster.scheduler
         assert len(sizes) == 4
-        # The window, and what it still waits for or has just been collected.
+        # The window, and the calls that it still waits for or that were just collected.
         assert max(tasks for tasks, _, _ in sizes) <= 3 * WINDOW
         assert max(futures for _, futures, _ in sizes) <= 3 * WINDOW
         assert max(prefixes for _, _, prefixes in sizes) <= 5

@@ -20,7 +20,7 @@ def _flow(number):
 
 
 class SlowStore:
-    """A local store whose puts wait for `gate`, and fail if `failure` is set."""
+    """Local store whose puts wait for `gate`, and fail if `failure` is set."""
 
     def __init__(self, root):
         self._store = LocalStore(root)

@@ -1,4 +1,4 @@
-"""The graph of a sequence, or of a clip of trajectories: from a sink back to what was decoded, every node a recipe."""
+"""The graph of a sequence, or of a clip of trajectories: recipes, from a sink back to the decoded leaves."""
 
 from moseg.workflows.graph.sequence_graph import SequenceGraph
 from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES, SequenceLeaves

@@ -1,14 +1,14 @@
-"""What moves, without learned weights: from the saliency of frames to the objects of sections on the working grid."""
+"""Moving objects without learned weights: from the saliency of frames to the sections' objects on the working grid."""
 
+from moseg.workflows.graph.cached_method import cached_method
 from moseg.workflows.graph.frame_cues import FrameCues
 from moseg.workflows.graph.nodes import Nodes
-from moseg.workflows.graph.once import once
 from moseg.workflows.graph.sections import Section
 from moseg.workflows.stages.accumulation import PASSES
 
 
 class Foreground:
-    """Writes the recipes of the foreground and its components, a section at a time."""
+    """Writer of the recipes of the foreground and its components, one section at a time."""
 
     def __init__(self, nodes: Nodes, cues: FrameCues, sections: tuple[Section, ...]):
         self._nodes = nodes
@@ -17,9 +17,9 @@ class Foreground:
         self._cues = cues
         self._sections = sections
 
-    @once
+    @cached_method
     def components(self, index: int) -> str:
-        """Reference of a section's objects, to the end of the frames that it shares with the next."""
+        """Return the reference of a section's objects, up to the end of the frames shared with the next section."""
         section = self._sections[index]
         frames = range(section.start, section.proposal_stop)
         inputs = {
@@ -30,7 +30,7 @@ class Foreground:
         return self._nodes.add("components", inputs, num_frames=len(frames))
 
     def foregrounds(self, index: int) -> tuple[str, ...]:
-        """References of the foreground of all frames that a section's objects are labelled in."""
+        """Return the references of the foreground of all frames in which a section's objects are labelled."""
         stop = self._sections[index].proposal_stop
         return tuple(
             self.foreground(other)
@@ -38,14 +38,16 @@ class Foreground:
             if section.start < stop
         )
 
-    @once
+    @cached_method
     def foreground(self, index: int) -> str:
-        """Reference of the probability to move of a section's pixels."""
-        reach = self._config.appearance.reach + 1  # the looks of both neighbours, of which each has its own reach
+        """Return the reference of the probability of motion of a section's pixels."""
+        reach = (
+            self._config.appearance.reach + 1
+        )  # the appearance of both neighbouring sections, each of which has its own reach
         first = max(index - reach, 0)
         near = range(first, min(index + reach + 1, len(self._sections)))
         start = self._sections[index].start
-        # Frames are counted from the first section that is read: a cut elsewhere in the video moves no key.
+        # Frames are counted from the first section that is read: a cut elsewhere in the video changes no key.
         place = {
             "start": start - self._sections[first].start,
             "centres": [self._centre(other) - self._sections[first].start for other in near],
@@ -54,21 +56,21 @@ class Foreground:
         inputs = {"appearance": tuple(self.appearance(other) for other in near), **self._accumulated(index)}
         return self._nodes.add("foreground", inputs, **place)
 
-    @once
+    @cached_method
     def appearance(self, index: int) -> str:
-        """Reference of the colours of a section's moving and static pixels."""
+        """Return the reference of the colours of a section's moving and static pixels."""
         section = self._sections[index]
         inputs = {"frames": self._leaves.frames[section.start : section.stop], **self._accumulated(index)}
         return self._nodes.add("appearance", inputs)
 
     def _accumulated(self, index: int) -> dict[str, str]:
-        """What both passes accumulate in a section: saliency, consistency and misfit."""
+        """Return the references of both passes over a section: of saliency and consistency, and of residuals."""
         return self._both("accumulation", self._accumulate, index) | self._both("coherence", self._cohere, index)
 
-    @once
+    @cached_method
     def _own_motion(self, index: int) -> str:
         section, num_frames = self._sections[index], len(self._leaves.frames)
-        # Only whether a neighbour is missing matters, not where in the video a section lies.
+        # The recipe depends on missing neighbours, not on the position of the section in the video.
         place = {
             "start": min(section.start, 1),
             "num_frames": min(section.start, 1) + min(num_frames, section.stop + 1) - section.start,
@@ -84,14 +86,14 @@ class Foreground:
         inputs = {"saliency": self._saliency(index), "own_motion": self._own_motion(index), **carried}
         return self._nodes.add("coherence", inputs, origin=origin)
 
-    @once
+    @cached_method
     def _consistency(self, index: int) -> str:
         section = self._sections[index]
         first, last = max(section.start - 1, 0), min(section.stop + 1, len(self._leaves.frames))
         inputs = {"saliency": tuple(self._cues.saliency(frame) for frame in range(first, last))}
         return self._nodes.add("consistency", inputs, first=section.start - first, last=section.stop - first)
 
-    @once
+    @cached_method
     def _saliency(self, index: int) -> tuple[str, ...]:
         section = self._sections[index]
         return tuple(self._cues.saliency(frame) for frame in range(section.start, section.stop))
@@ -101,12 +103,12 @@ class Foreground:
         return (section.start + section.stop - 1) / 2
 
     def _both(self, name: str, write, index: int) -> dict[str, str]:
-        """References of both passes of a section."""
+        """Return the references of both passes over a section."""
         return {f"{name}_{origin}": self._chain(name, write, origin)[index] for origin in PASSES}
 
-    @once
+    @cached_method
     def _chain(self, name: str, write, origin: str) -> tuple[str, ...]:
-        """References of one pass through all sections, each going on where the one before it left off."""
+        """Return the references of one pass over all sections, each of which continues the one before it."""
         order = range(len(self._sections)) if origin == "past" else reversed(range(len(self._sections)))
         refs: dict[int, str] = {}
         carried: dict[str, str] = {}

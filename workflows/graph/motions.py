@@ -2,17 +2,17 @@
 
 from collections.abc import Iterator
 
+from moseg.workflows.graph.cached_method import cached_method
 from moseg.workflows.graph.frame_cues import FrameCues
 from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.objects import Objects
-from moseg.workflows.graph.once import once
 from moseg.workflows.graph.sections import Section
 from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES
 from moseg.workflows.stages.affinity import BY_HYPOTHESES
 
 
 class Motions:
-    """Writes the recipes from cues and objects to affinities."""
+    """Writer of the recipes from cues and objects to affinities."""
 
     def __init__(self, nodes: Nodes, cues: FrameCues, objects: Objects, sections: tuple[Section, ...]):
         self._nodes = nodes
@@ -22,9 +22,9 @@ class Motions:
         self._objects = objects
         self._sections = sections
 
-    @once
+    @cached_method
     def affinity(self, view: str) -> str:
-        """Reference of the objects' affinity under one motion model."""
+        """Return the reference of the objects' affinity under one motion model."""
         method = self._config.affinity.method
         inputs = {}
         if method != "hypotheses":
@@ -33,23 +33,23 @@ class Motions:
             inputs["hypotheses"] = self.hypotheses(view)
         return self._nodes.add("affinity", inputs, view=view)
 
-    @once
+    @cached_method
     def residuals(self, view: str) -> tuple[str, ...]:
-        """References of the residuals of every section's frame pairs under the objects' models of one kind."""
+        """Return the references of the residuals of all sections' frame pairs under the objects' models of one kind."""
         if view == "trajs":
             return tuple(self._fundamental_residual(*pairs) for pairs in self._pairs(self._config.fundamental.gap))
         return tuple(self._flow_residual(index, num_pairs, view) for index, num_pairs, _ in self._pairs(1))
 
-    @once
+    @cached_method
     def hypotheses(self, view: str) -> tuple[str, ...]:
-        """References of the residuals of every section's frame pairs under many hypotheses of one kind of model."""
+        """Return the references of the residuals of all sections' frame pairs under many hypotheses of one model."""
         if view == "trajs":
             return tuple(self._track_hypotheses(*pairs) for pairs in self._pairs(self._config.fundamental.gap))
         return tuple(self._flow_hypotheses(index, num_pairs, view) for index, num_pairs, _ in self._pairs(1))
 
-    @once
+    @cached_method
     def tracks(self, index: int) -> str:
-        """Reference of a section's point tracks; they reach `gap` frames into the next section."""
+        """Return the reference of a section's point tracks, which continue `gap` frames into the next section."""
         section = self._sections[index]
         stop = min(section.stop + self._config.fundamental.gap, len(self._leaves.frames))
         proposals = self._objects.proposals(index)
@@ -62,7 +62,7 @@ class Motions:
         return self._nodes.add("tracks", inputs, num_frames=num_frames)
 
     def _pairs(self, gap: int) -> Iterator[tuple[int, int, int]]:
-        """Every section that has pairs of frames: its index, their number, and the frames between the two of a pair."""
+        """Yield, for every section with frame pairs, its index, the number of pairs, and their gap in frames."""
         num_frames = len(self._leaves.frames)
         gap = min(gap, num_frames - 1)
         for index, section in enumerate(self._sections):

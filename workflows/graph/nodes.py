@@ -1,4 +1,4 @@
-"""Nodes of a graph: the recipes written so far, and how a stage's recipe is written."""
+"""Nodes of a graph: the recipes written so far, and the writer of a stage's recipe."""
 
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
@@ -25,11 +25,11 @@ class Nodes:
         Parameters
         ----------
         inputs : dict of reference or tuple of references
-            By role, but for the weights.
+            By role, without the weights.
         method : str, optional
-            The configuration chooses it unless it is given.
+            By default the one that the configuration chooses.
         place
-            What the recipe says of the place in the sequence; see the stage's `Task.params`.
+            Parameters that depend on the place in the sequence; see the stage's `Task.params`.
         """
         if place:
             head, weights = self._head(stage, method, place)
@@ -42,7 +42,7 @@ class Nodes:
         return recipe.ref
 
     def required(self, leaf: str, option: str):
-        """Return a leaf that an option takes as given; raises InputError if the sequence lacks it."""
+        """Return a given leaf that an option needs; raises InputError if the sequence lacks it."""
         value = getattr(self.leaves, leaf)
         if value is None:
             raise InputError(
@@ -52,7 +52,7 @@ class Nodes:
         return value
 
     def _head(self, name: str, method: str | None, place: dict) -> tuple[Recipe, dict[str, str]]:
-        """Return a recipe without inputs, and the weights that are one of them."""
+        """Return a recipe without inputs, and its input of weights, if it has one."""
         stage = find_stage(name)
         task = stage.task(stage.chosen(self.config) if method is None else method)
         params = {"method": task.method, **task.params(self.config, **place)}

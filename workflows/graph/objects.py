@@ -1,14 +1,14 @@
-"""Objects: proposed in every section, with identities that last through the sequence."""
+"""Objects: proposals of every section, and their identities over the sequence."""
 
+from moseg.workflows.graph.cached_method import cached_method
 from moseg.workflows.graph.foreground import Foreground
 from moseg.workflows.graph.nodes import Nodes
-from moseg.workflows.graph.once import once
 from moseg.workflows.graph.sections import Section
 from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES
 
 
 class Objects:
-    """Writes the recipes of the objects of every section."""
+    """Writer of the recipes of the objects of every section."""
 
     def __init__(self, nodes: Nodes, foreground: Foreground, sections: tuple[Section, ...]):
         self._nodes = nodes
@@ -19,15 +19,15 @@ class Objects:
         self._proposals: list[str] = []
 
     def proposals(self, index: int) -> str:
-        """Reference of a section's object proposals."""
-        # In order, because a section starts with what was tracked into it.
+        """Return the reference of a section's object proposals."""
+        # In order, because a section starts with the objects that were tracked into it.
         while len(self._proposals) <= index:
             self._proposals.append(self._propose(len(self._proposals)))
         return self._proposals[index]
 
-    @once
+    @cached_method
     def linking(self) -> str:
-        """Reference of the identities of the sections' objects."""
+        """Return the reference of the identities of the sections' objects."""
         proposals = tuple(self.proposals(index) for index in range(len(self._sections)))
         if self._config.proposal_source != "saliency":
             return self._nodes.add("linking", {"proposals": proposals})
@@ -35,10 +35,10 @@ class Objects:
         return self._nodes.add("linking", {"proposals": proposals}, lengths=lengths)
 
     def labelled_until(self, index: int) -> int:
-        """End of the frames in which a section's objects are labelled."""
+        """Return the end of the frames in which a section's objects are labelled."""
         section = self._sections[index]
         if self._config.proposal_source == "detections":
-            # The next section takes up what was tracked into its first frame.
+            # The next section continues the objects that were tracked into its first frame.
             return min(section.stop + 1, len(self._leaves.frames))
         return section.proposal_stop
 
@@ -60,20 +60,20 @@ class Objects:
         return self._nodes.add("proposals", inputs)
 
     def _track_objects(self, index: int) -> str:
-        """A section's objects from the masks of its first frame on."""
+        """Return the reference of a section's objects, tracked from the masks of its first frame."""
         section = self._sections[index]
         frames = self._leaves.frames[section.start : self.labelled_until(index)]
         return self._nodes.add("proposals", {"frames": frames, "seeds": self._seeds(index)})
 
     def _seeds(self, index: int) -> str:
-        """What is found in a section's first frame, linked with what was tracked into it."""
+        """Return the reference of the objects of a section's first frame, linked with those tracked into it."""
         inputs = {"found": self._instances(self._sections[index].start)}
         if index:
             inputs["tracked"] = self.proposals(index - 1)
         return self._nodes.add("seeds", inputs)
 
     def _instances(self, frame: int) -> str:
-        """Reference of the objects that the networks find in one frame."""
+        """Return the reference of the objects that the networks find in one frame."""
         image = self._leaves.frames[frame]
         return self._nodes.add("instances", {"frame": image, "detections": self._detections(image)})
 

@@ -1,4 +1,4 @@
-"""Sections of a video: runs of `l` frames in which objects are proposed anew."""
+"""Sections of a video: runs of `l` frames with object proposals of their own."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ from moseg.schemas.configs import SectionParams
 
 
 class Section(NamedTuple):
-    """Frames start..stop belong to the section; its proposals reach to `proposal_stop` for linking with the next."""
+    """Section of the frames start..stop; its proposals extend to `proposal_stop`, for linking with the next section."""
 
     start: int
     stop: int
@@ -14,7 +14,7 @@ class Section(NamedTuple):
 
 
 def cut_sections(num_frames: int, params: SectionParams) -> tuple[Section, ...]:
-    """Sections of `params.length` frames that cover the video; the last one may be shorter."""
+    """Return sections of `params.length` frames that cover the video; the last one may be shorter."""
     sections = []
     for start in range(0, num_frames, params.length):
         stop = min(start + params.length, num_frames)

@@ -1,7 +1,7 @@
 """The sinks of a sequence's graph: scores, labels and motion groups of every variant.
 
-A `SequenceGraph` only writes recipes; it neither looks into the store nor computes. The same node asked for twice is
-the same recipe, whichever variant or run asks.
+A `SequenceGraph` only writes recipes; it neither reads the store nor computes. A node has the same recipe in every
+variant and run that needs it.
 """
 
 from moseg.schemas.configs import PipelineConfig, Variant
@@ -18,7 +18,7 @@ from moseg.workflows.graph.sequence_leaves import SequenceLeaves
 
 
 class SequenceGraph:
-    """Writes the recipes of one sequence under one configuration.
+    """Writer of the recipes of one sequence under one configuration.
 
     Attributes
     ----------
@@ -41,11 +41,11 @@ class SequenceGraph:
 
     @property
     def recipes(self) -> dict[str, Recipe]:
-        """Every recipe written so far, by reference."""
+        """Recipes written so far, by reference."""
         return self._nodes.recipes
 
     def score(self, variant: Variant) -> str:
-        """Reference of the variant's score."""
+        """Return the reference of the variant's score."""
         leaves, labels = self.leaves, {"segmentation": self.segmentations(variant)}
         if leaves.annotation is not None:
             inputs = {**labels, "annotation": leaves.annotation}
@@ -55,7 +55,7 @@ class SequenceGraph:
         raise InputError("no ground truth to score against", where=f"sequence {leaves.name}")
 
     def segmentations(self, variant: Variant) -> tuple[str, ...]:
-        """References of the labels of every section."""
+        """Return the references of the labels of all sections."""
         clustering = self.clustering(variant)
         refs = []
         for index, section in enumerate(self._sections):
@@ -67,7 +67,7 @@ class SequenceGraph:
         return tuple(refs)
 
     def clustering(self, variant: Variant) -> str | None:
-        """Reference of the motion groups; None for the variant that keeps every proposal."""
+        """Return the reference of the motion groups; None for the variant that keeps every proposal."""
         views = self._config.views(variant)
         if not views:
             return None
@@ -90,6 +90,6 @@ class SequenceGraph:
         return self._nodes.add("clustering", inputs, num_views=len(views), num_motions=found)
 
     def cues(self) -> tuple[str, ...]:
-        """References of the tracks and of the forward flow: what every motion model starts from."""
+        """Return the references of the tracks and of the forward flow, from which every motion model starts."""
         flows = (self.frame_cues.flow(frame, frame + 1) for frame in range(len(self.leaves.frames) - 1))
         return (*(self.motions.tracks(index) for index in range(len(self._sections))), *flows)

@@ -1,4 +1,4 @@
-"""Where the graph of a sequence ends: what came from outside."""
+"""Leaves of the graph of a sequence: its decoded content, given cues and weights."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -6,24 +6,24 @@ from typing import NamedTuple
 from moseg.schemas.recipes import Ref
 
 GIVEN_SOURCES = ("groundtruth", "folder")
-"""Methods of a stage that compute nothing: the data set or the user gives its result."""
+"""Methods of stages whose result the data set or the user gives."""
 
 
 class SequenceLeaves(NamedTuple):
-    """A sequence after ingest: references of its decoded content, and what the graph must know of it.
+    """A sequence after ingest: references of its decoded content, and the properties that the graph reads.
 
     Attributes
     ----------
     name : str
     shape : (int, int)
-        Height and width of the frames as analysed, px.
+        Height and width of the analysed frames, px.
     frames : tuple of references
     annotation : reference or None
         Ground truth at every pixel of the annotated frames.
     labelled_points : reference or None
-        Ground truth at points, where there is no annotation.
+        Ground truth at points, if there is no annotation.
     void : int or None
-        Annotated label that counts for neither side.
+        Annotated label of the pixels that are not scored.
     num_motions : int or None
         True number of motions, the background's included.
     masks, tracks : reference or None
@@ -31,9 +31,9 @@ class SequenceLeaves(NamedTuple):
     masks_void : int or None
         Label of the given proposals that is no object.
     depth, flow_forward, flow_backward : tuple of references or None
-        Given cues, one a frame or a frame pair.
+        Given cues, one per frame or frame pair.
     weights : dict of str to reference
-        The weights that the configuration's networks read, by name of their item.
+        The weights that the configuration's networks read, by the name of their item.
     """
 
     name: str

@@ -1,7 +1,7 @@
 """The graph of a clip of labelled trajectories: from a score back to the points.
 
-Like a `SequenceGraph` it only writes recipes. One artifact holds what a model gives for a whole clip: all pairs of
-frames stacked, for storing a pair alone would take longer than computing it.
+Like a `SequenceGraph` it only writes recipes. One artifact holds a model's results for a whole clip, with all frame
+pairs stacked, because storing a pair alone would take longer than computing it.
 """
 
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
@@ -13,7 +13,7 @@ from moseg.workflows.stages.trajectory_clustering import clustering_method
 
 
 class TrajectoryGraph:
-    """Writes the recipes of one clip under one configuration."""
+    """Writer of the recipes of one clip under one configuration."""
 
     def __init__(self, leaves: TrajectoryLeaves, config: PipelineConfig):
         self.leaves = leaves
@@ -22,17 +22,17 @@ class TrajectoryGraph:
 
     @property
     def recipes(self) -> dict[str, Recipe]:
-        """Every recipe written so far, by reference."""
+        """Recipes written so far, by reference."""
         return self._nodes.recipes
 
     def score(self, variant: TrajectoryVariant) -> str:
-        """Reference of the variant's score."""
+        """Return the reference of the variant's score."""
         inputs = {"clustering": self.clustering(variant), "labels": self.leaves.labels}
         return self._nodes.add("score", inputs, "trajectories")
 
     def clustering(self, variant: TrajectoryVariant) -> str:
-        """Reference of the motion groups."""
-        # In one order, from the least general to the most: the clustering tells views apart by their place.
+        """Return the reference of the motion groups."""
+        # In a fixed order, from the least general model to the most: the clustering identifies views by their position.
         models = sorted(self._config.point_models(variant), key=list(POINT_MODELS).index)
         motions = self._config.clustering.motions
         num_motions = self.leaves.num_motions if motions == "gt" else motions
@@ -43,14 +43,14 @@ class TrajectoryGraph:
         return self._nodes.add("trajectory_clustering", inputs, num_views=len(models), num_motions=found)
 
     def kernel(self, model: str) -> str:
-        """Reference of the affinity between trajectories under one model."""
+        """Return the reference of the affinity between trajectories under one model."""
         return self._nodes.add("kernel", {"residuals": self.residuals(model)})
 
     def residuals(self, model: str) -> str:
-        """Reference of every trajectory's distance to every hypothesis of one model."""
+        """Return the reference of the distances of all trajectories to all hypotheses of one model."""
         inputs = {"hypotheses": self.hypotheses(model), "trajectories": self.leaves.trajectories}
         return self._nodes.add("hypothesis_residual", inputs, model=model)
 
     def hypotheses(self, model: str) -> str:
-        """Reference of the hypotheses of one model; of what is written here they alone depend on the seed."""
+        """Return the reference of the hypotheses of one model; no other recipe of this graph reads the seed."""
         return self._nodes.add("hypotheses", {"trajectories": self.leaves.trajectories}, model=model)

@@ -1,4 +1,4 @@
-"""Where the graph of a clip of labelled trajectories ends."""
+"""Leaves of the graph of a clip of labelled trajectories."""
 
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ class TrajectoryLeaves(NamedTuple):
     name : str
     trajectories, labels : reference
     num_motions : int
-        Labels that occur: the true number of motions, the background's included.
+        Number of labels that occur: the true number of motions, the background's included.
     """
 
     name: str

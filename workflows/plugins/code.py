@@ -1,4 +1,4 @@
-"""Fingerprint of a plug-in's code, which stands in the keys of what the plug-in computes."""
+"""Fingerprint of a plug-in's code, which is part of the keys of the artifacts that the plug-in computes."""
 
 import sys
 from functools import cache
@@ -14,24 +14,24 @@ DIGEST_BYTES = 16
 
 
 def code_of_plugin(declared: object, caller: str) -> tuple[str, str]:
-    """Return the packages that an object comes from, and the fingerprint of their code.
+    """Return the packages that define an object, and the fingerprint of their code.
 
-    These are the caller's, those of the functions in the object, and those that hold the object in a variable, or in a
-    list or tuple of one: a script may register what it imports. Of a package every ``.py`` file counts, of a module
-    outside any package its file. A comment changes the fingerprint too: artifacts are computed anew more often than
-    needed, never too seldom.
+    These are the packages of the caller and of the functions in the object, and those that hold the object in a
+    variable, or in a list or tuple, because a script may register an object that it imports. The fingerprint covers
+    every ``.py`` file of a package, or the file of a module outside any package. A comment changes the fingerprint
+    too: artifacts are computed anew more often than needed, never too seldom.
 
     Parameters
     ----------
     declared : object
-        Such as `moseg.register` takes.
+        Object that `moseg.register` accepts.
     caller : str
         Name of the module that registers it.
 
     Raises
     ------
     InputError
-        The code lies in no file, as that of a notebook's cell.
+        The code is in no file, such as the code of a notebook's cell.
     """
     modules = {caller, type(declared).__module__, *_holders(declared)}
     task = getattr(declared, "task", None)
@@ -45,7 +45,7 @@ def code_of_plugin(declared: object, caller: str) -> tuple[str, str]:
 
 
 def _holders(declared: object) -> set[str]:
-    """Return the names of the modules with a variable that is, or lists, the object."""
+    """Return the names of the modules with a variable that is the object or a list of it."""
     found = set()
     for name, module in list(sys.modules.items()):
         if name.partition(".")[0] in sys.stdlib_module_names - {MAIN}:

@@ -1,4 +1,4 @@
-"""Loading: plug-ins of installed packages are registered once in each process."""
+"""Loading of the plug-ins of installed packages, once in each process."""
 
 from functools import cache
 from importlib.metadata import entry_points
@@ -12,12 +12,12 @@ GROUP = "moseg.plugins"
 
 @cache
 def load_plugins() -> None:
-    """Register what the entry points of the group ``moseg.plugins`` name: an object, or several in a tuple or list.
+    """Register the objects, or tuples and lists of them, that the entry points of the group ``moseg.plugins`` name.
 
     Raises
     ------
     InputError
-        A plug-in cannot be imported or registered; the line names its entry point.
+        A plug-in cannot be imported or registered; the message names its entry point.
     """
     found = entry_points(group=GROUP)
     if not found:
@@ -38,12 +38,12 @@ def load_plugins() -> None:
 
 
 def match_plugins(wanted: PluginSet, where: str) -> None:
-    """Bring this process to the plug-ins of another one.
+    """Register the plug-ins of another process in this one.
 
     Raises
     ------
     InputError
-        A plug-in that the other process has installed is missing here, or its code is another one.
+        A plug-in that the other process has installed is missing here, or has other code.
     """
     load_plugins()
     known = {entry.name for entry in entries}

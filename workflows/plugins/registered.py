@@ -1,21 +1,21 @@
-"""What plug-ins have registered in this process, and how worker processes get the same."""
+"""Declarations that plug-ins have registered in this process, and the set of them that workers receive."""
 
 from typing import Any, NamedTuple
 
 
 class Registered(NamedTuple):
-    """One declaration of a plug-in.
+    """Declaration of a plug-in.
 
     Attributes
     ----------
     declared : object
-        Such as `moseg.register` takes.
+        Object that `moseg.register` accepts.
     package : str
-        Top-level packages and modules that it comes from, separated by blanks.
+        Top-level packages and modules that define it, separated by blanks.
     code : str
         Fingerprint of their code.
     is_installed : bool
-        Whether an entry point names it, so that other processes find it by themselves.
+        Whether an entry point names it, so that other processes find it on their own.
     """
 
     declared: Any
@@ -25,21 +25,21 @@ class Registered(NamedTuple):
 
     @property
     def name(self) -> tuple[str, ...]:
-        """Package, kind and name of what is declared."""
+        """Package, kind and name of the declared object."""
         task = getattr(self.declared, "task", None)
         names = (self.declared.name,) if task is None else (task.name, task.method)
         return self.package, type(self.declared).__name__, *names
 
 
 class PluginSet:
-    """The plug-ins of a process, to be sent to others; two sets are equal if they hold the same code.
+    """Plug-ins of a process, to be sent to others; two sets are equal if they hold the same code.
 
     Attributes
     ----------
     codes : dict of str to str
         Fingerprint of every package.
     declared : tuple of Registered
-        Those that no entry point names.
+        Declarations that no entry point names.
     """
 
     def __init__(self, entries: tuple[Registered, ...]):
@@ -59,5 +59,5 @@ entries: list[Registered] = []
 
 
 def plugins_of_process() -> PluginSet:
-    """Return what is registered in this process."""
+    """Return the plug-ins that are registered in this process."""
     return PluginSet(tuple(entries))

@@ -1,4 +1,4 @@
-"""Registration: what a plug-in declares takes its place beside what this project has."""
+"""Registration of what a plug-in declares, beside what this project has."""
 
 import sys
 from dataclasses import replace
@@ -21,16 +21,16 @@ from moseg.workflows.stages.task import Task
 
 
 class Method(NamedTuple):
-    """A method of a stage: an affinity, a backend of flow, depth or tracks, a tagger, an outliner, a tracker.
+    """Method of a stage: an affinity, a backend of flow, depth or tracks, a tagger, an outliner, a tracker.
 
     Attributes
     ----------
     task : Task
-        Names the stage and the method, and computes it.
+        Task that names the stage and the method, and computes its result.
     about : str
-        In words, for `moseg backends`.
+        Description in words, for `moseg backends`.
     licence : str
-        Whose code it is, and its licence, for `moseg backends`.
+        Owner and licence of the code, for `moseg backends`.
     """
 
     task: Task
@@ -44,11 +44,11 @@ Declared = Method | FlowModel | PointModel | FrameLayout | TrajectoryLayout | Ex
 def register(*declared: Declared) -> None:
     """Add data sets, exports, motion models and methods of stages to those of this project.
 
-    They are then found by their names in options, configurations, help and completion. The keys of what a method or a
-    motion model computes contain the fingerprint of the code that it comes from (see `code_of_plugin`), so that a
-    change of the code computes its artifacts anew. What is registered already is left as it is. Worker processes get
-    what is registered here. A package that is always to be there names what it adds in an entry point of the group
-    ``moseg.plugins``.
+    Options, configurations, help and completion then accept their names. The keys of the artifacts of a method or a
+    motion model contain the fingerprint of its code (see `code_of_plugin`), so that a change of the code computes the
+    artifacts anew. An object that is registered already is left as it is. Worker processes receive the objects that are
+    registered here. A package that is to be registered in every process names its objects in an entry point of the
+    group ``moseg.plugins``.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def register(*declared: Declared) -> None:
     Raises
     ------
     InputError
-        A name is taken, a method belongs to no stage, the plug-in's code lies in no file, or an object is of none of
+        A name is taken, a method belongs to no stage, the plug-in's code is in no file, or an object is of none of
         these kinds.
 
     Examples
@@ -74,14 +74,14 @@ def register(*declared: Declared) -> None:
 
 
 def check_kind(declared: object, where: str) -> None:
-    """Raise InputError if an object is of no kind that can be registered."""
+    """Raise InputError unless an object is of a kind that can be registered."""
     if not isinstance(declared, Declared):
         expected = "a Method, a FlowModel, a PointModel, the layout of a data set, or an ExportFormat"
         raise InputError("nothing that a plug-in can add", where=where, got=repr(declared), expected=expected)
 
 
 def add_entry(entry: Registered) -> None:
-    """Add one declaration to those of this project; see `register`."""
+    """Add one declaration of a plug-in to this project's own; see `register`."""
     declared = entry.declared
     if isinstance(declared, Method):
         backend = Backend(declared.task.method, declared.about, declared.licence, declared.task.network)

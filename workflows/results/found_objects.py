@@ -10,18 +10,18 @@ from moseg.workflows.graph import SequenceGraph
 
 
 class FoundObjects(NamedTuple):
-    """Objects of a sequence by identity, static ones included.
+    """Objects of a sequence by identity, including static ones.
 
     Attributes
     ----------
     identities : tuple of int
-        Of the objects of the sequence from 1 on, the values of the labels' pixels.
+        Identities of the objects from 1 on, which are the pixel values of the labels.
     motions : dict of int to int
-        Motion group of each; 0 = static, with the background.
+        Motion group of each object; 0 = static, like the background.
     num_motions : int
-        Motion groups, the background's included.
+        Number of motion groups, including the background's.
     tags : dict of int to str
-        Names that networks gave them; empty where none did.
+        Names from the networks; empty without them.
     """
 
     identities: tuple[int, ...]
@@ -37,11 +37,11 @@ def found_refs(graph: SequenceGraph, variant: Variant) -> tuple[str, ...]:
 
 
 def read_identities(store: ArtifactStore, graph: SequenceGraph) -> tuple[tuple[int, ...], dict[int, str]]:
-    """Read the identities of the objects of a sequence from the store, and the names that networks gave them."""
+    """Read the identities of the objects of a sequence from the store, and their names from the networks."""
     linking = store.attributes(graph.objects.linking())
     identities = tuple(map(int, linking.get("given", range(1, linking["num_objects"]))))
     tags = dict(zip(identities, linking["tags"], strict=True)) if "tags" in linking else {}
-    # An empty tag: the detector found a box but no name.
+    # An empty tag is a box for which the detector found no name.
     return identities, {identity: tag for identity, tag in tags.items() if tag}
 
 

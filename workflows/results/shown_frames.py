@@ -13,13 +13,13 @@ from moseg.workflows.sources.resize import resize_labels
 
 
 def spread(num_items: int, num_chosen: int) -> tuple[int, ...]:
-    """Return positions of at most `num_chosen` of some items: the middles of equally long runs."""
+    """Return positions of at most `num_chosen` of some items: the middles of runs of equal length."""
     count = min(num_items, num_chosen)
     return tuple((2 * index + 1) * num_items // (2 * count) for index in range(count))
 
 
 def scored_frames(store: ArtifactStore, leaves: SequenceLeaves) -> Sequence[int]:
-    """Return the frames that are scored; all where there is no ground truth."""
+    """Return the frames that are scored; all frames if there is no ground truth."""
     if leaves.annotation is not None:
         return annotated_frames(store, leaves.annotation)
     if leaves.labelled_points is not None:
@@ -33,7 +33,7 @@ def annotated_frames(store: ArtifactStore, annotation: str) -> list[int]:
 
 
 def read_labelled_points(store: ArtifactStore, labelled_points: str) -> LabelledPoints:
-    """Return all labelled points of a sequence: an array is read whole, so once for all frames."""
+    """Return all labelled points of a sequence; an array is read whole, so call this once for all frames."""
     arrays = (store.read(labelled_points, name) for name in ("points", "visible", "labels"))
     return LabelledPoints(*arrays, tuple(store.attributes(labelled_points)["size"]))
 

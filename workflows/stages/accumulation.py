@@ -1,6 +1,6 @@
-"""Accumulation: saliency along the flow, in a pass from the past and one from the future, a section at a time.
+"""Accumulation of saliency along the flow, in a pass from the past and one from the future, section by section.
 
-A pass goes on where it left the section before, so that no frame is computed twice and no cut shows.
+A pass continues from the section before, so that no frame is computed twice and the cuts leave no seam.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 PASSES = ("past", "future")
-"""In the order of the flows' directions: to the previous and to the next frame."""
+"""Names of the passes, in the order of the flows' directions: to the previous and to the next frame."""
 
 
 def mean_of_passes(inputs: Inputs, role: str, name: str) -> np.ndarray:
@@ -42,7 +42,7 @@ def _run(params, inputs, rng):
         weight = memory_weight(to_float32(agreement), direction, accumulation_params)
         return np.dstack([weight, weight, np.full_like(weight, accumulation_params.memory)])
 
-    # A frame at a time: all of a section's at once would be the run's peak of memory.
+    # Frame by frame: all frames of a section at once would set the peak memory of the run.
     accumulated = accumulate(
         (see(*each) for each in zip(frames, consistency, strict=True)),
         pass_flows(frames, direction),
@@ -53,7 +53,7 @@ def _run(params, inputs, rng):
 
 
 def pass_direction(origin: str) -> tuple[int, slice]:
-    """Return the index of the flow to the frame before in a pass, and the order in which the pass visits the frames."""
+    """Return the index of the flow to a pass's preceding frame, and the order in which the pass visits the frames."""
     return PASSES.index(origin), slice(None) if origin == "past" else slice(None, None, -1)
 
 
@@ -65,7 +65,7 @@ def pass_flows(frames, direction: int):
 
 
 def carried_row(inputs: Inputs, name: str, origin: str) -> np.ndarray | None:
-    """Return what a pass carries on from the section before; None in its first section."""
+    """Return the array row with which a pass continues from the section before; None in its first section."""
     if "carried" not in inputs:
         return None
     row = inputs["carried"].shape(name)[0] - 1 if origin == "past" else 0

@@ -1,4 +1,4 @@
-"""Affinity: likeness of the motions of a sequence's objects under one motion model, and their support as static."""
+"""Affinity: similarity of the motions of a sequence's objects under one motion model, and their support as static."""
 
 import numpy as np
 
@@ -61,19 +61,19 @@ def _run_combined(params, inputs, rng):
 
 
 def _size_params(config: PipelineConfig, view: str) -> dict:
-    """Return what an affinity from residuals under the objects' own models reads."""
+    """Return the parameters that an affinity from residuals under the objects' own models reads."""
     unread = {"method", "ork_threshold", "ork_reading"} | _unread_of(view)
     return {"is_flow": view != "trajs", "affinity": config.affinity.model_dump(mode="json", exclude=unread)}
 
 
 def _ork_params(config: PipelineConfig, view: str) -> dict:
-    # Support for static has a scale also where the affinity has none.
+    # The support as static has a scale even if the affinity has none.
     unread = {"method", "direction"} | _unread_of(view)
     return {"is_flow": view != "trajs", "affinity": config.affinity.model_dump(mode="json", exclude=unread)}
 
 
 def _hypothesis_params(config: PipelineConfig, view: str) -> dict:
-    """Return what an affinity from preferences of hypotheses reads."""
+    """Return the parameters that an affinity from preferences of hypotheses reads."""
     names = PREFERENCE_PARAMS | CELL_PARAMS
     if view == "trajs":
         names -= {"noise_floor"}

@@ -11,7 +11,7 @@ from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 RATIO_PARAMS = frozenset({"smoothing", "floor", "doubt", "clip", "memory", "reach"})
-"""Read by the foreground alone, of the parameters of the appearance."""
+"""Parameters of the appearance that only the foreground reads."""
 
 
 def _run(params, inputs, rng):

@@ -1,4 +1,4 @@
-"""Background: which model the background's flow follows, chosen for a run of frames."""
+"""Background: model of the background's flow, chosen for a run of frames."""
 
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import SaliencyParams
@@ -6,17 +6,17 @@ from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 PAIRS_PARAMS = frozenset({"selection_length", "selection_step"})
-"""They only say which flows the selection reads."""
+"""Parameters that only choose the flows that the selection reads."""
 SELECTION_PARAMS = PAIRS_PARAMS | {
     *("background", "gric_noise", "gric_step", "focals", "focal_residual", "focal_slack"),
     *("ground_agreement", "ground_hint", "ground_tilt"),
 }
-"""Read by the selection alone, of the parameters of saliency."""
+"""Parameters of saliency that only the selection reads."""
 RESIDUAL_PARAMS = frozenset(
     {"ground_relief", "support_slope", "support_noise", "residual_blur", "floor", "floor_medians", "floor_motion"}
     | {"otsu_percentile", "outline_share", "outline_reach", "gate_blur", "gate_error", "strict_gate_error"}
 )
-"""Read by the saliency of a frame alone."""
+"""Parameters of saliency that only the saliency of a frame reads."""
 
 
 def _run(params, inputs, rng):
@@ -24,7 +24,7 @@ def _run(params, inputs, rng):
     from moseg.tasks.saliency import choose_background, reduce_flow, working_shape
 
     saliency_params = SaliencyParams.of_recipe(params)
-    # Given flow has gaps where its files know none; every pixel of a map needs some.
+    # Given flow has gaps where its files hold no value, but every pixel of a map needs flow.
     flows = [fill_unknown(pair.array("flow")) for pair in inputs.all("flows")]
     reduced = [reduce_flow(flow, working_shape(flow.shape[:2], saliency_params.working_side)) for flow in flows]
     return Output({}, choose_background(reduced, saliency_params)._asdict())

@@ -39,7 +39,7 @@ def _run(params, inputs, rng):
 
 
 def _params(config: PipelineConfig, num_views: int, num_motions: int | None) -> dict:
-    """Return what a clustering of so many views reads; `num_motions` is None where it has to be found."""
+    """Return the parameters that a clustering of so many views reads; `num_motions` is None if it has to be found."""
     params, is_auto = config.clustering, num_motions is None
     by_agreement = params.static == "agreement"
     if params.static == "auto":
@@ -68,7 +68,7 @@ STAGE = Stage(
     about="motion groups of a sequence's objects",
     inputs={
         "affinities": "affinity under every motion model",
-        "tracks": "tracks of every section, where the number of motions is found from them",
+        "tracks": "tracks of every section, if the number of motions is found from them",
         "linking": "identities of the objects, beside the tracks",
     },
     arrays={

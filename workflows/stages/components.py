@@ -1,4 +1,4 @@
-"""Components: objects of a section on the working grid, cut out of the foreground, split and rejoined by motion."""
+"""Components: objects of a section on the working grid, segmented from the foreground, split and merged by motion."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Consistency: how well the flows of a section's frames agree with those of their neighbours."""
+"""Consistency: agreement of the flows of a section's frames with those of their neighbours."""
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
@@ -7,7 +7,7 @@ from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 CONSISTENCY_PARAMS = frozenset({"consistency_relative", "consistency_absolute"})
-"""Read here alone, of the parameters of the accumulation."""
+"""Parameters of the accumulation that only this stage reads."""
 
 
 def _run(params, inputs, rng):

@@ -23,7 +23,7 @@ def read_pairs(params, inputs, fit_params: FlowModelParams):
         vectors = flow.cached("flow")
         read = (slice(None, None, fit_params.step),) * 2
         if not np.isfinite(vectors[read]).all():
-            # Given flow knows some pixels only, which may be just those that would be left out.
+            # Given flow may cover few pixels, and subsampling could leave out exactly those.
             read = (slice(None),) * 2
         rho = None if depth is None else np.ascontiguousarray(depth.array("inverse_depth")[read])
         yield np.ascontiguousarray(vectors[read]), rho, identity[mask[read]]

@@ -1,4 +1,4 @@
-"""Foreground: probability of each pixel of a section's frames to move on its own."""
+"""Foreground: probability that each pixel of a section's frames moves on its own."""
 
 import numpy as np
 
@@ -51,7 +51,7 @@ def _read_count(section):
 
 
 def _blend(look, centres, own, frame):
-    """Return what `look` gives, interpolated between the middles of two sections so that no cut between them shows."""
+    """Return the results of `look`, interpolated between the middles of two sections to avoid a step at the cut."""
     ratio0, usual0 = look(own)
     other = own + (1 if frame > centres[own] else -1)
     if frame == centres[own] or not 0 <= other < len(centres):

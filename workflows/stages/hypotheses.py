@@ -24,7 +24,7 @@ def _run(params, inputs, rng):
     hypothesis_params = HypothesisParams.of_recipe(params["hypotheses"])
     found = draw_hypotheses(*points_of(inputs), point_model_of(params), hypothesis_params, rng)
     shape = found.parameters.shape
-    # A matrix or a tensor: the store's layout has one axis for both.
+    # A parameter is a matrix or a tensor; the layout in the store has one axis for both.
     flat = found.parameters.reshape(*shape[:2], math.prod(shape[2:]))
     return Output({"parameters": flat, "frames": found.frames}, {"shape": list(shape[2:])})
 

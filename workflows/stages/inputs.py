@@ -1,4 +1,4 @@
-"""What a task's adapter reads: its recipe's inputs, fetched from the store when asked for."""
+"""Inputs of a recipe, which a task's adapter reads from the store on demand."""
 
 from collections.abc import Callable
 from typing import Protocol
@@ -13,7 +13,7 @@ ROWS_PER_READ = 16
 
 
 class ReadableStore(Protocol):
-    """What tasks need of an artifact store; see `store.ArtifactStore`."""
+    """Part of an artifact store that tasks use; see `store.ArtifactStore`."""
 
     url: str
 
@@ -27,7 +27,7 @@ class ReadableStore(Protocol):
 
 
 class ArtifactView:
-    """One stored artifact; its arrays are read on demand."""
+    """View of one stored artifact, whose arrays are read on demand."""
 
     def __init__(self, store: ReadableStore, ref: str):
         self._store = store
@@ -35,30 +35,30 @@ class ArtifactView:
 
     @property
     def ref(self) -> str:
-        """The artifact's reference."""
+        """Reference of the artifact."""
         return self._ref
 
     def array(self, name: str) -> np.ndarray:
-        """The whole array; read-only where this process has kept it."""
+        """Return the whole array; read-only if this process has cached it."""
         kept = ARRAYS.find(self._store.url, self._ref, name)
         return self._store.read(self._ref, name) if kept is None else kept
 
     def cached(self, name: str) -> np.ndarray:
-        """The whole array, read-only, kept in this process for the next task that reads it."""
+        """Return the whole array, read-only, and cache it in this process for the next task that reads it."""
         array = self.array(name)
         array.flags.writeable = False
         ARRAYS.keep(self._store.url, self._ref, {name: array})
         return array
 
     def rows(self, name: str, start: int, stop: int) -> np.ndarray:
-        """Rows start..stop of the leading axis; only their chunks are read. Read-only where the array is kept."""
+        """Return rows start..stop of the leading axis, reading only their chunks; read-only if the array is cached."""
         kept = ARRAYS.find(self._store.url, self._ref, name)
         if kept is None or not 0 <= start <= stop <= len(kept):
             return self._store.read_rows(self._ref, name, start, stop)
         return kept[start:stop]
 
     def row_reader(self, name: str) -> Callable[[int], np.ndarray]:
-        """A function from an index to that row of the leading axis; it reads a block at a time and keeps the last."""
+        """Return a function from an index to a row of the leading axis; it reads and keeps one block at a time."""
         length = self.shape(name)[0]
         block, start = None, -1
 
@@ -72,7 +72,7 @@ class ArtifactView:
         return row
 
     def shape(self, name: str) -> tuple[int, ...]:
-        """Shape of an array, without reading it."""
+        """Return the shape of an array without reading it."""
         return self._store.manifest(self._ref).array(name).shape
 
     @property
@@ -82,7 +82,7 @@ class ArtifactView:
 
 
 class Inputs:
-    """The inputs of one recipe by role."""
+    """Inputs of one recipe by role."""
 
     def __init__(self, store: ReadableStore, recipe: Recipe):
         self._store = store
@@ -92,12 +92,12 @@ class Inputs:
         return role in self._inputs
 
     def __getitem__(self, role: str) -> ArtifactView:
-        """The artifact of a role that has exactly one."""
+        """Return the artifact of a role that has exactly one."""
         ref = self._inputs[role]
         if not isinstance(ref, str):
             raise TypeError(f"role {role!r} lists several inputs")
         return ArtifactView(self._store, ref)
 
     def all(self, role: str) -> list[ArtifactView]:
-        """The artifacts of a role that lists several."""
+        """Return the artifacts of a role that lists several."""
         return [ArtifactView(self._store, ref) for ref in self._inputs[role]]

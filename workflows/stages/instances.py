@@ -44,7 +44,7 @@ def _sam_hq_params(config: PipelineConfig) -> dict:
 
 
 def _sam2_params(config: PipelineConfig) -> dict:
-    # The others are of the tracker.
+    # The other parameters are those of the tracker.
     network = config.sam2.model_dump(mode="json", exclude={"weights", "objects_per_pass", "memory_reach"})
     return {"sam2": network, "instances": config.instances.model_dump(mode="json")}
 

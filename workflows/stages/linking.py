@@ -1,4 +1,4 @@
-"""Linking: which object of the sequence each object of a section is."""
+"""Linking: identities in the sequence of the objects of its sections."""
 
 from itertools import pairwise
 
@@ -17,7 +17,7 @@ def _run_overlap(params, inputs, rng):
     sections = inputs.all("proposals")
     num_objects = [section.shape("scores")[0] for section in sections]
     overlaps = []
-    # The last section has no next one: its length is not used.
+    # The length of the last section is not used, because no section follows it.
     for index, (section0, section1) in enumerate(pairwise(sections)):
         length = params["lengths"][index]
         tail = section0.rows("masks", length, section0.shape("masks")[0])
@@ -54,6 +54,6 @@ STAGE = Stage(
     inputs={"proposals": "objects of every section"},
     arrays={"identity": layout("uint16", "section object", "object of the sequence, 0 = background")},
     tasks=(BY_OVERLAP, BY_IDENTITY),
-    # Only outlines of what moves are found anew in each section.
+    # Only proposals from saliency have no identities of their own from one section to the next.
     method=lambda config: "overlap" if config.proposal_source == "saliency" else "identity",
 )

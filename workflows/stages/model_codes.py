@@ -1,4 +1,4 @@
-"""Motion models in recipes: by name, and a model of a plug-in also by the fingerprint of its code."""
+"""Names of motion models in recipes, with the fingerprint of the code for a model of a plug-in."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -14,7 +14,7 @@ def set_model_code(kind: str, name: str, code: str) -> None:
 
 
 def model_params(kind: str, name: str) -> dict[str, str]:
-    """Return what a recipe says of a motion model; `kind` is ``flow`` or ``point``."""
+    """Return the parameters of a recipe that identify a motion model; `kind` is ``flow`` or ``point``."""
     code = _codes.get((kind, name))
     return {"model": name} if code is None else {"model": name, "model_code": code}
 

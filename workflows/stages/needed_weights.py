@@ -13,7 +13,7 @@ def needed_items(config: PipelineConfig) -> dict[str, str]:
     Raises
     ------
     InputError
-        One item is named for two networks.
+        One item is chosen for two networks.
     """
     items: dict[str, str] = {}
     for network in networks(config):

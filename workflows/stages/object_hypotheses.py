@@ -1,7 +1,7 @@
 """Object hypotheses: residuals of a section's objects, and of its background's cells, under many drawn motions.
 
-The pairs of a section are stacked in one artifact. Nodes are the sequence's objects, the background first, which as a
-whole takes no part, then the background's cells.
+The pairs of a section are stacked in one artifact. Its nodes are the objects of the sequence, of which the
+first, the whole background, is not used, and then the cells of the background.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ from moseg.workflows.stages.task import Output, Task
 CELL_PARAMS = frozenset({"background_rows", "background_columns"})
 PATCH_PARAMS = frozenset({"block", "min_patch", "elongation"})
 PREFERENCE_PARAMS = frozenset({"window", "noise_floor", "scale_quantile"})
-"""Read by the affinity, not here."""
+"""Parameters that only the affinity reads."""
 
 
 def _run_flow(params, inputs, rng):

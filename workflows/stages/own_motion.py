@@ -1,4 +1,4 @@
-"""Own motion: how far each pixel of a section's frames deviates from the motion of what is salient."""
+"""Own motion: deviation of each pixel of a section's frames from the motion of what is salient."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 EVIDENCE_PARAMS = frozenset({"threshold", "sharpness"})
-"""How saliency becomes a probability to move, of the parameters of the foreground."""
+"""Parameters of the foreground that convert saliency into a probability of motion."""
 
 
 def _run(params, inputs, rng):

@@ -1,4 +1,4 @@
-"""Proposals: objects of a section, outlined where something moves, tracked from its first frame, or given."""
+"""Proposals: objects of a section, segmented by motion, tracked from its first frame, or given."""
 
 import numpy as np
 
@@ -34,7 +34,7 @@ def _run_given(params, inputs, rng):
     from moseg.tasks.proposals.given import relabel_masks
     from moseg.workflows.sources.resize import resize_labels
 
-    # A frame without a given mask shows no object.
+    # A frame without a given mask has no object.
     given = np.zeros((params["stop"] - params["start"], *params["shape"]), np.uint16)
     for row, frame in enumerate(inputs["masks"].attributes["indices"]):
         if params["start"] <= frame < params["stop"]:
@@ -96,7 +96,7 @@ def _deaot_params(config: PipelineConfig) -> dict:
 
 
 def _sam2_params(config: PipelineConfig) -> dict:
-    # The other is of the masks of boxes.
+    # The other parameter belongs to the masks of boxes.
     return {"sam2": config.sam2.model_dump(mode="json", exclude={"weights", "boxes_per_pass"})}
 
 

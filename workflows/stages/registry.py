@@ -1,4 +1,4 @@
-"""Registry of the stages, in the order in which a run comes to them, and of what plug-ins add to them."""
+"""Registry of the stages, in the order of a run, and of the methods that plug-ins add to them."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -102,7 +102,7 @@ def add_method(name: str, task: Task, backend: Backend) -> None:
 
 
 def names_of(parameter: str) -> tuple[str, ...]:
-    """Return the names that a parameter may have: methods of a stage, or motion models."""
+    """Return the values that a parameter accepts: names of a stage's methods, or of motion models."""
     if parameter == "fused_flow_model":
         from moseg.tasks.motion_models import FLOW_MODELS
 
@@ -122,15 +122,15 @@ def _names_of_weights(parameter: str) -> tuple[str, ...]:
 
 
 def artifact_names() -> tuple[str, ...]:
-    """Return the names of what an artifact can be: leaves of what was decoded, then stages."""
+    """Return the names of all kinds of artifacts: decoded leaves, then stages."""
     return (*LEAF_LAYOUTS, *STAGES)
 
 
 def layouts_of(name: str) -> Mapping[str, ArrayLayout]:
-    """Return the layouts of the arrays of a stage, or of what ingest decodes; none if the name is of neither."""
+    """Return the layouts of the arrays of a stage or a decoded leaf; none for any other name."""
     return STAGES[name].arrays if name in STAGES else LEAF_LAYOUTS.get(name, {})
 
 
 def axes_of(name: str, arrays: Mapping[str, np.ndarray]) -> dict[str, tuple[str, ...]]:
-    """Return the axis names of a stage's, or a leaf's, arrays; raises StoreError if they do not have its layouts."""
+    """Return the axis names of the arrays of a stage or leaf; raises StoreError if they do not have its layouts."""
     return check_arrays(name, arrays, layouts_of(name))

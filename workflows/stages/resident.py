@@ -1,4 +1,4 @@
-"""The one network that a process keeps: loaded when a task first asks for it, given up when a task asks for another."""
+"""The network that a process keeps: loaded for the first task that runs it, released for a task that runs another."""
 
 import gc
 import os
@@ -14,12 +14,12 @@ Network = TypeVar("Network")
 
 _RESIDENT: list[tuple[tuple[str, str, str], object]] = []
 _IN_USE = threading.RLock()
-"""A worker of another cluster may have several threads; there is one network for all of them."""
+"""Lock for the workers of other clusters, which may have several threads that share the network."""
 
 
 @contextmanager
 def open_network(build: Callable[..., Network], weights: ArtifactView) -> Iterator[Network]:
-    """The network that `build` makes of a checkpoint, on this process's device and ready to run.
+    """Open the network that `build` makes of a checkpoint, on this process's device and ready to run.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def open_network(build: Callable[..., Network], weights: ArtifactView) -> Iterat
     wanted = (weights.ref, f"{build.__module__}.{build.__qualname__}", str(device))
     with _IN_USE:
         if not _RESIDENT or _RESIDENT[0][0] != wanted:
-            # Given up first: two networks at once may not fit.
+            # Released first, because the memory may not hold two networks.
             _RESIDENT.clear()
             gc.collect()
             _RESIDENT.append((wanted, _load(build, weights).to(device)))
@@ -49,12 +49,12 @@ def _load(build: Callable[..., Network], weights: ArtifactView) -> Network:
     from moseg.workflows.weights.folder import open_weights
 
     leaf = weights.attributes
-    # What a task reads was fetched before the tasks were started; a worker never uses the network.
+    # The weights were fetched before the tasks started; a worker never downloads.
     folder = open_weights(os.environ, offline=True, allow_non_commercial=True)
     item = folder.item(leaf["item"]).model_copy(update={"config": leaf["config"]})
     return build(folder.read(item, leaf["files"]))
 
 
 def made_on() -> dict[str, str]:
-    """What a network's result remembers of its making: it is no part of the key, and other devices round otherwise."""
+    """Return the attributes that record where a network ran: devices round differently, and the key omits them."""
     return {"device": str(current_device())}

@@ -1,4 +1,4 @@
-"""Saliency: how far a frame's flow departs from that of the background."""
+"""Saliency: deviation of a frame's flow from that of the background."""
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig

@@ -1,4 +1,4 @@
-"""Score: labels against ground truth, which is annotated masks, labelled points, or labelled trajectories."""
+"""Score of labels against ground truth: annotated masks, labelled points, or labelled trajectories."""
 
 from functools import partial
 

@@ -1,4 +1,4 @@
-"""Seeds: objects with which the tracking of a section starts, found in its first frame or tracked into it."""
+"""Seeds: objects from which the tracking of a section starts, found in its first frame or tracked into it."""
 
 import numpy as np
 

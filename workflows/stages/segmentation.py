@@ -1,4 +1,4 @@
-"""Segmentation: labels of a section, 0 where static, else the moving object's identity or its label in given masks."""
+"""Segmentation: labels of a section, 0 if static, else the moving object's identity or its label in given masks."""
 
 import numpy as np
 
@@ -20,7 +20,7 @@ def _run(params, inputs, rng):
     label = np.where(moves[identity], names[identity], 0)
     masks = inputs["proposals"].cached("masks")[: params["num_frames"]]
     labels = np.empty(masks.shape, np.uint16)
-    # Frame by frame: NumPy converts labels that index an array to integers of four times their size.
+    # Frame by frame, because NumPy converts labels that index an array to integers of four times their size.
     for mask, out in zip(masks, labels, strict=True):
         out[:] = label[mask]
     return Output({"labels": labels})

@@ -1,4 +1,4 @@
-"""Stage: what it computes, from which inputs, which arrays it leaves, and the methods that it can be computed by."""
+"""Stage: its result, inputs and arrays, and the methods that compute it."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -15,20 +15,20 @@ TRANSFORMERS = "transformers, Apache-2.0"
 
 
 class Backend(NamedTuple):
-    """A line of `moseg backends`: one way to get the result of a stage.
+    """Backend: one way to get the result of a stage, and its line in `moseg backends`.
 
     Attributes
     ----------
     method : str
         Value of the parameter that chooses it.
     what : str
-        In words.
+        Description in words.
     code : str
-        Whose code computes it, and its licence.
+        Owner and licence of the code that computes it.
     network : Network or None
         None if it takes no weights.
     option : str
-        Chooses it on the command line, if this is not the stage's option with the method.
+        Option that chooses it on the command line, if it is not the stage's option with the method.
     """
 
     method: str
@@ -39,16 +39,16 @@ class Backend(NamedTuple):
 
 
 class Choice(NamedTuple):
-    """A parameter that chooses between the methods of a stage.
+    """Parameter that chooses between the methods of a stage.
 
     Attributes
     ----------
     name : str
-        In `moseg backends`.
+        Name in `moseg backends`.
     parameter : str
         ``stage.name``, as ``--set`` takes it; empty if there is nothing to choose.
     option : str
-        Of the command line.
+        Option of the command line.
     backends : tuple of Backend
     """
 
@@ -58,13 +58,13 @@ class Choice(NamedTuple):
     backends: tuple[Backend, ...]
 
     def option_of(self, backend: Backend) -> str:
-        """Return how a backend is chosen on the command line."""
+        """Return the option that chooses a backend on the command line."""
         path = ":PATH" if backend.method == "folder" else ""
         return backend.option or f"{self.option} {backend.method}{path}"
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Values of the parameter."""
+        """Values that the parameter accepts."""
         return tuple(backend.method for backend in self.backends if not backend.option)
 
 
@@ -75,17 +75,17 @@ class Stage:
     Attributes
     ----------
     name : str
-        In recipes, references and keys.
+        Name in recipes, references and keys.
     about : str
-        What one artifact of it is, in a line.
+        Description of one of its artifacts, in a line.
     inputs : mapping of str to str
-        What each role holds; a role that a method does not read is left out of its recipe.
+        Description of each role; a recipe leaves out the roles that its method does not read.
     arrays : mapping of str to ArrayLayout
-        What an artifact holds.
+        Arrays of an artifact.
     tasks : tuple of Task
         One for each method.
     method : function, optional
-        Returns the method that a `PipelineConfig` chooses; not needed for a stage of a single one.
+        Function that returns the method that a `PipelineConfig` chooses; not needed for a stage with one method.
     choices : tuple of Choice
         Parameters that choose the method.
     """
@@ -99,7 +99,7 @@ class Stage:
     choices: tuple[Choice, ...] = ()
 
     def chosen(self, config: PipelineConfig) -> str | None:
-        """Return the method that a configuration chooses; None if nothing is computed under it."""
+        """Return the method that a configuration chooses; None if it chooses to compute nothing."""
         return self.tasks[0].method if self.method is None else self.method(config)
 
     def task(self, method: str) -> Task:

@@ -1,4 +1,4 @@
-"""Task: one method of one stage, from the parameters that it reads to the arrays that it leaves."""
+"""Task: one method of one stage, from the parameters that it reads to its output."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -23,16 +23,16 @@ RunTogether = Callable[[Mapping[str, Any], Sequence[Inputs]], Sequence[Output]]
 
 
 class Network(NamedTuple):
-    """The network that a task runs.
+    """Network that a task runs.
 
     Attributes
     ----------
     architecture : str
-        Of the weights that it takes.
+        Architecture of the weights that it takes.
     parameter : str
         ``stage.name`` of the parameter that names the weights item.
     default : str
-        Item that is read if the parameter names none.
+        Item that is read if the parameter is empty.
     documents : tuple of str
         Files of the weights from which the network is built, in addition to its tensors.
     """
@@ -49,7 +49,7 @@ class Network(NamedTuple):
 
 
 def no_params(config: PipelineConfig) -> dict:
-    """Return the parameters of a task that reads none."""
+    """Return the empty parameters of a task that reads none."""
     return {}
 
 
@@ -60,23 +60,23 @@ class Task:
     Attributes
     ----------
     name, method : str
-        Stage and method, as they stand in the recipe.
+        Stage and method, as in the recipe.
     version : int
-        Raised whenever the code behind the task may give other bytes; a test compares it with a digest of the code.
+        Increased whenever the code of the task may give other bytes; a test compares it with a digest of the code.
     run : function, optional
         Takes the recipe's parameters, its inputs and a generator seeded by the recipe.
     run_together : function, optional
-        In place of `run`, for a task that draws no random numbers: takes the inputs of several recipes that have the
-        same parameters.
+        Replaces `run` in a task that draws no random numbers: takes the inputs of several recipes with the same
+        parameters.
     params : function
-        Returns what the recipe names of a `PipelineConfig`: exactly the parameters that the task reads. The graph gives
-        it, by keyword, what depends on the place in the sequence.
+        Returns the parameters of the recipe from a `PipelineConfig`: exactly those that the task reads. The graph
+        passes by keyword what depends on the place in the sequence.
     network : Network, optional
-        The weights are the input ``weights`` then.
+        Its weights are the input ``weights``.
     is_cheap : bool
-        Computing one frame takes a fraction of a second, so that several recipes share a call.
+        Whether one frame takes a fraction of a second, so that several recipes share a call.
     code : str, optional
-        Fingerprint of the plug-in that the task comes from, set when it is registered; it stands in the recipes.
+        Fingerprint of the plug-in that defines the task, set when it is registered; part of the recipes.
     """
 
     name: str
@@ -97,7 +97,7 @@ class Task:
         Raises
         ------
         InputError
-            The recipe was written for other code of the plug-in than this process has.
+            The recipe was written for a version of the plug-in's code that this process does not have.
         """
         params = dict(params)
         if self.code is not None and (wanted := params.pop("code", None)) != self.code:

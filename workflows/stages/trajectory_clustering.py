@@ -33,12 +33,12 @@ def _run(params, inputs, rng):
 
 
 def clustering_method(config: PipelineConfig, num_views: int) -> str:
-    """Return how so many views are clustered; a single one as published: spectral clustering of its kernel."""
+    """Return the method for so many views; for one, spectral clustering of its kernel, as published."""
     return config.trajectory_clustering.method if num_views > 1 else "sum"
 
 
 def _params(config: PipelineConfig, num_views: int, num_motions: int | None) -> dict:
-    """Return what a clustering of so many views reads; `num_motions` is None where it has to be found."""
+    """Return the parameters that a clustering of so many views reads; `num_motions` is None if it has to be found."""
     params, is_auto = config.trajectory_clustering, num_motions is None
     method = clustering_method(config, num_views)
     unread = set() if is_auto else {"most_motions", "auto", "separate"}
@@ -46,7 +46,7 @@ def _params(config: PipelineConfig, num_views: int, num_motions: int | None) -> 
         unread.add("separation")
     counts = COUNT_READS.get(params.auto, frozenset()) - {"most_motions"} if is_auto else frozenset()
     if params.auto == "stability":
-        # Draws of hypotheses are the resamples.
+        # The draws of hypotheses serve as resamples.
         counts &= {"least_agreement"}
     if method != "coregularised":
         unread |= {"co_regularisation", "num_iterations", "tolerance"}

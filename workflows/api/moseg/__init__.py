@@ -1,4 +1,4 @@
-"""Zero-shot monocular motion segmentation: which pixels of a video move on their own.
+"""Zero-shot monocular motion segmentation: labels of the pixels of a video that move on their own.
 
     import moseg
 
@@ -7,7 +7,7 @@
     report = moseg.evaluate("synthetic")
     report.rows[0].mean.F  # percent
 
-What is here is imported when it is first used, so that ``import moseg`` itself costs nothing.
+Each name is imported when it is first used, so that ``import moseg`` itself is fast.
 """
 
 from collections.abc import Iterable
@@ -76,12 +76,12 @@ _HOMES = {
 
 
 def _find_names(parameter: str) -> Iterable[str]:
-    """Return the names of methods or models that a parameter may have, those of plug-ins among them."""
+    """Return the names of the methods or models that a parameter accepts, including those of plug-ins."""
     import_module("moseg.workflows.plugins.loading").load_plugins()
     return import_module("moseg.workflows.stages.registry").names_of(parameter)
 
 
-# Before any room is imported: it is where a parameter's value is checked.
+# Before any other package is imported, because the values of parameters are checked there.
 find_names_by(_find_names)
 
 

@@ -1,4 +1,4 @@
-"""Writing each node once, however many others read it."""
+"""A decorator for methods whose result is computed once for each set of arguments."""
 
 from collections.abc import Callable
 from functools import wraps
@@ -7,19 +7,19 @@ from typing import TypeVar
 Method = TypeVar("Method", bound=Callable)
 
 
-def once(method: Method) -> Method:
-    """The method, remembering on its object what it gave for the same arguments.
+def cached_method(method: Method) -> Method:
+    """Return the method with a cache, kept on its object, of the results by arguments.
 
-    A frame's flow is read by a dozen nodes; to write its recipe for each of them took most of the time of a plan.
+    A dozen nodes read a frame's flow; writing its recipe for each of them took most of the time of a plan.
     """
     name = method.__name__
 
     @wraps(method)
-    def remembered(self, *arguments):
+    def cached(self, *arguments):
         written = self.__dict__.setdefault("_written", {})
         entry = (name, *arguments)
         if entry not in written:
             written[entry] = method(self, *arguments)
         return written[entry]
 
-    return remembered
+    return cached
