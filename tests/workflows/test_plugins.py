@@ -1,5 +1,6 @@
 """Plug-ins of a package or a script: found by name in all commands, with their code in the keys."""
 
+import json
 import os
 import subprocess
 import sys
@@ -82,6 +83,19 @@ if __name__ == "__main__":
 
     main()
 """
+# Runs each of several commands and prints their exit codes and outputs as JSON.
+RUN_ALL = """
+import contextlib, io, json, sys
+from moseg.workflows.cli.app import run
+
+results = []
+for words in json.loads(sys.argv[1]):
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = run(words)
+    results.append([code, out.getvalue(), err.getvalue()])
+print(json.dumps(results))
+"""
 CUES = ("--set", "sections.length=4", "--set", "sections.overlap=2")
 
 
@@ -99,14 +113,15 @@ def site(tmp_path) -> Path:
 
 @pytest.fixture
 def run_with(site, tmp_path):
-    """Return a function that runs `moseg` in its own process with `site` and returns exit code and output."""
+    """Return a function that runs commands in one process with `site` and returns code and output of each."""
 
-    def call(*words: object, script: Path | None = None) -> tuple[int, str, str]:
-        start = ["-c", "from moseg.workflows.cli import main; main()"] if script is None else [str(script)]
+    def call(*commands: tuple) -> list[tuple[int, str, str]]:
         environ = os.environ | {"PYTHONPATH": str(site), "COLUMNS": "200", "_TYPER_FORCE_DISABLE_TERMINAL": "1"}
-        command = [sys.executable, *start, *map(str, words)]
-        ran = subprocess.run(command, env=environ, cwd=tmp_path, capture_output=True, text=True, check=False)
-        return ran.returncode, ran.stdout, ran.stderr
+        words = json.dumps([list(map(str, command)) for command in commands])
+        start = [sys.executable, "-c", RUN_ALL, words]
+        ran = subprocess.run(start, env=environ, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert ran.returncode == 0, ran.stderr
+        return json.loads(ran.stdout)
 
     return call
 
@@ -117,45 +132,56 @@ def _recipe(store: Path, task: str):
 
 
 def test_an_installed_package_is_found_by_every_command(run_with):
-    assert "--flow farneback" in run_with("backends")[1] and "mean of residuals" in run_with("backends")[1]
-    assert "nova-set" in run_with("datasets")[1]
-    code, _, err = run_with("eval", "--flow", "nonsense")
-    assert code == 2 and "'folder' or 'farneback'" in err
-    assert "farneback" in run_with("config", "show", "flow.method")[1]
-    assert "or nova-mean" in run_with("eval", "--help")[1] and "npz or count" in run_with("export", "--help")[1]
+    commands = (
+        "backends",
+        "datasets",
+        "eval --flow nonsense",
+        "config show flow.method",
+        "eval --help",
+        "export --help",
+    )
+    backends, datasets, refused, shown, evaluation, export = run_with(*(command.split() for command in commands))
+    assert "--flow farneback" in backends[1] and "mean of residuals" in backends[1]
+    assert "nova-set" in datasets[1]
+    assert refused[0] == 2 and "'folder' or 'farneback'" in refused[2]
+    assert "farneback" in shown[1]
+    assert "or nova-mean" in evaluation[1] and "npz or count" in export[1]
 
 
 def test_a_method_and_a_model_are_computed_and_their_code_is_part_of_the_keys(run_with, site, squares, tmp_path):
     store = tmp_path / "store"
     data = ("--dataset", "folder", "--root", squares, "--store", store, *CUES)
     chosen = ("--flow", "farneback", "--affinity", "nova-mean", "--set", "fused_flow_model=shift")
-    code, _, err = run_with("eval", *data, *chosen, "--quiet")
+    (code, _, err), (_, planned, _) = run_with(("eval", *data, *chosen, "--quiet"), ("plan", *data, *chosen))
     assert code == 0, err
     flow, model = _recipe(store, "flow"), _recipe(store, "flow_model")
     assert flow.params["method"] == "farneback" and len(flow.params["code"]) == 32
     assert model.params["model"] == "shift" and model.params["model_code"] == flow.params["code"]
-    assert "\n0 artifacts to compute" in run_with("plan", *data, *chosen)[1]
+    assert "\n0 artifacts to compute" in planned
     path = site / "nova" / "__init__.py"
     path.write_text(path.read_text() + "# Changed.\n")
-    planned = run_with("plan", *data, *chosen)[1]
+    ((_, planned, _),) = run_with(("plan", *data, *chosen))
     assert "\n0 artifacts to compute" not in planned and "flow" in planned
     # Artifacts that do not read it are unchanged.
     assert "code" not in _recipe(store, "tracks").params
 
 
-def test_a_script_registers_for_worker_processes_too(run_with, site, squares, tmp_path):
+def test_a_script_registers_for_worker_processes_too(site, squares, tmp_path):
     (site / "nova-1.0.dist-info" / "entry_points.txt").unlink()
     script = tmp_path / "script.py"
     script.write_text(SCRIPT)
     words = ("eval", "--dataset", "folder", "--root", squares, "--store", tmp_path / "store", *CUES)
-    code, _, err = run_with(*words, "--flow", "farneback", "--workers", "1", "--quiet", script=script)
-    assert code == 0, err
-    assert run_with(*words, "--flow", "farneback")[0] == 2
+    command = [sys.executable, script, *words, "--flow", "farneback", "--workers", "1", "--quiet"]
+    environ = os.environ | {"PYTHONPATH": str(site)}
+    ran = subprocess.run([*map(str, command)], env=environ, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stderr
+    assert len(_recipe(tmp_path / "store", "flow").params["code"]) == 32
 
 
 def test_an_export_of_a_plug_in_is_written(run_with, squares, tmp_path):
     video = squares / "squares" / "frames"
-    code, _, err = run_with("segment", video, "--out", tmp_path / "out", "--export", "count", *CUES, "--quiet")
+    command = ("segment", video, "--out", tmp_path / "out", "--export", "count", *CUES, "--quiet")
+    ((code, _, err),) = run_with(command)
     assert code == 0, err
     assert (tmp_path / "out" / "count" / "count.txt").read_text() == "10\n"
 
@@ -172,5 +198,5 @@ def test_an_export_of_a_plug_in_is_written(run_with, squares, tmp_path):
 )
 def test_an_invalid_plug_in_is_rejected_in_one_line(run_with, site, text, message):
     (site / "nova" / "__init__.py").write_text(text)
-    code, _, err = run_with("backends")
+    ((code, _, err),) = run_with(["--version"])
     assert code == 2 and message in err and len(err.splitlines()) == 1
