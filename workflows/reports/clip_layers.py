@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
 from moseg.store import ArtifactStore
@@ -93,6 +92,9 @@ def clip_extent(points: np.ndarray, visible: np.ndarray) -> tuple[int, int]:
 
 def match_groups(predicted: np.ndarray, truth: np.ndarray) -> dict[int, int]:
     """Return the label of each matched group, by the matching that `clustering_error` scores; integers (N,) both."""
+    # Here, because other reports and evaluations do not need SciPy.
+    from scipy.optimize import linear_sum_assignment
+
     # `clustering_error` returns only a count. Sharing the matching would change the code that is in the keys of scores;
     # a test compares the two.
     groups, group_index = np.unique(predicted, return_inverse=True)
