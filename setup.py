@@ -1,4 +1,4 @@
-"""Where the packages below `moseg` lie: each is a folder at the top of the checkout."""
+"""Mapping of the packages below `moseg` to the folders at the top of the checkout."""
 
 from setuptools import find_packages, setup
 

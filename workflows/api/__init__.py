@@ -1,4 +1,4 @@
-"""What the package `moseg` offers to Python: videos and data sets in; moving objects and scores out."""
+"""Functions and classes that the package `moseg` offers to Python."""
 
 from moseg.workflows.api.configuration import load_config
 from moseg.workflows.api.evaluate import ablate, evaluate

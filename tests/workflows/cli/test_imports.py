@@ -1,4 +1,4 @@
-"""What answers at once imports no library that computes."""
+"""Commands that compute nothing import no library that computes."""
 
 import os
 import subprocess

@@ -51,7 +51,7 @@ def without(tmp_path):
 
 @pytest.fixture
 def small_windows(monkeypatch):
-    """Have new workers checked often: they are whenever calls are submitted, which a small window repeats."""
+    """Use small windows: new workers are checked whenever calls are submitted, so they are checked often."""
     monkeypatch.setattr(runners, "MIN_WINDOW", 8)
     monkeypatch.setattr(runners, "CALLS_PER_THREAD", 8)
 
