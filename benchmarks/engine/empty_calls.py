@@ -6,7 +6,8 @@ from typing import NamedTuple
 import psutil
 from engine.own_cluster import start_cluster
 
-from moseg.workflows.cluster.runners import Call, open_runner
+from moseg.workflows.cluster.call import Call
+from moseg.workflows.cluster.runners import open_runner
 
 NUM_FIRST = 100
 """Number of calls beforehand, which include connections and imports."""

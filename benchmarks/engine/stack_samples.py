@@ -35,6 +35,7 @@ _PLACES = (
     ("phases and batches", "workflows/engine/phases.py", ""),
     ("phases and batches", "workflows/engine/calls.py", ""),
     ("events", "workflows/runlog/events.py", ""),
+    ("waiting for workers", "workflows/cluster/distributed_runner.py", "run"),
     ("waiting for workers", "workflows/cluster/runners.py", "run"),
     ("start and end of workers", "workflows/cluster/runners.py", ""),
     ("between task and store", "workflows/engine/execution.py", ""),

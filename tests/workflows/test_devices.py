@@ -72,16 +72,18 @@ def test_networks_run_without_gradients_and_on_the_cpu_in_full_precision():
     assert not torch.is_inference_mode_enabled()
 
 
-def test_torch_is_not_loaded_by_runs_without_networks():
+def test_runs_without_networks_and_workers_load_neither_torch_nor_distributed():
     code = """
 import sys
-from moseg.workflows.cluster.runners import Call, open_runner
+import moseg.workflows.api
+from moseg.workflows.cluster.call import Call
+from moseg.workflows.cluster.runners import open_runner
 for device in ("auto", "cpu"):
     with open_runner(device=device) as runner:
         runner.run([Call("one", abs, (-1,))], lambda name, result: None)
-print("torch" in sys.modules)
+print({"torch", "distributed"} & sys.modules.keys())
 """
-    assert _run_python(code) == "False"
+    assert _run_python(code) == "set()"
 
 
 def test_threads_bind_a_torch_loaded_before_or_after():

@@ -2,7 +2,8 @@
 
 import tracemalloc
 
-from moseg.workflows.cluster.runners import Call, SynchronousRunner
+from moseg.workflows.cluster.call import Call
+from moseg.workflows.cluster.runners import SynchronousRunner
 
 
 def _peak(num_calls):

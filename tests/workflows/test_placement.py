@@ -9,9 +9,10 @@ from distributed import Client, LocalCluster
 
 from moseg.schemas.errors import InputError
 from moseg.workflows.cluster import existing_cluster, local_workers
-from moseg.workflows.cluster.connection import TlsFiles
+from moseg.workflows.cluster.call import Call
 from moseg.workflows.cluster.placement import GPU, AssignedAccelerators, DeclaredGpus
-from moseg.workflows.cluster.runners import Call, open_runner
+from moseg.workflows.cluster.runners import open_runner
+from moseg.workflows.cluster.tls_files import TlsFiles
 
 
 def _calls():

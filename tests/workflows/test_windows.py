@@ -5,8 +5,9 @@ from itertools import count
 import pytest
 from distributed import Client
 
-from moseg.workflows.cluster import runners
-from moseg.workflows.cluster.runners import Call, open_runner
+from moseg.workflows.cluster import distributed_runner, runners
+from moseg.workflows.cluster.call import Call
+from moseg.workflows.cluster.runners import open_runner
 
 WINDOW = 32
 
@@ -15,8 +16,8 @@ WINDOW = 32
 def runner(request, monkeypatch):
     """Return a runner whose submission window is small."""
     monkeypatch.setattr(runners, "CALLS_AT_ONCE", WINDOW)
-    monkeypatch.setattr(runners, "MIN_WINDOW", WINDOW)
-    monkeypatch.setattr(runners, "CALLS_PER_THREAD", WINDOW // 2)
+    monkeypatch.setattr(distributed_runner, "MIN_WINDOW", WINDOW)
+    monkeypatch.setattr(distributed_runner, "CALLS_PER_THREAD", WINDOW // 2)
     with open_runner(workers=request.param) as opened:
         yield opened
 
@@ -75,8 +76,8 @@ def test_no_calls_start_no_workers(monkeypatch):
 
 
 def test_the_scheduler_forgets_finished_calls(monkeypatch):
-    monkeypatch.setattr(runners, "MIN_WINDOW", WINDOW)
-    monkeypatch.setattr(runners, "CALLS_PER_THREAD", WINDOW)
+    monkeypatch.setattr(distributed_runner, "MIN_WINDOW", WINDOW)
+    monkeypatch.setattr(distributed_runner, "CALLS_PER_THREAD", WINDOW)
     sizes = []
     with open_runner(workers=1) as runner:
 

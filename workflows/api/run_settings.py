@@ -5,7 +5,7 @@ from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass
 
 from moseg.workflows.api.arguments import Kind, check_kinds, check_min
-from moseg.workflows.cluster.connection import TlsFiles
+from moseg.workflows.cluster.tls_files import TlsFiles
 from moseg.workflows.engine.session import Session, open_session
 
 

@@ -5,7 +5,6 @@ import logging
 import ssl
 import warnings
 from pathlib import Path
-from typing import NamedTuple
 
 import dask
 from distributed import Client
@@ -17,6 +16,7 @@ from distributed.versions import VersionMismatchWarning
 
 from moseg.schemas.errors import InputError
 from moseg.workflows.cluster.scheduler_probe import probe_scheduler
+from moseg.workflows.cluster.tls_files import TlsFiles
 
 CONNECT_SEC = 10.0
 """Longest time that a scheduler may take to answer, and to come back when the connection breaks."""
@@ -25,19 +25,6 @@ SHORT_LOGS = {"distributed.admin.low-level-log-length": 50}
 """Dask keeps the last messages of each connection, of up to a megabyte, for its developers: a thousand by default, with
 calls that were done long ago."""
 DASK_TLS = "distributed.comm.tls of Dask's configuration"
-
-
-class TlsFiles(NamedTuple):
-    """PEM files of the command line; Dask's own configuration replaces those that are None."""
-
-    ca: str | None = None
-    cert: str | None = None
-    key: str | None = None
-
-    def named(self) -> dict[str, str]:
-        """Return the files that are given, by option."""
-        options = {f"--tls-{name}": path for name, path in self._asdict().items()}
-        return {option: path for option, path in options.items() if path is not None}
 
 
 def connect(scheduler: str, tls: TlsFiles) -> Client:

@@ -7,9 +7,10 @@ from distributed import Client
 
 from moseg.schemas.errors import ClusterError, InputError, MosegError
 from moseg.workflows.cluster.check import ClusterCheck
-from moseg.workflows.cluster.connection import TlsFiles, connect
+from moseg.workflows.cluster.connection import connect
 from moseg.workflows.cluster.placement import GPU, DeclaredGpus
 from moseg.workflows.cluster.remote_calls import make_setup, prepare_process
+from moseg.workflows.cluster.tls_files import TlsFiles
 
 
 class ExistingCluster:

@@ -1,4 +1,7 @@
-"""Runners of calls that depend on each other: in this process, on local workers, or on an existing Dask cluster."""
+"""Runners of calls that depend on each other: in this process, on local workers, or on an existing Dask cluster.
+
+Dask's distributed is imported for workers only, because that takes a third of a second.
+"""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing, contextmanager
@@ -10,16 +13,10 @@ from dask.callbacks import Callback
 from dask.task_spec import Task, TaskRef
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.cluster.clusters import Cluster, as_cluster_errors
-from moseg.workflows.cluster.connection import TlsFiles
-from moseg.workflows.cluster.existing_cluster import ExistingCluster
-from moseg.workflows.cluster.local_workers import LocalWorkers
-from moseg.workflows.cluster.placement import GPU
-from moseg.workflows.cluster.submission_window import CALLS_PER_THREAD, MIN_WINDOW, Call, SubmissionWindow
+from moseg.workflows.cluster.call import Call
+from moseg.workflows.cluster.tls_files import TlsFiles
 from moseg.workflows.process.devices import current_device, parse_device, read_device, set_device
 from moseg.workflows.process.resources import check_bearable, keep_freed_memory, pin_threads
-
-__all__ = ["Call", "DistributedRunner", "Runner", "SynchronousRunner", "TlsFiles", "open_runner"]
 
 CALLS_AT_ONCE = 512
 """Calls that the synchronous scheduler is given at a time."""
@@ -77,43 +74,6 @@ def _run_after(call: Call, *_done: object) -> Any:
     return call.function(*call.arguments)
 
 
-class DistributedRunner:
-    """A runner on the workers of a Dask cluster; only references and reports pass through its scheduler."""
-
-    def __init__(self, cluster: Cluster):
-        self._cluster = cluster
-
-    def run(self, calls: Iterable[Call], on_done: Callable[[str, Any], None]) -> None:
-        """See `Runner.run`."""
-        remaining = iter(calls)
-        # Drawing a call may query the cluster too.
-        with as_cluster_errors(self._cluster):
-            waiting = list(islice(remaining, MIN_WINDOW))
-            if not waiting:
-                return
-            with closing(SubmissionWindow(self._cluster.client(), self._cluster.setup)) as window:
-                while waiting or window:
-                    if waiting:
-                        needs_gpus = any(call.needs_gpu for call in waiting) and self._cluster.claim_gpus()
-                        waiting = window.submit(waiting, {GPU: 1} if needs_gpus else None)
-                        size = max(MIN_WINDOW, CALLS_PER_THREAD * self._cluster.admit_workers())
-                    for name, result in window.collect():
-                        on_done(name, result)
-                    # Half a window at a time: each message to the scheduler costs some milliseconds.
-                    if not waiting and len(window) <= size // 2:
-                        waiting = list(islice(remaining, size - len(window)))
-
-    def has_gpu(self) -> bool:
-        """See `Runner.has_gpu`."""
-        with as_cluster_errors(self._cluster):
-            return self._cluster.claim_gpus()
-
-    def num_workers(self) -> int:
-        """See `Runner.num_workers`."""
-        with as_cluster_errors(self._cluster):
-            return max(1, self._cluster.num_threads())
-
-
 @contextmanager
 def open_runner(
     workers: int = 0,
@@ -156,6 +116,9 @@ def open_runner(
     pin_threads(threads)
     keep_freed_memory()
     if scheduler is not None:
+        from moseg.workflows.cluster.distributed_runner import DistributedRunner
+        from moseg.workflows.cluster.existing_cluster import ExistingCluster
+
         read_device(device)
         with closing(ExistingCluster(scheduler, tls, threads, device)) as cluster:
             yield DistributedRunner(cluster)
@@ -163,6 +126,9 @@ def open_runner(
         set_device(device)
         yield SynchronousRunner()
     else:
+        from moseg.workflows.cluster.distributed_runner import DistributedRunner
+        from moseg.workflows.cluster.local_workers import LocalWorkers
+
         parse_device(device)
         with closing(LocalWorkers(workers, threads, device)) as cluster:
             yield DistributedRunner(cluster)

@@ -1,16 +1,17 @@
-"""Calls, and a sliding window over those that a Dask cluster runs."""
+"""A sliding window over the calls that a Dask cluster runs."""
 
 import uuid
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 from dask.highlevelgraph import HighLevelGraph, MaterializedLayer
 from dask.task_spec import Task, TaskRef
 from distributed import Client, Future, as_completed
 from distributed.client import ClosedClientError
 
+from moseg.workflows.cluster.call import Call
 from moseg.workflows.cluster.remote_calls import Setup, run_call
 
 CALLS_PER_THREAD = 64
@@ -21,20 +22,6 @@ must not fill the window while there is other work. Client and scheduler hold so
 MAX_CHAIN = 64
 """Longest chain of calls in the window that wait for each other: the scheduler keeps a finished call as long as any
 other call waits for it, directly or not."""
-
-
-class Call(NamedTuple):
-    """A function, its arguments, and the names of the calls that must be done before it.
-
-    Names begin with the stage and a hyphen. A call that runs a network has `needs_gpu`: on a GPU, no other such call
-    runs at the same time.
-    """
-
-    name: str
-    function: Callable[..., Any]
-    arguments: tuple
-    after: tuple[str, ...] = ()
-    needs_gpu: bool = False
 
 
 class SubmissionWindow:

@@ -4,7 +4,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from moseg.schemas.digests import canonical_json
 from moseg.schemas.recipes import Recipe
-from moseg.workflows.cluster.runners import Call, Runner
+from moseg.workflows.cluster.call import Call
+from moseg.workflows.cluster.runners import Runner
 from moseg.workflows.engine.execution import execute_batches
 from moseg.workflows.engine.phases import network_of
 from moseg.workflows.stages.registry import find_task

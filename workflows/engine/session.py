@@ -12,8 +12,9 @@ from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifa
 from moseg.schemas.recipes import Recipe, split_ref
 from moseg.schemas.scores import StoreUse
 from moseg.store import ArtifactStore, PutOutcome, open_store
-from moseg.workflows.cluster.connection import TlsFiles
-from moseg.workflows.cluster.runners import Call, Runner, open_runner
+from moseg.workflows.cluster.call import Call
+from moseg.workflows.cluster.runners import Runner, open_runner
+from moseg.workflows.cluster.tls_files import TlsFiles
 from moseg.workflows.engine.calls import make_calls
 from moseg.workflows.engine.execution import execute_ingest
 from moseg.workflows.engine.ingest import IngestJob, recall_ingests

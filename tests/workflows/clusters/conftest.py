@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from distributed import LocalCluster
 
-from moseg.workflows.cluster.connection import TlsFiles
+from moseg.workflows.cluster.tls_files import TlsFiles
 
 DEADLINE_SEC = 600
 

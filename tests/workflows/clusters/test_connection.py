@@ -9,8 +9,10 @@ import dask
 import pytest
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.cluster.connection import TlsFiles, connect
-from moseg.workflows.cluster.runners import Call, open_runner
+from moseg.workflows.cluster.call import Call
+from moseg.workflows.cluster.connection import connect
+from moseg.workflows.cluster.runners import open_runner
+from moseg.workflows.cluster.tls_files import TlsFiles
 
 
 @contextmanager

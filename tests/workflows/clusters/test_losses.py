@@ -15,10 +15,12 @@ from distributed.scheduler import KilledWorker
 
 from moseg.schemas.errors import ClusterError
 from moseg.store import open_store
-from moseg.workflows.cluster.connection import TlsFiles
+from moseg.workflows.cluster.call import Call
+from moseg.workflows.cluster.distributed_runner import DistributedRunner
 from moseg.workflows.cluster.existing_cluster import ExistingCluster
-from moseg.workflows.cluster.runners import Call, DistributedRunner, open_runner
+from moseg.workflows.cluster.runners import open_runner
 from moseg.workflows.cluster.submission_window import CallError, SubmissionWindow
+from moseg.workflows.cluster.tls_files import TlsFiles
 
 MOSEG = [sys.executable, "-c", "from moseg.workflows.cli import main; main()"]
 DEADLINE_SEC = 600

@@ -6,9 +6,10 @@ from pathlib import Path
 import pytest
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.cluster import process_facts, runners
+from moseg.workflows.cluster import distributed_runner, process_facts
+from moseg.workflows.cluster.call import Call
 from moseg.workflows.cluster.check import ClusterCheck
-from moseg.workflows.cluster.runners import Call, open_runner
+from moseg.workflows.cluster.runners import open_runner
 
 DEADLINE_SEC = 600
 ROOT = Path(__file__).resolve().parents[3]
@@ -52,8 +53,8 @@ def without(tmp_path):
 @pytest.fixture
 def small_windows(monkeypatch):
     """Use small windows: new workers are checked whenever calls are submitted, so they are checked often."""
-    monkeypatch.setattr(runners, "MIN_WINDOW", 8)
-    monkeypatch.setattr(runners, "CALLS_PER_THREAD", 8)
+    monkeypatch.setattr(distributed_runner, "MIN_WINDOW", 8)
+    monkeypatch.setattr(distributed_runner, "CALLS_PER_THREAD", 8)
 
 
 def _slow_calls(count, needs_gpu=False):
