@@ -18,6 +18,17 @@ from moseg.schemas.recipes import Recipe
 from moseg.store import LocalStore
 
 BUCKET = "moseg-tests"
+# Only the application of S3: the server of all services takes longer to find a request's service than to answer it.
+SERVE = """
+import sys
+
+from moto.server import MotoRequestHandler, create_backend_app
+from werkzeug.serving import run_simple
+
+MotoRequestHandler.protocol_version = "HTTP/1.1"  # keeps connections open
+port = int(sys.argv[1])
+run_simple("127.0.0.1", port, create_backend_app("s3"), threaded=True, request_handler=MotoRequestHandler)
+"""
 START_SECONDS = 600
 
 
@@ -60,7 +71,7 @@ def s3_server() -> Iterator[Server]:
         "NO_PROXY": "127.0.0.1",
         "no_proxy": "127.0.0.1",
     }
-    command = [sys.executable, "-m", "moto.server", "-H", "127.0.0.1", "-p", str(port)]
+    command = [sys.executable, "-c", SERVE, str(port)]
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     process = subprocess.Popen(command, env=os.environ | environment, **quiet)
     try:
@@ -84,8 +95,24 @@ def s3_server() -> Iterator[Server]:
 @pytest.fixture
 def s3(s3_server, tmp_path, monkeypatch) -> str:
     """Return the URL of an empty prefix that this process can write."""
+    _use(s3_server, monkeypatch)
+    return f"s3://{BUCKET}/{tmp_path.name}"
+
+
+@pytest.fixture(scope="module")
+def pushed(evaluated, s3_server) -> str:
+    """Push the evaluated squares to an object store and return its URL, which tests that use `s3` can read."""
+    from moseg.workflows.cli.app import run
+
+    url = f"s3://{BUCKET}/pushed"
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        _use(s3_server, monkeypatch)
+        assert run(["store", "push", url, "--quiet", "--store", str(evaluated.store)]) == 0
+    return url
+
+
+def _use(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in [name for name in os.environ if name.startswith("AWS_")]:
         monkeypatch.delenv(name)
-    for name, value in s3_server.environment.items():
+    for name, value in server.environment.items():
         monkeypatch.setenv(name, value)
-    return f"s3://{BUCKET}/{tmp_path.name}"

@@ -254,26 +254,20 @@ def test_a_prefix_is_the_same_store_and_a_folder_is_another(store, s3):
     assert not is_same_store(open_store(s3), open_store(f"{s3}-other"))
 
 
-@pytest.fixture
-def pushed(evaluated, moseg, s3):
-    """Push the evaluated squares to an object store; return both as the commands take them."""
-    assert moseg("store", "push", s3, "--quiet", "--store", evaluated.store).code == 0
-    return ("--store", evaluated.store), ("--store", s3)
-
-
-def test_a_run_after_push_and_pull_computes_nothing(evaluated, pushed, moseg, tmp_path):
-    ran = moseg("store", "pull", pushed[1][1], "--quiet", "--store", tmp_path / "pulled")
+def test_a_run_after_push_and_pull_computes_nothing(evaluated, pushed, s3, moseg, tmp_path):
+    ran = moseg("store", "pull", pushed, "--quiet", "--store", tmp_path / "pulled")
     assert (ran.code, ran.err) == (0, "")
     ran = moseg(*evaluated.arguments, "--store", tmp_path / "pulled")
     assert ran.code == 0
     assert "0 artifacts computed" in ran.out
 
 
-def test_the_commands_print_the_same_on_an_object_store_as_in_a_folder(pushed, moseg):
-    assert len({moseg("store", "ls", *store).out for store in pushed}) == 1
-    assert len({moseg("store", "verify", "--quiet", *store) for store in pushed}) == 1
-    score = moseg("store", "ls", "--task", "score", *pushed[0]).out.strip()
-    here, there = (json.loads(moseg("store", "show", score, *store).out) for store in pushed)
+def test_the_commands_print_the_same_on_an_object_store_as_in_a_folder(evaluated, pushed, s3, moseg):
+    stores = ("--store", evaluated.store), ("--store", pushed)
+    assert len({moseg("store", "ls", *store).out for store in stores}) == 1
+    assert len({moseg("store", "verify", "--quiet", *store) for store in stores}) == 1
+    score = moseg("store", "ls", "--task", "score", *stores[0]).out.strip()
+    here, there = (json.loads(moseg("store", "show", score, *store).out) for store in stores)
     assert here.pop("place") != there.pop("place")
     assert here == there
 
@@ -285,12 +279,13 @@ def test_the_place_of_an_artifact_on_an_object_store_opens_in_zarr(store, family
     np.testing.assert_array_equal(zarr.open_group(opened, mode="r")["x"][:], store.read(family["child"], "x"))
 
 
-def test_damage_on_an_object_store_is_found_named_and_not_pulled(pushed, moseg, s3, tmp_path):
-    flow = moseg("store", "ls", "--task", "flow", *pushed[0]).out.split()[0]
-    where = json.loads(moseg("store", "show", flow, "--no-downstream", *pushed[1]).out)["place"]
+def test_damage_on_an_object_store_is_found_named_and_not_pulled(evaluated, moseg, s3, tmp_path):
+    flow = moseg("store", "ls", "--task", "flow", "--store", evaluated.store).out.split()[0]
+    assert moseg("store", "push", s3, flow, "--quiet", "--store", evaluated.store).code == 0
+    where = json.loads(moseg("store", "show", flow, "--no-downstream", "--store", s3).out)["place"]
     bucket = connect(where)
     bucket.delete(max((item["path"] for page in bucket.list() for item in page), key=len))
-    found = moseg("store", "verify", "--quiet", *pushed[1])
+    found = moseg("store", "verify", "--quiet", "--store", s3)
     assert found.code == 1
     assert found.out.startswith(f"{flow}: ")
     ran = moseg("store", "pull", s3, "--quiet", "--store", tmp_path / "pulled")
