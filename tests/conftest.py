@@ -1,7 +1,9 @@
 """Fixtures: a tiny data set on disk, the command line in this process, and a store with one evaluation of the data."""
 
+import gc
 import json
 import shutil
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -9,6 +11,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 import pytest
+import threadpoolctl
 from hypothesis import HealthCheck, settings
 
 # No deadline, and the same examples in each run, so that results do not depend on the machine.
@@ -34,6 +37,17 @@ class Evaluation(NamedTuple):
     store: Path
     arguments: tuple[str, ...]
     report: dict
+
+
+def pytest_collection_finish() -> None:
+    """Bind libraries to one thread, because the workers of pytest use all cores; and spare the garbage collector the
+    modules and tests, which stay until the end: they take it half a second each time."""
+    cv2.setNumThreads(1)
+    threadpoolctl.threadpool_limits(1)
+    if "torch" in sys.modules:
+        sys.modules["torch"].set_num_threads(1)
+    gc.collect()
+    gc.freeze()
 
 
 def _write_image(path: Path, image: np.ndarray) -> None:

@@ -36,9 +36,10 @@ def open_network(build: Callable[..., Network], weights: ArtifactView) -> Iterat
     wanted = (weights.ref, f"{build.__module__}.{build.__qualname__}", str(device))
     with _IN_USE:
         if not _RESIDENT or _RESIDENT[0][0] != wanted:
-            # Released first, because the memory may not hold two networks.
-            _RESIDENT.clear()
-            gc.collect()
+            if _RESIDENT:
+                # Released first, because the memory may not hold two networks.
+                _RESIDENT.clear()
+                gc.collect()
             _RESIDENT.append((wanted, _load(build, weights).to(device)))
         with network_context(device):
             yield _RESIDENT[0][1]
