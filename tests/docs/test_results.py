@@ -177,14 +177,15 @@ def test_measurements_are_chosen_by_name_and_pattern_in_their_order(tools):
         tools.measurements.chosen("davis-default,davis-defualt")
 
 
-def test_a_rerun_writes_the_file_and_names_measurements_without_data(tools, tmp_path, monkeypatch, capsys):
-    small = tools.measurements.Measurement("small", "moseg eval --sequences static-camera --motions gt", None)
+def test_a_rerun_writes_the_file_and_names_measurements_without_data(tools, squares, tmp_path, monkeypatch, capsys):
+    command = f"moseg eval --dataset folder --root '{squares}' --motions gt"
+    small = tools.measurements.Measurement("small", command, None)
     large = tools.measurements.Measurement("large", "moseg eval --dataset davis16 --root DAVIS", "davis")
     monkeypatch.setattr(tools.rerun, "RESULTS", tmp_path)
     assert tools.write._rerun([small, large], {}, tmp_path / "store") == []
     said = json.loads((tmp_path / "small.json").read_text(encoding="utf-8"))
     assert said["command"] == small.command and said["parameters"]["clustering"]["motions"] == "gt"
     (row,) = said["result"]["rows"]
-    assert row["mean"] == row["sequences"]["static-camera"] and set(row["mean"]) == set(SCORE)
+    assert row["mean"] == row["sequences"]["squares"] and set(row["mean"]) == set(SCORE)
     assert "large: left as it is, DAVIS is not given" in capsys.readouterr().out
     assert not (tmp_path / "large.json").exists()

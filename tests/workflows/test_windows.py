@@ -12,13 +12,13 @@ from moseg.workflows.cluster.runners import open_runner
 WINDOW = 32
 
 
-@pytest.fixture(params=[0, 2], ids=["synchronous", "workers"])
-def runner(request, monkeypatch):
+@pytest.fixture(scope="module", params=[0, 2], ids=["synchronous", "workers"])
+def runner(request):
     """Return a runner whose submission window is small."""
-    monkeypatch.setattr(runners, "CALLS_AT_ONCE", WINDOW)
-    monkeypatch.setattr(distributed_runner, "MIN_WINDOW", WINDOW)
-    monkeypatch.setattr(distributed_runner, "CALLS_PER_THREAD", WINDOW // 2)
-    with open_runner(workers=request.param) as opened:
+    with pytest.MonkeyPatch.context() as patch, open_runner(workers=request.param) as opened:
+        patch.setattr(runners, "CALLS_AT_ONCE", WINDOW)
+        patch.setattr(distributed_runner, "MIN_WINDOW", WINDOW)
+        patch.setattr(distributed_runner, "CALLS_PER_THREAD", WINDOW // 2)
         yield opened
 
 
