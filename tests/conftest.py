@@ -24,7 +24,7 @@ settings.load_profile("same")
 NUM_FRAMES, HEIGHT, WIDTH = 10, 96, 128
 MEMORY_FOLDER = Path("/dev/shm")
 MEMORY_BYTES = 8 * 2**30
-"""Free memory that the folder must have; a run leaves less than a quarter of that, and nothing after it has passed."""
+"""Free memory that the folder must have, far more than a run writes; files of tests that pass are removed."""
 
 
 class Ran(NamedTuple):
@@ -51,8 +51,8 @@ def pytest_configure() -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Bind libraries to one thread, because the workers of pytest use all cores; and spare the garbage collector the
-    modules and tests, which stay until the end: they take it half a second each time."""
+    """Bind libraries to one thread, because the workers of pytest use all cores, and exclude the modules and tests
+    from garbage collection: they stay until the end, and to visit them takes half a second."""
     cv2.setNumThreads(1)
     threadpoolctl.threadpool_limits(1)
     if "torch" in sys.modules:
