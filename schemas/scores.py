@@ -1,13 +1,14 @@
 """Scores of one sequence and the report of an evaluation, as written to JSON."""
 
+from collections.abc import Sequence
 from typing import Literal
 
 from pydantic import ConfigDict, Field
 
 from moseg.schemas.frozen import Frozen
 
-GroundTruth = Literal["pixels", "points"]
-"""Elements that ground truth labels: every pixel of a frame, or points in it."""
+GroundTruth = Literal["pixels", "points", "still"]
+"""Elements that ground truth labels: every pixel of a frame, or points in it; or nothing moves at all."""
 
 
 class SequenceScore(Frozen):
@@ -36,12 +37,30 @@ class SequenceScore(Frozen):
     boundary_F_objects: float | None = None
 
 
+class StillScore(Frozen):
+    """Percentages 0..100 of one sequence in which nothing moves.
+
+    Attributes
+    ----------
+    false_pixels : float
+        Pixels labelled as moving, of the pixels of all frames.
+    false_frames : float
+        Frames with at least one such pixel.
+    """
+
+    false_pixels: float
+    false_frames: float
+
+
+AnyScore = SequenceScore | StillScore
+
+
 class EvaluationRow(Frozen):
     """Scores of one variant: one per sequence, and their mean."""
 
     variant: str
-    sequences: dict[str, SequenceScore]
-    mean: SequenceScore
+    sequences: dict[str, AnyScore]
+    mean: AnyScore
 
 
 class StoreUse(Frozen):
@@ -57,8 +76,9 @@ class EvaluationReport(Frozen):
     Attributes
     ----------
     dataset : str
-    over : 'pixels' or 'points'
-        Elements that every score counts: pixels of annotated masks, or labelled points.
+    over : 'pixels', 'points' or 'still'
+        Elements that every score counts: pixels of annotated masks, labelled points, or the pixels and frames of
+        sequences in which nothing moves, whose scores are of the class `StillScore`.
     rows : tuple of EvaluationRow
     matching : dict of str to 'name', 'order' or 'number', or None
         How saved masks were matched to the frames, by sequence; None if masks were computed.
@@ -79,7 +99,13 @@ class EvaluationReport(Frozen):
     notes: tuple[str, ...] = Field((), exclude=True)
 
 
-def mean_score(scores: list[SequenceScore]) -> SequenceScore:
-    """Return the mean of each percentage over sequences; None if a sequence does not have it."""
-    columns = {name: [getattr(score, name) for score in scores] for name in SequenceScore.model_fields}
-    return SequenceScore(**{n: None if None in column else sum(column) / len(column) for n, column in columns.items()})
+def score_class(over: GroundTruth) -> type[AnyScore]:
+    """Return the class of the scores of a kind of ground truth."""
+    return StillScore if over == "still" else SequenceScore
+
+
+def mean_score(scores: Sequence[AnyScore]) -> AnyScore:
+    """Return the mean of each percentage over sequences, all of one class; None if a sequence does not have it."""
+    kind = type(scores[0])
+    columns = {name: [getattr(score, name) for score in scores] for name in kind.model_fields}
+    return kind(**{name: None if None in column else sum(column) / len(column) for name, column in columns.items()})

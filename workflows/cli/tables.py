@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.table import Table
 
-from moseg.schemas.scores import EvaluationReport, EvaluationRow, GroundTruth, SequenceScore
+from moseg.schemas.scores import AnyScore, EvaluationReport, EvaluationRow, GroundTruth
 from moseg.schemas.trajectory_scores import TrajectoryReport, TrajectoryRow
 from moseg.workflows.reports.published_scores import (
     ONE_MOTION_ERROR,
@@ -14,7 +14,7 @@ from moseg.workflows.reports.published_scores import (
     PUBLISHED_CLIPS,
     PUBLISHED_ERRORS,
 )
-from moseg.workflows.reports.score_tables import score_columns
+from moseg.workflows.reports.score_tables import score_columns, score_decimals
 
 if TYPE_CHECKING:
     from moseg.workflows.api.evaluation import Evaluated, Planned
@@ -135,8 +135,8 @@ def _score_table(title: str, first: str, over: GroundTruth) -> Table:
     return _table(f"{title}, over points" if over == "points" else title, first, *score_columns(over))
 
 
-def _cells(score: SequenceScore, over: GroundTruth) -> list[str]:
-    return [f"{getattr(score, name):.1f}" for name in score_columns(over).values()]
+def _cells(score: AnyScore, over: GroundTruth) -> list[str]:
+    return [f"{getattr(score, name):.{score_decimals(over)}f}" for name in score_columns(over).values()]
 
 
 def _spread_cell(spread: float | None) -> list[str]:

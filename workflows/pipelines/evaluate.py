@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from moseg.schemas.configs import PipelineConfig, Variant
-from moseg.schemas.scores import EvaluationReport, EvaluationRow, SequenceScore, mean_score
+from moseg.schemas.scores import AnyScore, EvaluationReport, EvaluationRow, GroundTruth, mean_score, score_class
 from moseg.store import map_reads
 from moseg.workflows.datasets import SequenceSource, find_ground_truth
 from moseg.workflows.engine.session import Session
@@ -38,13 +38,13 @@ def evaluate(
     Raises
     ------
     InputError
-        A sequence cannot be read, has no ground truth, or lacks a cue that `config` takes as given; or some have
-        masks and others labelled points.
+        A sequence cannot be read, has no ground truth, or lacks a cue that `config` takes as given; or they have
+        ground truth of several kinds.
     """
     over = find_ground_truth(sources)
-    scores: dict[tuple[Variant, str], SequenceScore] = {}
+    scores: dict[tuple[Variant, str], AnyScore] = {}
     for wave in in_waves(session, sources):
-        scores |= _score(session, dataset, wave, config, variants, purpose, panels)
+        scores |= _score(session, dataset, wave, over, config, variants, purpose, panels)
     rows = []
     for variant in variants:
         found = {source.name: scores[variant, source.name] for source in sources}
@@ -63,11 +63,12 @@ def _score(
     session: Session,
     dataset: str,
     sources: Sequence[SequenceSource],
+    over: GroundTruth,
     config: PipelineConfig,
     variants: Sequence[Variant],
     purpose: Purpose,
     panels: Panels | None,
-) -> dict[tuple[Variant, str], SequenceScore]:
+) -> dict[tuple[Variant, str], AnyScore]:
     """Return scores of the sequences of a wave, by variant and name."""
     refs: dict[tuple[Variant, str], str] = {}
     shown: dict[SequenceGraph, float | None] = {}
@@ -91,7 +92,7 @@ def _score(
 
     def read():
         found = map_reads(session.store, session.store.attributes, refs.values())
-        scores = {named: SequenceScore(**attributes) for named, attributes in zip(refs, found, strict=True)}
+        scores = {named: score_class(over)(**attributes) for named, attributes in zip(refs, found, strict=True)}
         for graph, fps in shown.items():
             panels.gather(session.store, graph, fps)
         return scores
