@@ -79,7 +79,7 @@ class DatasetLayout(Protocol):
     ----------
     name : str
     needs_root : bool
-        False for rendered sequences.
+        False for rendered sequences; see also `OptionalRoot`.
     official : tuple of str, or None
         Sequences of the published benchmark; None for those of the list file, or all that are on disk.
     list_name : str or None
@@ -109,6 +109,14 @@ class FrameLayout(DatasetLayout, Protocol):
 
 
 @runtime_checkable
+class OptionalRoot(Protocol):
+    """A data set that has sequences without a root, and more with one; its `needs_root` is False."""
+
+    def missing(self, root: str | None) -> tuple[str, ...]:
+        """Return what the data set would have besides, in the words of "... is not on disk"."""
+
+
+@runtime_checkable
 class TrajectoryLayout(DatasetLayout, Protocol):
     """A data set of labelled trajectories, without frames."""
 
@@ -127,7 +135,8 @@ class Dataset:
     names : tuple of str
         Requested sequences that are on disk.
     absent : tuple of str
-        Sequences requested by name or by the official list that are not on disk.
+        Sequences requested by name or by the official list that are not on disk; of a data set whose root is optional,
+        what is not below it.
     max_side : int
         Frames whose longer side exceeds it are area-resized to it, px.
     """
