@@ -39,6 +39,11 @@ def _tree(at: GroundVector, seed: int, *, height: float = 3.2) -> Thing:
     )
 
 
+def _hedge(at: GroundVector, half_width: float, seed: int) -> Thing:
+    """Return a hedge higher than a person; it hides the horizon, where textures of the ground would alias."""
+    return crate(at, (half_width, 1.3, 0.6), texture("moss", seed, 0.05), yaw=0.0)
+
+
 STREET = Scene(
     description="Forward drive along a street of parked cars, boxes, poles and trees.",
     num_motions=1,
@@ -57,6 +62,7 @@ STREET = Scene(
         _tree((4.8, 18.5), 2034, height=4.2),
         crate((-9.0, 22.0), (3.0, 2.4, 6.0), texture("brick", 2040, 0.02, "tiles"), yaw=0.0),
         crate((9.5, 24.0), (3.0, 2.8, 7.0), texture("sand", 2041, 0.02, "tiles"), yaw=0.0),
+        _hedge((0.0, 33.0), 16.0, 2042),
     ),
     camera=CameraPath(
         position=Path(
@@ -104,6 +110,7 @@ WALL = Scene(
         bush((-1.6, 7.5), (0.8, 0.8), texture("moss", 2212)),
         crate((-3.5, 10.0), (0.8, 1.2, 0.8), texture("straw", 2213, 0.014, "tiles"), yaw=-25.0),
         _tree((-2.6, 13.0), 2214, height=4.0),
+        _hedge((-8.0, 22.0), 9.5, 2216),
     ),
     camera=CameraPath(
         position=Path(

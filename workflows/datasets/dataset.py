@@ -196,7 +196,7 @@ def find_ground_truth(sources: Sequence[SequenceSource]) -> GroundTruth:
         by_kind.setdefault(_kind(source), []).append(source.name)
     if len(by_kind) > 1:
         raise InputError(
-            "ground truth of several kinds, which have no common mean",
+            f"ground truth of {'two' if len(by_kind) == 2 else 'three'} kinds, which have no common mean",
             got=" and ".join(f"{_KINDS[kind]} {', '.join(by_kind[kind])}" for kind in _KINDS if kind in by_kind),
             expected="sequences of one kind (--sequences)",
         )
