@@ -1,6 +1,6 @@
 """Scores of one sequence and the report of an evaluation, as written to JSON."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
 from pydantic import ConfigDict, Field
@@ -9,6 +9,8 @@ from moseg.schemas.frozen import Frozen
 
 GroundTruth = Literal["pixels", "points", "still"]
 """Elements that ground truth labels: every pixel of a frame, or points in it; or nothing moves at all."""
+Matching = Literal["name", "order", "number"]
+"""How saved masks are matched to frames."""
 
 
 class SequenceScore(Frozen):
@@ -37,30 +39,12 @@ class SequenceScore(Frozen):
     boundary_F_objects: float | None = None
 
 
-class StillScore(Frozen):
-    """Percentages 0..100 of one sequence in which nothing moves.
-
-    Attributes
-    ----------
-    false_pixels : float
-        Pixels labelled as moving, of the pixels of all frames.
-    false_frames : float
-        Frames with at least one such pixel.
-    """
-
-    false_pixels: float
-    false_frames: float
-
-
-AnyScore = SequenceScore | StillScore
-
-
 class EvaluationRow(Frozen):
     """Scores of one variant: one per sequence, and their mean."""
 
     variant: str
-    sequences: dict[str, AnyScore]
-    mean: AnyScore
+    sequences: dict[str, SequenceScore]
+    mean: SequenceScore
 
 
 class StoreUse(Frozen):
@@ -76,9 +60,8 @@ class EvaluationReport(Frozen):
     Attributes
     ----------
     dataset : str
-    over : 'pixels', 'points' or 'still'
-        Elements that every score counts: pixels of annotated masks, labelled points, or the pixels and frames of
-        sequences in which nothing moves, whose scores are of the class `StillScore`.
+    over : 'pixels' or 'points'
+        Elements that every score counts: pixels of annotated masks, or labelled points.
     rows : tuple of EvaluationRow
     matching : dict of str to 'name', 'order' or 'number', or None
         How saved masks were matched to the frames, by sequence; None if masks were computed.
@@ -91,12 +74,65 @@ class EvaluationReport(Frozen):
     model_config = ConfigDict(populate_by_name=True)
 
     dataset: str
-    over: GroundTruth = "pixels"
+    over: Literal["pixels", "points"] = "pixels"
     rows: tuple[EvaluationRow, ...]
-    matching: dict[str, Literal["name", "order", "number"]] | None = None
+    matching: dict[str, Matching] | None = None
     store: StoreUse
     seconds: float = Field(ge=0)
     notes: tuple[str, ...] = Field((), exclude=True)
+
+
+class StillScore(Frozen):
+    """Percentages 0..100 of one sequence in which nothing moves.
+
+    Attributes
+    ----------
+    false_pixels : float
+        Pixels labelled as moving, of the pixels of all frames.
+    false_frames : float
+        Frames with at least one such pixel.
+    """
+
+    false_pixels: float
+    false_frames: float
+
+
+class StillRow(Frozen):
+    """Scores of one variant where nothing moves: one per sequence, and their mean."""
+
+    variant: str
+    sequences: dict[str, StillScore]
+    mean: StillScore
+
+
+class StillReport(Frozen):
+    """Content of the file that ``--json`` writes where nothing moves; as `EvaluationReport` otherwise."""
+
+    dataset: str
+    over: Literal["still"] = "still"
+    rows: tuple[StillRow, ...]
+    matching: dict[str, Matching] | None = None
+    store: StoreUse
+    seconds: float = Field(ge=0)
+    notes: tuple[str, ...] = Field((), exclude=True)
+
+
+AnyScore = SequenceScore | StillScore
+AnyReport = EvaluationReport | StillReport
+
+
+def make_report(over: GroundTruth, scores: Mapping[str, Mapping[str, AnyScore]], **fields) -> AnyReport:
+    """Return the report of the scores by variant and sequence; `fields` are its others."""
+    if over == "still":
+        return StillReport(rows=_make_rows(StillRow, scores), **fields)
+    return EvaluationReport(over=over, rows=_make_rows(EvaluationRow, scores), **fields)
+
+
+def _make_rows(kind: type, scores: Mapping[str, Mapping[str, AnyScore]]) -> tuple:
+    return tuple(
+        kind(variant=variant, sequences=by_name, mean=mean_score(list(by_name.values())))
+        for variant, by_name in scores.items()
+    )
 
 
 def score_class(over: GroundTruth) -> type[AnyScore]:

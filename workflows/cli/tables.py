@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.table import Table
 
-from moseg.schemas.scores import AnyScore, EvaluationReport, EvaluationRow, GroundTruth
+from moseg.schemas.scores import AnyReport, AnyScore, EvaluationRow, GroundTruth, StillRow
 from moseg.schemas.trajectory_scores import TrajectoryReport, TrajectoryRow
 from moseg.workflows.reports.published_scores import (
     ONE_MOTION_ERROR,
@@ -19,7 +19,7 @@ from moseg.workflows.reports.score_tables import score_columns, score_decimals
 if TYPE_CHECKING:
     from moseg.workflows.api.evaluation import Evaluated, Planned
 
-Report = EvaluationReport | TrajectoryReport
+Report = AnyReport | TrajectoryReport
 
 
 def console() -> Console:
@@ -82,7 +82,7 @@ def _use(report: Report) -> str:
     return f"{report.store.computed} artifacts computed, {report.store.reused} reused, {report.seconds:.1f} s"
 
 
-def _sequence_table(report: EvaluationReport, row: EvaluationRow) -> Table:
+def _sequence_table(report: AnyReport, row: EvaluationRow | StillRow) -> Table:
     table = _score_table(f"{report.dataset}, {row.variant}", "sequence", report.over)
     for name, score in row.sequences.items():
         table.add_row(name, *_cells(score, report.over))

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from moseg.schemas.configs import PipelineConfig, Variant
-from moseg.schemas.scores import AnyScore, EvaluationReport, EvaluationRow, GroundTruth, mean_score, score_class
+from moseg.schemas.scores import AnyReport, AnyScore, GroundTruth, make_report, score_class
 from moseg.store import map_reads
 from moseg.workflows.datasets import SequenceSource, find_ground_truth
 from moseg.workflows.engine.session import Session
@@ -22,7 +22,7 @@ def evaluate(
     variants: Sequence[Variant],
     purpose: Purpose = EVALUATION,
     panels: Panels | None = None,
-) -> EvaluationReport:
+) -> AnyReport:
     """Score each variant on every sequence; equal nodes of the variants are computed once.
 
     The cues that all motion models start from are computed whatever the variants, so that an evaluation of other
@@ -45,14 +45,11 @@ def evaluate(
     scores: dict[tuple[Variant, str], AnyScore] = {}
     for wave in in_waves(session, sources):
         scores |= _score(session, dataset, wave, over, config, variants, purpose, panels)
-    rows = []
-    for variant in variants:
-        found = {source.name: scores[variant, source.name] for source in sources}
-        rows.append(EvaluationRow(variant=variant.value, sequences=found, mean=mean_score(list(found.values()))))
-    return EvaluationReport(
+    by_variant = {v.value: {source.name: scores[v, source.name] for source in sources} for v in variants}
+    return make_report(
+        over,
+        by_variant,
         dataset=dataset,
-        over=over,
-        rows=tuple(rows),
         store=session.use(),
         seconds=session.seconds,
         notes=purpose.notes,

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from moseg.schemas.scores import AnyScore, EvaluationReport, EvaluationRow, GroundTruth, StoreUse, mean_score
+from moseg.schemas.scores import AnyReport, AnyScore, GroundTruth, StoreUse, make_report
 from moseg.tasks.metrics import sample_points, score_points, score_sequence, score_still
 from moseg.workflows.datasets import Dataset, SequenceSource, find_ground_truth
 from moseg.workflows.predictions import FrameList, Predictions, SequencePredictions
@@ -20,7 +20,7 @@ _WAYS = {
 _REPEATS = "no mask of the last frame, which is scored with that of the frame before"
 
 
-def score_predictions(dataset: Dataset, predictions: Predictions, name: str, quiet: bool = False) -> EvaluationReport:
+def score_predictions(dataset: Dataset, predictions: Predictions, name: str, quiet: bool = False) -> AnyReport:
     """Score the saved masks of every sequence of a data set by its kind of ground truth.
 
     Parameters
@@ -32,7 +32,7 @@ def score_predictions(dataset: Dataset, predictions: Predictions, name: str, qui
 
     Returns
     -------
-    EvaluationReport
+    EvaluationReport or StillReport
         Its notes say which masks were not matched by name, and which were used twice.
 
     Raises
@@ -55,11 +55,10 @@ def score_predictions(dataset: Dataset, predictions: Predictions, name: str, qui
             if saved.repeats_last and frames.num_frames - 1 in scored:
                 repeating.append(source.name)
             progress.advance("score")
-    row = EvaluationRow(variant=name, sequences=scores, mean=mean_score(list(scores.values())))
-    return EvaluationReport(
+    return make_report(
+        over,
+        {name: scores},
         dataset=dataset.name,
-        over=over,
-        rows=(row,),
         matching=matching,
         store=StoreUse(computed=0, reused=0),
         seconds=time.perf_counter() - started,
