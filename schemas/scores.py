@@ -1,13 +1,16 @@
 """Scores of one sequence and the report of an evaluation, as written to JSON."""
 
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
 from pydantic import ConfigDict, Field
 
 from moseg.schemas.frozen import Frozen
 
-GroundTruth = Literal["pixels", "points"]
-"""Elements that ground truth labels: every pixel of a frame, or points in it."""
+GroundTruth = Literal["pixels", "points", "still"]
+"""Elements that ground truth labels: every pixel of a frame, or points in it; or nothing moves at all."""
+Matching = Literal["name", "order", "number"]
+"""How saved masks are matched to frames."""
 
 
 class SequenceScore(Frozen):
@@ -71,15 +74,74 @@ class EvaluationReport(Frozen):
     model_config = ConfigDict(populate_by_name=True)
 
     dataset: str
-    over: GroundTruth = "pixels"
+    over: Literal["pixels", "points"] = "pixels"
     rows: tuple[EvaluationRow, ...]
-    matching: dict[str, Literal["name", "order", "number"]] | None = None
+    matching: dict[str, Matching] | None = None
     store: StoreUse
     seconds: float = Field(ge=0)
     notes: tuple[str, ...] = Field((), exclude=True)
 
 
-def mean_score(scores: list[SequenceScore]) -> SequenceScore:
-    """Return the mean of each percentage over sequences; None if a sequence does not have it."""
-    columns = {name: [getattr(score, name) for score in scores] for name in SequenceScore.model_fields}
-    return SequenceScore(**{n: None if None in column else sum(column) / len(column) for n, column in columns.items()})
+class StillScore(Frozen):
+    """Percentages 0..100 of one sequence in which nothing moves.
+
+    Attributes
+    ----------
+    false_pixels : float
+        Pixels labelled as moving, of the pixels of all frames.
+    false_frames : float
+        Frames with at least one such pixel.
+    """
+
+    false_pixels: float
+    false_frames: float
+
+
+class StillRow(Frozen):
+    """Scores of one variant where nothing moves: one per sequence, and their mean."""
+
+    variant: str
+    sequences: dict[str, StillScore]
+    mean: StillScore
+
+
+class StillReport(Frozen):
+    """Content of the file that ``--json`` writes where nothing moves; as `EvaluationReport` otherwise."""
+
+    dataset: str
+    over: Literal["still"] = "still"
+    rows: tuple[StillRow, ...]
+    matching: dict[str, Matching] | None = None
+    store: StoreUse
+    seconds: float = Field(ge=0)
+    notes: tuple[str, ...] = Field((), exclude=True)
+
+
+AnyScore = SequenceScore | StillScore
+AnyReport = EvaluationReport | StillReport
+
+
+def make_report(over: GroundTruth, scores: Mapping[str, Mapping[str, AnyScore]], **fields) -> AnyReport:
+    """Return the report of the scores by variant and sequence; `fields` are its others."""
+    if over == "still":
+        return StillReport(rows=_make_rows(StillRow, scores), **fields)
+    return EvaluationReport(over=over, rows=_make_rows(EvaluationRow, scores), **fields)
+
+
+def _make_rows(kind: type, scores: Mapping[str, Mapping[str, AnyScore]]) -> tuple:
+    return tuple(
+        kind(variant=variant, sequences=by_name, mean=mean_score(list(by_name.values())))
+        for variant, by_name in scores.items()
+    )
+
+
+def score_class(over: GroundTruth) -> type[AnyScore]:
+    """Return the class of the scores of a kind of ground truth."""
+    return StillScore if over == "still" else SequenceScore
+
+
+def mean_score(scores: Sequence[AnyScore]) -> AnyScore:
+    """Return the mean of each percentage over sequences, all of one class; None if a sequence does not have it."""
+    kind = type(scores[0])
+    columns = {name: [getattr(score, name) for score in scores] for name in kind.model_fields}
+    return kind(**{name: None if None in column else sum(column) / len(column) for name, column in columns.items()})

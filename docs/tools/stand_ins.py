@@ -78,6 +78,8 @@ def _write_data(data: Path, scene: RenderedScene, masks: np.ndarray) -> None:
         _write_images(data / "kt3dinsmoseg" / name / "images", scene.images, ".png")
         _write_masks(data / "kt3dinsmoseg" / name / "masks", masks)
         _write_trajectories(data / "kt3dmoseg" / f"{name}_Tracks.mat", scene)
+    _write_images(data / "still" / "parked-cars" / "frames", scene.images, ".jpg")
+    _write_images(data / "still" / "stills", scene.images[:1], ".jpg")
     _write_images(data / "folder" / "garden" / "frames", scene.images, ".jpg")
     _write_masks(data / "folder" / "garden" / "masks", masks)
     other_names = {"DAVIS": "davis16", "KT3DMoSeg": "kt3dmoseg", "KT3DInsMoSeg": "kt3dinsmoseg"}

@@ -7,6 +7,7 @@ from moseg.tasks.metrics.foreground_scores import ForegroundScores, score_foregr
 from moseg.tasks.metrics.overlaps import Overlaps, add_overlaps, count_overlaps, region_similarity
 from moseg.tasks.metrics.point_scores import PointPairs, count_point_overlaps, sample_points, score_points
 from moseg.tasks.metrics.score_sequence import FramePairs, score_sequence
+from moseg.tasks.metrics.still_scores import score_still
 
 __all__ = [
     "BOUNDARY_TOLERANCE",
@@ -26,4 +27,5 @@ __all__ = [
     "score_foreground",
     "score_points",
     "score_sequence",
+    "score_still",
 ]

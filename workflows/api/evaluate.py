@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from typing import Literal
 
 from moseg.schemas.configs import TrajectoryVariant, Variant
-from moseg.schemas.scores import EvaluationReport
+from moseg.schemas.scores import EvaluationReport, StillReport
 from moseg.schemas.trajectory_scores import TrajectoryReport
 from moseg.workflows.api.arguments import Kind, check_kinds, check_min, named_as_arguments, read_names
 from moseg.workflows.api.configuration import read_choices
@@ -49,7 +49,7 @@ def evaluate(
     offline: bool = False,
     non_commercial: bool = False,
     progress: bool = True,
-) -> EvaluationReport | TrajectoryReport:
+) -> EvaluationReport | StillReport | TrajectoryReport:
     """Score variants of the pipeline on a data set: the same scores as `moseg eval`, from the same store.
 
     What is already in the store is not computed again; an interrupted call goes on from there when it is made again.
@@ -93,9 +93,9 @@ def evaluate(
 
     Returns
     -------
-    EvaluationReport or TrajectoryReport
-        What `moseg eval --json` writes, percentages 0..100: of frames the first, of labelled trajectories the second.
-        Its ``notes`` say what must be known to read the scores rightly.
+    EvaluationReport, StillReport or TrajectoryReport
+        What `moseg eval --json` writes, percentages 0..100: of frames the first, of frames in which nothing moves the
+        second, of labelled trajectories the third. Its ``notes`` say what must be known to read the scores rightly.
 
     Raises
     ------
@@ -169,7 +169,7 @@ def ablate(
     offline: bool = False,
     non_commercial: bool = False,
     progress: bool = True,
-) -> EvaluationReport | TrajectoryReport:
+) -> EvaluationReport | StillReport | TrajectoryReport:
     """Score all variants of the paper's ablation on a data set: the same scores as `moseg ablate`.
 
     Of frames: fused, oc-depth, oc, trajs and base. Of labelled trajectories: all views fused, and each of the three
@@ -182,7 +182,7 @@ def ablate(
 
     Returns
     -------
-    EvaluationReport or TrajectoryReport
+    EvaluationReport, StillReport or TrajectoryReport
         A row for each variant, percentages 0..100.
 
     Raises
@@ -241,7 +241,7 @@ def _run(
     trajectories: TrajectoryChoices,
     run: RunSettings,
     report: str | os.PathLike | None,
-) -> EvaluationReport | TrajectoryReport:
+) -> EvaluationReport | StillReport | TrajectoryReport:
     check_kinds(Kind.PATH, optional=True, report=report)
     page = None if report is None else os.fsdecode(report)
     with kept_process_settings():

@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple, TypeVar
 
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
 from moseg.schemas.errors import InputError, MissingStoreError
-from moseg.schemas.scores import EvaluationReport
+from moseg.schemas.scores import AnyReport
 from moseg.schemas.spelling import unknown_name
 from moseg.schemas.trajectory_scores import TrajectoryReport
 from moseg.schemas.weights import WeightsItem
@@ -32,7 +32,7 @@ from moseg.workflows.stages.needed_weights import needed_items
 from moseg.workflows.weights.folder import open_weights
 
 AnyVariant = TypeVar("AnyVariant", Variant, TrajectoryVariant)
-Report = EvaluationReport | TrajectoryReport
+Report = AnyReport | TrajectoryReport
 
 
 class DataChoice(NamedTuple):

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.scores import EvaluationReport
+from moseg.schemas.scores import EvaluationReport, StillReport
 from moseg.workflows.api.arguments import Kind, check_kinds, named_as_arguments
 from moseg.workflows.api.evaluation import DataChoice, read_data, write_report_json
 from moseg.workflows.exports import check_writable
@@ -24,7 +24,7 @@ def score(
     format: str | None = None,
     name: str | None = None,
     progress: bool = True,
-) -> EvaluationReport:
+) -> EvaluationReport | StillReport:
     """Score the masks that any program saved: the same scores as `moseg score`, by the metrics of `evaluate`.
 
     Files are matched to the frames by their names; where no file has a frame's name, in order or by number, which the
@@ -45,7 +45,7 @@ def score(
 
     Returns
     -------
-    EvaluationReport
+    EvaluationReport or StillReport
         Percentages 0..100 of every sequence and their mean.
 
     Raises
@@ -73,7 +73,7 @@ def run_score(
     name: str | None,
     json: str | None = None,
     quiet: bool = False,
-) -> EvaluationReport:
+) -> EvaluationReport | StillReport:
     """Score saved masks as `score` does, and write the report to the file `json` where one is given."""
     if json is not None:
         check_writable(json)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.table import Table
 
-from moseg.schemas.scores import EvaluationReport, EvaluationRow, GroundTruth, SequenceScore
+from moseg.schemas.scores import AnyReport, AnyScore, EvaluationRow, GroundTruth, StillRow
 from moseg.schemas.trajectory_scores import TrajectoryReport, TrajectoryRow
 from moseg.workflows.reports.published_scores import (
     ONE_MOTION_ERROR,
@@ -14,12 +14,12 @@ from moseg.workflows.reports.published_scores import (
     PUBLISHED_CLIPS,
     PUBLISHED_ERRORS,
 )
-from moseg.workflows.reports.score_tables import score_columns
+from moseg.workflows.reports.score_tables import score_columns, score_decimals
 
 if TYPE_CHECKING:
     from moseg.workflows.api.evaluation import Evaluated, Planned
 
-Report = EvaluationReport | TrajectoryReport
+Report = AnyReport | TrajectoryReport
 
 
 def console() -> Console:
@@ -82,7 +82,7 @@ def _use(report: Report) -> str:
     return f"{report.store.computed} artifacts computed, {report.store.reused} reused, {report.seconds:.1f} s"
 
 
-def _sequence_table(report: EvaluationReport, row: EvaluationRow) -> Table:
+def _sequence_table(report: AnyReport, row: EvaluationRow | StillRow) -> Table:
     table = _score_table(f"{report.dataset}, {row.variant}", "sequence", report.over)
     for name, score in row.sequences.items():
         table.add_row(name, *_cells(score, report.over))
@@ -135,8 +135,8 @@ def _score_table(title: str, first: str, over: GroundTruth) -> Table:
     return _table(f"{title}, over points" if over == "points" else title, first, *score_columns(over))
 
 
-def _cells(score: SequenceScore, over: GroundTruth) -> list[str]:
-    return [f"{getattr(score, name):.1f}" for name in score_columns(over).values()]
+def _cells(score: AnyScore, over: GroundTruth) -> list[str]:
+    return [f"{getattr(score, name):.{score_decimals(over)}f}" for name in score_columns(over).values()]
 
 
 def _spread_cell(spread: float | None) -> list[str]:

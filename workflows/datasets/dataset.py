@@ -39,6 +39,8 @@ class SequenceSource(NamedTuple):
         True number of motions, the background's included; None if it must be counted in the annotations.
     labelled_points : LabelledPointFile or None
         Ground truth at points, if there are no annotations.
+    nothing_moves : bool
+        Whether nothing moves in the sequence, which needs no other ground truth.
     objects : MaskSource or None
         All prominent objects, static ones included.
     objects_void : int or None
@@ -53,6 +55,7 @@ class SequenceSource(NamedTuple):
     void: int | None = None
     num_motions: int | None = None
     labelled_points: "LabelledPointFile | None" = None
+    nothing_moves: bool = False
     objects: "MaskSource | None" = None
     objects_void: int | None = None
     depth: "SceneDepth | DepthFiles | None" = None
@@ -76,7 +79,7 @@ class DatasetLayout(Protocol):
     ----------
     name : str
     needs_root : bool
-        False for rendered sequences.
+        False for rendered sequences; see also `OptionalRoot`.
     official : tuple of str, or None
         Sequences of the published benchmark; None for those of the list file, or all that are on disk.
     list_name : str or None
@@ -106,6 +109,14 @@ class FrameLayout(DatasetLayout, Protocol):
 
 
 @runtime_checkable
+class OptionalRoot(Protocol):
+    """A data set that has sequences without a root, and more with one; its `needs_root` is False."""
+
+    def missing(self, root: str | None) -> tuple[str, ...]:
+        """Return what the data set would have besides, in the words of "... is not on disk"."""
+
+
+@runtime_checkable
 class TrajectoryLayout(DatasetLayout, Protocol):
     """A data set of labelled trajectories, without frames."""
 
@@ -124,7 +135,8 @@ class Dataset:
     names : tuple of str
         Requested sequences that are on disk.
     absent : tuple of str
-        Sequences requested by name or by the official list that are not on disk.
+        Sequences requested by name or by the official list that are not on disk; of a data set whose root is optional,
+        what is not below it.
     max_side : int
         Frames whose longer side exceeds it are area-resized to it, px.
     """
@@ -169,23 +181,33 @@ class Dataset:
 
 
 def find_ground_truth(sources: Sequence[SequenceSource]) -> GroundTruth:
-    """Return 'pixels' if every sequence has annotated masks, 'points' if every one has labelled points instead.
+    """Return the kind of ground truth that every sequence has.
+
+    It is 'pixels' if they have annotated masks, 'points' if they have labelled points instead, and 'still' if nothing
+    moves in them.
 
     Raises
     ------
     InputError
-        A sequence without ground truth; or sequences of both kinds, whose scores have no common mean.
+        A sequence without ground truth; or sequences of several kinds, whose scores have no common mean.
     """
-    over = {source.name: _kind(source) for source in sources}
-    points = [name for name, kind in over.items() if kind == "points"]
-    if points and len(points) < len(over):
-        masks = [name for name, kind in over.items() if kind == "pixels"]
+    by_kind: dict[GroundTruth, list[str]] = {}
+    for source in sources:
+        by_kind.setdefault(_kind(source), []).append(source.name)
+    if len(by_kind) > 1:
         raise InputError(
-            "ground truth of two kinds, which have no common mean",
-            got=f"masks for {', '.join(masks)} and only labelled points for {', '.join(points)}",
+            f"ground truth of {'two' if len(by_kind) == 2 else 'three'} kinds, which have no common mean",
+            got=" and ".join(f"{_KINDS[kind]} {', '.join(by_kind[kind])}" for kind in _KINDS if kind in by_kind),
             expected="sequences of one kind (--sequences)",
         )
-    return "points" if points else "pixels"
+    return next(iter(by_kind))
+
+
+_KINDS: dict[GroundTruth, str] = {
+    "pixels": "masks for",
+    "points": "only labelled points for",
+    "still": "no motion in",
+}
 
 
 def _kind(source: SequenceSource) -> GroundTruth:
@@ -193,4 +215,6 @@ def _kind(source: SequenceSource) -> GroundTruth:
         return "pixels"
     if source.labelled_points is not None:
         return "points"
+    if source.nothing_moves:
+        return "still"
     raise InputError("no ground truth to score against", where=f"sequence {source.name}")

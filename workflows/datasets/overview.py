@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.spelling import unknown_name
-from moseg.workflows.datasets.dataset import DatasetLayout
+from moseg.workflows.datasets.dataset import DatasetLayout, OptionalRoot
 from moseg.workflows.datasets.registry import DATASETS
 from moseg.workflows.datasets.selection import default_root, select_sequences
 
@@ -54,7 +54,7 @@ def describe_dataset(name: str, root: str | None, env: Mapping[str, str]) -> Dat
 
 
 def _describe(layout: DatasetLayout, root: str | None) -> DatasetRow:
-    root = root if layout.needs_root else None
+    root = root if layout.needs_root or isinstance(layout, OptionalRoot) else None
     names, absent, problem = (), layout.official or (), ""
     if layout.needs_root and root is None:
         problem = "$MOSEG_DATA is not set"

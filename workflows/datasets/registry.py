@@ -7,11 +7,13 @@ from moseg.workflows.datasets.dataset import Dataset, DatasetLayout
 from moseg.workflows.datasets.folder import FOLDER
 from moseg.workflows.datasets.kt3dmoseg import KT3DINSMOSEG, KT3DMOSEG
 from moseg.workflows.datasets.selection import find_root, select_sequences
+from moseg.workflows.datasets.still import STILL
 from moseg.workflows.datasets.synthetic import SYNTHETIC
 from moseg.workflows.datasets.two_trees import DAVIS16, DAVIS_MOVING, YTVOS_MOVING
 
 DATASETS: dict[str, DatasetLayout] = {
-    layout.name: layout for layout in (SYNTHETIC, DAVIS_MOVING, DAVIS16, YTVOS_MOVING, KT3DINSMOSEG, KT3DMOSEG, FOLDER)
+    layout.name: layout
+    for layout in (SYNTHETIC, DAVIS_MOVING, DAVIS16, YTVOS_MOVING, KT3DINSMOSEG, KT3DMOSEG, STILL, FOLDER)
 }
 
 
@@ -30,7 +32,7 @@ def open_dataset(
     name : str
         One of `DATASETS`.
     root : str, optional
-        Folder of the data set; ``$MOSEG_DATA/<name>`` by default.
+        Folder of the data set; ``$MOSEG_DATA/<name>`` by default, which need not exist if the root is optional.
     sequences : tuple of str, optional
         Names to choose; by default those of the official list, or all that are on disk.
     list_file : str, optional

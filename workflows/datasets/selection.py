@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.schemas.spelling import unknown_name
-from moseg.workflows.datasets.dataset import DatasetLayout
+from moseg.workflows.datasets.dataset import DatasetLayout, OptionalRoot
 from moseg.workflows.sources.files import read_bytes
 
 DATA_VARIABLE = "MOSEG_DATA"
@@ -22,6 +22,8 @@ def default_root(layout: DatasetLayout, env: Mapping[str, str]) -> str | None:
 def find_root(layout: DatasetLayout, root: str | None, env: Mapping[str, str]) -> str | None:
     """Return the root given, else the default one; None for a data set without files.
 
+    A default root that is optional need not exist.
+
     Raises
     ------
     MissingInputError
@@ -29,7 +31,9 @@ def find_root(layout: DatasetLayout, root: str | None, env: Mapping[str, str]) -
     InputError
         A root for a data set that has no files.
     """
-    if not layout.needs_root:
+    if isinstance(layout, OptionalRoot) and root is None:
+        return default_root(layout, env)
+    if not layout.needs_root and not isinstance(layout, OptionalRoot):
         if root is not None:
             raise InputError(f"data set {layout.name} has no files", got=f"root {root}", expected="no root")
         return None
@@ -70,9 +74,11 @@ def select_sequences(
         listed = _listed(layout, root, list_file)
     else:
         listed = layout.official
+    has_all = sequences is None and listed is None
+    absent = list(layout.missing(root)) if has_all and isinstance(layout, OptionalRoot) else []
     wanted = sequences if sequences is not None else listed if listed is not None else on_disk
     folded = {name.casefold(): name for name in on_disk} | {name: name for name in on_disk}
-    names, absent = [], []
+    names = []
     for name in dict.fromkeys(wanted):
         found = folded.get(name) or folded.get(name.casefold())
         if found is None and name not in (listed or ()) and sequences is not None:

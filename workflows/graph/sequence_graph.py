@@ -52,6 +52,8 @@ class SequenceGraph:
             return self._nodes.add("score", inputs, "motion-segmentation", void=leaves.void)
         if leaves.labelled_points is not None:
             return self._nodes.add("score", {**labels, "labelled_points": leaves.labelled_points}, "labelled-points")
+        if leaves.nothing_moves:
+            return self._nodes.add("score", labels, "still")
         raise InputError("no ground truth to score against", where=f"sequence {leaves.name}")
 
     def segmentations(self, variant: Variant) -> tuple[str, ...]:
@@ -73,6 +75,13 @@ class SequenceGraph:
             return None
         params = self._config.clustering
         num_motions = params.motions
+        if num_motions == "gt" and self.leaves.nothing_moves:
+            raise InputError(
+                "nothing moves: the true number of motions, 1, is the result itself",
+                where=f"sequence {self.leaves.name}",
+                got="--motions gt",
+                expected="--motions auto",
+            )
         if num_motions == "gt":
             num_motions = self.leaves.num_motions
             if num_motions is None:

@@ -22,6 +22,8 @@ class SequenceLeaves(NamedTuple):
         Ground truth at every pixel of the annotated frames.
     labelled_points : reference or None
         Ground truth at points, if there is no annotation.
+    nothing_moves : bool
+        Whether it is known that nothing moves: without annotation and points, every label is then wrong.
     void : int or None
         Annotated label of the pixels that are not scored.
     num_motions : int or None
@@ -41,6 +43,7 @@ class SequenceLeaves(NamedTuple):
     frames: tuple[Ref, ...]
     annotation: Ref | None = None
     labelled_points: Ref | None = None
+    nothing_moves: bool = False
     void: int | None = None
     num_motions: int | None = None
     masks: Ref | None = None

@@ -1,6 +1,6 @@
 """Contact sheets: what the pipeline found in a few frames of every sequence, at a glance."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.session import Session
 from moseg.workflows.engine.waves import in_waves
 from moseg.workflows.exports.draw_contact_sheet import SheetFrame, draw_contact_sheet
-from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 from moseg.workflows.pipelines.leaves import ingest_sequences
 from moseg.workflows.process.atomic_write import atomic_path, blame_output
 from moseg.workflows.results.shown_frames import (
@@ -125,7 +125,7 @@ def _plan_sheet(
         frames=frames,
         segmentations=graph.segmentations(variant),
         soft_maps=None if None in soft_maps else soft_maps,
-        score=graph.score(variant) if graph.leaves.annotation or graph.leaves.labelled_points else None,
+        score=graph.score(variant) if _is_scored(graph.leaves) else None,
     )
 
 
@@ -133,8 +133,7 @@ def _write_sheet(store: ArtifactStore, sheet: _Sheet, config: PipelineConfig, va
     leaves = sheet.graph.leaves
     head = [f"{leaves.name}   {variant}"]
     if sheet.score is not None:
-        score = store.attributes(sheet.score)
-        head.append(f"J {score['J']:.1f}   Fu {score['F']:.1f}" + "   over points" * (leaves.annotation is None))
+        head.append(_name_score(store.attributes(sheet.score), leaves))
     title = sheet.soft_maps[0].title if sheet.soft_maps else ""
     frames = _read_frames(store, sheet, config.sections.length)
     path = Path(folder) / f"{leaves.name}.png"
@@ -142,6 +141,16 @@ def _write_sheet(store: ArtifactStore, sheet: _Sheet, config: PipelineConfig, va
     with atomic_path(path) as temporary, blame_output(path):
         image.save(temporary, format="PNG")
     return path
+
+
+def _is_scored(leaves: SequenceLeaves) -> bool:
+    return leaves.annotation is not None or leaves.labelled_points is not None or leaves.nothing_moves
+
+
+def _name_score(score: Mapping[str, float], leaves: SequenceLeaves) -> str:
+    if leaves.nothing_moves:
+        return f"false pixels {score['false_pixels']:.2f} %   false frames {score['false_frames']:.2f} %"
+    return f"J {score['J']:.1f}   Fu {score['F']:.1f}" + "   over points" * (leaves.annotation is None)
 
 
 def _read_frames(store: ArtifactStore, sheet: _Sheet, section_length: int) -> Iterator[SheetFrame]:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from moseg.schemas.configs import PipelineConfig, Variant
-from moseg.schemas.scores import EvaluationReport, EvaluationRow, SequenceScore, mean_score
+from moseg.schemas.scores import AnyReport, AnyScore, GroundTruth, make_report, score_class
 from moseg.store import map_reads
 from moseg.workflows.datasets import SequenceSource, find_ground_truth
 from moseg.workflows.engine.session import Session
@@ -22,7 +22,7 @@ def evaluate(
     variants: Sequence[Variant],
     purpose: Purpose = EVALUATION,
     panels: Panels | None = None,
-) -> EvaluationReport:
+) -> AnyReport:
     """Score each variant on every sequence; equal nodes of the variants are computed once.
 
     The cues that all motion models start from are computed whatever the variants, so that an evaluation of other
@@ -38,21 +38,18 @@ def evaluate(
     Raises
     ------
     InputError
-        A sequence cannot be read, has no ground truth, or lacks a cue that `config` takes as given; or some have
-        masks and others labelled points.
+        A sequence cannot be read, has no ground truth, or lacks a cue that `config` takes as given; or they have
+        ground truth of several kinds.
     """
     over = find_ground_truth(sources)
-    scores: dict[tuple[Variant, str], SequenceScore] = {}
+    scores: dict[tuple[Variant, str], AnyScore] = {}
     for wave in in_waves(session, sources):
-        scores |= _score(session, dataset, wave, config, variants, purpose, panels)
-    rows = []
-    for variant in variants:
-        found = {source.name: scores[variant, source.name] for source in sources}
-        rows.append(EvaluationRow(variant=variant.value, sequences=found, mean=mean_score(list(found.values()))))
-    return EvaluationReport(
+        scores |= _score(session, dataset, wave, over, config, variants, purpose, panels)
+    by_variant = {v.value: {source.name: scores[v, source.name] for source in sources} for v in variants}
+    return make_report(
+        over,
+        by_variant,
         dataset=dataset,
-        over=over,
-        rows=tuple(rows),
         store=session.use(),
         seconds=session.seconds,
         notes=purpose.notes,
@@ -63,11 +60,12 @@ def _score(
     session: Session,
     dataset: str,
     sources: Sequence[SequenceSource],
+    over: GroundTruth,
     config: PipelineConfig,
     variants: Sequence[Variant],
     purpose: Purpose,
     panels: Panels | None,
-) -> dict[tuple[Variant, str], SequenceScore]:
+) -> dict[tuple[Variant, str], AnyScore]:
     """Return scores of the sequences of a wave, by variant and name."""
     refs: dict[tuple[Variant, str], str] = {}
     shown: dict[SequenceGraph, float | None] = {}
@@ -91,7 +89,7 @@ def _score(
 
     def read():
         found = map_reads(session.store, session.store.attributes, refs.values())
-        scores = {named: SequenceScore(**attributes) for named, attributes in zip(refs, found, strict=True)}
+        scores = {named: score_class(over)(**attributes) for named, attributes in zip(refs, found, strict=True)}
         for graph, fps in shown.items():
             panels.gather(session.store, graph, fps)
         return scores

@@ -97,6 +97,7 @@ def make_leaves(source: SequenceSource, ingested: dict[str, list[dict]]) -> Sequ
         frames=frames,
         annotation=annotation["leaves"][0] if annotation else None,
         labelled_points=labelled_points["leaves"][0] if labelled_points else None,
+        nothing_moves=source.nothing_moves,
         void=source.void,
         num_motions=num_motions,
         masks=ingested["masks"][0]["leaves"][0] if "masks" in ingested else None,

@@ -6,8 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from moseg.schemas.scores import EvaluationReport, EvaluationRow, StoreUse, mean_score
-from moseg.tasks.metrics import sample_points, score_points, score_sequence
+from moseg.schemas.scores import AnyReport, AnyScore, GroundTruth, StoreUse, make_report
+from moseg.tasks.metrics import sample_points, score_points, score_sequence, score_still
 from moseg.workflows.datasets import Dataset, SequenceSource, find_ground_truth
 from moseg.workflows.predictions import FrameList, Predictions, SequencePredictions
 from moseg.workflows.process.progress import StageProgress
@@ -20,8 +20,8 @@ _WAYS = {
 _REPEATS = "no mask of the last frame, which is scored with that of the frame before"
 
 
-def score_predictions(dataset: Dataset, predictions: Predictions, name: str, quiet: bool = False) -> EvaluationReport:
-    """Score the saved masks of every sequence of a data set, against masks or at labelled points.
+def score_predictions(dataset: Dataset, predictions: Predictions, name: str, quiet: bool = False) -> AnyReport:
+    """Score the saved masks of every sequence of a data set by its kind of ground truth.
 
     Parameters
     ----------
@@ -32,41 +32,50 @@ def score_predictions(dataset: Dataset, predictions: Predictions, name: str, qui
 
     Returns
     -------
-    EvaluationReport
+    EvaluationReport or StillReport
         Its notes say which masks were not matched by name, and which were used twice.
 
     Raises
     ------
     InputError
-        A sequence without ground truth, or sequences of both kinds; predictions that are missing, damaged, of the wrong
-        size, or of unknown frames.
+        A sequence without ground truth, or sequences of several kinds; predictions that are missing, damaged, of the
+        wrong size, or of unknown frames.
     """
     started = time.perf_counter()
     sources = [dataset.sequence(name) for name in dataset.names]
     over = find_ground_truth(sources)
-    pairs = _saved_points if over == "points" else _saved_frames
     scores, matching, repeating = {}, {}, []
     with StageProgress({"score": len(dataset.names)}, quiet) as progress:
         for source in sources:
             frames = FrameList(source.frames.num_frames(), frame_stems(source.frames))
             saved = predictions.sequence(source.name, frames, source.frames.describe().size)
             scored: set[int] = set()
-            read = partial(pairs, source, saved, scored)
-            scores[source.name] = score_points(read()) if over == "points" else score_sequence(read, void=source.void)
+            scores[source.name] = _score(over, source, saved, frames.num_frames, scored)
             matching[source.name] = saved.matching
             if saved.repeats_last and frames.num_frames - 1 in scored:
                 repeating.append(source.name)
             progress.advance("score")
-    row = EvaluationRow(variant=name, sequences=scores, mean=mean_score(list(scores.values())))
-    return EvaluationReport(
+    return make_report(
+        over,
+        {name: scores},
         dataset=dataset.name,
-        over=over,
-        rows=(row,),
         matching=matching,
         store=StoreUse(computed=0, reused=0),
         seconds=time.perf_counter() - started,
         notes=(*(f"{absent} is not on disk" for absent in dataset.absent), *_notes(matching, repeating)),
     )
+
+
+def _score(
+    over: GroundTruth, source: SequenceSource, saved: SequencePredictions, num_frames: int, scored: set[int]
+) -> AnyScore:
+    """Return the score of one sequence; the frames that count are added to `scored`."""
+    if over == "still":
+        scored.update(range(num_frames))
+        return score_still(map(saved.frame, range(num_frames)))
+    if over == "points":
+        return score_points(_saved_points(source, saved, scored))
+    return score_sequence(partial(_saved_frames, source, saved, scored), void=source.void)
 
 
 def _saved_frames(

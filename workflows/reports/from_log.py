@@ -6,7 +6,7 @@ from importlib.metadata import version
 
 from moseg.schemas.configs import TrajectoryVariant, Variant, seeded_configs
 from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
-from moseg.schemas.scores import SequenceScore
+from moseg.schemas.scores import AnyScore, GroundTruth, score_class
 from moseg.schemas.trajectory_scores import TrajectoryScore, average_row
 from moseg.store import ArtifactStore
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves, TrajectoryGraph
@@ -82,7 +82,7 @@ def _gather_frames(
     store: ArtifactStore, subject: RunSubject, panels: Panels, sequences: Iterable, why_absent: WhyAbsent
 ) -> tuple[tuple[ScoreTable, ...], tuple[str, ...]]:
     """Return score tables and notes on absent scores, and gather the panels, so that one graph is held at a time."""
-    scores: dict[str, dict[str, SequenceScore | None]] = {variant.value: {} for variant in subject.variants}
+    scores: dict[str, dict[str, AnyScore | None]] = {variant.value: {} for variant in subject.variants}
     for leaves, fps in sequences:
         graph = SequenceGraph(leaves, subject.config)
         if subject.command != "segment":
@@ -92,7 +92,7 @@ def _gather_frames(
     if subject.command == "segment":
         return (), ()
     found = [score for by_name in scores.values() for score in by_name.values()]
-    tables = score_tables(subject.dataset, _over(subject), scores)
+    tables = score_tables(subject.dataset, _over(subject.sequences[0].leaves), scores)
     return tables, _note_absent(found.count(None), len(found), why_absent, "their cells and the means are empty")
 
 
@@ -121,16 +121,17 @@ def _gather_clips(
 
 def _score(
     store: ArtifactStore, graph: SequenceGraph | TrajectoryGraph, variant: Variant | TrajectoryVariant
-) -> SequenceScore | TrajectoryScore | None:
-    kind = TrajectoryScore if isinstance(graph, TrajectoryGraph) else SequenceScore
+) -> AnyScore | TrajectoryScore | None:
+    kind = TrajectoryScore if isinstance(graph, TrajectoryGraph) else score_class(_over(graph.leaves))
     with suppress(MissingArtifactError):
         return kind(**store.attributes(graph.score(variant)))
     return None
 
 
-def _over(subject: RunSubject) -> str:
-    leaves: SequenceLeaves = subject.sequences[0].leaves
-    return "points" if leaves.annotation is None else "pixels"
+def _over(leaves: SequenceLeaves) -> GroundTruth:
+    if leaves.annotation is not None:
+        return "pixels"
+    return "still" if leaves.nothing_moves else "points"
 
 
 def _note_absent(num_absent: int, num_all: int, why: WhyAbsent, effect: str) -> tuple[str, ...]:

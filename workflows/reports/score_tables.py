@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from moseg.schemas.scores import GroundTruth, SequenceScore, mean_score
+from moseg.schemas.scores import AnyScore, GroundTruth, mean_score
 from moseg.schemas.trajectory_scores import TrajectoryRow
 from moseg.workflows.reports.content import Better, ScoreTable
 from moseg.workflows.reports.published_scores import (
@@ -13,7 +13,7 @@ from moseg.workflows.reports.published_scores import (
     PUBLISHED_ERRORS,
 )
 
-Scores = Mapping[str, Mapping[str, SequenceScore | None]]
+Scores = Mapping[str, Mapping[str, AnyScore | None]]
 """By variant and sequence; None where a score is not in the store."""
 _COLUMNS = {
     "Pu": "P",
@@ -24,11 +24,19 @@ _COLUMNS = {
     "J/object": "J_objects",
     "F-b/object": "boundary_F_objects",
 }
+_STILL_COLUMNS = {"false pixels %": "false_pixels", "false frames %": "false_frames"}
 
 
 def score_columns(over: GroundTruth) -> dict[str, str]:
-    """Return the fields of a `SequenceScore` by their column heads; points have no boundary scores."""
+    """Return the fields of a score by their column heads; points have no boundary scores."""
+    if over == "still":
+        return dict(_STILL_COLUMNS)
     return {head: name for head, name in _COLUMNS.items() if over == "pixels" or "boundary" not in name}
+
+
+def score_decimals(over: GroundTruth) -> int:
+    """Return the digits after the point of measured scores; false pixels are a few in a thousand."""
+    return 2 if over == "still" else 1
 
 
 def score_tables(dataset: str, over: GroundTruth, scores: Scores) -> tuple[ScoreTable, ...]:
@@ -39,13 +47,21 @@ def score_tables(dataset: str, over: GroundTruth, scores: Scores) -> tuple[Score
     if len(scores) > 1:
         title = f"{named}, mean of {_count(len(next(iter(scores.values()))), 'sequence')}"
         rows = tuple((variant, _mean(list(by_name.values()), over)) for variant, by_name in scores.items())
-        tables.append(ScoreTable(title, ("variant", *columns), rows, over=over))
+        tables.append(_measured(title, ("variant", *columns), rows, over))
         tables.extend(_paper_tables(dataset, over))
     for variant, by_name in scores.items():
         rows = tuple((name, _cells(score, over)) for name, score in by_name.items())
         rows += (("mean", _mean(list(by_name.values()), over)),)
-        tables.append(ScoreTable(f"{named}, {variant}", ("sequence", *columns), rows, over=over))
+        tables.append(_measured(f"{named}, {variant}", ("sequence", *columns), rows, over))
     return tuple(tables) if len(scores) > 1 else (*tables, *_paper_tables(dataset, over))
+
+
+def _measured(title: str, columns: tuple[str, ...], rows: tuple, over: GroundTruth) -> ScoreTable:
+    if over != "still":
+        return ScoreTable(title, columns, rows, over=over)
+    num_figures = len(columns) - 1
+    decimals = (score_decimals(over),) * num_figures
+    return ScoreTable(title, columns, rows, better=(Better.LESS,) * num_figures, decimals=decimals)
 
 
 def clip_tables(dataset: str, rows: tuple[TrajectoryRow, ...]) -> tuple[ScoreTable, ...]:
@@ -69,11 +85,11 @@ def _paper_tables(dataset: str, over: GroundTruth) -> tuple[ScoreTable, ...]:
     return (ScoreTable(title, ("method", *columns), tuple(rows), is_published=True, over="pixels", decimals=decimals),)
 
 
-def _cells(score: SequenceScore | None, over: GroundTruth) -> tuple[float | None, ...]:
+def _cells(score: AnyScore | None, over: GroundTruth) -> tuple[float | None, ...]:
     return tuple(None if score is None else getattr(score, name) for name in score_columns(over).values())
 
 
-def _mean(scores: Sequence[SequenceScore | None], over: GroundTruth) -> tuple[float | None, ...]:
+def _mean(scores: Sequence[AnyScore | None], over: GroundTruth) -> tuple[float | None, ...]:
     """Average all sequences, or none: a mean of those that happen to be stored is no result."""
     return _cells(None if None in scores else mean_score(list(scores)), over)
 

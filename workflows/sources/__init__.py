@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         TrajectoryLabels,
     )
     from moseg.workflows.sources.video_file import VideoFile
+    from moseg.workflows.sources.warped_picture import WarpedPicture
 
 __all__ = [
     "DepthFiles",
@@ -44,6 +45,7 @@ __all__ = [
     "TrajectoryFile",
     "TrajectoryLabels",
     "VideoFile",
+    "WarpedPicture",
     "find_mask_kind",
     "find_scene",
     "open_depth",
@@ -74,6 +76,7 @@ _HOMES = {
     "TrajectoryFile": "trajectory_files",
     "TrajectoryLabels": "trajectory_files",
     "VideoFile": "video_file",
+    "WarpedPicture": "warped_picture",
     "find_mask_kind": "mask_files",
     "find_scene": "scenes",
     "open_depth": "opening",

@@ -9,7 +9,7 @@ import numpy as np
 
 from moseg.schemas.digests import digest_json
 from moseg.schemas.spelling import unknown_name
-from moseg.tasks.synthetic import SCENES, RenderedScene, Scene, render_scene
+from moseg.tasks.synthetic import SCENES, STILL_SCENES, RenderedScene, Scene, render_scene
 from moseg.workflows.sources.frames import FrameDescription
 
 RENDERER_VERSION = 1
@@ -108,10 +108,11 @@ class SceneTracks:
 
 
 def find_scene(name: str) -> Scene:
-    """Return the declaration of a scene; raise InputError for an unknown name."""
-    if name not in SCENES:
-        raise unknown_name("scene", name, SCENES)
-    return SCENES[name]
+    """Return the declaration of a scene, a static one's too; raise InputError for an unknown name."""
+    scenes = SCENES | STILL_SCENES
+    if name not in scenes:
+        raise unknown_name("scene", name, scenes)
+    return scenes[name]
 
 
 @lru_cache(maxsize=1)

@@ -1,4 +1,4 @@
-"""Score of labels against ground truth: annotated masks, labelled points, or labelled trajectories."""
+"""Score of labels against ground truth: masks, points or trajectories with labels, or that nothing moves."""
 
 from functools import partial
 
@@ -50,6 +50,19 @@ def _run_points(params, inputs, rng):
     return Output({}, score.model_dump(exclude_none=True))
 
 
+def _all_labels(inputs):
+    """Yield the labels of every frame of all sections."""
+    for section in inputs.all("segmentation"):
+        labels = section.row_reader("labels")
+        yield from (labels(row) for row in range(section.shape("labels")[0]))
+
+
+def _run_still(params, inputs, rng):
+    from moseg.tasks.metrics import score_still
+
+    return Output({}, score_still(_all_labels(inputs)).model_dump())
+
+
 def _run_trajectories(params, inputs, rng):
     from moseg.tasks.metrics import clustering_error
 
@@ -72,6 +85,7 @@ def _point_params(config: PipelineConfig) -> dict:
 
 MOTION_SEGMENTATION = Task("score", "motion-segmentation", version=1, run=_run_masks, params=_mask_params)
 LABELLED_POINTS = Task("score", "labelled-points", version=1, run=_run_points, params=_point_params)
+STILL = Task("score", "still", version=1, run=_run_still)
 TRAJECTORIES = Task("score", "trajectories", version=1, run=_run_trajectories)
 
 STAGE = Stage(
@@ -85,5 +99,5 @@ STAGE = Stage(
         "labels": "true motions of trajectories (trajectories)",
     },
     arrays={},
-    tasks=(MOTION_SEGMENTATION, LABELLED_POINTS, TRAJECTORIES),
+    tasks=(MOTION_SEGMENTATION, LABELLED_POINTS, STILL, TRAJECTORIES),
 )

@@ -47,7 +47,7 @@ def test_an_ablation_takes_what_an_evaluation_takes_but_variants():
 
 
 def test_everything_that_a_report_has_is_explained():
-    for kind in (moseg.EvaluationReport, moseg.TrajectoryReport):
+    for kind in (moseg.EvaluationReport, moseg.StillReport, moseg.TrajectoryReport):
         row = get_args(kind.model_fields["rows"].annotation)[0]
         scores = (row.model_fields["mean"].annotation, get_args(row.model_fields["sequences"].annotation)[1])
         named = {name for model in (kind, row, *scores) for name in model.model_fields}

@@ -69,4 +69,4 @@ def test_the_overview_lists_present_and_missing_data_sets(data):
 
 def test_the_overview_works_without_any_data():
     present = [row.name for row in describe_datasets({}) if row.is_present]
-    assert present == ["synthetic"]
+    assert present == ["synthetic", "still"]

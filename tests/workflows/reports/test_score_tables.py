@@ -1,7 +1,7 @@
 """Tables of a report: measured figures, and published ones apart from them."""
 
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.scores import SequenceScore
+from moseg.schemas.scores import SequenceScore, StillScore
 from moseg.schemas.trajectory_scores import TrajectoryMean, TrajectoryRow, TrajectoryScore
 from moseg.workflows.reports.content import Better
 from moseg.workflows.reports.facts import parameter_rows
@@ -91,3 +91,10 @@ def test_parameters_that_differ_are_listed_as_a_user_writes_them():
         "hypotheses.gaps": ("1,2", "1"),
     }
     assert all(row.description for row in parameter_rows(config))
+
+
+def test_where_nothing_moves_less_is_better_and_small_percentages_are_legible():
+    (table,) = score_tables("still", "still", {"fused": {"street": StillScore(false_pixels=0.03, false_frames=4.0)}})
+    assert table.columns == ("sequence", "false pixels %", "false frames %")
+    assert table.rows == (("street", (0.03, 4.0)), ("mean", (0.03, 4.0)))
+    assert table.better == (Better.LESS, Better.LESS) and table.decimals == (2, 2)

@@ -19,7 +19,7 @@ from moseg.schemas.declared_names import find_names_by
 if TYPE_CHECKING:
     from moseg.schemas.configs import PipelineConfig, Variant
     from moseg.schemas.errors import InputError, MosegError
-    from moseg.schemas.scores import EvaluationReport
+    from moseg.schemas.scores import EvaluationReport, StillReport
     from moseg.schemas.trajectory_scores import TrajectoryReport
     from moseg.workflows.api import (
         MotionSegmentation,
@@ -43,6 +43,7 @@ __all__ = [
     "OverlayMode",
     "OverlayStyle",
     "PipelineConfig",
+    "StillReport",
     "TrajectoryReport",
     "Variant",
     "__version__",
@@ -64,6 +65,7 @@ _HOMES = {
     "OverlayMode": "moseg.workflows.exports",
     "OverlayStyle": "moseg.workflows.exports",
     "PipelineConfig": "moseg.schemas.configs",
+    "StillReport": "moseg.schemas.scores",
     "TrajectoryReport": "moseg.schemas.trajectory_scores",
     "Variant": "moseg.schemas.configs",
     "ablate": "moseg.workflows.api",
