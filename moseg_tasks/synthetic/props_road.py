@@ -91,8 +91,10 @@ def saloon(
     )
 
 
-def cyclist(at: GroundVector, coat: Texture, frame: Texture, *, velocity: GroundVector, cadence: float = 9.0) -> Thing:
-    """Return a rider who crosses along x, 1.7 m tall and 1.7 m long; wheels roll and legs pedal."""
+def cyclist(
+    at: GroundVector, coat: Texture, trousers: Texture, frame: Texture, *, velocity: GroundVector, cadence: float = 12.0
+) -> Thing:
+    """Return a rider who crosses along x, 1.8 m tall and 1.7 m long; wheels roll and legs pedal."""
     forward = 1.0 if velocity[0] > 0 else -1.0
     # A wheel of radius 0.34 m turns by the way that it rolls; roll is clockwise in the image.
     roll = Path(velocity=(0.0, 0.0, velocity[0] / 0.34 * 57.29577951308232))
@@ -103,11 +105,11 @@ def cyclist(at: GroundVector, coat: Texture, frame: Texture, *, velocity: Ground
 
     def leg(phase: float, z: float) -> Part:
         swing = Path(
-            start=(0.0, 0.0, -forward * 12.0), sways=(Sway(amplitude=(0.0, 0.0, 20.0), period=cadence, phase=phase),)
+            start=(0.0, 0.0, -forward * 12.0), sways=(Sway(amplitude=(0.0, 0.0, 16.0), period=cadence, phase=phase),)
         )
         return Part(
             shape=Ellipsoid(size=(0.09, 0.42, 0.09)),
-            texture=frame,
+            texture=trousers,
             position=at_place(-0.18, 0.98, z),
             angles=swing,
             offset=(0.0, 0.36, 0.0),

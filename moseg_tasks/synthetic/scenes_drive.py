@@ -96,7 +96,13 @@ DRIVE_CROSSING_CYCLIST = Scene(
     ),
     things=(
         saloon((3.7, 12.0), "ink", 2340),
-        cyclist((2.7, 17.0), texture("straw", 2350, 0.006), texture("ink", 2351, 0.006), velocity=(-0.3, 0.0)),
+        cyclist(
+            (2.7, 17.0),
+            texture("straw", 2350, 0.008),
+            texture("navy", 2351, 0.008),
+            texture("ink", 2352, 0.03).model_copy(update={"contrast": 0.06}),
+            velocity=(-0.3, 0.0),
+        ),
         saloon((3.6, 24.5), "silver", 2360),
         saloon((-4.2, 26.0), "ruby", 2370, heading=180.0),
     ),
