@@ -6,6 +6,7 @@ PATH leads to a number in it, and ``:.0f`` after it sets its format (``.1f`` by 
 
 - of scores ``fused/J`` is a variant's mean, ``fused/J@dog`` a sequence's, ``fused/J#least`` the minimum over sequences,
   ``fused/J#lowest`` the three lowest with their names;
+- ``sequences`` is the number of scored sequences;
 - ``seconds`` is the time of the whole command, ``seconds_a_frame`` a share of it;
 - in every other file a path consists of the keys to the number.
 """
@@ -59,7 +60,7 @@ class Figures:
         said = self._read(name)
         return None if said is None else said["seconds"]
 
-    def _value(self, said: dict[str, Any], path: str) -> float | str:
+    def _value(self, said: dict[str, Any], path: str) -> float | int | str:
         if path == "seconds_a_frame":
             return said["seconds"] / NUM_FRAMES[said["result"]["dataset"]]
         if path == "seconds":
@@ -69,6 +70,8 @@ class Figures:
             for key in path.split("/"):
                 result = result[key]
             return result
+        if path == "sequences":
+            return len(result["rows"][0]["sequences"])
         variant, _, rest = path.partition("/")
         row = next(row for row in result["rows"] if row["variant"] == variant)
         if rest == "spread":

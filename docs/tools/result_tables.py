@@ -189,7 +189,11 @@ TABLES = {
     "readme": [
         ("data", "", "Pu", "Ru", "Fu", "J"),
         ("eight sequences of DAVIS-2016", "fused, number of motions found", *_scores("davis-default")),
-        ("20 synthetic scenes", "fused, number of motions found", *_scores("synthetic-residual-auto")),
+        (
+            "{synthetic-residual-auto/sequences:d} synthetic scenes",
+            "fused, number of motions found",
+            *_scores("synthetic-residual-auto"),
+        ),
     ],
     "readme-trajectories": [
         ("data", "", "misclassified trajectories"),

@@ -15,15 +15,21 @@ PALETTES = {
     "coral": ((236, 110, 84), (250, 176, 140), (150, 40, 60)),
     "grass": ((60, 92, 40), (134, 158, 72), (200, 190, 110)),
     "indigo": ((48, 52, 128), (112, 120, 200), (230, 210, 120)),
+    "ink": ((34, 36, 42), (56, 60, 68), (84, 90, 98)),
     "moss": ((36, 62, 30), (98, 128, 58), (182, 190, 96)),
+    "navy": ((34, 52, 98), (58, 84, 136), (150, 168, 200)),
     "plaster": ((176, 168, 150), (224, 216, 200), (124, 116, 104)),
+    "ruby": ((132, 20, 26), (172, 40, 40), (224, 160, 150)),
     "sand": ((172, 142, 98), (222, 196, 150), (120, 92, 62)),
     "scarlet": ((150, 20, 30), (222, 62, 52), (250, 214, 190)),
+    "silver": ((150, 154, 158), (188, 190, 192), (96, 100, 106)),
     "slate": ((66, 84, 100), (124, 146, 160), (206, 214, 216)),
     "straw": ((206, 170, 62), (244, 220, 130), (122, 86, 30)),
+    "tar": ((84, 84, 87), (108, 107, 105), (140, 138, 134)),
     "teal": ((14, 98, 104), (70, 176, 168), (224, 240, 214)),
     "timber": ((112, 76, 46), (176, 130, 84), (70, 46, 30)),
     "violet": ((92, 40, 112), (170, 104, 186), (240, 200, 230)),
+    "white": ((196, 198, 198), (222, 222, 220), (150, 152, 156)),
 }
 
 GroundVector = tuple[float, float]
@@ -138,21 +144,22 @@ def room(depth: float, half_width: float, seed: int) -> tuple[Part, ...]:
     """Return floor, back wall and two side walls; the camera is inside and looks along z."""
     floor = texture("timber", seed, 0.016, "planks")
     wall, side = texture("brick", seed + 1, 0.016, "tiles"), texture("plaster", seed + 2, 0.016)
-    return (_ground(floor), _wall(depth, wall), *_sides(half_width, side))
+    return (ground(floor), _wall(depth, wall), *_sides(half_width, side))
 
 
 def yard(depth: float, seed: int, *, yaw: float = 0.0) -> tuple[Part, ...]:
     """Return ground and one high wall ``depth`` metres away, slanted by ``yaw``."""
-    return (_ground(texture("grass", seed, 0.016)), _wall(depth, texture("slate", seed + 1, 0.024, "tiles"), yaw))
+    return (ground(texture("grass", seed, 0.016)), _wall(depth, texture("slate", seed + 1, 0.024, "tiles"), yaw))
 
 
 def street(depth: float, half_width: float, seed: int) -> tuple[Part, ...]:
     """Return a road between two rows of fronts, closed by a wall ``depth`` metres away."""
     fronts, end = texture("sand", seed + 2, 0.02, "tiles"), texture("slate", seed + 1, 0.06)
-    return (_ground(texture("asphalt", seed, 0.016)), _wall(depth, end), *_sides(half_width, fronts))
+    return (ground(texture("asphalt", seed, 0.016)), _wall(depth, end), *_sides(half_width, fronts))
 
 
-def _ground(surface: Texture) -> Part:
+def ground(surface: Texture) -> Part:
+    """Return the plane y = 0."""
     return Part(shape=Plane(), texture=surface, angles=Path(start=(90.0, 0.0, 0.0)))
 
 

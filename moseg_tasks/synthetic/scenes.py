@@ -1,12 +1,16 @@
 """The sequences of the ``synthetic`` data set, by name."""
 
-from moseg.tasks.synthetic import scenes_camera, scenes_objects
+from moseg.tasks.synthetic import scenes_camera, scenes_drive, scenes_objects
 from moseg.tasks.synthetic.scene import Scene
 
 SCENES: dict[str, Scene] = {
     "brightness-change": scenes_camera.BRIGHTNESS_CHANGE,
     "crossing-movers": scenes_objects.CROSSING_MOVERS,
     "deforming": scenes_objects.DEFORMING,
+    "drive-crossing-cyclist": scenes_drive.DRIVE_CROSSING_CYCLIST,
+    "drive-oncoming-car": scenes_drive.DRIVE_ONCOMING_CAR,
+    "drive-overtaking-car": scenes_drive.DRIVE_OVERTAKING_CAR,
+    "drive-parked-row": scenes_drive.DRIVE_PARKED_ROW,
     "forward-drive-epipolar-car": scenes_camera.FORWARD_DRIVE,
     "handheld-jitter": scenes_camera.HANDHELD_JITTER,
     "late-entry": scenes_objects.LATE_ENTRY,

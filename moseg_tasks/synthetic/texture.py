@@ -18,12 +18,13 @@ Color = tuple[float, float, float]
 class Texture(Frozen):
     """A periodic pattern.
 
-    ``blotches`` is noise alone; ``tiles`` adds mortar lines in running bond, ``planks`` adds long boards.
+    ``blotches`` is noise alone; ``tiles`` adds mortar lines in running bond, ``planks`` adds long boards and
+    ``windows`` adds rows of dark panes.
     """
 
     palette: tuple[Color, Color, Color] = Field(description="two ground colours and the colour of spots, RGB 0..255")
     texel: float = Field(0.012, gt=0, description="side of one texel, m")
-    pattern: Literal["blotches", "tiles", "planks"] = "blotches"
+    pattern: Literal["blotches", "tiles", "planks", "windows"] = "blotches"
     contrast: float = Field(0.22, ge=0, description="relative brightness of the finest detail, standard deviation")
     seed: int = Field(ge=0, description="seed of the noise")
 
@@ -50,7 +51,7 @@ def paint_texture(texture: Texture) -> MipMap:
     mix, spots = np.clip(0.5 + 0.5 * ground, 0.0, 1.0), np.clip(3.0 * (spot - 0.8), 0.0, 1.0)
     brightness = np.maximum(1.0 + texture.contrast * detail, 0.1)
     if texture.pattern != "blotches":
-        brightness *= _joints(rng, texture.pattern)
+        brightness *= _panes(rng) if texture.pattern == "windows" else _joints(rng, texture.pattern)
     level = np.empty((SIZE, SIZE, 3), np.float32)
     for channel, (first, second, third) in enumerate(zip(*texture.palette, strict=True)):
         color = first + (second - first) * mix
@@ -132,3 +133,12 @@ def _joints(rng: np.random.Generator, pattern: str) -> np.ndarray:
     piece = rng.random((SIZE // height, SIZE // width))[course, shifted // width]
     joint = (rows % height < 3) | (shifted % width < 3)
     return np.where(joint, 0.45, 0.75 + 0.5 * piece)
+
+
+def _panes(rng: np.random.Generator) -> np.ndarray:
+    """Return the brightness factor of a wall with a pane in each square of 64 texels, each of a different darkness."""
+    rows, columns = np.mgrid[:SIZE, :SIZE]
+    pane = rng.random((SIZE // 64, SIZE // 64))[rows // 64, columns // 64]
+    is_pane = (abs(rows % 64 - 31.5) < 18) & (abs(columns % 64 - 31.5) < 13)
+    is_bar = (columns % 64 // 2 == 16) | (rows % 64 // 2 == 13)
+    return np.where(is_pane & ~is_bar, 0.25 + 0.35 * pane, 1.0)

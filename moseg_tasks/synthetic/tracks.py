@@ -60,18 +60,23 @@ def _follow(
     """Return positions float64 (N, T, 2) and visibility (N, T) of the points seen at flat ``pixels`` of a frame."""
     y, x = np.divmod(pixels, scene.width)
     part, depth = hits.part.reshape(-1)[pixels], hits.depth.reshape(-1)[pixels]
+    rows = {int(index): np.flatnonzero(part == index) for index in np.unique(part)}
+    material = {
+        index: material_points(views[frame], index, x[own].astype(float), y[own].astype(float), depth[own])
+        for index, own in rows.items()
+    }
     points, visible = np.empty((len(pixels), len(views), 2)), np.empty((len(pixels), len(views)), bool)
-    for index in np.unique(part):
-        rows = np.flatnonzero(part == index)
-        material = material_points(views[frame], index, x[rows].astype(float), y[rows].astype(float), depth[rows])
-        for t, view in enumerate(views):
-            points[rows, t], visible[rows, t] = _see(scene, view, index, material)
+    for t, view in enumerate(views):
+        places = np.empty((3, len(pixels)))
+        for index, own in rows.items():
+            places[:, own] = project_points(view, index, material[index])
+        points[:, t], visible[:, t] = _see(scene, view, part, places)
     return points, visible
 
 
-def _see(scene: Scene, view: View, part: int, material: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return positions (N, 2) and visibility (N,) of material points of a part in one view."""
-    x, y, z = project_points(view, part, material)
+def _see(scene: Scene, view: View, part: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return positions (N, 2) and visibility (N,) of points of parts (N,) at pixels x, y and depths, (3, N)."""
+    x, y, z = places
     inside = (x >= 0) & (x <= scene.width - 1) & (y >= 0) & (y <= scene.height - 1)
     met = trace_points(view, x, y)
     behind = z <= NEAREST_DEPTH

@@ -83,6 +83,7 @@ def test_a_measurement_that_changes_is_noticed(tools, folder):
         ("davis-default/fused/J#least", "50.0"),
         ("davis-default/fused/J#lowest", "`dog` 50.0, `cows` 70.0"),
         ("davis-default/fused/J:.0f", "60"),
+        ("davis-default/sequences:d", "2"),
         ("davis-default/seconds_a_frame:.2f", "0.10"),
         ("davis-best/fused/J", "–"),
     ],

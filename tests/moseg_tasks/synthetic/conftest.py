@@ -13,7 +13,7 @@ from moseg.tasks.synthetic.view import object_of_parts, view_at
 
 
 class Outlines(NamedTuple):
-    """Identities (T, 60, 106) and tracks of a whole sequence, without its pictures."""
+    """Identities (T, height, width) and tracks of a whole sequence, without its pictures."""
 
     objects: np.ndarray
     tracks: Tracks
@@ -21,29 +21,30 @@ class Outlines(NamedTuple):
 
 @pytest.fixture(scope="session")
 def small_scene():
-    """Function from a sequence's name and a number of frames to its scene at 60 x 106 px."""
+    """Function from a sequence's name and a number of frames to its scene at 60 x 106 px, or 64 x 212 px if wide."""
 
     def shrink(name, num_frames=6):
-        return SCENES[name].model_copy(update={"height": 60, "width": 106, "num_frames": num_frames})
+        height, width = (60, 106) if SCENES[name].width < 2 * SCENES[name].height else (64, 212)
+        return SCENES[name].model_copy(update={"height": height, "width": width, "num_frames": num_frames})
 
     return shrink
 
 
 @pytest.fixture(scope="session")
 def small(small_scene):
-    """Function from a sequence's name and a number of frames to its render at 60 x 106 px."""
+    """Function from a sequence's name and a number of frames to its small render."""
     return cache(lambda name, num_frames=6: render_scene(small_scene(name, num_frames)))
 
 
 @pytest.fixture(scope="session")
 def outlines(small_scene):
-    """Function from a sequence's name to the outlines of all its 24 frames."""
+    """Function from a sequence's name to the outlines of all its frames."""
 
     @cache
     def trace(name):
-        scene = small_scene(name, 24)
-        views = [view_at(scene, t) for t in range(24)]
-        hits = [trace_frame(view, 60, 106) for view in views]
+        scene = small_scene(name, SCENES[name].num_frames)
+        views = [view_at(scene, t) for t in range(scene.num_frames)]
+        hits = [trace_frame(view, scene.height, scene.width) for view in views]
         objects = np.stack([object_of_parts(scene)[hit.part] for hit in hits])
         return Outlines(objects, track_points(scene, views, hits))
 

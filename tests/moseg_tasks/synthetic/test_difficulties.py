@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from moseg.tasks.synthetic import camera_at
+from moseg.tasks.synthetic import SCENES, camera_at
 
 HEIGHT, WIDTH = 60, 106
 GRID_Y, GRID_X = np.mgrid[:HEIGHT, :WIDTH].astype(np.float64)
@@ -33,10 +33,11 @@ def sampson(F, points0, points1):
 
 
 def epipolar_error(rendered, declared, mask):
-    cameras = [camera_at(declared.camera, t, HEIGHT, WIDTH) for t in (0, 1)]
+    cameras = [camera_at(declared.camera, t, declared.height, declared.width) for t in (0, 1)]
     flow = rendered.flow_forward[0].astype(np.float64)
-    points1 = homogeneous(GRID_X + flow[..., 0], GRID_Y + flow[..., 1])
-    return sampson(fundamental(*cameras), homogeneous(GRID_X, GRID_Y), points1)[mask]
+    y, x = np.mgrid[: declared.height, : declared.width].astype(np.float64)
+    points1 = homogeneous(x + flow[..., 0], y + flow[..., 1])
+    return sampson(fundamental(*cameras), homogeneous(x, y), points1)[mask]
 
 
 def quadratic_error(flow, mask):
@@ -67,6 +68,45 @@ def test_other_movers_leave_their_epipolar_lines(small, small_scene):
     rendered = small("two-motions")
     approaching = rendered.moving[0] == 4
     assert np.median(epipolar_error(rendered, small_scene("two-motions"), approaching)) > 0.05
+
+
+def drive(name, small, small_scene):
+    """Render, declaration, and the identity of the largest mover in the first frame."""
+    rendered = small(name)
+    return rendered, small_scene(name), np.bincount(rendered.moving[0].ravel())[1:].argmax() + 1
+
+
+def test_oncoming_car_moves_almost_along_its_epipolar_lines(small, small_scene):
+    rendered, scene, car = drive("drive-oncoming-car", small, small_scene)
+    assert epipolar_error(rendered, scene, rendered.moving[0] == car).max() < 0.05
+    areas = (rendered.moving == car).sum(axis=(1, 2))
+    assert (np.diff(areas) > 0).all()
+
+
+def test_overtaking_car_recedes_while_the_one_ahead_stays(small, small_scene):
+    rendered, _, car = drive("drive-overtaking-car", small, small_scene)
+    receding, ahead = ((rendered.moving == identity).sum(axis=(1, 2)) for identity in (car, car + 1))
+    assert receding[-1] < 0.6 * receding[0]
+    assert abs(ahead[-1] / ahead[0] - 1.0) < 0.1
+
+
+def test_crossing_cyclist_is_small_and_leaves_its_epipolar_lines(small, small_scene):
+    rendered, scene, rider = drive("drive-crossing-cyclist", small, small_scene)
+    assert (rendered.moving > 0).mean() < 0.01
+    assert np.median(epipolar_error(rendered, scene, rendered.moving[0] == rider)) > 0.5
+
+
+def test_parked_cars_share_the_streets_motion(small, small_scene):
+    rendered, scene = small("drive-parked-row"), small_scene("drive-parked-row")
+    assert epipolar_error(rendered, scene, rendered.objects[0] > 0).max() < 1e-3
+
+
+@pytest.mark.parametrize("name", [name for name in SCENES if name.startswith("drive-")])
+def test_drives_have_kittis_camera(name):
+    scene = SCENES[name]
+    assert abs(scene.width / scene.height - 1242 / 375) < 0.01
+    assert abs(scene.camera.position.at(0)[1] + 1.65) < 0.02
+    assert 0.5 <= scene.camera.position.velocity[2] <= 1.0
 
 
 def test_pure_rotation_is_a_homography_whatever_the_depth(small, small_scene):

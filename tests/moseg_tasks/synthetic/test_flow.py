@@ -6,13 +6,17 @@ import pytest
 
 from moseg.tasks.synthetic import SCENES, camera_at
 
-WIDTH, HEIGHT = 106, 60
-GRID_Y, GRID_X = np.mgrid[:HEIGHT, :WIDTH].astype(np.float64)
+
+def pixels_of(image):
+    """Coordinates x and y, float64 (height, width), of an image's pixels."""
+    y, x = np.mgrid[: image.shape[0], : image.shape[1]].astype(np.float64)
+    return x, y
 
 
 def warp(field, flow):
     """`field` of the second frame, looked up at the first frame's pixels moved by `flow`."""
-    x, y = (GRID_X + flow[..., 0]).astype(np.float32), (GRID_Y + flow[..., 1]).astype(np.float32)
+    x, y = (place + flow[..., axis] for axis, place in enumerate(pixels_of(flow)))
+    x, y = x.astype(np.float32), y.astype(np.float32)
     return cv2.remap(field, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=(1e3, 1e3, 1e3))
 
 
@@ -24,9 +28,10 @@ def stays_visible(scene, m):
 
 def static_flow(declared, m, inverse_depth):
     """Flow of a static world from inverse depth and the two cameras, by matrices in the textbook's order."""
-    cameras = [camera_at(declared.camera, t, HEIGHT, WIDTH) for t in (m, m + 1)]
+    cameras = [camera_at(declared.camera, t, declared.height, declared.width) for t in (m, m + 1)]
     K0, K1 = (np.array([[c.focal, 0, c.center[0]], [0, c.focal, c.center[1]], [0, 0, 1]]) for c in cameras)
-    pixels = np.stack([GRID_X, GRID_Y, np.ones_like(GRID_X)], axis=-1)
+    x, y = pixels_of(inverse_depth)
+    pixels = np.stack([x, y, np.ones_like(x)], axis=-1)
     seen = pixels @ np.linalg.inv(K0).T / inverse_depth[..., None].astype(np.float64)
     world = seen @ cameras[0].pose.rotation.T + cameras[0].pose.translation
     moved = (world - cameras[1].pose.translation) @ cameras[1].pose.rotation @ K1.T
@@ -85,8 +90,9 @@ def test_next_frame_warped_by_flow_resembles_this_one(name, small):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_flow_is_finite_and_moderate(name, small):
-    # Flow scales with the frame: 7 px of a width of 106 px are 28 px of 426.
+    # Flow scales with the frame: 7 px of a width of 106 px are 28 px of 426. Beside a driving camera it is larger.
     scene = small(name)
+    bound = 16.0 if name.startswith("drive-") else 7.0
     for flow in (scene.flow_forward, scene.flow_backward):
         assert np.isfinite(flow).all()
-        assert np.linalg.norm(flow, axis=-1).max() < 7.0
+        assert np.linalg.norm(flow, axis=-1).max() < bound

@@ -12,16 +12,17 @@ from moseg.tasks.synthetic.scene import Scene
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_arrays_have_their_types_and_shapes(name, small):
+def test_arrays_have_their_types_and_shapes(name, small, small_scene):
     scene = small(name)
+    size = (small_scene(name).height, small_scene(name).width)
     tracks = len(scene.points)
     assert {field: (array.dtype.name, array.shape) for field, array in scene._asdict().items()} == {
-        "images": ("uint8", (6, 60, 106, 3)),
-        "objects": ("uint16", (6, 60, 106)),
-        "moving": ("uint16", (6, 60, 106)),
-        "flow_forward": ("float32", (5, 60, 106, 2)),
-        "flow_backward": ("float32", (5, 60, 106, 2)),
-        "inverse_depth": ("float32", (6, 60, 106)),
+        "images": ("uint8", (6, *size, 3)),
+        "objects": ("uint16", (6, *size)),
+        "moving": ("uint16", (6, *size)),
+        "flow_forward": ("float32", (5, *size, 2)),
+        "flow_backward": ("float32", (5, *size, 2)),
+        "inverse_depth": ("float32", (6, *size)),
         "points": ("float32", (tracks, 6, 2)),
         "visible": ("bool", (tracks, 6)),
     }
@@ -39,7 +40,8 @@ def test_scene_has_several_prominent_objects_of_realistic_size(name, outlines, s
     objects = outlines(name).objects
     shares = np.bincount(objects.ravel(), minlength=len(small_scene(name).things) + 1) / objects.size
     assert 3 <= len(shares) - 1 <= 6
-    assert shares[1:].min() > 0.008
+    # On a street the next cars hide most of those behind them.
+    assert shares[1:].min() > (0.003 if name.startswith("drive-") else 0.008)
     assert shares[1:].max() < 0.2
     assert shares[0] > 0.6
 
@@ -71,8 +73,9 @@ def test_num_motions_counts_distinct_world_motions(name):
     assert scene.num_motions == len(distinct)
 
 
-def test_nothing_moves_has_an_empty_truth(small):
-    scene = small("nothing-moves")
+@pytest.mark.parametrize("name", ["drive-parked-row", "nothing-moves"])
+def test_static_scene_has_an_empty_truth(name, small):
+    scene = small(name)
     assert not scene.moving.any()
     assert scene.objects.any()
     assert np.linalg.norm(scene.flow_forward, axis=-1).max() > 1.0
@@ -110,9 +113,12 @@ def test_moving_backdrop_is_refused(small_scene):
         Scene(**fields)
 
 
-def test_sequences_are_declared_in_kebab_case_at_full_size():
+def test_sequences_are_declared_in_kebab_case_and_order_at_full_size():
+    assert list(SCENES) == sorted(SCENES)
     assert all(re.fullmatch(r"[a-z]+(-[a-z]+)*", name) for name in SCENES)
-    assert {(scene.height, scene.width, scene.num_frames) for scene in SCENES.values()} == {(240, 426, 24)}
+    for name, scene in SCENES.items():
+        expected = (188, 622, 16) if name.startswith("drive-") else (240, 426, 24)
+        assert (scene.height, scene.width, scene.num_frames) == expected
     assert all(scene.description.endswith(".") and "\n" not in scene.description for scene in SCENES.values())
 
 
