@@ -71,7 +71,7 @@ def fit_ground(
         root = np.sqrt(tukey_weight((design @ slope - values) * weights, 2 * tolerance)) * weights
         slope = np.linalg.lstsq(design * root[:, None], values * root, rcond=None)[0]
     share = np.mean(np.abs(design @ slope - values) * weights < tolerance)
-    return Ground(slope, epipole) if share > params.ground_share and slope[1] > 0 else None
+    return Ground(slope, epipole) if share > params.ground_share and _is_ground(slope, params) else None
 
 
 def _ransac_slope(design, values, weights, tolerance, params: RigidityParams) -> np.ndarray | None:
@@ -80,8 +80,12 @@ def _ransac_slope(design, values, weights, tolerance, params: RigidityParams) ->
     pairs = rng.integers(len(values), size=(params.ground_samples, _MINIMAL_SAMPLE))
     # Pairs on a line through the epipole have no plane; their pseudo-inverse gives a plane without support.
     slopes = (np.linalg.pinv(design[pairs], rcond=1e-9) @ values[pairs][..., None])[..., 0]
-    is_ground = (slopes[:, 1] > 0) & (np.abs(slopes[:, 0]) < params.ground_tilt * np.abs(slopes[:, 1]))
     error = np.abs(design @ slopes.T - values[:, None]) * weights[:, None]
-    support = np.where(is_ground, np.count_nonzero(error < tolerance[:, None], axis=0), 0)
+    support = np.where(_is_ground(slopes, params), np.count_nonzero(error < tolerance[:, None], axis=0), 0)
     best = np.argmax(support)
     return slopes[best] if support[best] >= params.ground_points else None
+
+
+def _is_ground(slopes: np.ndarray, params: RigidityParams) -> np.ndarray:
+    """Return whether planes (..., 2) are nearer at the bottom, and about level."""
+    return (slopes[..., 1] > 0) & (np.abs(slopes[..., 0]) < params.ground_tilt * np.abs(slopes[..., 1]))
