@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from moseg.schemas.parameters import RigidityParams
-from moseg.tasks.rigidity.evidence import deviation_from_ground
+from moseg.tasks.rigidity.deviation import deviation_from_ground
 from moseg.tasks.rigidity.ground import fit_ground
 from moseg.tasks.rigidity.noise import displacement_noise
 from moseg.tasks.rigidity.parallax import find_epipole, split_displacements

@@ -13,7 +13,12 @@ from moseg.tasks.synthetic import SCENES, render_scene
 PARAMS = RigidityParams()
 NUM_FRAMES = 6
 CAR = 2
-SPEEDS = {"parked": (0.0, 0.0, 0.0), "oncoming": (0.0, 0.0, -0.2), "crossing": (-0.1, 0.0, 0.0)}
+SPEEDS = {
+    "parked": (0.0, 0.0, 0.0),
+    "oncoming": (0.0, 0.0, -0.2),
+    "crossing": (-0.1, 0.0, 0.0),
+    "ahead": (0.0, 0.0, 0.2),
+}
 
 
 @cache
@@ -29,9 +34,11 @@ def drive(course):
     return rendered, tracks, estimate_rigidity(rendered.images, *tracks, PARAMS)
 
 
-def evidence(course):
-    """Return the errors of all tracks and pairs, and whether each is of the car, and of nothing that stands up."""
+def evidence(course, has_depth=False):
+    """Return the errors of all tracks and pairs, and the object that each is of."""
     rendered, tracks, found = drive(course)
+    if has_depth:
+        found = estimate_rigidity(rendered.images, *tracks, PARAMS, 7 * rendered.inverse_depth + 0.3)
     errors, owners = [], []
     for (start, gap), error in zip(found.pairs, found.error, strict=True):
         seen = np.flatnonzero(np.isfinite(error))
@@ -54,6 +61,19 @@ def test_a_car_that_moves_shows_evidence_and_the_street_does_not(course):
     error, owner = evidence(course)
     assert np.mean(error[owner == CAR] > 1) > 0.9
     assert np.mean(error[owner == 0] > 1) < 0.03
+
+
+@pytest.mark.parametrize("course", ["ahead", "oncoming"])
+def test_given_depth_tells_a_car_that_stays_on_its_epipolar_lines(course):
+    error, owner = evidence(course, has_depth=True)
+    assert np.mean(error[owner == CAR] > 1) > 0.9
+    assert np.mean(error[owner == 0] > 1) < 0.03
+
+
+def test_a_parked_car_stands_at_its_given_depth():
+    error, owner = evidence("parked", has_depth=True)
+    assert np.mean(error[owner == 0] > 1) < 0.02
+    assert np.mean(error[owner != 0] > 1) < 0.02
 
 
 def test_values_are_finite_where_a_track_is_seen_in_the_pair_and_nan_elsewhere():
