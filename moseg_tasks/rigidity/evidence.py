@@ -1,0 +1,93 @@
+"""Evidence of one frame pair against a rigid scene: how far each track deviates from every static point."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from moseg.schemas.parameters import RigidityParams
+from moseg.tasks.rigidity.deviation import deviation_from_depth, deviation_from_ground
+from moseg.tasks.rigidity.given_depth import bound_inverse_depth
+from moseg.tasks.rigidity.ground import Ground, fit_ground
+from moseg.tasks.rigidity.neighbours import find_similar
+from moseg.tasks.rigidity.noise import displacement_noise
+from moseg.tasks.rigidity.parallax import find_epipole, split_displacements
+from moseg.tasks.rigidity.patch_test import compare_patches
+from moseg.tasks.rigidity.relative_pose import fit_pose
+from moseg.tasks.saliency.camera import CameraMotion
+
+
+class PairEvidence(NamedTuple):
+    """Evidence of the N tracks seen in both frames of a pair.
+
+    Attributes
+    ----------
+    error : float64 (N,)
+        Deviation from the nearest static point in standard deviations, no more than the patch test lets stand.
+    median_error : float64 (N,)
+        The same of the medians over similar neighbours.
+    test : float64 (N,)
+        Result of the patch test, averaged over similar neighbours; 0 where nothing was tested.
+    motion : CameraMotion
+    ground : Ground or None
+    """
+
+    error: np.ndarray
+    median_error: np.ndarray
+    test: np.ndarray
+    motion: CameraMotion
+    ground: Ground | None
+
+
+def pair_evidence(
+    images: tuple[np.ndarray, np.ndarray],
+    points0: np.ndarray,
+    points1: np.ndarray,
+    focal: float,
+    params: RigidityParams,
+    inverse_depth: np.ndarray | None = None,
+) -> PairEvidence | None:
+    """Measure the deviation of tracks from a rigid scene over one pair of frames.
+
+    Parameters
+    ----------
+    images : two uint8 (y, x)
+        Blurred grey frames.
+    points0, points1 : float64 (N, 2)
+        xy of the tracks in both frames, px.
+    focal : float
+        Focal length in longer sides of the frame.
+    params : RigidityParams
+    inverse_depth : float32 (y, x), optional
+        Relative inverse depth of the first frame, up to scale and shift; takes the place of the ground if it explains
+        the parallax.
+
+    Returns
+    -------
+    PairEvidence or None
+        None if no motion of the camera explains the tracks.
+    """
+    shape = images[0].shape
+    motion = fit_pose(points0, points1, focal, shape, params)
+    if motion is None:
+        return None
+    parallax = split_displacements(points0, points1, motion, shape)
+    noise = displacement_noise(points0, points1, params.noise, params.noise_share)
+    ground = fit_ground(points0, parallax, find_epipole(motion, shape), shape, params)
+    bounds = None if inverse_depth is None else bound_inverse_depth(inverse_depth, points0, parallax, noise, params)
+    if bounds is None:
+        deviation = deviation_from_ground(points0, parallax, ground, noise, params)
+    else:
+        deviation = deviation_from_depth(parallax, bounds, noise, params)
+    far = deviation.too_far / deviation.far_noise
+    squared = (parallax.across / noise) ** 2 + far**2 + deviation.too_near**2
+    similar = find_similar(points0, points1, params)
+    across = similar.median(parallax.across)
+    across /= displacement_noise(points0, points1, params.median_noise, params.median_noise_share)
+    median_squared = across**2 + similar.median(far) ** 2 + similar.median(deviation.too_near) ** 2
+    doubtful = np.flatnonzero((squared > params.test_above) | (median_squared > params.test_above))
+    test = np.zeros(len(points0))
+    test[doubtful] = compare_patches(*images, points0, points1, parallax, deviation.allowed, doubtful, params)
+    test = similar.mean_with_itself(test)
+    limit = params.test_gain * np.maximum(test, 0)
+    error, median_error = (np.sqrt(np.minimum(each, limit)) for each in (squared, median_squared))
+    return PairEvidence(error, median_error, test, motion, ground)
