@@ -39,6 +39,9 @@ from moseg.schemas.parameters import (
     Sam2Params,
     SamHqParams,
     SeedParams,
+    TrackFieldParams,
+    TrackMaskParams,
+    TrackObjectParams,
     TrackParams,
     TrajectoryClusteringParams,
 )
@@ -79,10 +82,11 @@ class PipelineConfig(Frozen):
     max_side: Annotated[int, Unit.PIXELS] = Field(
         1280, ge=16, description="frames with a longer side are reduced to this for analysis, px"
     )
-    proposal_source: Literal["saliency", "detections", "groundtruth", "folder"] = Field(
+    proposal_source: Literal["saliency", "tracks", "detections", "groundtruth", "folder"] = Field(
         "saliency",
-        description="object proposals: motion saliency, detections (objects that networks name, find, outline and"
-        " track), the ground truth's objects, or a folder of masks",
+        description="object proposals: motion saliency, tracks (groups of dense point tracks that no rigid scene"
+        " explains), detections (objects that networks name, find, outline and track), the ground truth's objects, or a"
+        " folder of masks",
     )
     fused_flow_model: Annotated[str, ChoiceOf("fused_flow_model")] = Field(
         "oc_depth", description="flow model that the fused variant combines"
@@ -110,6 +114,9 @@ class PipelineConfig(Frozen):
     identity: IdentityParams = IdentityParams()
     components: ComponentParams = ComponentParams()
     refinement: RefinementParams = RefinementParams()
+    track_field: TrackFieldParams = TrackFieldParams()
+    track_objects: TrackObjectParams = TrackObjectParams()
+    track_masks: TrackMaskParams = TrackMaskParams()
     linking: LinkingParams = LinkingParams()
     tracks: TrackParams = TrackParams()
     fundamental: FundamentalParams = FundamentalParams()

@@ -27,6 +27,8 @@ from moseg.schemas.parameters.refinement import RefinementParams
 from moseg.schemas.parameters.saliency import SaliencyParams
 from moseg.schemas.parameters.sam2 import Sam2Params
 from moseg.schemas.parameters.sam_hq import SamHqParams
+from moseg.schemas.parameters.track_masks import TrackMaskParams
+from moseg.schemas.parameters.track_objects import TrackFieldParams, TrackObjectParams
 from moseg.schemas.parameters.tracks import TrackParams
 from moseg.schemas.parameters.trajectories import (
     EnergyParams,
@@ -73,6 +75,9 @@ __all__ = [
     "SamHqParams",
     "SeedParams",
     "SeparationParams",
+    "TrackFieldParams",
+    "TrackMaskParams",
+    "TrackObjectParams",
     "TrackParams",
     "TrajectoryClusteringParams",
 ]

@@ -1,0 +1,144 @@
+"""Masks of objects of tracks: every pixel takes the object for which its nearest tracks vote."""
+
+from collections.abc import Iterable
+
+import cv2
+import numpy as np
+from scipy.spatial import cKDTree
+
+from moseg.schemas.parameters import TrackMaskParams
+
+STEP = 2
+"""Spacing of the grid on which pixels are labelled, px."""
+_TINY = 1e-12
+"""Weight of a vote by distance alone, for pixels that resemble none of their tracks."""
+
+
+def track_masks(
+    frames: Iterable[np.ndarray],
+    flows: Iterable[np.ndarray],
+    points: np.ndarray,
+    visible: np.ndarray,
+    objects: np.ndarray,
+    start: int,
+    params: TrackMaskParams,
+) -> np.ndarray:
+    """Return the object of every pixel.
+
+    Parameters
+    ----------
+    frames : iterable of uint8 (y, x, rgb)
+        Consecutive frames; the first one is frame `start` of the tracks.
+    flows : iterable of float32 (y, x, uv)
+        Motion from each of these frames to the next, px/frame; finite.
+    points : float32 (track, frame, xy)
+        px; read only where `visible`.
+    visible : bool (track, frame)
+    objects : uint16 (track,)
+        0 = background.
+    start : int
+    params : TrackMaskParams
+
+    Returns
+    -------
+    uint16 (frame, y, x)
+        0 = background.
+    """
+    return np.stack(
+        [
+            _label_frame(image, flow, *_seen_tracks(points, visible, objects, frame), params)
+            for frame, (image, flow) in enumerate(zip(frames, flows, strict=True), start)
+        ]
+    )
+
+
+def _seen_tracks(points: np.ndarray, visible: np.ndarray, objects: np.ndarray, frame: int) -> tuple:
+    """Return place, motion (NaN where unknown) and object of the tracks that a frame shows."""
+    seen = np.flatnonzero(visible[:, frame])
+    is_last = frame + 1 == visible.shape[1]
+    other = frame - 1 if is_last else frame + 1
+    place = points[seen, frame]
+    motion = points[seen, other] - place
+    motion[~visible[seen, other]] = np.nan
+    return place, -motion if is_last else motion, objects[seen]
+
+
+def _label_frame(
+    image: np.ndarray,
+    flow: np.ndarray,
+    place: np.ndarray,
+    motion: np.ndarray,
+    objects: np.ndarray,
+    params: TrackMaskParams,
+) -> np.ndarray:
+    """Return the object of every pixel of a frame, uint16 (y, x)."""
+    height, width = image.shape[:2]
+    grid = np.zeros((-(-height // STEP), -(-width // STEP)), np.uint16)
+    if not objects.any():
+        return np.zeros((height, width), np.uint16)
+    tree = cKDTree(place)
+    rows, columns = _undecided(place, objects, tree, grid.shape, params)
+    pixels = np.stack([columns, rows], axis=1).astype(np.float32) * STEP
+    num_neighbours = min(params.num_neighbours, len(place))
+    distance, near = tree.query(pixels, k=num_neighbours)
+    distance, near = distance.reshape(-1, num_neighbours).astype(np.float32), near.reshape(-1, num_neighbours)
+    labels = objects[near]
+    grid[rows, columns] = labels[:, 0]
+    # Where all neighbours belong to one object, their weights do not matter.
+    mixed = np.flatnonzero((labels != labels[:, :1]).any(axis=1))
+    if len(mixed):
+        rows, columns, distance, near, labels = (
+            array[mixed] for array in (rows, columns, distance, near, labels)
+        )
+        grey = cv2.GaussianBlur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), (0, 0), params.grey_blur)
+        weights = _weigh(grey, flow, rows * STEP, columns * STEP, distance, near, place, motion, params)
+        grid[rows, columns] = _elect(labels, weights)
+    if params.smoothing > 1:
+        grid = cv2.medianBlur(grid, params.smoothing)
+    return cv2.resize(grid, (width, height), interpolation=cv2.INTER_NEAREST)
+
+
+def _undecided(
+    place: np.ndarray, objects: np.ndarray, tree: cKDTree, shape: tuple[int, int], params: TrackMaskParams
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return rows and columns of the pixels of the grid that are near enough to a track of an object."""
+    far = np.full(shape, 255, np.uint8)
+    cells = np.clip(np.rint(place[objects > 0] / STEP).astype(int), 0, [shape[1] - 1, shape[0] - 1])
+    far[cells[:, 1], cells[:, 0]] = 0
+    distance = STEP * cv2.distanceTransform(far, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    return np.nonzero(distance <= params.radius)
+
+
+def _weigh(
+    grey: np.ndarray,
+    flow: np.ndarray,
+    rows: np.ndarray,
+    columns: np.ndarray,
+    distance: np.ndarray,
+    near: np.ndarray,
+    place: np.ndarray,
+    motion: np.ndarray,
+    params: TrackMaskParams,
+) -> np.ndarray:
+    """Return the weight of each near track's vote for pixels (rows, columns), float32 (pixel, neighbour)."""
+    x, y = np.ascontiguousarray(place.T)
+    own_grey = cv2.remap(grey.astype(np.float32), x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    own_flow = cv2.remap(flow, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).reshape(-1, 2)
+    own_flow = np.where(np.isfinite(motion), motion, own_flow)
+    flow, grey = flow[rows, columns], grey[rows, columns].astype(np.float32)
+    scale = np.float32(params.motion) + np.float32(params.relative_motion) * np.hypot(flow[:, 0], flow[:, 1])
+    du, dv = (own_flow[:, axis][near] - flow[:, None, axis] for axis in (0, 1))
+    dissimilar = (du * du + dv * dv) / (scale * scale)[:, None]
+    dissimilar += ((own_grey.ravel()[near] - grey[:, None]) / np.float32(params.grey)) ** 2
+    by_distance = np.exp(np.float32(-0.5 / params.distance**2) * distance * distance)
+    return by_distance * (np.exp(np.float32(-0.5) * dissimilar) + np.float32(_TINY))
+
+
+def _elect(labels: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Return the label with the largest summed weight in each row, uint16 (pixel,); the lowest one of equal sums."""
+    best, chosen = np.zeros(len(labels), np.float32), np.zeros(len(labels), np.uint16)
+    for label in np.unique(labels):
+        total = np.where(labels == label, weights, 0).sum(axis=1)
+        better = total > best
+        best[better], chosen[better] = total[better], label
+    return chosen
