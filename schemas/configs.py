@@ -15,6 +15,7 @@ from moseg.schemas.parameters import (
     ClusteringParams,
     ComponentParams,
     DeaotParams,
+    DenseTrackParams,
     DepthAnythingParams,
     DepthParams,
     DetectionParams,
@@ -35,6 +36,7 @@ from moseg.schemas.parameters import (
     RaftParams,
     RamParams,
     RefinementParams,
+    RigidityParams,
     SaliencyParams,
     Sam2Params,
     SamHqParams,
@@ -113,6 +115,8 @@ class PipelineConfig(Frozen):
     foreground: ForegroundParams = ForegroundParams()
     identity: IdentityParams = IdentityParams()
     components: ComponentParams = ComponentParams()
+    dense_tracks: DenseTrackParams = DenseTrackParams()
+    rigidity: RigidityParams = RigidityParams()
     refinement: RefinementParams = RefinementParams()
     track_field: TrackFieldParams = TrackFieldParams()
     track_objects: TrackObjectParams = TrackObjectParams()
