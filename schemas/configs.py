@@ -45,6 +45,7 @@ from moseg.schemas.parameters import (
     TrackMaskParams,
     TrackObjectParams,
     TrackParams,
+    TrackWindowParams,
     TrajectoryClusteringParams,
 )
 from moseg.schemas.units import Unit
@@ -67,6 +68,10 @@ class TrajectoryVariant(StrEnum):
     TRAJS = "trajs"
     HOMOGRAPHY = "homography"
     AFFINE = "affine"
+
+
+MOTION_SOURCES = ("saliency", "tracks")
+"""Sources of proposals that propose objects because they move."""
 
 
 class SectionParams(Frozen):
@@ -118,6 +123,7 @@ class PipelineConfig(Frozen):
     dense_tracks: DenseTrackParams = DenseTrackParams()
     rigidity: RigidityParams = RigidityParams()
     refinement: RefinementParams = RefinementParams()
+    track_window: TrackWindowParams = TrackWindowParams()
     track_field: TrackFieldParams = TrackFieldParams()
     track_objects: TrackObjectParams = TrackObjectParams()
     track_masks: TrackMaskParams = TrackMaskParams()

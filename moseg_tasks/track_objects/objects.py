@@ -80,9 +80,7 @@ def find_objects(
     )
 
 
-def _join_tracks(
-    points: np.ndarray, visible: np.ndarray, moving: np.ndarray, params: TrackObjectParams
-) -> csr_matrix:
+def _join_tracks(points: np.ndarray, visible: np.ndarray, moving: np.ndarray, params: TrackObjectParams) -> csr_matrix:
     """Return the mean similarity of the motions of neighbours among the moving tracks, where it is large enough."""
     place = np.zeros(len(points), np.int64)
     place[moving] = np.arange(len(moving))

@@ -31,6 +31,7 @@ from moseg.schemas.parameters.sam2 import Sam2Params
 from moseg.schemas.parameters.sam_hq import SamHqParams
 from moseg.schemas.parameters.track_masks import TrackMaskParams
 from moseg.schemas.parameters.track_objects import TrackFieldParams, TrackObjectParams
+from moseg.schemas.parameters.track_window import TrackWindowParams
 from moseg.schemas.parameters.tracks import TrackParams
 from moseg.schemas.parameters.trajectories import (
     EnergyParams,
@@ -83,5 +84,6 @@ __all__ = [
     "TrackMaskParams",
     "TrackObjectParams",
     "TrackParams",
+    "TrackWindowParams",
     "TrajectoryClusteringParams",
 ]

@@ -1,6 +1,6 @@
 """Parameters of the masks of objects of tracks."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field
 
@@ -30,6 +30,6 @@ class TrackMaskParams(Frozen):
     relative_motion: Annotated[float, Unit.SHARE] = Field(
         0.05, ge=0, description="addition to it, as a share of the pixel's flow"
     )
-    smoothing: Annotated[Literal[1, 3, 5], Unit.PIXELS] = Field(
-        5, description="side of the median filter of the labels, px of the grid; 1 is no filter"
+    smoothing: Annotated[int, Unit.PIXELS] = Field(
+        2, ge=0, le=2, description="radius of the median filter of the labels, px of the grid; 0 is no filter"
     )
