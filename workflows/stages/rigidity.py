@@ -15,12 +15,21 @@ def _run(params, inputs, rng):
 
     tracks = inputs["dense_tracks"]
     frames = (frame.cached("image") for frame in inputs.all("frames"))
-    depths = [depth.array("inverse_depth") for depth in inputs.all("depth")] if "depth" in inputs else None
     result = estimate_rigidity(
-        frames, tracks.array("points"), tracks.array("visible"), RigidityParams.of_recipe(params), depths
+        frames, tracks.array("points"), tracks.array("visible"), RigidityParams.of_recipe(params)
     )
     arrays = {name: getattr(result, name) for name in ("pairs", "error", "median_error", "test")}
-    return Output(arrays, {"focal": result.focal, "views": [view._asdict() for view in result.views]})
+    return Output(arrays, {"focal": result.focal, "cameras": [_camera(pair) for pair in result.evidence]})
+
+
+def _camera(pair) -> dict:
+    """Return the camera's motion in a pair, and the ground that it saw if there was one."""
+    ground = pair.ground and {"slope": pair.ground.slope.tolist(), "epipole": pair.ground.epipole.tolist()}
+    return {
+        "rotation": pair.motion.rotation.tolist(),
+        "translation": pair.motion.translation.tolist(),
+        "ground": ground,
+    }
 
 
 def _params(config: PipelineConfig) -> dict:
