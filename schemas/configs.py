@@ -41,7 +41,11 @@ from moseg.schemas.parameters import (
     Sam2Params,
     SamHqParams,
     SeedParams,
+    TrackFieldParams,
+    TrackMaskParams,
+    TrackObjectParams,
     TrackParams,
+    TrackWindowParams,
     TrajectoryClusteringParams,
 )
 from moseg.schemas.units import Unit
@@ -66,6 +70,10 @@ class TrajectoryVariant(StrEnum):
     AFFINE = "affine"
 
 
+MOTION_SOURCES = ("saliency", "tracks")
+"""Sources of proposals that propose objects because they move."""
+
+
 class SectionParams(Frozen):
     """Parameters of the cut of a video into sections; each section has object proposals of its own."""
 
@@ -81,10 +89,11 @@ class PipelineConfig(Frozen):
     max_side: Annotated[int, Unit.PIXELS] = Field(
         1280, ge=16, description="frames with a longer side are reduced to this for analysis, px"
     )
-    proposal_source: Literal["saliency", "detections", "groundtruth", "folder"] = Field(
+    proposal_source: Literal["saliency", "tracks", "detections", "groundtruth", "folder"] = Field(
         "saliency",
-        description="object proposals: motion saliency, detections (objects that networks name, find, outline and"
-        " track), the ground truth's objects, or a folder of masks",
+        description="object proposals: motion saliency, tracks (groups of dense point tracks that no rigid scene"
+        " explains), detections (objects that networks name, find, outline and track), the ground truth's objects, or a"
+        " folder of masks",
     )
     fused_flow_model: Annotated[str, ChoiceOf("fused_flow_model")] = Field(
         "oc_depth", description="flow model that the fused variant combines"
@@ -114,6 +123,10 @@ class PipelineConfig(Frozen):
     dense_tracks: DenseTrackParams = DenseTrackParams()
     rigidity: RigidityParams = RigidityParams()
     refinement: RefinementParams = RefinementParams()
+    track_window: TrackWindowParams = TrackWindowParams()
+    track_field: TrackFieldParams = TrackFieldParams()
+    track_objects: TrackObjectParams = TrackObjectParams()
+    track_masks: TrackMaskParams = TrackMaskParams()
     linking: LinkingParams = LinkingParams()
     tracks: TrackParams = TrackParams()
     fundamental: FundamentalParams = FundamentalParams()

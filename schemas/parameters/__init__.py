@@ -29,6 +29,9 @@ from moseg.schemas.parameters.rigidity import RigidityParams
 from moseg.schemas.parameters.saliency import SaliencyParams
 from moseg.schemas.parameters.sam2 import Sam2Params
 from moseg.schemas.parameters.sam_hq import SamHqParams
+from moseg.schemas.parameters.track_masks import TrackMaskParams
+from moseg.schemas.parameters.track_objects import TrackFieldParams, TrackObjectParams
+from moseg.schemas.parameters.track_window import TrackWindowParams
 from moseg.schemas.parameters.tracks import TrackParams
 from moseg.schemas.parameters.trajectories import (
     EnergyParams,
@@ -77,6 +80,10 @@ __all__ = [
     "SamHqParams",
     "SeedParams",
     "SeparationParams",
+    "TrackFieldParams",
+    "TrackMaskParams",
+    "TrackObjectParams",
     "TrackParams",
+    "TrackWindowParams",
     "TrajectoryClusteringParams",
 ]

@@ -39,6 +39,7 @@ from moseg.workflows.stages import (
     seeds,
     segmentation,
     tags,
+    track_objects,
     tracks,
     trajectory_clustering,
 )
@@ -51,7 +52,7 @@ STAGES: dict[str, Stage] = {
         *(tags, detections, instances, seeds),
         *(flow, background, saliency, consistency, accumulation, own_motion, coherence),
         *(appearance, foreground, components),
-        *(dense_tracks, rigidity),
+        *(dense_tracks, rigidity, track_objects),
         *(proposals, linking),
         *(depth, tracks, fundamental, fundamental_residual, flow_model, flow_residual, object_hypotheses),
         *(affinity, clustering, segmentation),
