@@ -12,6 +12,7 @@ from moseg.schemas.parameters import (
     AccumulationParams,
     AffinityParams,
     AppearanceParams,
+    CandidateParams,
     ClusteringParams,
     ComponentParams,
     DeaotParams,
@@ -42,6 +43,7 @@ from moseg.schemas.parameters import (
     SamHqParams,
     SeedParams,
     TrackFieldParams,
+    TrackGroupParams,
     TrackMaskParams,
     TrackObjectParams,
     TrackParams,
@@ -125,6 +127,8 @@ class PipelineConfig(Frozen):
     refinement: RefinementParams = RefinementParams()
     track_window: TrackWindowParams = TrackWindowParams()
     track_field: TrackFieldParams = TrackFieldParams()
+    track_candidates: CandidateParams = CandidateParams()
+    track_groups: TrackGroupParams = TrackGroupParams()
     track_objects: TrackObjectParams = TrackObjectParams()
     track_masks: TrackMaskParams = TrackMaskParams()
     linking: LinkingParams = LinkingParams()

@@ -1,7 +1,9 @@
 """Test of a track by its patch: whether some position of a rigid point explains it as well as the tracked one.
 
 A tracker slips along edges and on bare road. Such a track deviates from every rigid point, but the patch at a rigid
-position looks just as much like the one it started from, so that nothing speaks for a motion.
+position looks just as much like the one it started from, so that nothing speaks for a motion. Where a near surface
+crosses a far one, as a pole before a meadow, a corner of both moves like neither: there each half of the patch may have
+a rigid position of its own.
 """
 
 from typing import NamedTuple
@@ -62,45 +64,58 @@ def compare_patches(
     -------
     float64 (M,)
         (m1 - m0) / (noise² + m0) in -1..`params.test_limit`, with m0 and m1 the mean squared differences of patches
-        without their means at the tracked and the best rigid position: 0 where a rigid point explains the patch as
-        well, 1 where it is worse by as much as the tracked position itself.
+        without their means at the tracked position and at the best rigid one: 0 where a rigid point explains the patch
+        as well, 1 where it is worse by as much as the tracked position itself. m1 is no larger than
+        `params.test_two_surfaces` times the mean of two halves of the patch at their own best rigid positions.
     """
     image0, image1 = image0.astype(np.float32), image1.astype(np.float32)
     size = params.test_half
     offsets = np.arange(-size, size + 1, dtype=np.float32)
     offset_x, offset_y = (axis.ravel() for axis in np.meshgrid(offsets, offsets))
+    parts = _parts(offset_x, offset_y)
     result = np.zeros(len(rows))
     for start in range(0, len(rows), _TOGETHER):
         part = rows[start : start + _TOGETHER]
         patches = _patches(image0, points0[part][:, None], offset_x, offset_y)
 
         def differ(positions, patches=patches):
-            return _mean_difference(patches, _patches(image1, positions, offset_x, offset_y))
+            return _differences(patches, _patches(image1, positions, offset_x, offset_y), parts)
 
-        tracked = differ(points1[part][:, None] + _BESIDE).min(axis=1)
-        rigid = _best_rigid(differ, parallax, allowed, part, params)
+        tracked = differ(points1[part][:, None] + _BESIDE)[..., 0].min(axis=1)
+        whole, *halves = _best_rigid(differ, parallax, allowed, part, params).T
+        pairs = [(half0 + half1) / 2 for half0, half1 in zip(halves[::2], halves[1::2], strict=True)]
+        rigid = np.minimum(whole, params.test_two_surfaces * np.min(pairs, axis=0))
         result[start : start + _TOGETHER] = (rigid - tracked) / (params.test_noise**2 + tracked)
     return np.clip(result, -1, params.test_limit)
 
 
 def _best_rigid(differ, parallax: Parallax, allowed: AllowedParallax, rows, params: RigidityParams) -> np.ndarray:
-    """Return the least difference (M,) over rigid positions, at whole pixels first, then along and across the line."""
+    """Return the least difference (M, part) over rigid positions: whole pixels, then along and across the line."""
     base, towards = parallax.rotated[rows][:, None], parallax.towards[rows][:, None]
     aside = np.stack([towards[..., 1], -towards[..., 0]], axis=-1) * params.test_across
     track = np.arange(len(rows))
     span = np.arange(-params.test_span, params.test_span + 1)
     steps = allowed.clip(parallax.along[rows, None] + span, rows)
     difference = differ(base + steps[..., None] * towards)
-    best = steps[track, difference.argmin(axis=1)][:, None]
+    best = steps[track, difference[..., 0].argmin(axis=1)][:, None]
     least = difference.min(axis=1)
     beside = np.array([-1, 0, 1])
+    # Around the best position of the whole patch only: a half that prefers another one is compared at whole pixels.
     for step in _REFINEMENTS:
         steps = allowed.clip(best + step * beside, rows)
         on_line = base + steps[..., None] * towards
         difference = differ((on_line[:, :, None] + beside[:, None] * aside[:, None]).reshape(len(rows), -1, 2))
-        best = steps[track, difference.argmin(axis=1) // len(beside)][:, None]
+        best = steps[track, difference[..., 0].argmin(axis=1) // len(beside)][:, None]
         least = np.minimum(least, difference.min(axis=1))
     return least
+
+
+def _parts(offset_x: np.ndarray, offset_y: np.ndarray) -> np.ndarray:
+    """Return masks float32 (part, P): the whole patch, then both sides of four lines through its centre."""
+    sides = [np.ones(len(offset_x), bool)]
+    for distance in (offset_x, offset_y, offset_x + offset_y, offset_x - offset_y):
+        sides += [distance < 0, distance > 0]
+    return np.array(sides, np.float32)
 
 
 def _patches(image: np.ndarray, positions: np.ndarray, offset_x: np.ndarray, offset_y: np.ndarray) -> np.ndarray:
@@ -111,8 +126,9 @@ def _patches(image: np.ndarray, positions: np.ndarray, offset_x: np.ndarray, off
     return patches.reshape(*positions.shape[:2], -1)
 
 
-def _mean_difference(patches0: np.ndarray, patches1: np.ndarray) -> np.ndarray:
-    """Return the variance (M, K) of the differences of patches (M, 1, P) and (M, K, P)."""
+def _differences(patches0: np.ndarray, patches1: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Return the variance (M, K, part) of the differences of patches (M, 1, P) and (M, K, P) over parts (part, P)."""
     apart = patches1 - patches0
-    mean = apart.mean(axis=-1)
-    return np.einsum("mkp,mkp->mk", apart, apart) / apart.shape[-1] - mean * mean
+    size = parts.sum(axis=1)
+    mean = apart @ parts.T / size
+    return np.maximum((apart * apart) @ parts.T / size - mean * mean, 0)

@@ -1,6 +1,20 @@
-"""Moving objects of a section's tracks."""
+"""Moving objects of a window's tracks: evidence, candidates, their motion groups, and the decision."""
 
+from moseg.tasks.track_objects.candidates import find_candidates
 from moseg.tasks.track_objects.field import PairEvidence, couple_tracks, mean_field, track_evidence
-from moseg.tasks.track_objects.objects import TrackObjects, find_objects
+from moseg.tasks.track_objects.groups import TrackGroups, group_tracks
+from moseg.tasks.track_objects.objects import TrackObjects, judge_objects
+from moseg.tasks.track_objects.regroup import regroup_candidates
 
-__all__ = ["PairEvidence", "TrackObjects", "couple_tracks", "find_objects", "mean_field", "track_evidence"]
+__all__ = [
+    "PairEvidence",
+    "TrackGroups",
+    "TrackObjects",
+    "couple_tracks",
+    "find_candidates",
+    "group_tracks",
+    "judge_objects",
+    "mean_field",
+    "regroup_candidates",
+    "track_evidence",
+]

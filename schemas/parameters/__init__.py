@@ -30,7 +30,13 @@ from moseg.schemas.parameters.saliency import SaliencyParams
 from moseg.schemas.parameters.sam2 import Sam2Params
 from moseg.schemas.parameters.sam_hq import SamHqParams
 from moseg.schemas.parameters.track_masks import TrackMaskParams
-from moseg.schemas.parameters.track_objects import TrackFieldParams, TrackObjectParams
+from moseg.schemas.parameters.track_objects import (
+    CandidateParams,
+    RegroupParams,
+    TrackFieldParams,
+    TrackGroupParams,
+    TrackObjectParams,
+)
 from moseg.schemas.parameters.track_window import TrackWindowParams
 from moseg.schemas.parameters.tracks import TrackParams
 from moseg.schemas.parameters.trajectories import (
@@ -46,6 +52,7 @@ __all__ = [
     "AccumulationParams",
     "AffinityParams",
     "AppearanceParams",
+    "CandidateParams",
     "ClusteringParams",
     "ComponentParams",
     "DeaotParams",
@@ -74,6 +81,7 @@ __all__ = [
     "RaftParams",
     "RamParams",
     "RefinementParams",
+    "RegroupParams",
     "RigidityParams",
     "SaliencyParams",
     "Sam2Params",
@@ -81,6 +89,7 @@ __all__ = [
     "SeedParams",
     "SeparationParams",
     "TrackFieldParams",
+    "TrackGroupParams",
     "TrackMaskParams",
     "TrackObjectParams",
     "TrackParams",

@@ -160,6 +160,12 @@ class RigidityParams(Frozen):
     test_limit: Annotated[float, Unit.RATIO] = Field(
         3.0, gt=0, description="largest result of the comparison: how much worse the best rigid position is"
     )
+    test_two_surfaces: Annotated[float, Unit.RATIO] = Field(
+        1.5,
+        ge=1,
+        description="factor on the difference of a patch whose halves have two rigid positions, because two fit by"
+        " chance more easily than one",
+    )
     test_gain: Annotated[float, Unit.RATIO] = Field(10.0, gt=0, description="largest squared error at a result of 1")
 
     depth_noise: Annotated[float, Unit.SHARE] = Field(

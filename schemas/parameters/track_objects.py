@@ -2,9 +2,11 @@
 
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from moseg.schemas.frozen import Frozen
+from moseg.schemas.parameters.comma_separated import split_commas
+from moseg.schemas.parameters.trajectories import HypothesisParams, KernelParams, TrajectoryClusteringParams
 from moseg.schemas.units import Unit
 
 
@@ -45,8 +47,8 @@ class TrackFieldParams(Frozen):
     num_rounds: Annotated[int, Unit.COUNT] = Field(30, ge=0, description="updates of the mean field, each by half")
 
 
-class TrackObjectParams(Frozen):
-    """Objects of tracks that move alike, and the evidence that an object must have to be proposed."""
+class CandidateParams(Frozen):
+    """Candidates: moving tracks joined because they are near and move alike. Scores are per frame of the window."""
 
     radius: Annotated[float, Unit.PIXELS] = Field(
         30.0, gt=0, description="largest distance in a frame of two tracks that are joined, px"
@@ -67,6 +69,84 @@ class TrackObjectParams(Frozen):
     min_similarity: Annotated[float, Unit.RATIO] = Field(
         0.3, gt=0, le=1, description="mean similarity, over the frames in which they are neighbours, of joined tracks"
     )
+    min_tracks: Annotated[int, Unit.COUNT] = Field(3, ge=1, description="smallest number of tracks of a candidate")
+    min_observations: Annotated[int, Unit.COUNT] = Field(
+        9, ge=1, description="smallest number of observations of a candidate, summed over its tracks and frames"
+    )
+    max_error: Annotated[float, Unit.RATIO] = Field(
+        12.0, gt=0, description="median error in a frame pair, in tolerances, beyond which it adds nothing to the score"
+    )
+    min_score: Annotated[float, Unit.RATIO] = Field(3.0, ge=0, description="smallest score of a candidate")
+    min_test: Annotated[float, Unit.RATIO] = Field(
+        0.55, ge=-1, le=3, description="smallest mean rigidity test of a candidate"
+    )
+
+
+class TrackGroupParams(Frozen):
+    """Motion groups of a balanced sample of static tracks and of the candidates' tracks."""
+
+    max_moving: Annotated[int, Unit.COUNT] = Field(250, ge=1, description="largest number of the candidates' tracks")
+    max_static: Annotated[int, Unit.COUNT] = Field(120, ge=1, description="largest number of static tracks")
+    min_moving: Annotated[int, Unit.COUNT] = Field(
+        5, ge=1, description="smallest number of the candidates' tracks; with fewer, candidates are not regrouped"
+    )
+    min_static: Annotated[int, Unit.COUNT] = Field(10, ge=1, description="the same of static tracks")
+    min_moving_life: Annotated[int, Unit.FRAMES] = Field(
+        4, ge=2, description="smallest number of frames of a sampled track of a candidate"
+    )
+    min_static_life: Annotated[int, Unit.FRAMES] = Field(6, ge=2, description="the same of a static track")
+    max_static_state: Annotated[float, Unit.RATIO] = Field(
+        -1.0, description="log-odds of motion below which a track may be sampled as static"
+    )
+    cell: Annotated[int, Unit.PIXELS] = Field(
+        60, ge=1, description="side of the cells of the frame that give one static track each, px"
+    )
+    models: tuple[str, ...] = Field(
+        ("homography", "fundamental"), min_length=1, description="point models, separated by commas"
+    )
+    hypotheses: HypothesisParams = HypothesisParams(num_hypotheses=100, num_draws=1)
+    kernel: KernelParams = KernelParams()
+    clustering: TrajectoryClusteringParams = TrajectoryClusteringParams()
+
+    _split_models = field_validator("models", mode="before")(split_commas)
+
+
+class RegroupParams(Frozen):
+    """Candidates cut and joined by motion group."""
+
+    static_majority: Annotated[float, Unit.SHARE] = Field(
+        0.5, ge=0, le=1, description="share of static tracks in the sample of a group above which it is static"
+    )
+    static_share: Annotated[float, Unit.SHARE] = Field(
+        0.35, ge=0, le=1, description="share of all static tracks of the sample above which a group is static"
+    )
+    keep_whole: Annotated[float, Unit.SHARE] = Field(
+        0.6, ge=0, le=1, description="share of a candidate in static groups from which it is kept as it is"
+    )
+    spread_rounds: Annotated[int, Unit.COUNT] = Field(
+        15, ge=0, description="rounds in which groups spread from sampled tracks to their neighbours"
+    )
+    spread_hold: Annotated[float, Unit.SHARE] = Field(
+        0.7, ge=0, le=1, description="weight of a sampled track's own group in each round"
+    )
+    min_part: Annotated[int, Unit.COUNT] = Field(3, ge=1, description="smallest number of tracks of a part")
+    near: Annotated[float, Unit.PIXELS] = Field(
+        60.0, ge=0, description="distance in a frame below which parts of one group are joined, px"
+    )
+    max_gap: Annotated[int, Unit.FRAMES] = Field(
+        5, ge=0, description="frames between the end of one part and the start of another that may go on from it"
+    )
+    margin: Annotated[float, Unit.PIXELS] = Field(
+        6.0, ge=0, description="margin around the place at which it is expected, px"
+    )
+    margin_per_frame: Annotated[float, Unit.PIXELS_PER_FRAME] = Field(
+        3.0, ge=0, description="growth of that margin with the frames between, px/frame"
+    )
+
+
+class TrackObjectParams(Frozen):
+    """Evidence that an object must have to be a moving one. It is absolute: in a static scene there is none."""
+
     min_tracks: Annotated[int, Unit.COUNT] = Field(5, ge=1, description="smallest number of tracks of an object")
     min_observations: Annotated[int, Unit.COUNT] = Field(
         20, ge=1, description="smallest number of observations of an object, summed over its tracks and frames"
@@ -75,7 +155,13 @@ class TrackObjectParams(Frozen):
         12.0, gt=0, description="median error in a frame pair, in tolerances, beyond which it adds nothing to the score"
     )
     min_score: Annotated[float, Unit.RATIO] = Field(
-        400.0, ge=0, description="smallest score of a moving object: its summed errors times its mean rigidity test"
+        15.0,
+        ge=0,
+        description="smallest score of a moving object: its summed errors times its mean rigidity test, per frame of"
+        " the window; lower finds more, and more that does not move (--sensitivity divides it)",
+    )
+    min_part: Annotated[float, Unit.SHARE] = Field(
+        0.7, ge=0, description="smallest score of its best candidate, as a share of the smallest score"
     )
     min_test: Annotated[float, Unit.RATIO] = Field(
         0.7,
@@ -84,3 +170,4 @@ class TrackObjectParams(Frozen):
         description="smallest mean rigidity test of a moving object: how much worse the best rigid position explains"
         " its patches than the tracked one",
     )
+    regroup: RegroupParams = RegroupParams()

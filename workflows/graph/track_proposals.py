@@ -59,8 +59,11 @@ class TrackProposals:
     @cached_method
     def objects(self, index: int) -> str:
         """Return the reference of the objects of these tracks."""
-        inputs = {"dense_tracks": self.dense_tracks(index), "rigidity": self.rigidity(index)}
-        return self._nodes.add("track_objects", inputs)
+        tracks = {"dense_tracks": self.dense_tracks(index)}
+        rigidity = {"rigidity": self.rigidity(index)}
+        moving = {"moving_tracks": self._nodes.add("moving_tracks", {**tracks, **rigidity})}
+        groups = {"track_groups": self._nodes.add("track_groups", {**tracks, **moving})}
+        return self._nodes.add("track_objects", {**tracks, **rigidity, **moving, **groups})
 
     def proposals(self, index: int) -> str:
         """Return the reference of the masks of these objects, from the section's start to the end of the window."""

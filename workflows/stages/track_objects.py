@@ -2,22 +2,23 @@
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.parameters import TrackFieldParams, TrackObjectParams
+from moseg.schemas.parameters import CandidateParams, TrackObjectParams
+from moseg.workflows.stages.moving_tracks import evidence_of, tracks_of
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.track_objects import PairEvidence, couple_tracks, find_objects, mean_field, track_evidence
+    from moseg.tasks.track_objects import TrackGroups, judge_objects, regroup_candidates
 
-    tracks, rigidity = inputs["dense_tracks"], inputs["rigidity"]
-    points, visible = tracks.array("points"), tracks.array("visible")
-    evidence = PairEvidence(*(rigidity.array(name) for name in PairEvidence._fields))
-    field = TrackFieldParams.of_recipe(params["field"])
-    state = mean_field(track_evidence(evidence, field), couple_tracks(points, visible, field), field)
-    found = find_objects(points, visible, state, evidence, TrackObjectParams.of_recipe(params["objects"]))
+    tracks, candidate = tracks_of(inputs), inputs["moving_tracks"].array("candidate")
+    groups = TrackGroups(*(inputs["track_groups"].array(name) for name in TrackGroups._fields))
+    object_params = TrackObjectParams.of_recipe(params["objects"])
+    join = CandidateParams.of_recipe(params["candidates"])
+    group = regroup_candidates(*tracks, candidate, groups, join, object_params.regroup)
+    found = judge_objects(group, candidate, tracks[1], evidence_of(inputs), object_params)
     # The reasons for the decision.
-    reasons = ("strength", "test", "num_tracks", "num_observations")
+    reasons = ("strength", "test", "num_tracks", "num_observations", "best_part")
     return Output(
         {"object": found.object, "is_moving": found.is_moving, "scores": found.score},
         {name: getattr(found, name).tolist() for name in reasons},
@@ -26,12 +27,12 @@ def _run(params, inputs, rng):
 
 def _params(config: PipelineConfig) -> dict:
     return {
-        "field": config.track_field.model_dump(mode="json"),
+        "candidates": config.track_candidates.model_dump(mode="json"),
         "objects": config.track_objects.model_dump(mode="json"),
     }
 
 
-MEAN_FIELD = Task("track_objects", "mean-field", version=1, run=_run, params=_params)
+ABSOLUTE_EVIDENCE = Task("track_objects", "absolute-evidence", version=1, run=_run, params=_params)
 
 STAGE = Stage(
     name="track_objects",
@@ -39,11 +40,13 @@ STAGE = Stage(
     inputs={
         "dense_tracks": "tracks of the window",
         "rigidity": "their deviation from a rigid scene",
+        "moving_tracks": "candidates for moving objects",
+        "track_groups": "motion groups of a sample of the tracks",
     },
     arrays={
-        "object": layout("uint16", "track", "candidate for a moving object, 0 = background"),
-        "is_moving": layout("bool", "object", "whether the candidate has enough evidence to be proposed"),
-        "scores": layout("float64", "object", "summed errors, in tolerances, times the mean rigidity test"),
+        "object": layout("uint16", "track", "object, moving or not, 0 = background"),
+        "is_moving": layout("bool", "object", "whether the object has enough evidence to be proposed"),
+        "scores": layout("float64", "object", "summed errors, in tolerances, times the mean rigidity test, per frame"),
     },
-    tasks=(MEAN_FIELD,),
+    tasks=(ABSOLUTE_EVIDENCE,),
 )

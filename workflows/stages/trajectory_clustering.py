@@ -39,8 +39,13 @@ def clustering_method(config: PipelineConfig, num_views: int) -> str:
 
 def _params(config: PipelineConfig, num_views: int, num_motions: int | None) -> dict:
     """Return the parameters that a clustering of so many views reads; `num_motions` is None if it has to be found."""
-    params, is_auto = config.trajectory_clustering, num_motions is None
     method = clustering_method(config, num_views)
+    read = read_params(config.trajectory_clustering, method, is_auto=num_motions is None)
+    return {"num_motions": num_motions, "clustering": read}
+
+
+def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) -> dict:
+    """Return the parameters that a clustering by `method` reads, with the number of motions found or given."""
     unread = set() if is_auto else {"most_motions", "auto", "separate"}
     if not is_auto or not params.separate:
         unread.add("separation")
@@ -55,7 +60,7 @@ def _params(config: PipelineConfig, num_views: int, num_motions: int | None) -> 
     read = params.model_copy(update={"method": method}).model_dump(mode="json", exclude=unread | {"count"})
     if counts:
         read["count"] = params.count.model_dump(mode="json", include=counts)
-    return {"num_motions": num_motions, "clustering": read}
+    return read
 
 
 MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=1, run=_run, params=_params)

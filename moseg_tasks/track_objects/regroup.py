@@ -1,0 +1,143 @@
+"""Regrouping of candidates by motion group: static tracks go, two motions part, parts of one motion join."""
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.spatial import cKDTree
+
+from moseg.schemas.parameters import CandidateParams, RegroupParams
+from moseg.tasks.track_objects.candidates import join_tracks
+from moseg.tasks.track_objects.groups import TrackGroups
+
+_MIN_SEEN = 2  # tracks of a part in a frame that show where it is
+
+
+def regroup_candidates(
+    points: np.ndarray,
+    visible: np.ndarray,
+    candidate: np.ndarray,
+    groups: TrackGroups,
+    join_params: CandidateParams,
+    params: RegroupParams,
+) -> np.ndarray:
+    """Return the object of each track.
+
+    Motion groups of the sample spread to the candidates' other tracks. A candidate loses the tracks that belong to a
+    group of static ones, unless it would lose most of them: a car that comes along its epipolar lines moves as the
+    background does. Its other tracks part by group; parts of one group join if they are near in a frame, or if one
+    follows the other in time.
+
+    Parameters
+    ----------
+    points : floating (track, frame, xy)
+        px; read only where `visible`.
+    visible : bool (track, frame)
+    candidate : uint16 (track,)
+        0 = none.
+    groups : TrackGroups
+    join_params : CandidateParams
+        With which the candidates were joined.
+    params : RegroupParams
+
+    Returns
+    -------
+    int64 (track,)
+        From 0; -1 = none.
+    """
+    tracks = np.flatnonzero(candidate)
+    objects = np.full(len(candidate), -1)
+    if not len(groups.track):
+        objects[tracks] = candidate[tracks].astype(np.int64) - 1
+        return objects
+    is_static = _static_groups(groups, params)
+    group = np.full(len(candidate), -1)
+    group[tracks] = _spread(join_tracks(points, visible, tracks, join_params), tracks, groups, len(is_static), params)
+    parts: list[tuple[int, np.ndarray]] = []
+    for number in range(1, int(candidate.max(initial=0)) + 1):
+        for motion, part in _split(np.flatnonzero(candidate == number), group, is_static, params):
+            near = [at for at, (other, _) in enumerate(parts) if motion == other >= 0]
+            near = [at for at in near if _belong_together(parts[at][1], part, points, visible, params)]
+            part = np.concatenate([part, *(parts[at][1] for at in near)])
+            parts = [entry for at, entry in enumerate(parts) if at not in near] + [(motion, part)]
+    for number, (_, part) in enumerate(parts):
+        objects[part] = number
+    return objects
+
+
+def _static_groups(groups: TrackGroups, params: RegroupParams) -> np.ndarray:
+    """Return which motion groups are static ones: mostly of static tracks, or with a large share of all of those."""
+    count = int(groups.motion.max()) + 1
+    num_static = np.bincount(groups.motion[~groups.is_candidate], minlength=count)
+    share = num_static / np.maximum(np.bincount(groups.motion, minlength=count), 1)
+    return (share > params.static_majority) | (num_static > params.static_share * num_static.sum())
+
+
+def _spread(
+    joined: csr_matrix, tracks: np.ndarray, groups: TrackGroups, num_groups: int, params: RegroupParams
+) -> np.ndarray:
+    """Return the motion group of each of `tracks`, int64 (n,), from the sampled ones among them; -1 = unknown."""
+    sampled = groups.track[groups.is_candidate]
+    rows = np.searchsorted(tracks, sampled)
+    given = np.zeros((len(tracks), num_groups))
+    given[rows, groups.motion[groups.is_candidate]] = 1
+    joined = joined + joined.T
+    degree = np.maximum(np.asarray(joined.sum(axis=1)).ravel(), 1e-9)
+    votes = given.copy()
+    for _ in range(params.spread_rounds):
+        votes = (joined @ votes) / degree[:, None]
+        votes[rows] += params.spread_hold * (given[rows] - votes[rows])
+    return np.where(votes.max(axis=1) > 0, votes.argmax(axis=1), -1)
+
+
+def _split(
+    part: np.ndarray, group: np.ndarray, is_static: np.ndarray, params: RegroupParams
+) -> list[tuple[int, np.ndarray]]:
+    """Return the parts of a candidate by motion group; the candidate itself, with group -1, if it stays whole."""
+    own = group[part]
+    known = own[own >= 0]
+    moving = known[~is_static[known]]
+    if len(known) - len(moving) >= params.keep_whole * len(known):
+        return [(-1, part)]
+    main = np.bincount(moving).argmax()
+    own = np.where(own < 0, main, own)
+    found = [(int(motion), part[own == motion]) for motion in np.unique(moving)]
+    return [(motion, tracks) for motion, tracks in found if len(tracks) >= params.min_part]
+
+
+def _belong_together(
+    part0: np.ndarray, part1: np.ndarray, points: np.ndarray, visible: np.ndarray, params: RegroupParams
+) -> bool:
+    """Check whether two parts are near each other in a frame, or one goes on where the other ends."""
+    for frame in np.flatnonzero(visible[part0].any(axis=0) & visible[part1].any(axis=0)):
+        place0, place1 = (points[part[visible[part, frame]], frame] for part in (part0, part1))
+        if cKDTree(place0).query(place1)[0].min() < params.near:
+            return True
+    frames0, frames1 = (np.flatnonzero(visible[part].sum(axis=0) >= _MIN_SEEN) for part in (part0, part1))
+    if not len(frames0) or not len(frames1):
+        return False
+    if frames0[0] > frames1[0]:
+        part0, part1, frames0, frames1 = part1, part0, frames1, frames0
+    return _goes_on(part0, frames0[-1], part1, frames1[0], points, visible, params)
+
+
+def _goes_on(
+    part0: np.ndarray,
+    last: int,
+    part1: np.ndarray,
+    first: int,
+    points: np.ndarray,
+    visible: np.ndarray,
+    params: RegroupParams,
+) -> bool:
+    """Check whether most of `part1` in its `first` frame lies where `part0`, in its `last` frame, is going to be."""
+    gap = int(first) - int(last)
+    if not 0 <= gap <= params.max_gap:
+        return False
+    seen = part0[visible[part0, last]]
+    place, speed = points[seen, last].astype(np.float64), np.zeros(2)
+    before = visible[seen, last - 1] if last else np.zeros(len(seen), bool)
+    if before.any():
+        speed = np.median(place[before] - points[seen[before], last - 1], axis=0)
+    margin = params.margin + params.margin_per_frame * gap
+    lower, upper = place.min(axis=0) + speed * gap - margin, place.max(axis=0) + speed * gap + margin
+    there = points[part1[visible[part1, first]], first]
+    return bool(((there >= lower) & (there <= upper)).all(axis=1).mean() > 0.5)
