@@ -5,6 +5,6 @@ For each frame pair: the camera's motion (`relative_pose`), displacements split 
 look at the patches (`patch_test`); `evidence` combines them. The focal length is chosen first (`focal_length`).
 """
 
-from moseg.tasks.rigidity.estimate import Rigidity, estimate_rigidity
+from moseg.tasks.rigidity.estimate import TRACK_EVIDENCE, Rigidity, estimate_rigidity
 
-__all__ = ["Rigidity", "estimate_rigidity"]
+__all__ = ["TRACK_EVIDENCE", "Rigidity", "estimate_rigidity"]

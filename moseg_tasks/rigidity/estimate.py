@@ -1,6 +1,6 @@
 """Deviation of the tracks of a window of frames from a rigid scene."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import cv2
@@ -10,6 +10,9 @@ from moseg.schemas.parameters import RigidityParams
 from moseg.tasks.rigidity.evidence import PairEvidence, pair_evidence
 from moseg.tasks.rigidity.focal_length import choose_focal
 
+TRACK_EVIDENCE = ("error", "median_error", "test", "strict_error", "strict_test")
+"""Names of what is measured of each track in each pair."""
+
 
 class Rigidity(NamedTuple):
     """Evidence of N tracks in P frame pairs against a rigid scene.
@@ -18,7 +21,7 @@ class Rigidity(NamedTuple):
     ----------
     pairs : int32 (P, 2)
         First frame, and frames to the second; only pairs in which the camera's motion was found.
-    error, median_error, test : float16 (P, N)
+    error, median_error, test, strict_error, strict_test : float16 (P, N)
         See `PairEvidence`; NaN where a track is not seen in both frames.
     focal : float
         Focal length in longer sides of the frame.
@@ -30,6 +33,8 @@ class Rigidity(NamedTuple):
     error: np.ndarray
     median_error: np.ndarray
     test: np.ndarray
+    strict_error: np.ndarray
+    strict_test: np.ndarray
     focal: float
     evidence: tuple[PairEvidence, ...]
 
@@ -39,7 +44,7 @@ def estimate_rigidity(
     points: np.ndarray,
     visible: np.ndarray,
     params: RigidityParams,
-    inverse_depths: Sequence[np.ndarray] | None = None,
+    depth_of: Callable[[int], np.ndarray] | None = None,
 ) -> Rigidity:
     """Measure how far each track deviates from a rigid scene seen by a moving camera, over all pairs of some gaps.
 
@@ -51,8 +56,9 @@ def estimate_rigidity(
         xy of the tracks, px.
     visible : bool (N, F)
     params : RigidityParams
-    inverse_depths : sequence of float32 (y, x), optional
-        Relative inverse depth of each frame, up to scale and shift; not finite where unknown.
+    depth_of : function, optional
+        From a frame's index to its relative inverse depth float32 (y, x), up to scale and shift; not finite where
+        unknown.
 
     Returns
     -------
@@ -65,16 +71,16 @@ def estimate_rigidity(
         for start in range(len(images) - gap):
             seen = np.flatnonzero(visible[:, start] & visible[:, start + gap])
             points0, points1 = (points[seen, frame].astype(np.float64) for frame in (start, start + gap))
-            inverse_depth = None if inverse_depths is None else inverse_depths[start]
+            inverse_depth = None if depth_of is None else depth_of(start)
             both = images[start], images[start + gap]
             found = pair_evidence(both, points0, points1, focal, params, inverse_depth)
             if found is not None:
                 pairs.append((start, gap))
                 seen_in.append(seen)
                 evidence.append(found)
-    arrays = np.full((3, len(pairs), len(points)), np.nan, np.float16)
+    arrays = np.full((len(TRACK_EVIDENCE), len(pairs), len(points)), np.nan, np.float16)
     for index, (seen, found) in enumerate(zip(seen_in, evidence, strict=True)):
-        arrays[:, index, seen] = found.error, found.median_error, found.test
+        arrays[:, index, seen] = [getattr(found, name) for name in TRACK_EVIDENCE]
     return Rigidity(np.array(pairs, np.int32).reshape(-1, 2), *arrays, focal, tuple(evidence))
 
 

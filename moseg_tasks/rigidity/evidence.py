@@ -25,8 +25,11 @@ class PairEvidence(NamedTuple):
         Deviation from the nearest static point in standard deviations, no more than the patch test lets stand.
     median_error : float64 (N,)
         The same of the medians over similar neighbours.
-    test : float64 (N,)
-        Result of the patch test, averaged over similar neighbours; 0 where nothing was tested.
+    test, strict_test : float64 (N,)
+        Result of the patch test, for one rigid surface in a patch and for two, averaged over similar neighbours; 0
+        where nothing was tested.
+    strict_error : float64 (N,)
+        `median_error`, no more than the test for two surfaces lets stand.
     motion : CameraMotion
     ground : Ground or None
     """
@@ -34,6 +37,8 @@ class PairEvidence(NamedTuple):
     error: np.ndarray
     median_error: np.ndarray
     test: np.ndarray
+    strict_error: np.ndarray
+    strict_test: np.ndarray
     motion: CameraMotion
     ground: Ground | None
 
@@ -85,9 +90,19 @@ def pair_evidence(
     across /= displacement_noise(points0, points1, params.median_noise, params.median_noise_share)
     median_squared = across**2 + similar.median(far) ** 2 + similar.median(deviation.too_near) ** 2
     doubtful = np.flatnonzero((squared > params.test_above) | (median_squared > params.test_above))
-    test = np.zeros(len(points0))
-    test[doubtful] = compare_patches(*images, points0, points1, parallax, deviation.allowed, doubtful, params)
-    test = similar.mean_with_itself(test)
-    limit = params.test_gain * np.maximum(test, 0)
-    error, median_error = (np.sqrt(np.minimum(each, limit)) for each in (squared, median_squared))
-    return PairEvidence(error, median_error, test, motion, ground)
+    tests = np.zeros((len(points0), 2))
+    tests[doubtful] = compare_patches(*images, points0, points1, parallax, deviation.allowed, doubtful, params)
+    test, strict_test = (similar.mean_with_itself(each) for each in tests.T)
+
+    def limited(squared, test):
+        return np.sqrt(np.minimum(squared, params.test_gain * np.maximum(test, 0)))
+
+    return PairEvidence(
+        error=limited(squared, test),
+        median_error=limited(median_squared, test),
+        test=test,
+        strict_error=limited(median_squared, strict_test),
+        strict_test=strict_test,
+        motion=motion,
+        ground=ground,
+    )

@@ -62,18 +62,18 @@ def compare_patches(
 
     Returns
     -------
-    float64 (M,)
+    float64 (M, 2)
         (m1 - m0) / (noise² + m0) in -1..`params.test_limit`, with m0 and m1 the mean squared differences of patches
         without their means at the tracked position and at the best rigid one: 0 where a rigid point explains the patch
-        as well, 1 where it is worse by as much as the tracked position itself. m1 is no larger than
-        `params.test_two_surfaces` times the mean of two halves of the patch at their own best rigid positions.
+        as well, 1 where it is worse by as much as the tracked position itself. In the second column m1 is no larger
+        than `params.test_two_surfaces` times the mean of two halves of the patch, each at its best rigid position.
     """
     image0, image1 = image0.astype(np.float32), image1.astype(np.float32)
     size = params.test_half
     offsets = np.arange(-size, size + 1, dtype=np.float32)
     offset_x, offset_y = (axis.ravel() for axis in np.meshgrid(offsets, offsets))
     parts = _parts(offset_x, offset_y)
-    result = np.zeros(len(rows))
+    result = np.zeros((len(rows), 2))
     for start in range(0, len(rows), _TOGETHER):
         part = rows[start : start + _TOGETHER]
         patches = _patches(image0, points0[part][:, None], offset_x, offset_y)
@@ -84,8 +84,8 @@ def compare_patches(
         tracked = differ(points1[part][:, None] + _BESIDE)[..., 0].min(axis=1)
         whole, *halves = _best_rigid(differ, parallax, allowed, part, params).T
         pairs = [(half0 + half1) / 2 for half0, half1 in zip(halves[::2], halves[1::2], strict=True)]
-        rigid = np.minimum(whole, params.test_two_surfaces * np.min(pairs, axis=0))
-        result[start : start + _TOGETHER] = (rigid - tracked) / (params.test_noise**2 + tracked)
+        rigid = np.stack([whole, np.minimum(whole, params.test_two_surfaces * np.min(pairs, axis=0))], axis=1)
+        result[start : start + _TOGETHER] = (rigid - tracked[:, None]) / (params.test_noise**2 + tracked[:, None])
     return np.clip(result, -1, params.test_limit)
 
 

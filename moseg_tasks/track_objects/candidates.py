@@ -34,7 +34,7 @@ def find_candidates(
     count, component = connected_components(join_tracks(points, visible, moving, params), directed=False)
     group = np.full(len(state), -1)
     group[moving] = component
-    found = score_groups(group, count, visible, evidence, params.max_error)
+    found = score_groups(group, count, visible, evidence.median_error, evidence.test, params.max_error)
     large = (found.num_tracks >= params.min_tracks) & (found.num_observations >= params.min_observations)
     kept = np.flatnonzero(large & (found.score >= params.min_score) & (found.test >= params.min_test))
     number = np.zeros(count + 1, np.uint16)

@@ -21,11 +21,16 @@ class PairEvidence(NamedTuple):
     test : floating (pair, track)
         How much worse the best rigid position explains the track's patch than the tracked one, -1..3; 0 where it was
         not tested.
+    strict_error, strict_test : floating (pair, track)
+        `median_error` and `test` where a patch may show two rigid surfaces. Objects are judged by these; the others
+        also find the tracks on the outline of a mover.
     """
 
     error: np.ndarray
     median_error: np.ndarray
     test: np.ndarray
+    strict_error: np.ndarray
+    strict_test: np.ndarray
 
 
 def track_evidence(evidence: PairEvidence, params: TrackFieldParams) -> np.ndarray:
@@ -41,7 +46,7 @@ def track_evidence(evidence: PairEvidence, params: TrackFieldParams) -> np.ndarr
     float64 (track,)
         About a log-odds ratio; 0 for a track that no frame pair sees.
     """
-    num_pairs = np.isfinite(evidence.error).sum(axis=0)
+    num_pairs = (~np.isnan(evidence.error)).sum(axis=0)
     weight = np.sqrt(np.minimum(num_pairs, params.max_pairs))
     total = np.zeros(len(num_pairs))
     for error, static in (

@@ -51,11 +51,12 @@ def judge_objects(
     params : TrackObjectParams
     """
     count = int(group.max(initial=-1)) + 1
-    found = score_groups(group, count, visible, evidence, params.max_error)
+    strict = evidence.strict_error, evidence.strict_test
+    found = score_groups(group, count, visible, *strict, params.max_error)
     stride = int(candidate.max(initial=0)) + 1
     part, member = np.unique(np.where(group >= 0, group * stride + candidate, -1), return_inverse=True)
     member = np.where(group >= 0, member, -1)
-    scores = score_groups(member, len(part), visible, evidence, params.max_error).score
+    scores = score_groups(member, len(part), visible, *strict, params.max_error).score
     best_part = np.full(count, -np.inf)
     np.maximum.at(best_part, part[part >= 0] // stride, scores[part >= 0])
     large = (found.num_tracks >= params.min_tracks) & (found.num_observations >= params.min_observations)

@@ -4,8 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from moseg.tasks.track_objects.field import PairEvidence
-
 
 class GroupScores(NamedTuple):
     """Evidence of G groups of tracks, from group 0.
@@ -30,7 +28,12 @@ class GroupScores(NamedTuple):
 
 
 def score_groups(
-    group: np.ndarray, num_groups: int, visible: np.ndarray, evidence: PairEvidence, max_error: float
+    group: np.ndarray,
+    num_groups: int,
+    visible: np.ndarray,
+    errors: np.ndarray,
+    tests: np.ndarray,
+    max_error: float,
 ) -> GroupScores:
     """Score groups of tracks.
 
@@ -40,16 +43,17 @@ def score_groups(
         -1 = none.
     num_groups : int
     visible : bool (track, frame)
-    evidence : PairEvidence
+    errors, tests : floating (pair, track)
+        Median errors and rigidity tests, strict or not; NaN where a track is not seen.
     max_error : float
         Median error in a frame pair, in tolerances, beyond which it adds nothing.
     """
     tracks = np.flatnonzero(group >= 0)
     group = group[tracks]
-    error = evidence.median_error[:, tracks].astype(np.float64)
+    error = errors[:, tracks].astype(np.float64)
     seen = np.isfinite(error)
     strength = np.where(seen, np.minimum(error, max_error), 0).sum(axis=0)
-    test = np.where(seen, evidence.test[:, tracks], 0).sum(axis=0, dtype=np.float64)
+    test = np.where(seen, tests[:, tracks], 0).sum(axis=0, dtype=np.float64)
 
     def total(values):
         return np.bincount(group, values, num_groups)

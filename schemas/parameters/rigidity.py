@@ -161,7 +161,7 @@ class RigidityParams(Frozen):
         3.0, gt=0, description="largest result of the comparison: how much worse the best rigid position is"
     )
     test_two_surfaces: Annotated[float, Unit.RATIO] = Field(
-        1.5,
+        1.2,
         ge=1,
         description="factor on the difference of a patch whose halves have two rigid positions, because two fit by"
         " chance more easily than one",

@@ -76,9 +76,9 @@ class CandidateParams(Frozen):
     max_error: Annotated[float, Unit.RATIO] = Field(
         12.0, gt=0, description="median error in a frame pair, in tolerances, beyond which it adds nothing to the score"
     )
-    min_score: Annotated[float, Unit.RATIO] = Field(3.0, ge=0, description="smallest score of a candidate")
+    min_score: Annotated[float, Unit.RATIO] = Field(4.0, ge=0, description="smallest score of a candidate")
     min_test: Annotated[float, Unit.RATIO] = Field(
-        0.55, ge=-1, le=3, description="smallest mean rigidity test of a candidate"
+        0.6, ge=-1, le=3, description="smallest mean rigidity test of a candidate"
     )
 
 
@@ -155,19 +155,19 @@ class TrackObjectParams(Frozen):
         12.0, gt=0, description="median error in a frame pair, in tolerances, beyond which it adds nothing to the score"
     )
     min_score: Annotated[float, Unit.RATIO] = Field(
-        15.0,
+        8.0,
         ge=0,
-        description="smallest score of a moving object: its summed errors times its mean rigidity test, per frame of"
+        description="smallest score of a moving object: its summed errors times its mean strict test, per frame of"
         " the window; lower finds more, and more that does not move (--sensitivity divides it)",
     )
     min_part: Annotated[float, Unit.SHARE] = Field(
         0.7, ge=0, description="smallest score of its best candidate, as a share of the smallest score"
     )
     min_test: Annotated[float, Unit.RATIO] = Field(
-        0.7,
+        0.65,
         ge=-1,
         le=3,
-        description="smallest mean rigidity test of a moving object: how much worse the best rigid position explains"
+        description="smallest mean strict test of a moving object: how much worse the best rigid position explains"
         " its patches than the tracked one",
     )
     regroup: RegroupParams = RegroupParams()

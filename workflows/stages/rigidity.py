@@ -11,14 +11,19 @@ DEPTH_PARAMS = frozenset(name for name in RigidityParams.model_fields if name.st
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.rigidity import estimate_rigidity
+    from moseg.tasks.rigidity import TRACK_EVIDENCE, estimate_rigidity
 
     tracks = inputs["dense_tracks"]
     frames = (frame.cached("image") for frame in inputs.all("frames"))
-    result = estimate_rigidity(
-        frames, tracks.array("points"), tracks.array("visible"), RigidityParams.of_recipe(params)
-    )
-    arrays = {name: getattr(result, name) for name in ("pairs", "error", "median_error", "test")}
+    points, visible = tracks.array("points"), tracks.array("visible")
+    depths = inputs.all("depth") if "depth" in inputs else ()
+
+    def inverse_depth(frame):
+        return depths[frame].cached("inverse_depth")
+
+    depth_of = inverse_depth if depths else None
+    result = estimate_rigidity(frames, points, visible, RigidityParams.of_recipe(params), depth_of)
+    arrays = {name: getattr(result, name) for name in ("pairs", *TRACK_EVIDENCE)}
     return Output(arrays, {"focal": result.focal, "cameras": [_camera(pair) for pair in result.evidence]})
 
 
@@ -52,6 +57,8 @@ STAGE = Stage(
         "error": layout("float16", "pair track", "deviation in standard deviations; NaN where not seen in the pair"),
         "median_error": layout("float16", "pair track", "the same of the median of similar neighbours"),
         "test": layout("float16", "pair track", "how much worse the patch of a rigid position fits, -1..3; 0 untested"),
+        "strict_error": layout("float16", "pair track", "the median error that a patch of two surfaces lets stand"),
+        "strict_test": layout("float16", "pair track", "the test with a rigid position for each half of the patch"),
     },
     tasks=(EPIPOLAR,),
 )
