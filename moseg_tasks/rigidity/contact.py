@@ -68,11 +68,12 @@ def contact_excess(
     bottom = _bottom_rows(points[upright], inverse_depth[upright], surface, half)
     foot = np.column_stack([points[upright, 0], bottom])
     lifted = 1 - ground.inverse_depth(foot) / inverse_depth[upright]
-    hangs = (lifted > params.contact_lift) & (lifted < params.contact_top)
+    # Rows nearer to the contact are not told from the ground: even a surface that stands on it seems to end above.
+    unseen = 1 - (1 - 2 * noise[upright] / along[upright]) / params.contact_parallax
+    hangs = (lifted > np.maximum(params.contact_lift, unseen + params.contact_margin)) & (lifted < params.contact_top)
     upright, half, bottom, lifted = upright[hangs], half[hangs], bottom[hangs], lifted[hangs]
-    is_ground = (np.abs(ground_parallax - along) < _GROUND_NOISE * noise + _GROUND_SLACK * ground_parallax) & (
-        below > 0
-    )
+    ground_noise = _GROUND_NOISE * noise + _GROUND_SLACK * ground_parallax
+    is_ground = (np.abs(ground_parallax - along) < ground_noise) & (below > 0)
     size = camera_height[upright]
     rows = bottom + 1, bottom + (lifted - _SHADOW) * size + 1
     is_seen = _ground_is_seen(points, inverse_depth, is_ground, upright, half + _MARGIN * size, rows)

@@ -121,6 +121,11 @@ class RigidityParams(Frozen):
     contact_lift: Annotated[float, Unit.RATIO] = Field(
         0.22, ge=0, description="height of a surface's bottom above the ground that needs no motion, in camera heights"
     )
+    contact_margin: Annotated[float, Unit.RATIO] = Field(
+        0.06,
+        ge=0,
+        description="smallest lift beyond what the noise of the parallax hides above the contact, camera heights",
+    )
     contact_top: Annotated[float, Unit.RATIO] = Field(
         0.8, gt=0, le=1, description="height from which a surface may hang over the road, in heights of the camera"
     )
