@@ -60,8 +60,9 @@ def judge_objects(
     best_part = np.full(count, -np.inf)
     np.maximum.at(best_part, part[part >= 0] // stride, scores[part >= 0])
     large = (found.num_tracks >= params.min_tracks) & (found.num_observations >= params.min_observations)
-    enough = (found.score >= params.min_score) & (found.test >= params.min_test)
-    is_moving = large & enough & (best_part >= params.min_part * params.min_score)
+    min_score, min_test = params.min_score / params.sensitivity, params.min_test / params.sensitivity
+    enough = (found.score >= min_score) & (found.test >= min_test)
+    is_moving = large & enough & (best_part >= params.min_part * min_score)
     order = np.argsort(-found.score, kind="stable")
     number = np.zeros(count + 1, np.uint16)
     number[order] = np.arange(1, count + 1)

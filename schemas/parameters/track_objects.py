@@ -155,19 +155,25 @@ class TrackObjectParams(Frozen):
         12.0, gt=0, description="median error in a frame pair, in tolerances, beyond which it adds nothing to the score"
     )
     min_score: Annotated[float, Unit.RATIO] = Field(
-        8.0,
+        6.0,
         ge=0,
         description="smallest score of a moving object: its summed errors times its mean strict test, per frame of"
-        " the window; lower finds more, and more that does not move (--sensitivity divides it)",
+        " the window; lower finds more, and more that does not move",
     )
     min_part: Annotated[float, Unit.SHARE] = Field(
         0.7, ge=0, description="smallest score of its best candidate, as a share of the smallest score"
     )
     min_test: Annotated[float, Unit.RATIO] = Field(
-        0.65,
+        0.3,
         ge=-1,
         le=3,
         description="smallest mean strict test of a moving object: how much worse the best rigid position explains"
         " its patches than the tracked one",
+    )
+    sensitivity: Annotated[float, Unit.RATIO] = Field(
+        1.0,
+        gt=0,
+        description="divisor of the smallest score and the smallest test: a larger one finds more movers, and more that"
+        " does not move",
     )
     regroup: RegroupParams = RegroupParams()
