@@ -27,6 +27,7 @@ from moseg.schemas.parameters.refinement import RefinementParams
 from moseg.schemas.parameters.saliency import SaliencyParams
 from moseg.schemas.parameters.sam2 import Sam2Params
 from moseg.schemas.parameters.sam_hq import SamHqParams
+from moseg.schemas.parameters.scene_parallax import SceneParallaxParams
 from moseg.schemas.parameters.tracks import TrackParams
 from moseg.schemas.parameters.trajectories import (
     EnergyParams,
@@ -71,6 +72,7 @@ __all__ = [
     "SaliencyParams",
     "Sam2Params",
     "SamHqParams",
+    "SceneParallaxParams",
     "SeedParams",
     "SeparationParams",
     "TrackParams",
