@@ -15,6 +15,7 @@ from moseg.schemas.parameters import (
     ClusteringParams,
     ComponentParams,
     DeaotParams,
+    DenseTrackParams,
     DepthAnythingParams,
     DepthParams,
     DetectionParams,
@@ -35,11 +36,16 @@ from moseg.schemas.parameters import (
     RaftParams,
     RamParams,
     RefinementParams,
+    RigidityParams,
     SaliencyParams,
     Sam2Params,
     SamHqParams,
     SeedParams,
+    TrackFieldParams,
+    TrackMaskParams,
+    TrackObjectParams,
     TrackParams,
+    TrackWindowParams,
     TrajectoryClusteringParams,
 )
 from moseg.schemas.units import Unit
@@ -64,6 +70,10 @@ class TrajectoryVariant(StrEnum):
     AFFINE = "affine"
 
 
+MOTION_SOURCES = ("saliency", "tracks")
+"""Sources of proposals that propose objects because they move."""
+
+
 class SectionParams(Frozen):
     """Parameters of the cut of a video into sections; each section has object proposals of its own."""
 
@@ -79,10 +89,11 @@ class PipelineConfig(Frozen):
     max_side: Annotated[int, Unit.PIXELS] = Field(
         1280, ge=16, description="frames with a longer side are reduced to this for analysis, px"
     )
-    proposal_source: Literal["saliency", "detections", "groundtruth", "folder"] = Field(
+    proposal_source: Literal["saliency", "tracks", "detections", "groundtruth", "folder"] = Field(
         "saliency",
-        description="object proposals: motion saliency, detections (objects that networks name, find, outline and"
-        " track), the ground truth's objects, or a folder of masks",
+        description="object proposals: motion saliency, tracks (groups of dense point tracks that no rigid scene"
+        " explains), detections (objects that networks name, find, outline and track), the ground truth's objects, or a"
+        " folder of masks",
     )
     fused_flow_model: Annotated[str, ChoiceOf("fused_flow_model")] = Field(
         "oc_depth", description="flow model that the fused variant combines"
@@ -109,7 +120,13 @@ class PipelineConfig(Frozen):
     foreground: ForegroundParams = ForegroundParams()
     identity: IdentityParams = IdentityParams()
     components: ComponentParams = ComponentParams()
+    dense_tracks: DenseTrackParams = DenseTrackParams()
+    rigidity: RigidityParams = RigidityParams()
     refinement: RefinementParams = RefinementParams()
+    track_window: TrackWindowParams = TrackWindowParams()
+    track_field: TrackFieldParams = TrackFieldParams()
+    track_objects: TrackObjectParams = TrackObjectParams()
+    track_masks: TrackMaskParams = TrackMaskParams()
     linking: LinkingParams = LinkingParams()
     tracks: TrackParams = TrackParams()
     fundamental: FundamentalParams = FundamentalParams()

@@ -6,10 +6,10 @@ import numpy as np
 import poselib
 
 from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.geometry.epipolar_split import split_along_epipolar
 from moseg.tasks.saliency.background import sample_flow
 
 _MINIMAL_SAMPLE = 5
-_PARALLAX_FLOOR = 1e-6  # px; avoids division by zero at the epipole
 
 
 class CameraMotion(NamedTuple):
@@ -93,11 +93,7 @@ def fit_camera_motion(flow: np.ndarray, focal: float, params: SaliencyParams) ->
 
 
 def split_flow(flow: np.ndarray, motion: CameraMotion, step: int = 1) -> EpipolarFlow:
-    """Split the flow float32 (y, x, 2) at every `step`-th pixel into parts along and across the epipolar lines.
-
-    With H = K R K^-1, a pixel x at inverse depth d is seen at H x + d K t (homogeneous). At d = 0 its position
-    is that of the rotation alone; from there it moves along its epipolar line.
-    """
+    """Split the flow float32 (y, x, 2) at every `step`-th pixel into parts along and across the epipolar lines."""
     height, width = flow.shape[:2]
     centre_x, centre_y = (width - 1) / 2, (height - 1) / 2
     calibration = np.array([[motion.focal, 0, centre_x], [0, motion.focal, centre_y], [0, 0, 1]])
@@ -105,14 +101,6 @@ def split_flow(flow: np.ndarray, motion: CameraMotion, step: int = 1) -> Epipola
     epipole = (calibration @ motion.translation).astype(np.float32)
     x, y = (np.arange(0, size, step, dtype=np.float32) for size in (width, height))
     y = y[:, None]
-    depth = 1 / (infinite[2, 0] * x + (infinite[2, 1] * y + infinite[2, 2]))
-    rotated_x = (infinite[0, 0] * x + (infinite[0, 1] * y + infinite[0, 2])) * depth
-    rotated_y = (infinite[1, 0] * x + (infinite[1, 1] * y + infinite[1, 2])) * depth
-    towards_x, towards_y = (epipole[0] - epipole[2] * rotated_x) * depth, (epipole[1] - epipole[2] * rotated_y) * depth
-    reach = np.maximum(np.sqrt(towards_x * towards_x + towards_y * towards_y), np.float32(_PARALLAX_FLOOR))
-    towards_x /= reach
-    towards_y /= reach
-    left_x, left_y = x + flow[::step, ::step, 0] - rotated_x, y + flow[::step, ::step, 1] - rotated_y
-    along = left_x * towards_x + left_y * towards_y
-    across = left_x * towards_y - left_y * towards_x
-    return EpipolarFlow(across, along, reach, towards_x, towards_y)
+    moved_x, moved_y = x + flow[::step, ::step, 0], y + flow[::step, ::step, 1]
+    parts = split_along_epipolar(x, y, moved_x, moved_y, infinite, epipole)
+    return EpipolarFlow(parts.across, parts.along, parts.reach, parts.towards_x, parts.towards_y)

@@ -6,6 +6,7 @@ from moseg.schemas.parameters.appearance import AppearanceParams
 from moseg.schemas.parameters.clustering import ClusteringParams, MotionCountParams
 from moseg.schemas.parameters.components import ComponentParams
 from moseg.schemas.parameters.deaot import DeaotParams
+from moseg.schemas.parameters.dense_tracks import DenseTrackParams
 from moseg.schemas.parameters.depth import DepthParams
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams
 from moseg.schemas.parameters.detections import DetectionParams
@@ -24,10 +25,14 @@ from moseg.schemas.parameters.pips import PipsParams
 from moseg.schemas.parameters.raft import RaftParams
 from moseg.schemas.parameters.ram import RamParams
 from moseg.schemas.parameters.refinement import RefinementParams
+from moseg.schemas.parameters.rigidity import RigidityParams
 from moseg.schemas.parameters.saliency import SaliencyParams
 from moseg.schemas.parameters.sam2 import Sam2Params
 from moseg.schemas.parameters.sam_hq import SamHqParams
 from moseg.schemas.parameters.scene_parallax import SceneParallaxParams
+from moseg.schemas.parameters.track_masks import TrackMaskParams
+from moseg.schemas.parameters.track_objects import TrackFieldParams, TrackObjectParams
+from moseg.schemas.parameters.track_window import TrackWindowParams
 from moseg.schemas.parameters.tracks import TrackParams
 from moseg.schemas.parameters.trajectories import (
     EnergyParams,
@@ -45,6 +50,7 @@ __all__ = [
     "ClusteringParams",
     "ComponentParams",
     "DeaotParams",
+    "DenseTrackParams",
     "DepthAnythingParams",
     "DepthParams",
     "DetectionParams",
@@ -69,12 +75,17 @@ __all__ = [
     "RaftParams",
     "RamParams",
     "RefinementParams",
+    "RigidityParams",
     "SaliencyParams",
     "Sam2Params",
     "SamHqParams",
     "SceneParallaxParams",
     "SeedParams",
     "SeparationParams",
+    "TrackFieldParams",
+    "TrackMaskParams",
+    "TrackObjectParams",
     "TrackParams",
+    "TrackWindowParams",
     "TrajectoryClusteringParams",
 ]

@@ -113,8 +113,8 @@ class ClusteringParams(Frozen):
     static: Literal["auto", "agreement", "group"] = Field(
         "auto",
         description="static objects if the number of motions is found: those static in every view, or unknown to all"
-        " (agreement), the background's group (group), or (auto) the first for proposals by motion saliency and the"
-        " second for all others",
+        " (agreement), the background's group (group), or (auto) the first for proposals by motion saliency or"
+        " tracks and the second for all others",
     )
     co_regularisation: Annotated[float, Unit.RATIO] = Field(0.1, ge=0, description="lambda of Kumar et al. 2011")
     num_iterations: Annotated[int, Unit.COUNT] = Field(

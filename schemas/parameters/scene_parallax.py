@@ -58,5 +58,5 @@ class SceneParallaxParams(Frozen):
         2.5,
         gt=0,
         le=180,
-        description="maximal median angle of the pairs' headings to their middle, degrees, for tracks",
+        description="maximal median angle between the pairs' headings and their middle, for tracks",
     )

@@ -1,21 +1,30 @@
 """Objects: proposals of every section, and their identities over the sequence."""
 
+from moseg.schemas.configs import MOTION_SOURCES
 from moseg.workflows.graph.cached_method import cached_method
 from moseg.workflows.graph.foreground import Foreground
+from moseg.workflows.graph.frame_cues import FrameCues
 from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.sections import Section
 from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES
+from moseg.workflows.graph.track_proposals import TrackProposals
 
 
 class Objects:
-    """Writer of the recipes of the objects of every section."""
+    """Writer of the recipes of the objects of every section.
 
-    def __init__(self, nodes: Nodes, foreground: Foreground, sections: tuple[Section, ...]):
+    Attributes
+    ----------
+    track_proposals : TrackProposals
+    """
+
+    def __init__(self, nodes: Nodes, cues: FrameCues, foreground: Foreground, sections: tuple[Section, ...]):
         self._nodes = nodes
         self._config = nodes.config
         self._leaves = nodes.leaves
         self._foreground = foreground
         self._sections = sections
+        self.track_proposals = TrackProposals(nodes, cues, sections)
         self._proposals: list[str] = []
 
     def proposals(self, index: int) -> str:
@@ -29,7 +38,7 @@ class Objects:
     def linking(self) -> str:
         """Return the reference of the identities of the sections' objects."""
         proposals = tuple(self.proposals(index) for index in range(len(self._sections)))
-        if self._config.proposal_source != "saliency":
+        if self._config.proposal_source not in MOTION_SOURCES:
             return self._nodes.add("linking", {"proposals": proposals})
         lengths = [section.stop - section.start for section in self._sections]
         return self._nodes.add("linking", {"proposals": proposals}, lengths=lengths)
@@ -40,6 +49,8 @@ class Objects:
         if self._config.proposal_source == "detections":
             # The next section continues the objects that were tracked into its first frame.
             return min(section.stop + 1, len(self._leaves.frames))
+        if self._config.proposal_source == "tracks":
+            return self.track_proposals.window(index).last
         return section.proposal_stop
 
     def _propose(self, index: int) -> str:
@@ -51,6 +62,8 @@ class Objects:
             return self._nodes.add("proposals", {"masks": masks}, **place, **given)
         if self._config.proposal_source == "detections":
             return self._track_objects(index)
+        if self._config.proposal_source == "tracks":
+            return self.track_proposals.proposals(index)
         frames = self._leaves.frames[section.start : section.proposal_stop]
         inputs = {
             "frames": frames,

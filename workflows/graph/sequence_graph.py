@@ -36,7 +36,7 @@ class SequenceGraph:
         self._sections = cut_sections(len(leaves.frames), config.sections)
         self.frame_cues = FrameCues(self._nodes)
         self.foreground = Foreground(self._nodes, self.frame_cues, self._sections)
-        self.objects = Objects(self._nodes, self.foreground, self._sections)
+        self.objects = Objects(self._nodes, self.frame_cues, self.foreground, self._sections)
         self.motions = Motions(self._nodes, self.frame_cues, self.objects, self._sections)
 
     @property

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from moseg.schemas.arrays import layout
-from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.configs import MOTION_SOURCES, PipelineConfig
 from moseg.schemas.parameters import LinkingParams
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
@@ -54,6 +54,6 @@ STAGE = Stage(
     inputs={"proposals": "objects of every section"},
     arrays={"identity": layout("uint16", "section object", "object of the sequence, 0 = background")},
     tasks=(BY_OVERLAP, BY_IDENTITY),
-    # Only proposals from saliency have no identities of their own from one section to the next.
-    method=lambda config: "overlap" if config.proposal_source == "saliency" else "identity",
+    # Only proposals found by their motion have no identities of their own from one section to the next.
+    method=lambda config: "overlap" if config.proposal_source in MOTION_SOURCES else "identity",
 )

@@ -1,10 +1,12 @@
 """Proposals: objects of a section, segmented by motion, tracked from its first frame, or given."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from moseg.schemas.arrays import layout
-from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.parameters import DeaotParams, RefinementParams, Sam2Params
+from moseg.schemas.configs import MOTION_SOURCES, PipelineConfig
+from moseg.schemas.parameters import DeaotParams, RefinementParams, Sam2Params, TrackMaskParams
 from moseg.workflows.stages.components import join_rows
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
@@ -27,6 +29,36 @@ def _run_saliency(params, inputs, rng):
         ]
     )
     return Output({"masks": masks, "scores": scores, "boxes": object_boxes(masks, len(scores))})
+
+
+def _run_tracks(params, inputs, rng):
+    from moseg.tasks.flow.fill_unknown import fill_unknown
+    from moseg.tasks.proposals.boxes import object_boxes
+    from moseg.tasks.proposals.track_masks import number_seen, track_masks
+
+    tracks, found = inputs["dense_tracks"], inputs["track_objects"]
+    is_moving = found.array("is_moving")
+    moving = np.concatenate([[0], np.where(is_moving, np.cumsum(is_moving), 0)]).astype(np.uint16)
+    frames = (frame.cached("image") for frame in inputs.all("frames"))
+    masks = track_masks(
+        frames,
+        (fill_unknown(flow) for flow in _flows_to_next(inputs)),
+        tracks.array("points"),
+        tracks.array("visible"),
+        moving[found.array("object")],
+        params["start"],
+        TrackMaskParams.of_recipe(params["track_masks"]),
+    )
+    masks, seen = number_seen(masks)
+    scores = found.array("scores")[is_moving][seen - 1]
+    return Output({"masks": masks, "scores": scores, "boxes": object_boxes(masks, len(scores))})
+
+
+def _flows_to_next(inputs) -> Iterator[np.ndarray]:
+    """Yield the flow of each frame to the next one; of the last frame, the reverse of the flow to the one before it."""
+    for flow in inputs.all("flow_next"):
+        yield flow.array("flow")
+    yield -inputs["flow_previous"].array("flow")
 
 
 def _run_given(params, inputs, rng):
@@ -87,6 +119,10 @@ def _saliency_params(config: PipelineConfig) -> dict:
     return {"refinement": config.refinement.model_dump(mode="json")}
 
 
+def _track_params(config: PipelineConfig, start: int) -> dict:
+    return {"start": start, "track_masks": config.track_masks.model_dump(mode="json")}
+
+
 def _given_params(config: PipelineConfig, start: int, stop: int, shape: tuple[int, int], void: int | None) -> dict:
     return {"start": start, "stop": stop, "shape": list(shape), "void": void}
 
@@ -103,10 +139,11 @@ def _sam2_params(config: PipelineConfig) -> dict:
 def _method(config: PipelineConfig) -> str:
     if config.proposal_source == "detections":
         return config.detections.tracker
-    return "saliency" if config.proposal_source == "saliency" else "given"
+    return config.proposal_source if config.proposal_source in MOTION_SOURCES else "given"
 
 
 SALIENCY = Task("proposals", "saliency", version=2, run=_run_saliency, params=_saliency_params)
+DENSE_TRACKS = Task("proposals", "tracks", version=1, run=_run_tracks, params=_track_params)
 GIVEN_MASKS = Task("proposals", "given", version=1, run=_run_given, params=_given_params)
 DEAOT = Task(
     "proposals",
@@ -132,6 +169,10 @@ STAGE = Stage(
         "frames": "frames of the section, and those that it shares with the next",
         "components": "objects on the working grid (saliency)",
         "foreground": "probability to move, of every section with a frame of this one (saliency)",
+        "dense_tracks": "tracks of the section's window (tracks)",
+        "track_objects": "objects of these tracks (tracks)",
+        "flow_next": "flow from each of the frames but the last to the next (tracks)",
+        "flow_previous": "flow from the last frame to the one before it (tracks)",
         "seeds": "objects that tracking starts with (trackers)",
         "masks": "given masks of the sequence (given)",
         "weights": "of the network",
@@ -141,7 +182,7 @@ STAGE = Stage(
         "scores": layout("float64", "object"),
         "boxes": layout("int32", "object frame xyxy", "px, -1 where absent"),
     },
-    tasks=(SALIENCY, GIVEN_MASKS, DEAOT, SAM2),
+    tasks=(SALIENCY, DENSE_TRACKS, GIVEN_MASKS, DEAOT, SAM2),
     method=_method,
     choices=(
         Choice(
@@ -150,6 +191,7 @@ STAGE = Stage(
             "--proposals",
             (
                 Backend("saliency", "motion saliency"),
+                Backend("tracks", "dense point tracks that no rigid scene explains"),
                 Backend("detections", "named, found, outlined and tracked objects"),
                 Backend("groundtruth", "annotated objects (an oracle)"),
                 Backend("folder", "your own masks"),

@@ -1,0 +1,74 @@
+"""Deviation of the tracks of a window of frames from a rigid scene."""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from moseg.schemas.parameters import RigidityParams
+from moseg.tasks.rigidity.evidence import PairEvidence, pair_evidence
+from moseg.tasks.rigidity.focal_length import choose_focal
+
+
+class Rigidity(NamedTuple):
+    """Evidence of N tracks in P frame pairs against a rigid scene.
+
+    Attributes
+    ----------
+    pairs : int32 (P, 2)
+        First frame, and frames to the second; only pairs in which the camera's motion was found.
+    error, median_error, test : float16 (P, N)
+        See `PairEvidence`; NaN where a track is not seen in both frames.
+    focal : float
+        Focal length in longer sides of the frame.
+    evidence : tuple of PairEvidence
+        Of each pair.
+    """
+
+    pairs: np.ndarray
+    error: np.ndarray
+    median_error: np.ndarray
+    test: np.ndarray
+    focal: float
+    evidence: tuple[PairEvidence, ...]
+
+
+def estimate_rigidity(
+    frames: Iterable[np.ndarray], points: np.ndarray, visible: np.ndarray, params: RigidityParams
+) -> Rigidity:
+    """Measure how far each track deviates from a rigid scene seen by a moving camera, over all pairs of some gaps.
+
+    Parameters
+    ----------
+    frames : iterable of uint8 (y, x, 3)
+        RGB, F frames.
+    points : float32 (N, F, 2)
+        xy of the tracks, px.
+    visible : bool (N, F)
+    params : RigidityParams
+
+    Returns
+    -------
+    Rigidity
+    """
+    images = [_smooth_gray(frame, params.test_blur) for frame in frames]
+    focal = choose_focal(points, visible, images[0].shape, params)
+    pairs, seen_in, evidence = [], [], []
+    for gap in params.gaps:
+        for start in range(len(images) - gap):
+            seen = np.flatnonzero(visible[:, start] & visible[:, start + gap])
+            points0, points1 = (points[seen, frame].astype(np.float64) for frame in (start, start + gap))
+            found = pair_evidence((images[start], images[start + gap]), points0, points1, focal, params)
+            if found is not None:
+                pairs.append((start, gap))
+                seen_in.append(seen)
+                evidence.append(found)
+    arrays = np.full((3, len(pairs), len(points)), np.nan, np.float16)
+    for index, (seen, found) in enumerate(zip(seen_in, evidence, strict=True)):
+        arrays[:, index, seen] = found.error, found.median_error, found.test
+    return Rigidity(np.array(pairs, np.int32).reshape(-1, 2), *arrays, focal, tuple(evidence))
+
+
+def _smooth_gray(frame: np.ndarray, sigma: float) -> np.ndarray:
+    return cv2.GaussianBlur(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), (0, 0), sigma)

@@ -1,0 +1,118 @@
+"""Test of a track by its patch: whether some position of a rigid point explains it as well as the tracked one.
+
+A tracker slips along edges and on bare road. Such a track deviates from every rigid point, but the patch at a rigid
+position looks just as much like the one it started from, so that nothing speaks for a motion.
+"""
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from moseg.schemas.parameters import RigidityParams
+from moseg.tasks.rigidity.parallax import Parallax
+
+_BESIDE = np.array([[x, y] for y in (-0.25, 0, 0.25) for x in (-0.25, 0, 0.25)], np.float32)
+"""Offsets of a tracked position to a quarter of a pixel, px."""
+_REFINEMENTS = (0.5, 0.25)
+"""Steps along the epipolar line after the first search at whole pixels, px."""
+_TOGETHER = 64
+"""Tracks whose patches are compared at a time: they fit into the processor's cache."""
+
+
+class AllowedParallax(NamedTuple):
+    """Least and largest parallax of a rigid point for each of N tracks, float64 (N,), px."""
+
+    least: np.ndarray
+    largest: np.ndarray
+
+    def clip(self, parallax: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """Clip parallaxes (M, K) of the tracks `rows`."""
+        least = self.least[rows, None]
+        return np.clip(parallax, least, np.maximum(self.largest[rows, None], least))
+
+
+def compare_patches(
+    image0: np.ndarray,
+    image1: np.ndarray,
+    points0: np.ndarray,
+    points1: np.ndarray,
+    parallax: Parallax,
+    allowed: AllowedParallax,
+    rows: np.ndarray,
+    params: RigidityParams,
+) -> np.ndarray:
+    """Compare the patch of each track at its tracked position with that at the best rigid position.
+
+    Parameters
+    ----------
+    image0, image1 : uint8 (y, x)
+        Blurred grey frames.
+    points0, points1 : float64 (N, 2)
+        xy of the tracks in both frames, px.
+    parallax : Parallax
+        Of these tracks.
+    allowed : AllowedParallax
+        Of these tracks.
+    rows : intp (M,)
+        Tracks to test.
+    params : RigidityParams
+
+    Returns
+    -------
+    float64 (M,)
+        (m1 - m0) / (noise² + m0) in -1..`params.test_limit`, with m0 and m1 the mean squared differences of patches
+        without their means at the tracked and the best rigid position: 0 where a rigid point explains the patch as
+        well, 1 where it is worse by as much as the tracked position itself.
+    """
+    image0, image1 = image0.astype(np.float32), image1.astype(np.float32)
+    size = params.test_half
+    offsets = np.arange(-size, size + 1, dtype=np.float32)
+    offset_x, offset_y = (axis.ravel() for axis in np.meshgrid(offsets, offsets))
+    result = np.zeros(len(rows))
+    for start in range(0, len(rows), _TOGETHER):
+        part = rows[start : start + _TOGETHER]
+        patches = _patches(image0, points0[part][:, None], offset_x, offset_y)
+
+        def differ(positions, patches=patches):
+            return _mean_difference(patches, _patches(image1, positions, offset_x, offset_y))
+
+        tracked = differ(points1[part][:, None] + _BESIDE).min(axis=1)
+        rigid = _best_rigid(differ, parallax, allowed, part, params)
+        result[start : start + _TOGETHER] = (rigid - tracked) / (params.test_noise**2 + tracked)
+    return np.clip(result, -1, params.test_limit)
+
+
+def _best_rigid(differ, parallax: Parallax, allowed: AllowedParallax, rows, params: RigidityParams) -> np.ndarray:
+    """Return the least difference (M,) over rigid positions, at whole pixels first, then along and across the line."""
+    base, towards = parallax.rotated[rows][:, None], parallax.towards[rows][:, None]
+    aside = np.stack([towards[..., 1], -towards[..., 0]], axis=-1) * params.test_across
+    track = np.arange(len(rows))
+    span = np.arange(-params.test_span, params.test_span + 1)
+    steps = allowed.clip(parallax.along[rows, None] + span, rows)
+    difference = differ(base + steps[..., None] * towards)
+    best = steps[track, difference.argmin(axis=1)][:, None]
+    least = difference.min(axis=1)
+    beside = np.array([-1, 0, 1])
+    for step in _REFINEMENTS:
+        steps = allowed.clip(best + step * beside, rows)
+        on_line = base + steps[..., None] * towards
+        difference = differ((on_line[:, :, None] + beside[:, None] * aside[:, None]).reshape(len(rows), -1, 2))
+        best = steps[track, difference.argmin(axis=1) // len(beside)][:, None]
+        least = np.minimum(least, difference.min(axis=1))
+    return least
+
+
+def _patches(image: np.ndarray, positions: np.ndarray, offset_x: np.ndarray, offset_y: np.ndarray) -> np.ndarray:
+    """Return patches float32 (M, K, P) around positions (M, K, 2), xy, linear between pixels."""
+    x, y = positions.reshape(-1, 2).astype(np.float32).T
+    around_x, around_y = x[:, None] + offset_x, y[:, None] + offset_y
+    patches = cv2.remap(image, around_x, around_y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return patches.reshape(*positions.shape[:2], -1)
+
+
+def _mean_difference(patches0: np.ndarray, patches1: np.ndarray) -> np.ndarray:
+    """Return the variance (M, K) of the differences of patches (M, 1, P) and (M, K, P)."""
+    apart = patches1 - patches0
+    mean = apart.mean(axis=-1)
+    return np.einsum("mkp,mkp->mk", apart, apart) / apart.shape[-1] - mean * mean

@@ -1,0 +1,180 @@
+"""Parameters of the evidence of each track against a rigid scene."""
+
+from typing import Annotated
+
+from pydantic import Field, PositiveFloat, field_validator
+
+from moseg.schemas.frozen import Frozen
+from moseg.schemas.parameters.comma_separated import are_different_counts, split_commas
+from moseg.schemas.units import Unit
+
+
+class RigidityParams(Frozen):
+    """How far a track deviates from every rigid point, over pairs of frames of a moving camera.
+
+    A point of the static scene moves along its epipolar line, forward, no slower than the ground that it hides and no
+    faster than where its surface meets the ground allows.
+    """
+
+    gaps: Annotated[tuple[int, ...], Unit.FRAMES] = Field(
+        (2, 4), description="numbers of frames between the two frames of a pair, separated by commas"
+    )
+    seed: Annotated[int, Unit.SEED] = Field(0, ge=0, description="seed of the random draws")
+
+    pose_cell: Annotated[int, Unit.PIXELS] = Field(
+        16, ge=1, description="side of the cells that give one track each to the fit of the camera's motion, px"
+    )
+    pose_threshold: Annotated[float, Unit.PIXELS] = Field(
+        1.0, gt=0, description="epipolar error of an inlier of the camera's motion, px"
+    )
+    pose_iterations: Annotated[int, Unit.COUNT] = Field(
+        500, ge=2, description="hypotheses drawn at most; at least half as many"
+    )
+    pose_inliers: Annotated[int, Unit.COUNT] = Field(
+        12, ge=6, description="minimal number of inliers of the camera's motion"
+    )
+    focals: Annotated[tuple[PositiveFloat, ...], Unit.RATIO] = Field(
+        (0.45, 0.53, 0.62, 0.73, 0.86, 1.0, 1.2, 1.4),
+        min_length=1,
+        description="focal lengths to try, in longer sides of the frame",
+    )
+    focal_prior: Annotated[float, Unit.RATIO] = Field(
+        0.7, gt=0, description="focal length to prefer among those that explain the tracks alike"
+    )
+    focal_slack: Annotated[float, Unit.SHARE] = Field(
+        0.002, ge=0, description="largest difference of mean costs of focal lengths that explain the tracks alike"
+    )
+    focal_gap: Annotated[int, Unit.FRAMES] = Field(
+        3, ge=1, description="frames between the frames of the pairs that choose the focal length"
+    )
+    focal_pairs: Annotated[int, Unit.COUNT] = Field(5, ge=1, description="number of those pairs")
+
+    noise: Annotated[float, Unit.PIXELS] = Field(
+        0.5, gt=0, description="noise of a track's displacement over a pair, px"
+    )
+    noise_share: Annotated[float, Unit.SHARE] = Field(
+        0.015, ge=0, description="the same, as a share of the displacement; both add as squares"
+    )
+    median_noise: Annotated[float, Unit.PIXELS] = Field(
+        0.35, gt=0, description="noise of the median deviation of similar neighbours across epipolar lines, px"
+    )
+    median_noise_share: Annotated[float, Unit.SHARE] = Field(
+        0.01, ge=0, description="the same, as a share of the displacement"
+    )
+
+    ground_top: Annotated[float, Unit.SHARE] = Field(
+        0.5, ge=0, lt=1, description="top of the part of the frame that may show ground, share of its height"
+    )
+    ground_below_epipole: Annotated[float, Unit.PIXELS] = Field(
+        8.0, ge=0, description="minimal distance of that part below the epipole, px"
+    )
+    ground_samples: Annotated[int, Unit.COUNT] = Field(300, ge=1, description="number of planes drawn")
+    ground_iterations: Annotated[int, Unit.COUNT] = Field(
+        5, ge=0, description="rounds of iteratively reweighted least squares"
+    )
+    ground_tolerance: Annotated[float, Unit.PIXELS] = Field(
+        1.0, gt=0, description="tolerance of the ground's parallax, px"
+    )
+    ground_relief: Annotated[float, Unit.SHARE] = Field(
+        0.03, ge=0, description="the same, as a share of the parallax; both add as squares"
+    )
+    ground_tilt: Annotated[float, Unit.RATIO] = Field(
+        0.3, ge=0, description="maximal tilt of the ground, gradient across over gradient down the frame"
+    )
+    ground_share: Annotated[float, Unit.SHARE] = Field(
+        0.2, ge=0, le=1, description="minimal share of the tracks of that part on the ground"
+    )
+    ground_points: Annotated[int, Unit.COUNT] = Field(
+        20, ge=2, description="minimal number of tracks on the ground, and of tracks to look for it"
+    )
+    ground_slack: Annotated[float, Unit.SHARE] = Field(
+        0.25, ge=0, description="noise of the ground's parallax where a track lies below it, as a share of it"
+    )
+
+    contact_parallax: Annotated[float, Unit.RATIO] = Field(
+        1.15, ge=1, description="minimal parallax of an upright surface, in parallaxes of the ground that it hides"
+    )
+    contact_size: Annotated[float, Unit.PIXELS] = Field(
+        8.0, gt=0, description="minimal size of the camera's height at the surface's distance, px"
+    )
+    contact_reach: Annotated[float, Unit.PIXELS] = Field(
+        30.0, gt=0, description="maximal distance of neighbouring tracks of a surface, px"
+    )
+    contact_stretch: Annotated[float, Unit.RATIO] = Field(
+        1.5, gt=0, description="weight of a distance across the frame relative to one down the frame"
+    )
+    contact_agreement: Annotated[float, Unit.SHARE] = Field(
+        0.12, ge=0, description="maximal difference of the inverse depth of neighbouring tracks of a surface"
+    )
+    contact_width: Annotated[float, Unit.PIXELS] = Field(
+        16.0, ge=0, description="half the width of the strip below a track in which its surface's bottom is sought, px"
+    )
+    contact_growth: Annotated[float, Unit.RATIO] = Field(
+        0.15, ge=0, description="what is added to it, in heights of the camera at the surface's distance"
+    )
+    contact_noise: Annotated[float, Unit.RATIO] = Field(
+        0.08, gt=0, description="noise of the height of a surface's bottom, in heights of the camera"
+    )
+    contact_noise_pixels: Annotated[float, Unit.PIXELS] = Field(
+        2.0, ge=0, description="the same, px; both add as squares"
+    )
+    contact_lift: Annotated[float, Unit.RATIO] = Field(
+        0.22, ge=0, description="height of a surface's bottom above the ground that needs no motion, in camera heights"
+    )
+    contact_top: Annotated[float, Unit.RATIO] = Field(
+        0.8, gt=0, le=1, description="height from which a surface may hang over the road, in heights of the camera"
+    )
+
+    neighbours: Annotated[int, Unit.COUNT] = Field(
+        10, ge=1, description="similar neighbours of a track, itself among them"
+    )
+    neighbour_candidates: Annotated[int, Unit.COUNT] = Field(
+        30, ge=1, description="nearest tracks among which they are chosen"
+    )
+    neighbour_distance: Annotated[float, Unit.PIXELS] = Field(
+        40.0, gt=0, description="distance at which a neighbour's weight is 1/e, px"
+    )
+    neighbour_flow: Annotated[float, Unit.PIXELS] = Field(
+        0.7, gt=0, description="difference of displacement at which it is 1/e, px"
+    )
+    neighbour_flow_share: Annotated[float, Unit.SHARE] = Field(
+        0.04, ge=0, description="what is added to it, as a share of the displacement"
+    )
+
+    test_above: Annotated[float, Unit.RATIO] = Field(
+        0.5, ge=0, description="squared error from which a track's patch is compared with rigid positions"
+    )
+    test_blur: Annotated[float, Unit.PIXELS] = Field(
+        0.7, gt=0, description="sigma of the Gaussian over the frames before the comparison, px"
+    )
+    test_half: Annotated[int, Unit.PIXELS] = Field(4, ge=1, description="half the side of a patch, px")
+    test_span: Annotated[int, Unit.PIXELS] = Field(
+        8, ge=1, description="distance of the rigid positions from the tracked one along the epipolar line, px"
+    )
+    test_across: Annotated[float, Unit.PIXELS] = Field(
+        0.35, ge=0, description="their distance from the epipolar line, px"
+    )
+    test_noise: Annotated[float, Unit.GREY_LEVELS] = Field(
+        2.0, gt=0, description="noise of a patch, grey levels: difference of two patches of the same surface"
+    )
+    test_limit: Annotated[float, Unit.RATIO] = Field(
+        3.0, gt=0, description="largest result of the comparison: how much worse the best rigid position is"
+    )
+    test_gain: Annotated[float, Unit.RATIO] = Field(10.0, gt=0, description="largest squared error at a result of 1")
+
+    depth_noise: Annotated[float, Unit.SHARE] = Field(
+        0.15, ge=0, description="noise of given depth, as a share of the parallax (only with depth)"
+    )
+    depth_iterations: Annotated[int, Unit.COUNT] = Field(
+        20, ge=1, description="rounds of the fit of given depth to the parallax (only with depth)"
+    )
+
+    _split_gaps = field_validator("gaps", mode="before")(split_commas)
+    _split_focals = field_validator("focals", mode="before")(split_commas)
+
+    @field_validator("gaps")
+    @classmethod
+    def _check_gaps(cls, value: tuple[int, ...]) -> tuple[int, ...]:
+        if not are_different_counts(value):
+            raise ValueError("different numbers of frames from 1 on, separated by commas")
+        return value

@@ -1,0 +1,35 @@
+"""Parameters of the masks of objects of tracks."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from moseg.schemas.frozen import Frozen
+from moseg.schemas.units import Unit
+
+
+class TrackMaskParams(Frozen):
+    """Votes of the nearest tracks for the object of a pixel, on a grid of every second pixel."""
+
+    radius: Annotated[float, Unit.PIXELS] = Field(
+        30.0, gt=0, description="largest distance of an object's pixel from the object's nearest track, px"
+    )
+    num_neighbours: Annotated[int, Unit.COUNT] = Field(10, ge=1, description="nearest tracks that vote for a pixel")
+    distance: Annotated[float, Unit.PIXELS] = Field(
+        10.0, gt=0, description="standard deviation of the votes' Gaussian weight by distance, px"
+    )
+    grey: Annotated[float, Unit.GREY_LEVELS] = Field(
+        12.0, gt=0, description="the same by the difference of brightness, grey levels of 255"
+    )
+    grey_blur: Annotated[float, Unit.PIXELS] = Field(
+        1.0, gt=0, description="standard deviation of the Gaussian blur of the frame before brightness is compared, px"
+    )
+    motion: Annotated[float, Unit.PIXELS_PER_FRAME] = Field(
+        0.8, gt=0, description="the same by the difference of the pixel's flow from the track's motion, px/frame"
+    )
+    relative_motion: Annotated[float, Unit.SHARE] = Field(
+        0.05, ge=0, description="addition to it, as a share of the pixel's flow"
+    )
+    smoothing: Annotated[int, Unit.PIXELS] = Field(
+        2, ge=0, le=2, description="radius of the median filter of the labels, px of the grid; 0 is no filter"
+    )

@@ -1,0 +1,57 @@
+"""Rigidity: deviation of each dense track from a rigid scene, over frame pairs."""
+
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.parameters import RigidityParams
+from moseg.workflows.stages.stage import Stage
+from moseg.workflows.stages.task import Output, Task
+
+DEPTH_PARAMS = frozenset({"depth_noise", "depth_iterations"})
+"""Parameters that only a configuration with depth reads."""
+
+
+def _run(params, inputs, rng):
+    from moseg.tasks.rigidity import estimate_rigidity
+
+    tracks = inputs["dense_tracks"]
+    frames = (frame.cached("image") for frame in inputs.all("frames"))
+    result = estimate_rigidity(
+        frames, tracks.array("points"), tracks.array("visible"), RigidityParams.of_recipe(params)
+    )
+    arrays = {name: getattr(result, name) for name in ("pairs", "error", "median_error", "test")}
+    return Output(arrays, {"focal": result.focal, "cameras": [_camera(pair) for pair in result.evidence]})
+
+
+def _camera(pair) -> dict:
+    """Return the camera's motion in a pair, and the ground that it saw if there was one."""
+    ground = pair.ground and {"slope": pair.ground.slope.tolist(), "epipole": pair.ground.epipole.tolist()}
+    return {
+        "rotation": pair.motion.rotation.tolist(),
+        "translation": pair.motion.translation.tolist(),
+        "ground": ground,
+    }
+
+
+def _params(config: PipelineConfig) -> dict:
+    has_depth = config.depth.method != "none"
+    return config.rigidity.model_dump(mode="json", exclude=set() if has_depth else DEPTH_PARAMS)
+
+
+EPIPOLAR = Task("rigidity", "epipolar", version=1, run=_run, params=_params)
+
+STAGE = Stage(
+    name="rigidity",
+    about="deviation of a window's dense tracks from a rigid scene",
+    inputs={
+        "dense_tracks": "tracks of the window",
+        "frames": "frames of the window",
+        "depth": "inverse depth of the window's frames, if there is any",
+    },
+    arrays={
+        "pairs": layout("int32", "pair frame_gap", "first frame of the window, and frames to the second"),
+        "error": layout("float16", "pair track", "deviation in standard deviations; NaN where not seen in the pair"),
+        "median_error": layout("float16", "pair track", "the same of the median of similar neighbours"),
+        "test": layout("float16", "pair track", "how much worse the patch of a rigid position fits, -1..3; 0 untested"),
+    },
+    tasks=(EPIPOLAR,),
+)
