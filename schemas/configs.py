@@ -40,6 +40,7 @@ from moseg.schemas.parameters import (
     SaliencyParams,
     Sam2Params,
     SamHqParams,
+    SceneParallaxParams,
     SeedParams,
     TrackFieldParams,
     TrackMaskParams,
@@ -70,7 +71,7 @@ class TrajectoryVariant(StrEnum):
     AFFINE = "affine"
 
 
-MOTION_SOURCES = ("saliency", "tracks")
+MOTION_SOURCES = ("auto", "saliency", "tracks")
 """Sources of proposals that propose objects because they move."""
 
 
@@ -89,11 +90,11 @@ class PipelineConfig(Frozen):
     max_side: Annotated[int, Unit.PIXELS] = Field(
         1280, ge=16, description="frames with a longer side are reduced to this for analysis, px"
     )
-    proposal_source: Literal["saliency", "tracks", "detections", "groundtruth", "folder"] = Field(
-        "saliency",
-        description="object proposals: motion saliency, tracks (groups of dense point tracks that no rigid scene"
-        " explains), detections (objects that networks name, find, outline and track), the ground truth's objects, or a"
-        " folder of masks",
+    proposal_source: Literal["auto", "saliency", "tracks", "detections", "groundtruth", "folder"] = Field(
+        "auto",
+        description="object proposals: auto (saliency or tracks, by the camera's motion in each stretch of the video),"
+        " motion saliency, tracks (groups of dense point tracks that no rigid scene explains), detections (objects that"
+        " networks name, find, outline and track), the ground truth's objects, or a folder of masks",
     )
     fused_flow_model: Annotated[str, ChoiceOf("fused_flow_model")] = Field(
         "oc_depth", description="flow model that the fused variant combines"
@@ -122,6 +123,7 @@ class PipelineConfig(Frozen):
     components: ComponentParams = ComponentParams()
     dense_tracks: DenseTrackParams = DenseTrackParams()
     rigidity: RigidityParams = RigidityParams()
+    scene_parallax: SceneParallaxParams = SceneParallaxParams()
     refinement: RefinementParams = RefinementParams()
     track_window: TrackWindowParams = TrackWindowParams()
     track_field: TrackFieldParams = TrackFieldParams()

@@ -16,7 +16,7 @@ class SourceChoice(NamedTuple):
 
     Attributes
     ----------
-    choice : 'saliency' or 'tracks'
+    proposals : 'saliency' or 'tracks'
     reason : str
         Why, in words.
     moving : float
@@ -29,7 +29,7 @@ class SourceChoice(NamedTuple):
         Median angle of the camera's headings to their middle, degrees.
     """
 
-    choice: str
+    proposals: str
     reason: str
     moving: float = 0.0
     gain: float = 0.0
@@ -59,16 +59,16 @@ def choose_source(evidence: Sequence[PairEvidence], num_pairs: int, params: Scen
     inside = float(np.mean([pair.sees_epipole for pair in evidence]))
     wander = _wander(np.array([pair.heading for pair in evidence]))
     if moving < params.min_moving:
-        choice, reason = SALIENCY, "the camera stands still most of the time"
+        proposals, reason = SALIENCY, "the camera stands still most of the time"
     elif gain < params.min_gain:
-        choice, reason = SALIENCY, "one plane explains most of what a rigid scene explains"
+        proposals, reason = SALIENCY, "one plane explains most of what a rigid scene explains"
     elif inside < params.min_inside:
-        choice, reason = SALIENCY, "the camera moves to the side"
+        proposals, reason = SALIENCY, "the camera does not move ahead"
     elif wander > params.max_wander_deg:
-        choice, reason = SALIENCY, "the camera's heading wanders"
+        proposals, reason = SALIENCY, "the camera's heading wanders"
     else:
-        choice, reason = TRACKS, "the camera drives through a scene with depth"
-    return SourceChoice(choice, reason, moving, gain, inside, wander)
+        proposals, reason = TRACKS, "the camera drives through a scene with depth"
+    return SourceChoice(proposals, reason, moving, gain, inside, wander)
 
 
 def _wander(headings: np.ndarray) -> float:

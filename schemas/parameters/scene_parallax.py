@@ -9,7 +9,10 @@ from moseg.schemas.units import Unit
 
 
 class SceneParallaxParams(Frozen):
-    """Corners tracked over frame pairs of a stretch, a rigid scene fitted to them, and the choice between sources."""
+    """Corners tracked over frame pairs of a stretch, a rigid scene fitted to them, and the choice between sources.
+
+    The fit, the focal length and the noise are those of `rigidity`.
+    """
 
     stretch_length: Annotated[int, Unit.FRAMES] = Field(
         64, ge=8, description="frames of a stretch; a rest shorter than half of it joins the one before"
@@ -32,15 +35,6 @@ class SceneParallaxParams(Frozen):
     min_tracks: Annotated[int, Unit.COUNT] = Field(40, ge=16, description="tracks below which a pair is no evidence")
     min_motion: Annotated[float, Unit.PIXELS] = Field(
         1.0, ge=0, description="median displacement below which the camera counts as still over a pair, px"
-    )
-    cell: Annotated[int, Unit.PIXELS] = Field(
-        16, ge=1, description="side of the cells that give one track each to the fits, px"
-    )
-    threshold: Annotated[float, Unit.PIXELS] = Field(1.0, gt=0, description="error of an inlier of the fits, px")
-    num_samples: Annotated[int, Unit.COUNT] = Field(250, ge=50, description="hypotheses drawn by a fit, twice at most")
-    noise: Annotated[float, Unit.PIXELS] = Field(0.5, gt=0, description="error allowed to a track at rest, px")
-    relative_noise: Annotated[float, Unit.SHARE] = Field(
-        0.015, ge=0, description="further error allowed to a track, as a share of its displacement"
     )
     plane_slack: Annotated[float, Unit.RATIO] = Field(
         1.4, gt=0, description="error allowed under the homography, in those allowed under the rigid scene"

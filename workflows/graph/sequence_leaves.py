@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from moseg.schemas.recipes import Ref
+from moseg.schemas.stretch_choice import StretchChoice
 
 GIVEN_SOURCES = ("groundtruth", "folder")
 """Methods of stages whose result the data set or the user gives."""
@@ -34,6 +35,8 @@ class SequenceLeaves(NamedTuple):
         Given cues, one per frame or frame pair.
     weights : dict of str to reference
         The weights that the configuration's networks read, by the name of their item.
+    choices : tuple of StretchChoice
+        The source of the proposals of every stretch, where the configuration leaves it to the camera's motion.
     """
 
     name: str
@@ -50,3 +53,4 @@ class SequenceLeaves(NamedTuple):
     flow_forward: tuple[Ref, ...] | None = None
     flow_backward: tuple[Ref, ...] | None = None
     weights: Mapping[str, Ref] = {}
+    choices: tuple[StretchChoice, ...] = ()

@@ -35,6 +35,7 @@ from moseg.workflows.stages import (
     proposals,
     rigidity,
     saliency,
+    scene_parallax,
     score,
     seeds,
     segmentation,
@@ -50,6 +51,7 @@ STAGES: dict[str, Stage] = {
     module.STAGE.name: module.STAGE
     for module in (
         *(tags, detections, instances, seeds),
+        scene_parallax,
         *(flow, background, saliency, consistency, accumulation, own_motion, coherence),
         *(appearance, foreground, components),
         *(dense_tracks, rigidity, track_objects),
