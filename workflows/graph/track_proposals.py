@@ -31,6 +31,10 @@ class TrackProposals:
         last = min(section.stop + params.overlap, len(self._leaves.frames))
         return Window(max(min(section.start, last - params.min_frames), 0), last)
 
+    def first_row(self, index: int) -> int:
+        """Return the frame of the window that is the section's first."""
+        return self._sections[index].start - self.window(index).first
+
     @cached_method
     def dense_tracks(self, index: int) -> str:
         """Return the reference of the point tracks of a section's window."""
@@ -60,7 +64,7 @@ class TrackProposals:
 
     def proposals(self, index: int) -> str:
         """Return the reference of the masks of these objects, from the section's start to the end of the window."""
-        start, (first, last) = self._sections[index].start, self.window(index)
+        start, last = self._sections[index].start, self.window(index).last
         inputs = {
             "frames": self._leaves.frames[start:last],
             "dense_tracks": self.dense_tracks(index),
@@ -68,4 +72,4 @@ class TrackProposals:
             "flow_next": tuple(self._cues.flow(frame, frame + 1) for frame in range(start, last - 1)),
             "flow_previous": self._cues.flow(last - 1, last - 2),
         }
-        return self._nodes.add("proposals", inputs, "tracks", start=start - first)
+        return self._nodes.add("proposals", inputs, "tracks", start=self.first_row(index))

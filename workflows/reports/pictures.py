@@ -10,6 +10,7 @@ from moseg.workflows.exports.write_overlay import encode_overlay
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.reports.content import ObjectRow, SequencePanel, Video
 from moseg.workflows.reports.cue_layers import plan_cue_layers
+from moseg.workflows.reports.dense_track_layer import plan_dense_tracks
 from moseg.workflows.reports.layers import PICTURE_SIDE, PlannedLayer, SequenceView, all_colours, as_hex, make_layers
 from moseg.workflows.reports.missing import Missing, WhyAbsent, format_missing, name_absent
 from moseg.workflows.reports.object_layers import plan_moving_objects, plan_proposals, plan_tracks, reads_tracks
@@ -105,6 +106,8 @@ def _plan_layers(view: SequenceView, variants: Sequence[Variant]) -> list[Planne
     over = [plan_truth(view), *(plan_errors(view, variant) for variant in variants)]
     layers += [layer for layer in over if layer is not None]
     layers.append(plan_proposals(view, variants[0]))
+    if view.config.proposal_source == "tracks":
+        layers.append(plan_dense_tracks(view, variants[0]))
     if reads_tracks(view, variants):
         layers.append(plan_tracks(view, variants[0]))
     return layers

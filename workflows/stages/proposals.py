@@ -50,8 +50,12 @@ def _run_tracks(params, inputs, rng):
         TrackMaskParams.of_recipe(params["track_masks"]),
     )
     masks, seen = number_seen(masks)
-    scores = found.array("scores")[is_moving][seen - 1]
-    return Output({"masks": masks, "scores": scores, "boxes": object_boxes(masks, len(scores))})
+    candidates = np.flatnonzero(is_moving)[seen - 1] + 1
+    scores = found.array("scores")[candidates - 1]
+    return Output(
+        {"masks": masks, "scores": scores, "boxes": object_boxes(masks, len(scores))},
+        {"candidates": candidates.tolist()},
+    )
 
 
 def _flows_to_next(inputs) -> Iterator[np.ndarray]:
