@@ -49,8 +49,8 @@ class Objects:
             return self._config.proposal_source
         section = self._sections[index]
         middle = (section.start + section.stop - 1) // 2
-        chosen = (choice.proposals for choice in self._leaves.choices if middle <= choice.last_frame)
-        return next(chosen, "saliency")
+        holding = (choice for choice in self._leaves.choices if choice.first_frame <= middle <= choice.last_frame)
+        return next((choice.proposals for choice in holding), "saliency")
 
     @property
     def uses_saliency(self) -> bool:
