@@ -21,7 +21,7 @@ class SceneParallaxParams(Frozen):
         6, ge=1, description="frame pairs spread over a stretch of this length or more"
     )
     min_pairs: Annotated[int, Unit.COUNT] = Field(4, ge=1, description="frame pairs of the shortest stretch")
-    gap: Annotated[int, Unit.FRAMES] = Field(4, ge=1, description="frames between the two frames of a pair")
+    pair_gap: Annotated[int, Unit.FRAMES] = Field(4, ge=1, description="frames between the two frames of a pair")
     num_corners: Annotated[int, Unit.COUNT] = Field(800, ge=50, description="corners tracked over a pair")
     corner_quality: Annotated[float, Unit.SHARE] = Field(
         0.001, gt=0, lt=1, description="minimal corner response, as a share of the largest one"

@@ -105,7 +105,7 @@ class Session:
         self._pins = RunPins(store, self.run_id)
         # What `build` reads in the store before it can return the graph: memories of ingest, settled artifacts.
         self._first: set[str] = set()
-        self._settled_reuse: Counter[str] = Counter()
+        self._settled_hits: dict[str, None] = {}
         self._weights = weights or open_weights(os.environ)
         self._weights_leaves: dict[str, WeightsLeaf] = {}
         self._batch = batch
@@ -186,13 +186,13 @@ class Session:
         missed: set[str] = set()
         with self.log.watch():
             while True:
-                self._settled_reuse.clear()
+                self._settled_hits.clear()
                 try:
                     recipes, sinks = build()
                     plan = self._plan(recipes, sinks)
                     self._run(plan)
                     result = read()
-                    self.reused += plan.count()[1] + self._settled_reuse
+                    self.reused += plan.count()[1] + Counter(split_ref(ref)[0] for ref in self._settled_hits)
                     self._pins.keep((*sinks, *sorted(self._first)), is_new=bool(plan.compute))
                     return result
                 except CorruptArtifactError as error:
@@ -222,7 +222,7 @@ class Session:
         """
         plan = self._plan(recipes, sinks)
         self._run(plan)
-        self._settled_reuse += plan.count()[1]
+        self._settled_hits |= dict.fromkeys(plan.reuse)
         self._first.update(sinks)
         return list(map_reads(self.store, self.store.attributes, sinks))
 
@@ -250,7 +250,7 @@ class Session:
         """Compute a plan, phase by phase, and count what it computes."""
         if plan.compute:
             self.log.open(self.runner.num_workers)
-            self.log.plan(plan.compute, plan.reuse)
+            self.log.plan(plan.compute, (*self._settled_hits, *plan.reuse))
         self._fetch_weights(plan)
         if plan.compute:
             # Not before: bad input is reported in one line.

@@ -28,7 +28,7 @@ def cut_stretches(num_frames: int, length: int) -> tuple[Stretch, ...]:
 def choose_pairs(stretch: Stretch, params: SceneParallaxParams) -> list[tuple[int, int]]:
     """Return the first and last frame of the pairs of a stretch, spread over it evenly."""
     num_frames = stretch.stop - stretch.start
-    gap = min(params.gap, num_frames - 1)
+    gap = min(params.pair_gap, num_frames - 1)
     wanted = round(params.num_pairs * num_frames / params.stretch_length)
     num_pairs = min(max(wanted, params.min_pairs), max(params.num_pairs, params.min_pairs))
     firsts = np.linspace(stretch.start, stretch.stop - 1 - gap, num_pairs).round().astype(int)

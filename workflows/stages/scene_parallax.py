@@ -10,7 +10,7 @@ CAMERA_PARAMS = frozenset(
     | {"focals", "focal_prior", "focal_slack", "noise", "noise_share"}
 )
 """Parameters of rigidity that it reads: those of the camera's motion."""
-PLACE_PARAMS = frozenset({"stretch_length", "num_pairs", "min_pairs", "gap"})
+PLACE_PARAMS = frozenset({"stretch_length", "num_pairs", "min_pairs", "pair_gap"})
 """Parameters that only choose the frames."""
 
 
