@@ -11,22 +11,24 @@ from graph_layout import Edge, Layout, lay_out
 
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.digests import digest_bytes
-from moseg.schemas.presets import PRESETS
+from moseg.schemas.presets import PRESETS, Choices
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 from moseg.workflows.stages.needed_weights import needed_items
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
 DRAWINGS = {
-    "graph.svg": ("weights-free", "The graph of the default pipeline"),
-    "graph_networks.svg": ("paper", "The graph with objects, points, flow and depth from networks"),
+    "graph.svg": (PRESETS["weights-free"], "The graph of the default pipeline"),
+    "graph_tracks.svg": ({"proposal_source": "tracks"}, "The graph with objects of dense tracks"),
+    "graph_networks.svg": (PRESETS["paper"], "The graph with objects, points, flow and depth from networks"),
 }
-"""Preset and title of each drawing."""
+"""Parameters that differ from their defaults, and title, of each drawing."""
 
 PARTS = {
     "from outside": ("frame", "annotation", "weights"),
     "cues": ("flow", "depth", "background", "saliency"),
     "what moves": (
         *("consistency", "accumulation", "own_motion", "coherence", "appearance", "foreground", "components"),
+        *("dense_tracks", "rigidity", "track_objects"),
     ),
     "objects": ("tags", "detections", "instances", "seeds", "proposals", "linking", "tracks"),
     "motions": ("fundamental", "fundamental_residual", "flow_model", "flow_residual", "affinity", "clustering"),
@@ -73,9 +75,9 @@ STYLE = """
 """
 
 
-def stage_edges(preset: str) -> list[Edge]:
-    """Return the edges between the stages of a preset's fused variant and its score, and the leaves that they read."""
-    config = PipelineConfig.model_validate({**PRESETS[preset], "sections": {"length": 4, "overlap": 1}})
+def stage_edges(changes: Choices) -> list[Edge]:
+    """Return the edges between the stages of the fused variant and its score, and the leaves that they read."""
+    config = PipelineConfig.model_validate({**changes, "sections": {"length": 4, "overlap": 1}})
     graph = SequenceGraph(_leaves(config), config)
     graph.score(Variant.FUSED)
     return sorted(
@@ -83,9 +85,9 @@ def stage_edges(preset: str) -> list[Edge]:
     )
 
 
-def draw(preset: str, title: str) -> str:
+def draw(changes: Choices, title: str) -> str:
     """Return the drawing as SVG, readable on light and dark pages."""
-    edges = stage_edges(preset)
+    edges = stage_edges(changes)
     stages = sorted({stage for edge in edges for stage in edge})
     layout = lay_out(
         [e for e in edges if e[0] != e[1] and e not in HANDED_ON], dict.fromkeys(stages, BOX), gap=14, lane=6
@@ -190,8 +192,8 @@ def _key(place: int, index: int, part: str) -> str:
 def main() -> None:
     """Write all drawings."""
     IMAGES.mkdir(exist_ok=True)
-    for name, (preset, title) in DRAWINGS.items():
-        (IMAGES / name).write_text(draw(preset, title), encoding="utf-8")
+    for name, (changes, title) in DRAWINGS.items():
+        (IMAGES / name).write_text(draw(changes, title), encoding="utf-8")
         print(IMAGES / name)
 
 

@@ -100,9 +100,12 @@ def _surfaces(points, inverse_depth, depth_noise, params: RigidityParams) -> np.
 def _bottom_rows(points, inverse_depth, surface, half) -> np.ndarray:
     """Return the lowest row of each track's surface at its depth, in a strip of `half` the width (N,), px."""
     x, y = points.T
-    span = np.ptp(x) + 2 * np.max(half, initial=0.0) + 1 if len(x) else 1.0
+    if len(points) == 0:
+        return y
+    width = np.ptp(x) + 1
+    half = np.minimum(half, width)
     # Surfaces side by side: a strip never reaches the next one.
-    place = x + surface * span
+    place = x + 3 * width * surface
     order = np.argsort(place)
     start, stop = (np.searchsorted(place[order], place + sign * half) for sign in (-1, 1))
     row, inside = expand_runs(start, stop)

@@ -5,36 +5,15 @@ from typing import NamedTuple
 import numpy as np
 
 from moseg.schemas.parameters import RigidityParams
-from moseg.tasks.rigidity.contact import contact_excess
+from moseg.tasks.rigidity.deviation import deviation_from_depth, deviation_from_ground
+from moseg.tasks.rigidity.given_depth import bound_inverse_depth
 from moseg.tasks.rigidity.ground import Ground, fit_ground
 from moseg.tasks.rigidity.neighbours import find_similar
 from moseg.tasks.rigidity.noise import displacement_noise
-from moseg.tasks.rigidity.parallax import Parallax, find_epipole, split_displacements
-from moseg.tasks.rigidity.patch_test import AllowedParallax, compare_patches
+from moseg.tasks.rigidity.parallax import find_epipole, split_displacements
+from moseg.tasks.rigidity.patch_test import compare_patches
 from moseg.tasks.rigidity.relative_pose import fit_pose
 from moseg.tasks.saliency.camera import CameraMotion
-
-_ANY = 1e4  # px; a parallax that no track has
-_BELOW_GROUND = 1.5  # slacks of the ground within which a rigid point may still lie below it
-_ROUNDING = 1.0, 0.5  # px; added to the least and largest parallax of a rigid point
-
-
-class Deviation(NamedTuple):
-    """Deviation of N tracks along their epipolar lines from what a static point may do; float64 (N,) each.
-
-    Attributes
-    ----------
-    too_far : px; how much less its parallax is than that of the farthest static point.
-    far_noise : px; its standard deviation.
-    too_near : standard deviations; how much more it is than that of the nearest static point.
-    allowed : AllowedParallax
-        Of static points.
-    """
-
-    too_far: np.ndarray
-    far_noise: np.ndarray
-    too_near: np.ndarray
-    allowed: AllowedParallax
 
 
 class PairEvidence(NamedTuple):
@@ -65,6 +44,7 @@ def pair_evidence(
     points1: np.ndarray,
     focal: float,
     params: RigidityParams,
+    inverse_depth: np.ndarray | None = None,
 ) -> PairEvidence | None:
     """Measure the deviation of tracks from a rigid scene over one pair of frames.
 
@@ -77,6 +57,9 @@ def pair_evidence(
     focal : float
         Focal length in longer sides of the frame.
     params : RigidityParams
+    inverse_depth : float32 (y, x), optional
+        Relative inverse depth of the first frame, up to scale and shift; takes the place of the ground if it explains
+        the parallax.
 
     Returns
     -------
@@ -90,7 +73,11 @@ def pair_evidence(
     parallax = split_displacements(points0, points1, motion, shape)
     noise = displacement_noise(points0, points1, params.noise, params.noise_share)
     ground = fit_ground(points0, parallax, find_epipole(motion, shape), shape, params)
-    deviation = deviation_from_ground(points0, parallax, ground, noise, params)
+    bounds = None if inverse_depth is None else bound_inverse_depth(inverse_depth, points0, parallax, noise, params)
+    if bounds is None:
+        deviation = deviation_from_ground(points0, parallax, ground, noise, params)
+    else:
+        deviation = deviation_from_depth(parallax, bounds, noise, params)
     far = deviation.too_far / deviation.far_noise
     squared = (parallax.across / noise) ** 2 + far**2 + deviation.too_near**2
     similar = find_similar(points0, points1, params)
@@ -104,34 +91,3 @@ def pair_evidence(
     limit = params.test_gain * np.maximum(test, 0)
     error, median_error = (np.sqrt(np.minimum(each, limit)) for each in (squared, median_squared))
     return PairEvidence(error, median_error, test, motion, ground)
-
-
-def deviation_from_ground(
-    points: np.ndarray, parallax: Parallax, ground: Ground | None, noise: np.ndarray, params: RigidityParams
-) -> Deviation:
-    """Return the deviation from points in front of the ground that stand on it; without it, from points at any depth.
-
-    Parameters
-    ----------
-    points : float64 (N, 2)
-        xy of the tracks in frame 0, px.
-    parallax : Parallax
-        Of these tracks.
-    ground : Ground or None
-    noise : float64 (N,)
-        Of their displacements, px.
-    params : RigidityParams
-    """
-    behind_infinity = np.maximum(-parallax.along, 0)
-    if ground is None:
-        nothing, anything = np.zeros(len(points)), np.full(len(points), _ANY)
-        return Deviation(behind_infinity, noise, nothing, AllowedParallax(nothing, anything))
-    on_ground = parallax.at(np.maximum(ground.inverse_depth(points), 0))
-    too_far = np.maximum(behind_infinity, on_ground - parallax.along)
-    far_noise = np.hypot(noise, params.ground_slack * on_ground)
-    least = np.maximum(on_ground * (1 - _BELOW_GROUND * params.ground_slack) - _ROUNDING[0], 0)
-    too_near, height = contact_excess(points, parallax, ground, noise, params)
-    # A static surface with its foot as far above the ground as needs no motion.
-    standing = parallax.inverse_depth * (1 - height) / (1 - params.contact_lift)
-    largest = np.where(too_near > 0, parallax.at(standing) + _ROUNDING[1], _ANY)
-    return Deviation(too_far, far_noise, too_near, AllowedParallax(least, largest))

@@ -5,10 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from moseg.schemas.parameters import RigidityParams
+from moseg.tasks.rigidity.linear_fit import FitLimits, fit_two_parameters
 from moseg.tasks.rigidity.parallax import Parallax
-from moseg.tasks.saliency.background import tukey_weight
-
-_MINIMAL_SAMPLE = 2
 
 
 class Ground(NamedTuple):
@@ -63,25 +61,12 @@ def fit_ground(
         return None
     design, values, weights = points[low] - epipole, parallax.inverse_depth[low], parallax.reach[low]
     tolerance = np.hypot(params.ground_tolerance, params.ground_relief * values * weights)
-    slope = _ransac_slope(design, values, weights, tolerance, params)
-    if slope is None:
-        return None
-    for _ in range(params.ground_iterations):
-        # Tracks that deviate by the tolerance still belong to an uneven ground.
-        root = np.sqrt(tukey_weight((design @ slope - values) * weights, 2 * tolerance)) * weights
-        slope = np.linalg.lstsq(design * root[:, None], values * root, rcond=None)[0]
-    share = np.mean(np.abs(design @ slope - values) * weights < tolerance)
-    return Ground(slope, epipole) if share > params.ground_share and slope[1] > 0 else None
-
-
-def _ransac_slope(design, values, weights, tolerance, params: RigidityParams) -> np.ndarray | None:
-    """Return the plane through a random pair of tracks that has the most tracks within the tolerance."""
+    limits = FitLimits(params.ground_samples, params.ground_iterations, params.ground_points, params.ground_share)
     rng = np.random.default_rng(params.seed)
-    pairs = rng.integers(len(values), size=(params.ground_samples, _MINIMAL_SAMPLE))
-    # Pairs on a line through the epipole have no plane; their pseudo-inverse gives a plane without support.
-    slopes = (np.linalg.pinv(design[pairs], rcond=1e-9) @ values[pairs][..., None])[..., 0]
-    is_ground = (slopes[:, 1] > 0) & (np.abs(slopes[:, 0]) < params.ground_tilt * np.abs(slopes[:, 1]))
-    error = np.abs(design @ slopes.T - values[:, None]) * weights[:, None]
-    support = np.where(is_ground, np.count_nonzero(error < tolerance[:, None], axis=0), 0)
-    best = np.argmax(support)
-    return slopes[best] if support[best] >= params.ground_points else None
+
+    def is_ground(slopes):
+        """Nearer at the bottom, and about level."""
+        return (slopes[..., 1] > 0) & (np.abs(slopes[..., 0]) < params.ground_tilt * np.abs(slopes[..., 1]))
+
+    slope = fit_two_parameters(design, values, weights, tolerance, is_ground, limits, rng)
+    return None if slope is None else Ground(slope, epipole)

@@ -41,7 +41,7 @@ def track_evidence(evidence: PairEvidence, params: TrackFieldParams) -> np.ndarr
     float64 (track,)
         About a log-odds ratio; 0 for a track that no frame pair sees.
     """
-    num_pairs = np.isfinite(evidence.error).sum(axis=0)
+    num_pairs = (~np.isnan(evidence.error)).sum(axis=0)
     weight = np.sqrt(np.minimum(num_pairs, params.max_pairs))
     total = np.zeros(len(num_pairs))
     for error, static in (

@@ -110,7 +110,7 @@ def _judge(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the strength and the mean rigidity test of every component, float64 (component,)."""
     error = evidence.median_error[:, moving].astype(np.float64)
-    seen = np.isfinite(error)
+    seen = ~np.isnan(error)
     strength = np.where(seen, np.minimum(error, params.max_error), 0).sum(axis=0)
     test = np.where(seen, evidence.test[:, moving], 0).sum(axis=0, dtype=np.float64)
     num_pairs = np.bincount(component, seen.sum(axis=0), count)

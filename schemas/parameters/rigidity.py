@@ -165,8 +165,20 @@ class RigidityParams(Frozen):
     depth_noise: Annotated[float, Unit.SHARE] = Field(
         0.15, ge=0, description="noise of given depth, as a share of the parallax (only with depth)"
     )
+    depth_reach: Annotated[int, Unit.PIXELS] = Field(
+        2, ge=0, description="distance of the pixels whose given depth a track may have, px (only with depth)"
+    )
+    depth_samples: Annotated[int, Unit.COUNT] = Field(
+        300, ge=1, description="pairs of tracks drawn to fit given depth to the parallax (only with depth)"
+    )
     depth_iterations: Annotated[int, Unit.COUNT] = Field(
-        20, ge=1, description="rounds of the fit of given depth to the parallax (only with depth)"
+        5, ge=0, description="rounds of iteratively reweighted least squares of that fit (only with depth)"
+    )
+    depth_points: Annotated[int, Unit.COUNT] = Field(
+        20, ge=2, description="minimal number of tracks that agree with given depth (only with depth)"
+    )
+    depth_share: Annotated[float, Unit.SHARE] = Field(
+        0.5, ge=0, le=1, description="minimal share of such tracks, below which the ground is used (only with depth)"
     )
 
     _split_gaps = field_validator("gaps", mode="before")(split_commas)

@@ -19,13 +19,13 @@ def draw_graph():
     sys.path.remove(str(DOCS / "tools"))
 
 
-@pytest.mark.parametrize("name", ["graph.svg", "graph_networks.svg"])
+@pytest.mark.parametrize("name", ["graph.svg", "graph_tracks.svg", "graph_networks.svg"])
 def test_the_stored_drawing_shows_every_stage_and_edge_of_the_code(draw_graph, name):
-    preset, title = draw_graph.DRAWINGS[name]
+    changes, title = draw_graph.DRAWINGS[name]
     root = ElementTree.parse(DOCS / "images" / name).getroot()
     edges = {tuple(path.get("data-edge").split()) for path in root.iter(f"{SVG}path") if path.get("data-edge")}
     stages = {group.get("data-stage") for group in root.iter(f"{SVG}g")}
-    expected = set(draw_graph.stage_edges(preset))
+    expected = set(draw_graph.stage_edges(changes))
     again = "draw it again: python docs/tools/draw_graph.py"
     assert edges == expected, again
     assert stages == {stage for edge in expected for stage in edge}, again

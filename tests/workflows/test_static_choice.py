@@ -28,6 +28,7 @@ def _clustering(variant=Variant.FUSED, proposal_source="saliency", affinity=None
 @pytest.mark.parametrize("variant", [Variant.FUSED, Variant.OC_DEPTH, Variant.OC, Variant.TRAJS])
 def test_only_proposals_from_motion_need_agreement_to_be_dropped(variant):
     assert _clustering(variant)["static"] == "agreement"
+    assert _clustering(variant, "tracks")["static"] == "agreement"
     assert _clustering(variant, "groundtruth")["static"] == "group"
     assert _clustering(variant, static="group")["static"] == "group"
     assert _clustering(variant, "groundtruth", static="agreement")["static"] == "agreement"

@@ -6,7 +6,7 @@ from moseg.schemas.parameters import RigidityParams
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
-DEPTH_PARAMS = frozenset({"depth_noise", "depth_iterations"})
+DEPTH_PARAMS = frozenset(name for name in RigidityParams.model_fields if name.startswith("depth_"))
 """Parameters that only a configuration with depth reads."""
 
 

@@ -1,0 +1,117 @@
+"""Masks of objects of tracks: votes of the nearest tracks by distance, brightness and motion."""
+
+import numpy as np
+import pytest
+
+from moseg.schemas.parameters import TrackMaskParams
+from moseg.tasks.proposals import track_masks as kernel
+from moseg.tasks.proposals.track_masks import number_seen, track_masks
+
+PARAMS = TrackMaskParams()
+SHAPE = (101, 151)
+NUM_FRAMES = 3
+BOX = (slice(30, 70), slice(40, 100))
+"""Rows and columns of the object in the first frame; it moves by STEP px/frame."""
+STEP = 2
+
+
+def _scene(spacing=8):
+    """Return frames, flows to the next frame, tracks, their visibility and objects, and the true masks."""
+    frames = np.full((NUM_FRAMES, *SHAPE, 3), 60, np.uint8)
+    flows = np.zeros((NUM_FRAMES, *SHAPE, 2), np.float32)
+    truth = np.zeros((NUM_FRAMES, *SHAPE), bool)
+    for number in range(NUM_FRAMES):
+        box = BOX[0], slice(BOX[1].start + STEP * number, BOX[1].stop + STEP * number)
+        frames[number][box], flows[number][box], truth[number][box] = 180, (STEP, 0), True
+    y, x = np.mgrid[3 : SHAPE[0] : spacing, 3 : SHAPE[1] : spacing].reshape(2, -1)
+    objects = truth[0][y, x].astype(np.uint16)
+    start = np.stack([x, y], axis=1).astype(np.float32)
+    points = start[:, None] + objects[:, None, None] * np.float32([STEP, 0]) * np.arange(NUM_FRAMES)[:, None]
+    return frames, flows, points.astype(np.float32), np.ones(points.shape[:2], bool), objects, truth
+
+
+def _iou(found, truth):
+    return (found & truth).sum() / (found | truth).sum()
+
+
+def test_an_object_is_cut_out_along_its_outline():
+    *scene, truth = _scene()
+    masks = track_masks(*scene, 0, PARAMS)
+    assert masks.dtype == np.uint16
+    assert all(_iou(mask > 0, true) > 0.95 for mask, true in zip(masks, truth, strict=True))
+
+
+@pytest.mark.parametrize("cue", ["grey", "motion"])
+def test_either_cue_alone_finds_the_outline_better_than_distance(cue):
+    frames, flows, points, visible, objects, truth = _scene()
+    if cue == "grey":
+        flows = np.zeros_like(flows)
+        visible = visible.copy()
+        visible[:, 1:] = False
+    else:
+        frames = np.full_like(frames, 60)
+    blind = track_masks(
+        frames[:1] * 0, np.zeros_like(flows[:1]), points, visible & [True, False, False], objects, 0, PARAMS
+    )
+    found = track_masks(frames[:1], flows[:1], points, visible, objects, 0, PARAMS)
+    assert _iou(found[0] > 0, truth[0]) > max(0.93, _iou(blind[0] > 0, truth[0]))
+
+
+def test_no_pixel_is_farther_from_its_object_than_the_radius():
+    frames, flows, points, visible, objects, _ = _scene()
+    objects[np.flatnonzero(objects)[1:]] = 0
+    only = np.flatnonzero(objects)[0]
+    # The only other tracks are far away.
+    kept = [only, 0]
+    mask = track_masks(
+        frames[:1], flows[:1], points[kept], visible[kept], objects[kept], 0, TrackMaskParams(radius=10.0)
+    )[0]
+    y, x = np.nonzero(mask)
+    assert len(x)
+    assert np.hypot(x - points[only, 0, 0], y - points[only, 0, 1]).max() < 10 + 2 * kernel.STEP
+
+
+def test_without_moving_tracks_there_is_no_mask():
+    frames, flows, points, visible, objects, _ = _scene()
+    assert not track_masks(frames, flows, points, visible, objects * 0, 0, PARAMS).any()
+    assert not track_masks(frames, flows, points, visible & False, objects, 0, PARAMS).any()
+    assert not track_masks(frames, flows, points[:0], visible[:0], objects[:0], 0, PARAMS).any()
+
+
+def test_frames_are_counted_from_the_first_one_of_the_masks():
+    frames, flows, *tracks, _ = _scene()
+    whole = track_masks(frames, flows, *tracks, 0, PARAMS)
+    np.testing.assert_array_equal(track_masks(frames[1:], flows[1:], *tracks, 1, PARAMS), whole[1:])
+
+
+def test_blocks_that_are_labelled_at_once_have_the_labels_of_their_pixels(monkeypatch):
+    frames, flows, points, visible, objects, _ = _scene()
+    objects[points[:, 0, 0] > 120] = 2
+    expected = track_masks(frames, flows, points, visible, objects, 0, PARAMS)
+
+    def decide_nothing(candidates, *more):
+        return np.zeros(candidates.shape, np.uint16), np.zeros_like(candidates)
+
+    label_blocks, decided = kernel._label_blocks, []
+    monkeypatch.setattr(kernel, "_label_blocks", lambda *more: decided.append(label_blocks(*more)) or decided[-1])
+    track_masks(frames[:1], flows[:1], points, visible, objects, 0, PARAMS)
+    assert decided[0][1].mean() > 0.1
+    monkeypatch.setattr(kernel, "_label_blocks", decide_nothing)
+    np.testing.assert_array_equal(track_masks(frames, flows, points, visible, objects, 0, PARAMS), expected)
+
+
+def test_fewer_tracks_than_votes_are_enough():
+    frames, flows, points, visible, objects, _ = _scene(spacing=40)
+    few = slice(0, 6)
+    objects[few] = 3
+    masks = track_masks(frames, flows, points[few], visible[few], objects[few], 0, PARAMS)
+    assert set(np.unique(masks)) == {0, 3}
+
+
+def test_objects_without_a_pixel_leave_no_gap_in_the_numbers():
+    masks = np.array([[[0, 5, 2], [2, 0, 9]]], np.uint16)
+    numbered, labels = number_seen(masks)
+    assert numbered.tolist() == [[[0, 2, 1], [1, 0, 3]]]
+    assert numbered.dtype == np.uint16
+    assert labels.tolist() == [2, 5, 9]
+    assert number_seen(masks * 0)[1].size == 0

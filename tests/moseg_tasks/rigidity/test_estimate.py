@@ -1,0 +1,126 @@
+"""Tracks of rendered drives: what moves deviates from a rigid scene, and what stands does not."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from moseg.schemas.parameters import DenseTrackParams, RigidityParams
+from moseg.tasks.dense_tracks import track_densely
+from moseg.tasks.rigidity import estimate_rigidity
+from moseg.tasks.synthetic import SCENES, render_scene
+
+PARAMS = RigidityParams()
+NUM_FRAMES = 6
+CAR = 2
+SPEEDS = {
+    "parked": (0.0, 0.0, 0.0),
+    "oncoming": (0.0, 0.0, -0.2),
+    "crossing": (-0.1, 0.0, 0.0),
+    "ahead": (0.0, 0.0, 0.2),
+}
+
+
+@cache
+def drive(course):
+    """Return a rendered street, its tracks and their evidence; the car moves by `SPEEDS` per frame."""
+    scene = SCENES["forward-drive-epipolar-car"]
+    car = scene.things[CAR - 1]
+    path = car.position.model_copy(update={"velocity": SPEEDS[course]})
+    things = (scene.things[0], car.model_copy(update={"position": path}), *scene.things[CAR:])
+    rendered = render_scene(scene.model_copy(update={"things": things, "num_frames": NUM_FRAMES}))
+    flows = zip(rendered.flow_forward, rendered.flow_backward, strict=True)
+    tracks = track_densely(rendered.images, flows, DenseTrackParams())
+    return rendered, tracks, estimate_rigidity(rendered.images, *tracks, PARAMS)
+
+
+def evidence(course, has_depth=False):
+    """Return the errors of all tracks and pairs, and the object that each is of."""
+    rendered, tracks, found = drive(course)
+    if has_depth:
+        found = estimate_rigidity(rendered.images, *tracks, PARAMS, 7 * rendered.inverse_depth + 0.3)
+    errors, owners = [], []
+    for (start, gap), error in zip(found.pairs, found.error, strict=True):
+        seen = np.flatnonzero(np.isfinite(error))
+        (x0, y0), (x1, y1) = (tracks.points[seen, t].round().astype(int).T for t in (start, start + gap))
+        owner = rendered.objects[start][y0, x0]
+        is_inside = owner == rendered.objects[start + gap][y1, x1]
+        errors.append(error[seen][is_inside])
+        owners.append(owner[is_inside])
+    return np.concatenate(errors), np.concatenate(owners)
+
+
+def test_a_street_with_a_parked_car_shows_hardly_any_evidence():
+    error, owner = evidence("parked")
+    assert np.mean(error[owner == 0] > 1) < 0.02
+    assert np.mean(error[owner == CAR] > 1) < 0.02
+
+
+@pytest.mark.parametrize("course", ["oncoming", "crossing"])
+def test_a_car_that_moves_shows_evidence_and_the_street_does_not(course):
+    error, owner = evidence(course)
+    assert np.mean(error[owner == CAR] > 1) > 0.9
+    assert np.mean(error[owner == 0] > 1) < 0.03
+
+
+@pytest.mark.parametrize("course", ["ahead", "oncoming"])
+def test_given_depth_tells_a_car_that_stays_on_its_epipolar_lines(course):
+    error, owner = evidence(course, has_depth=True)
+    assert np.mean(error[owner == CAR] > 1) > 0.9
+    assert np.mean(error[owner == 0] > 1) < 0.03
+
+
+def test_a_parked_car_stands_at_its_given_depth():
+    error, owner = evidence("parked", has_depth=True)
+    assert np.mean(error[owner == 0] > 1) < 0.02
+    assert np.mean(error[owner != 0] > 1) < 0.02
+
+
+def test_values_are_finite_where_a_track_is_seen_in_the_pair_and_nan_elsewhere():
+    _, tracks, found = drive("crossing")
+    np.testing.assert_array_equal(found.pairs, [(t, gap) for gap in (2, 4) for t in range(NUM_FRAMES - gap)])
+    for (start, gap), *values in zip(found.pairs, found.error, found.median_error, found.test, strict=True):
+        seen = tracks.visible[:, start] & tracks.visible[:, start + gap]
+        for value in values:
+            np.testing.assert_array_equal(np.isfinite(value), seen)
+            np.testing.assert_array_equal(np.isnan(value), ~seen)
+    assert found.error.dtype == found.median_error.dtype == found.test.dtype == np.float16
+    assert np.nanmin(found.error) >= 0
+    assert np.nanmin(found.test) >= -1
+    assert np.nanmax(found.test) <= PARAMS.test_limit
+
+
+def test_the_evidence_is_the_same_bytes_each_time():
+    rendered, tracks, found = drive("crossing")
+    again = estimate_rigidity(rendered.images, *tracks, PARAMS)
+    for name in ("pairs", "error", "median_error", "test"):
+        assert getattr(again, name).tobytes() == getattr(found, name).tobytes()
+
+
+@pytest.mark.parametrize("shape", [(64, 64), (1, 1), (375, 40)])
+@pytest.mark.parametrize("num_frames", [1, 3, 6])
+@pytest.mark.parametrize("num_tracks", [0, 1, 30])
+def test_frames_or_tracks_too_few_for_a_camera_give_no_pairs(shape, num_frames, num_tracks):
+    frames = np.zeros((num_frames, *shape, 3), np.uint8)
+    points = np.zeros((num_tracks, num_frames, 2), np.float32)
+    found = estimate_rigidity(frames, points, np.ones((num_tracks, num_frames), bool), PARAMS)
+    assert found.pairs.shape == (0, 2)
+    assert found.error.shape == found.median_error.shape == found.test.shape == (0, num_tracks)
+    assert found.evidence == ()
+
+
+@pytest.mark.parametrize("motion", ["none", "pan", "random", "grid"])
+def test_tracks_of_any_motion_give_finite_evidence(motion):
+    rng = np.random.default_rng(0)
+    frames = rng.integers(0, 256, (6, 96, 128, 3), dtype=np.uint8)
+    start = np.stack(np.meshgrid(np.arange(4.0, 124, 6), np.arange(4.0, 92, 6)), axis=-1).reshape(-1, 1, 2)
+    steps = {
+        "none": np.zeros((1, 6, 2)),
+        "pan": np.arange(6)[None, :, None] * [1.5, 0.0],
+        "random": rng.normal(0, 5, (len(start), 6, 2)),
+        "grid": np.arange(6)[None, :, None] * np.sign(start - [64, 48]),
+    }
+    points = np.clip(start + steps[motion], 0, [127, 95]).astype(np.float32)
+    found = estimate_rigidity(frames, points, np.ones(points.shape[:2], bool), PARAMS)
+    for values in (found.error, found.median_error, found.test):
+        assert np.isfinite(values).all()

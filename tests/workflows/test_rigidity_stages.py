@@ -1,0 +1,105 @@
+"""The stages of dense tracks and rigidity, from stored frames and flows to stored evidence."""
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.recipes import Recipe
+from moseg.store import open_store
+from moseg.workflows.stages.inputs import Inputs
+from moseg.workflows.stages.registry import axes_of, find_stage
+
+HEIGHT, WIDTH, NUM_FRAMES = 96, 128, 6
+
+
+@pytest.fixture
+def store(tmp_path):
+    return open_store(str(tmp_path / "store"))
+
+
+@pytest.fixture
+def put(store):
+    """Function that stores an artifact and returns its reference."""
+
+    def call(task, arrays, number=0):
+        recipe = Recipe(task=task, version=1, params={"number": number})
+        store.put(recipe, arrays, None, dims=axes_of(task, arrays))
+        return recipe.ref
+
+    return call
+
+
+@pytest.fixture
+def compute(store):
+    """Function that runs a stage as the graph would, stores its output and returns its reference."""
+
+    def call(name, inputs):
+        stage = find_stage(name)
+        task = stage.task(stage.chosen(PipelineConfig()))
+        params = task.params(PipelineConfig())
+        assert set(inputs) <= set(stage.inputs)
+        recipe = Recipe(task=name, version=task.version, params={"method": task.method, **params}, inputs=inputs)
+        (output,) = task.compute(params, [Inputs(store, recipe)], [np.random.default_rng(0)])
+        store.put(recipe, output.arrays, json.loads(json.dumps(output.attributes)), dims=axes_of(name, output.arrays))
+        return recipe.ref
+
+    return call
+
+
+def zoomed(num_frames, is_textured=True):
+    """Frames of a wall that comes closer, float32 flows to the next and to the frame before."""
+    noise = np.random.default_rng(0).normal(size=(HEIGHT, WIDTH)).astype(np.float32)
+    smooth = cv2.GaussianBlur(noise, (0, 0), 1.5)
+    gray = np.clip(128 + 50 * smooth / smooth.std() * is_textured, 0, 255).astype(np.uint8)
+    x, y = np.meshgrid(np.arange(WIDTH, dtype=np.float32), np.arange(HEIGHT, dtype=np.float32))
+    away = np.dstack([x - WIDTH / 2, y - HEIGHT / 2])
+    frames = []
+    for t in range(num_frames):
+        source = away * 0.98**t + [WIDTH / 2, HEIGHT / 2]
+        frames.append(cv2.remap(gray, *source.astype(np.float32).transpose(2, 0, 1), cv2.INTER_CUBIC))
+    images = [np.repeat(frame[..., None], 3, axis=2) for frame in frames]
+    return images, (away / 0.98 - away).astype(np.float32), (away * 0.98 - away).astype(np.float32)
+
+
+@pytest.mark.parametrize(("is_textured", "num_frames"), [(True, NUM_FRAMES), (False, NUM_FRAMES), (True, 1)])
+def test_evidence_is_stored_for_the_tracks_of_a_window(put, compute, store, is_textured, num_frames):
+    images, forward, backward = zoomed(num_frames, is_textured)
+    frames = tuple(put("frame", {"image": image}, t) for t, image in enumerate(images))
+    # What the flow does not know is filled in.
+    forward[:5, :5] = np.nan
+    inputs = {
+        "frames": frames,
+        "flow_forward": (put("flow", {"flow": forward}, 0),) * (num_frames - 1),
+        "flow_backward": (put("flow", {"flow": backward}, 1),) * (num_frames - 1),
+    }
+    tracks = compute("dense_tracks", inputs)
+    visible = store.read(tracks, "visible")
+    assert visible.shape[1] == num_frames
+    assert (len(visible) > 100) == (is_textured and num_frames > 1)
+    rigidity = compute("rigidity", {"dense_tracks": tracks, "frames": frames})
+    pairs, error = store.read(rigidity, "pairs"), store.read(rigidity, "error")
+    assert error.shape == (len(pairs), len(visible))
+    attributes = store.attributes(rigidity)
+    assert attributes["focal"] in PipelineConfig().rigidity.focals
+    assert len(attributes["cameras"]) == len(pairs)
+    if len(pairs):
+        assert np.array(attributes["cameras"][0]["rotation"]).shape == (3, 3)
+        assert np.isfinite(error).any(axis=1).all()
+
+
+def test_without_depth_its_parameters_are_not_in_the_recipe():
+    task = find_stage("rigidity").tasks[0]
+    without, given = (PipelineConfig(depth={"method": method}) for method in ("none", "groundtruth"))
+    more = set(task.params(given)) - set(task.params(without))
+    assert more == {name for name in task.params(given) if name.startswith("depth_")}
+    assert more
+
+
+@pytest.mark.parametrize("gaps", ["", "0,2", "2,2", (2, -1)])
+def test_gaps_are_different_numbers_of_frames(gaps):
+    with pytest.raises(ValueError, match="gaps"):
+        PipelineConfig.model_validate({"rigidity": {"gaps": gaps}})
+    assert PipelineConfig.model_validate({"rigidity": {"gaps": "1, 3"}}).rigidity.gaps == (1, 3)

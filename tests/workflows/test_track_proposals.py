@@ -1,0 +1,154 @@
+"""Proposals from dense tracks: windows of sections, recipes, and whole runs."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.digests import digest_bytes
+from moseg.store import open_store
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves
+
+FOUND = {"track_objects", "proposals", "linking", "tracks"}
+END = {"fundamental", "fundamental_residual", "flow_model", "flow_residual", "affinity"}
+END |= {"clustering", "segmentation", "score"}
+
+
+def _refs(task, count):
+    return tuple(f"{task}/{digest_bytes('test', f'{task} {number}'.encode())}" for number in range(count))
+
+
+def _graph(num_frames=30, *, leaves=None, **changes):
+    values = {"proposal_source": "tracks", "sections": {"length": 8}, "track_window": {"min_frames": 10}}
+    config = PipelineConfig.model_validate(values | changes)
+    given = {"annotation": _refs("annotation", 1)[0], **(leaves or {})}
+    return SequenceGraph(SequenceLeaves(name="toy", shape=(48, 64), frames=_refs("frame", num_frames), **given), config)
+
+
+def _recipes(num_frames=30, variant=Variant.FUSED, **changes):
+    graph = _graph(num_frames, **changes)
+    graph.score(variant)
+    return graph.recipes
+
+
+def _tasks(refs):
+    return {ref.partition("/")[0] for ref in refs}
+
+
+@given(st.integers(2, 90), st.integers(1, 30), st.integers(1, 8), st.integers(2, 25))
+def test_a_window_contains_its_section_and_is_no_shorter_than_the_video_allows(num_frames, length, overlap, min_frames):
+    window = {"overlap": overlap, "min_frames": min_frames}
+    objects = _graph(num_frames, sections={"length": length}, track_window=window).objects
+    starts = range(0, num_frames, length)
+    for index, start in enumerate(starts):
+        first, last = objects.track_proposals.window(index)
+        assert 0 <= first <= start < last <= num_frames
+        assert last - first >= min(min_frames, last)
+        assert objects.track_proposals.first_row(index) == start - first
+        assert objects.labelled_until(index) == last
+        if first < start:
+            assert last - first == min_frames or first == 0
+    for index, (_, start) in enumerate(pairwise(starts)):
+        assert 1 <= objects.labelled_until(index) - start <= overlap
+
+
+def test_objects_are_found_without_saliency():
+    tasks = _tasks(_recipes())
+    assert {"dense_tracks", "rigidity", *FOUND} <= tasks
+    assert not tasks & {"saliency", "components", "background"}
+
+
+def test_every_input_is_a_leaf_or_a_node():
+    cues = {"depth": _refs("given_depth", 30), "tracks": _refs("given_tracks", 1)[0]}
+    flows = {name: _refs(f"given_{name}", 29) for name in ("flow_forward", "flow_backward")}
+    methods = {"depth": {"method": "folder"}, "flow": {"method": "folder"}}
+    recipes = _recipes(leaves=cues | flows, **methods)
+    leaves = {*_refs("frame", 30), *_refs("annotation", 1), *cues["depth"], *flows["flow_forward"]}
+    leaves |= set(flows["flow_backward"])
+    read = {ref for recipe in recipes.values() for ref in recipe.input_refs()}
+    assert read <= recipes.keys() | leaves
+    assert set(flows["flow_backward"]) <= read
+    rigidity = [recipe for recipe in recipes.values() if recipe.task == "rigidity"]
+    assert all(len(recipe.inputs["depth"]) == len(recipe.inputs["frames"]) for recipe in rigidity)
+
+
+@pytest.mark.parametrize(
+    ("changes", "moved"),
+    [
+        ({"track_masks": {"radius": 20.0}}, FOUND - {"track_objects"} | END),
+        ({"track_objects": {"min_score": 300.0}}, FOUND | END),
+        ({"track_field": {"coupling": 1.0}}, FOUND | END),
+        ({"rigidity": {"noise": 0.4}}, {"rigidity"} | FOUND | END),
+        ({"saliency": {"floor": 0.4}}, set()),
+        ({"sections": {"length": 8, "overlap": 3}}, set()),
+    ],
+)
+def test_an_option_changes_the_keys_of_the_stages_that_read_it_and_no_others(changes, moved):
+    assert _tasks(_recipes(**changes).keys() - _recipes().keys()) == moved
+
+
+def test_more_frames_do_not_change_the_objects_of_sections_before_them():
+    short, long = ([_graph(count).objects.proposals(index) for index in range(2)] for count in (30, 50))
+    assert short == long
+
+
+def test_sections_at_the_end_share_their_window():
+    proposed = _graph(26, track_window={"min_frames": 20}).objects.track_proposals
+    assert proposed.window(2) == proposed.window(3)
+    assert proposed.objects(2) == proposed.objects(3)
+
+
+@pytest.fixture(scope="module")
+def evaluated_tracks(squares, tmp_path_factory):
+    """Return the store of an evaluation of squares by tracks, in sections of four frames."""
+    from moseg.workflows.cli.app import run
+
+    folder = tmp_path_factory.mktemp("tracks")
+    arguments = ("eval", "--dataset", "folder", "--root", str(squares), "--quiet", "--section-length", "4")
+    # The squares move in a plane: what is found does not matter here, but that something is.
+    arguments += ("--proposals", "tracks", "--set", "track_objects.min_score=20", "--set", "track_objects.min_test=0")
+    report = folder / "report.html"
+    assert run([*arguments, "--store", str(folder / "store"), "--report", str(report)]) == 0
+    return open_store(str(folder / "store"), create=False), report.read_text(encoding="utf-8")
+
+
+def test_proposals_are_the_moving_candidates_that_have_pixels(evaluated_tracks):
+    store, _ = evaluated_tracks
+    refs = list(store.refs("proposals"))
+    assert len(refs) == 3
+    for ref in refs:
+        found = store.manifest(ref).recipe.inputs["track_objects"]
+        masks, scores = store.read(ref, "masks"), store.read(ref, "scores")
+        chosen = np.array(store.attributes(ref)["candidates"])
+        assert np.unique(masks).tolist() == list(range(len(scores) + 1))
+        assert len(scores)
+        assert store.read(found, "is_moving")[chosen - 1].all()
+        np.testing.assert_array_equal(store.read(found, "scores")[chosen - 1], scores)
+        assert len(store.attributes(found)["test"]) == len(store.read(found, "scores"))
+
+
+def test_a_report_shows_the_dense_tracks(evaluated_tracks):
+    _, page = evaluated_tracks
+    assert "dense tracks" in page
+    assert "too little evidence" in page
+
+
+def test_two_frames_of_nothing_give_no_object(moseg, write_image, tmp_path):
+    for number in range(2):
+        write_image(tmp_path / "video" / f"{number}.png", np.full((64, 64, 3), 90, np.uint8))
+    options = ("--proposals", "tracks", "--out", tmp_path / "out", "--store", tmp_path / "store", "--quiet")
+    ran = moseg("segment", tmp_path / "video", *options)
+    assert ran.code == 0
+    assert "0 moving objects" in ran.out
+
+
+def test_a_car_that_comes_along_its_epipolar_line_is_found(moseg, tmp_path):
+    data = ("--dataset", "synthetic", "--sequences", "forward-drive-epipolar-car", "--variant", "base")
+    ran = moseg("eval", *data, "--proposals", "tracks", "--store", tmp_path / "store", "--quiet")
+    assert ran.code == 0
+    store = open_store(str(tmp_path / "store"), create=False)
+    (score,) = store.refs("score")
+    assert store.attributes(score)["F"] > 50
