@@ -123,6 +123,15 @@ def test_a_video_is_segmented_by_both_and_says_so(journey, moseg, tmp_path):
     assert len(list((store / "quarantine").glob("*/reason.json"))) == 1
 
 
+def test_a_result_in_python_has_its_choices(evaluated, tmp_path):
+    import moseg
+
+    images = sorted((evaluated.root / "squares" / "frames").iterdir())
+    result = moseg.segment_video([np.array(Image.open(path)) for path in images], store=tmp_path / "store", fps=10)
+    (choice,) = result.choices
+    assert (choice.first_frame, choice.last_frame, choice.proposals) == (0, len(images) - 1, "saliency")
+
+
 def test_results_keep_their_choices_from_collection(evaluated_copy, moseg):
     assert moseg("store", "gc", "--store", evaluated_copy.store, "--grace-hours", "0").code == 0
     assert len(list(open_store(str(evaluated_copy.store), create=False).refs("scene_parallax"))) == 1

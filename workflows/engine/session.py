@@ -4,7 +4,7 @@ import os
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from typing import NamedTuple, TypeVar
 
@@ -209,7 +209,7 @@ class Session:
                         raise
                     missed.add(str(error))
 
-    def settle(self, recipes: Mapping[str, Recipe], sinks: Sequence[str]) -> list[dict]:
+    def settle(self, recipes: Mapping[str, Recipe], sinks: Sequence[str], leaves: Iterable[str] = ()) -> list[dict]:
         """Compute missing artifacts on which the graph itself depends, and return the attributes of each.
 
         To be called by the `build` of `compute`, which repairs a damaged one.
@@ -219,8 +219,10 @@ class Session:
         recipes : mapping of reference to recipe
             Of the sinks, and of all that they are made from but leaves.
         sinks : sequence of references
+        leaves : iterable of references
+            What the rest of the graph will read: pinned meanwhile.
         """
-        plan = self._plan(recipes, sinks)
+        plan = self._plan(recipes, sinks, leaves)
         self._run(plan)
         self._settled_hits |= dict.fromkeys(plan.reuse)
         self._first.update(sinks)
@@ -233,12 +235,12 @@ class Session:
         finally:
             self.log.close(tuple(self._pins.results))
 
-    def _plan(self, recipes: Mapping[str, Recipe], sinks: Sequence[str]) -> Plan:
+    def _plan(self, recipes: Mapping[str, Recipe], sinks: Sequence[str], leaves: Iterable[str] = ()) -> Plan:
         """Return a plan whose artifacts are pinned: what `gc` took between the look-up and the pin is planned again.
 
         No recipe reads what `build` read first, so it is pinned by name.
         """
-        pinned = set(self._first)
+        pinned = {*self._first, *leaves}
         while True:
             plan = make_plan(self.store, recipes, sinks)
             if not plan.compute or plan.touched() <= pinned:

@@ -1,6 +1,7 @@
 """Leaves of the graph of a sequence: its decoded content, given cues and weights."""
 
 from collections.abc import Mapping
+from itertools import chain
 from typing import NamedTuple
 
 from moseg.schemas.recipes import Ref
@@ -54,3 +55,9 @@ class SequenceLeaves(NamedTuple):
     flow_backward: tuple[Ref, ...] | None = None
     weights: Mapping[str, Ref] = {}
     choices: tuple[StretchChoice, ...] = ()
+
+    def refs(self) -> tuple[Ref, ...]:
+        """Return the references of all content and cues."""
+        single = (self.annotation, self.labelled_points, self.masks, self.tracks)
+        several = (self.frames, self.depth, self.flow_forward, self.flow_backward)
+        return (*filter(None, single), *chain.from_iterable(filter(None, several)))

@@ -41,8 +41,9 @@ def settle_choices(
     written = choice_recipes(leaves, config)
     if not written.recipes:
         return leaves
-    attributes = dict(zip(written.sinks, session.settle(written.recipes, written.sinks), strict=True))
-    return with_choices(leaves, config, written, attributes)
+    held = {ref for each in leaves for ref in each.refs()}
+    settled = session.settle(written.recipes, written.sinks, held)
+    return with_choices(leaves, config, written, dict(zip(written.sinks, settled, strict=True)))
 
 
 def with_choices(
