@@ -1,8 +1,13 @@
 """Deviation of point tracks from a rigid scene seen by a moving camera.
 
-For each frame pair: the camera's motion (`relative_pose`), displacements split along and across epipolar lines
-(`parallax`), the ground (`ground`), what stands on it (`contact`), medians over similar neighbours (`neighbours`) and a
-look at the patches (`patch_test`); `evidence` combines them. The focal length is chosen first (`focal_length`).
+The focal length is chosen first (`focal_length`). Then, for each frame pair:
+
+1. `relative_pose`: the camera's motion; `parallax`: displacements split along and across its epipolar lines.
+2. `ground` and `contact`, or `given_depth`: how far along them a static point may be (`deviation`).
+3. `neighbours`: medians over similar neighbours.
+4. `patch_test`: whether a rigid position explains the patch as well.
+
+`evidence` combines these into one error per track, `estimate` runs over the pairs of a window.
 """
 
 from moseg.tasks.rigidity.estimate import Rigidity, estimate_rigidity

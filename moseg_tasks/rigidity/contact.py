@@ -70,9 +70,8 @@ def contact_excess(
     lifted = 1 - ground.inverse_depth(foot) / inverse_depth[upright]
     hangs = (lifted > params.contact_lift) & (lifted < params.contact_top)
     upright, half, bottom, lifted = upright[hangs], half[hangs], bottom[hangs], lifted[hangs]
-    is_ground = (np.abs(ground_parallax - along) < _GROUND_NOISE * noise + _GROUND_SLACK * ground_parallax) & (
-        below > 0
-    )
+    ground_noise = _GROUND_NOISE * noise + _GROUND_SLACK * ground_parallax
+    is_ground = (np.abs(ground_parallax - along) < ground_noise) & (below > 0)
     size = camera_height[upright]
     rows = bottom + 1, bottom + (lifted - _SHADOW) * size + 1
     is_seen = _ground_is_seen(points, inverse_depth, is_ground, upright, half + _MARGIN * size, rows)

@@ -1,6 +1,6 @@
 """Deviation of the tracks of a window of frames from a rigid scene."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import cv2
@@ -39,7 +39,7 @@ def estimate_rigidity(
     points: np.ndarray,
     visible: np.ndarray,
     params: RigidityParams,
-    inverse_depths: Sequence[np.ndarray] | None = None,
+    depth_of: Callable[[int], np.ndarray] | None = None,
 ) -> Rigidity:
     """Measure how far each track deviates from a rigid scene seen by a moving camera, over all pairs of some gaps.
 
@@ -51,8 +51,9 @@ def estimate_rigidity(
         xy of the tracks, px.
     visible : bool (N, F)
     params : RigidityParams
-    inverse_depths : sequence of float32 (y, x), optional
-        Relative inverse depth of each frame, up to scale and shift; not finite where unknown.
+    depth_of : function, optional
+        From a frame's index to its relative inverse depth float32 (y, x), up to scale and shift; not finite where
+        unknown.
 
     Returns
     -------
@@ -65,7 +66,7 @@ def estimate_rigidity(
         for start in range(len(images) - gap):
             seen = np.flatnonzero(visible[:, start] & visible[:, start + gap])
             points0, points1 = (points[seen, frame].astype(np.float64) for frame in (start, start + gap))
-            inverse_depth = None if inverse_depths is None else inverse_depths[start]
+            inverse_depth = None if depth_of is None else depth_of(start)
             both = images[start], images[start + gap]
             found = pair_evidence(both, points0, points1, focal, params, inverse_depth)
             if found is not None:

@@ -42,7 +42,7 @@ def bound_inverse_depth(
         None if no scale and shift explain the parallax of enough tracks.
     """
     known = np.isfinite(inverse_depth)
-    # In a range in which squares of differences are exact enough; the fit does not depend on it.
+    # The fit has the terms 1 and the value, which are best of one size.
     scale = np.max(np.abs(inverse_depth), where=known, initial=0) or 1
     values = (inverse_depth / scale).astype(np.float32)
     column, row = np.clip(np.rint(points.T).astype(int), 0, np.array(values.shape[::-1])[:, None] - 1)

@@ -65,7 +65,7 @@ def fit_ground(
     rng = np.random.default_rng(params.seed)
 
     def is_ground(slopes):
-        """Nearer at the bottom, and about level."""
+        """Return whether planes (..., 2) are nearer at the bottom, and about level."""
         return (slopes[..., 1] > 0) & (np.abs(slopes[..., 0]) < params.ground_tilt * np.abs(slopes[..., 1]))
 
     slope = fit_two_parameters(design, values, weights, tolerance, is_ground, limits, rng)

@@ -16,7 +16,7 @@ _BESIDE = np.array([[x, y] for y in (-0.25, 0, 0.25) for x in (-0.25, 0, 0.25)],
 """Offsets of a tracked position to a quarter of a pixel, px."""
 _REFINEMENTS = (0.5, 0.25)
 """Steps along the epipolar line after the first search at whole pixels, px."""
-_TOGETHER = 64
+_TOGETHER = 128
 """Tracks whose patches are compared at a time: they fit into the processor's cache."""
 
 
@@ -114,5 +114,7 @@ def _patches(image: np.ndarray, positions: np.ndarray, offset_x: np.ndarray, off
 def _mean_difference(patches0: np.ndarray, patches1: np.ndarray) -> np.ndarray:
     """Return the variance (M, K) of the differences of patches (M, 1, P) and (M, K, P)."""
     apart = patches1 - patches0
-    mean = apart.mean(axis=-1)
-    return np.einsum("mkp,mkp->mk", apart, apart) / apart.shape[-1] - mean * mean
+    num_pixels = apart.shape[-1]
+    # Several times as fast as `mean` on short rows.
+    mean = np.einsum("mkp->mk", apart) / num_pixels
+    return np.einsum("mkp,mkp->mk", apart, apart) / num_pixels - mean * mean

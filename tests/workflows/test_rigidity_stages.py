@@ -36,10 +36,10 @@ def put(store):
 def compute(store):
     """Function that runs a stage as the graph would, stores its output and returns its reference."""
 
-    def call(name, inputs):
-        stage = find_stage(name)
-        task = stage.task(stage.chosen(PipelineConfig()))
-        params = task.params(PipelineConfig())
+    def call(name, inputs, depth="none"):
+        stage, config = find_stage(name), PipelineConfig(depth={"method": depth})
+        task = stage.task(stage.chosen(config))
+        params = task.params(config)
         assert set(inputs) <= set(stage.inputs)
         recipe = Recipe(task=name, version=task.version, params={"method": task.method, **params}, inputs=inputs)
         (output,) = task.compute(params, [Inputs(store, recipe)], [np.random.default_rng(0)])
@@ -49,24 +49,26 @@ def compute(store):
     return call
 
 
-def zoomed(num_frames, is_textured=True):
-    """Frames of a wall that comes closer, float32 flows to the next and to the frame before."""
+IS_NEAR = np.arange(WIDTH) < WIDTH // 2
+
+
+def approached(num_frames, is_textured=True):
+    """Frames of a wall whose left half is twice as near, and float32 flows to the next frame and to the one before."""
     noise = np.random.default_rng(0).normal(size=(HEIGHT, WIDTH)).astype(np.float32)
     smooth = cv2.GaussianBlur(noise, (0, 0), 1.5)
     gray = np.clip(128 + 50 * smooth / smooth.std() * is_textured, 0, 255).astype(np.uint8)
-    x, y = np.meshgrid(np.arange(WIDTH, dtype=np.float32), np.arange(HEIGHT, dtype=np.float32))
-    away = np.dstack([x - WIDTH / 2, y - HEIGHT / 2])
-    frames = []
-    for t in range(num_frames):
-        source = away * 0.98**t + [WIDTH / 2, HEIGHT / 2]
-        frames.append(cv2.remap(gray, *source.astype(np.float32).transpose(2, 0, 1), cv2.INTER_CUBIC))
-    images = [np.repeat(frame[..., None], 3, axis=2) for frame in frames]
-    return images, (away / 0.98 - away).astype(np.float32), (away * 0.98 - away).astype(np.float32)
+    middle = np.array([WIDTH, HEIGHT]) / 2
+    away = np.stack(np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT)), axis=-1) - middle
+    shrink = np.where(IS_NEAR, 0.96, 0.98)[:, None]
+    sources = [(away * shrink**t + middle).astype(np.float32) for t in range(num_frames)]
+    grays = [cv2.remap(gray, *source.transpose(2, 0, 1), cv2.INTER_CUBIC) for source in sources]
+    images = [np.repeat(gray[..., None], 3, axis=2) for gray in grays]
+    return images, (away / shrink - away).astype(np.float32), (away * shrink - away).astype(np.float32)
 
 
 @pytest.mark.parametrize(("is_textured", "num_frames"), [(True, NUM_FRAMES), (False, NUM_FRAMES), (True, 1)])
 def test_evidence_is_stored_for_the_tracks_of_a_window(put, compute, store, is_textured, num_frames):
-    images, forward, backward = zoomed(num_frames, is_textured)
+    images, forward, backward = approached(num_frames, is_textured)
     frames = tuple(put("frame", {"image": image}, t) for t, image in enumerate(images))
     # What the flow does not know is filled in.
     forward[:5, :5] = np.nan
@@ -88,6 +90,28 @@ def test_evidence_is_stored_for_the_tracks_of_a_window(put, compute, store, is_t
     if len(pairs):
         assert np.array(attributes["cameras"][0]["rotation"]).shape == (3, 3)
         assert np.isfinite(error).any(axis=1).all()
+
+
+def test_depth_of_the_window_is_read_where_it_is_given(put, compute, store):
+    images, forward, backward = approached(NUM_FRAMES)
+    frames = tuple(put("frame", {"image": image}, t) for t, image in enumerate(images))
+    flows = {"flow_forward": forward, "flow_backward": backward}
+    flows = {role: (put("flow", {"flow": flow}, role),) * (NUM_FRAMES - 1) for role, flow in flows.items()}
+    tracks = compute("dense_tracks", {"frames": frames, **flows})
+    true = np.where(IS_NEAR, 2.0, 1.0) * np.ones((HEIGHT, 1))
+    wrong = true.copy()
+    wrong[10:50, 5:45] = 1
+    inputs = {"dense_tracks": tracks, "frames": frames}
+    shares = []
+    for number, given in enumerate((true, wrong)):
+        depth = put("given_depth", {"inverse_depth": given.astype(np.float32)}, number)
+        ref = compute("rigidity", {**inputs, "depth": (depth,) * NUM_FRAMES}, depth="groundtruth")
+        error, points = store.read(ref, "error"), store.read(tracks, "points")[:, 0]
+        x, y = points.T
+        inside = store.read(tracks, "visible")[:, 0] & (x > 10) & (x < 35) & (y > 15) & (y < 40)
+        shares.append(np.mean(error[:2, inside] > 1))
+    assert shares[0] < 0.1
+    assert shares[1] > 0.5
 
 
 def test_without_depth_its_parameters_are_not_in_the_recipe():

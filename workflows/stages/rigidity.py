@@ -15,9 +15,14 @@ def _run(params, inputs, rng):
 
     tracks = inputs["dense_tracks"]
     frames = (frame.cached("image") for frame in inputs.all("frames"))
-    result = estimate_rigidity(
-        frames, tracks.array("points"), tracks.array("visible"), RigidityParams.of_recipe(params)
-    )
+    points, visible = tracks.array("points"), tracks.array("visible")
+    depths = inputs.all("depth") if "depth" in inputs else ()
+
+    def inverse_depth(frame):
+        return depths[frame].cached("inverse_depth")
+
+    depth_of = inverse_depth if depths else None
+    result = estimate_rigidity(frames, points, visible, RigidityParams.of_recipe(params), depth_of)
     arrays = {name: getattr(result, name) for name in ("pairs", "error", "median_error", "test")}
     return Output(arrays, {"focal": result.focal, "cameras": [_camera(pair) for pair in result.evidence]})
 

@@ -20,12 +20,13 @@ class Drive(NamedTuple):
 
 
 def turned(yaw: float) -> np.ndarray:
-    """Rotation about the vertical, rad."""
+    """Return the rotation about the vertical by an angle, rad."""
     cos, sin = np.cos(yaw), np.sin(yaw)
     return np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]])
 
 
 def project(world: np.ndarray, focal: float = FOCAL) -> np.ndarray:
+    """Return the pixels xy (N, 2) of points (N, 3) of the camera's coordinates."""
     height, width = SHAPE
     return focal * width * world[:, :2] / world[:, 2:] + [(width - 1) / 2, (height - 1) / 2]
 

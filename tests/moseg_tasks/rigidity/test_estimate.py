@@ -38,7 +38,8 @@ def evidence(course, has_depth=False):
     """Return the errors of all tracks and pairs, and the object that each is of."""
     rendered, tracks, found = drive(course)
     if has_depth:
-        found = estimate_rigidity(rendered.images, *tracks, PARAMS, 7 * rendered.inverse_depth + 0.3)
+        given = 7 * rendered.inverse_depth + 0.3
+        found = estimate_rigidity(rendered.images, *tracks, PARAMS, given.__getitem__)
     errors, owners = [], []
     for (start, gap), error in zip(found.pairs, found.error, strict=True):
         seen = np.flatnonzero(np.isfinite(error))
