@@ -41,6 +41,7 @@ from moseg.schemas.parameters import (
     SaliencyParams,
     Sam2Params,
     SamHqParams,
+    SceneParallaxParams,
     SeedParams,
     TrackFieldParams,
     TrackGroupParams,
@@ -72,7 +73,7 @@ class TrajectoryVariant(StrEnum):
     AFFINE = "affine"
 
 
-MOTION_SOURCES = ("saliency", "tracks")
+MOTION_SOURCES = ("auto", "saliency", "tracks")
 """Sources of proposals that propose objects because they move."""
 
 
@@ -91,11 +92,11 @@ class PipelineConfig(Frozen):
     max_side: Annotated[int, Unit.PIXELS] = Field(
         1280, ge=16, description="frames with a longer side are reduced to this for analysis, px"
     )
-    proposal_source: Literal["saliency", "tracks", "detections", "groundtruth", "folder"] = Field(
-        "saliency",
-        description="object proposals: motion saliency, tracks (groups of dense point tracks that no rigid scene"
-        " explains), detections (objects that networks name, find, outline and track), the ground truth's objects, or a"
-        " folder of masks",
+    proposal_source: Literal["auto", "saliency", "tracks", "detections", "groundtruth", "folder"] = Field(
+        "auto",
+        description="object proposals: auto (saliency or tracks, by the camera's motion in each stretch of the video),"
+        " motion saliency, tracks (groups of dense point tracks that no rigid scene explains), detections (objects that"
+        " networks name, find, outline and track), the ground truth's objects, or a folder of masks",
     )
     fused_flow_model: Annotated[str, ChoiceOf("fused_flow_model")] = Field(
         "oc_depth", description="flow model that the fused variant combines"
@@ -124,6 +125,7 @@ class PipelineConfig(Frozen):
     components: ComponentParams = ComponentParams()
     dense_tracks: DenseTrackParams = DenseTrackParams()
     rigidity: RigidityParams = RigidityParams()
+    scene_parallax: SceneParallaxParams = SceneParallaxParams()
     refinement: RefinementParams = RefinementParams()
     track_window: TrackWindowParams = TrackWindowParams()
     track_field: TrackFieldParams = TrackFieldParams()

@@ -8,6 +8,7 @@ class Unit(StrEnum):
 
     PIXELS = "px"
     SQUARED_PIXELS = "px²"
+    DEGREES = "degrees"
     PIXELS_PER_FRAME = "px/frame"
     SQUARED_PIXELS_PER_FRAME = "(px/frame)²"
     PER_FRAME = "1/frame"

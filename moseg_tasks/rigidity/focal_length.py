@@ -1,5 +1,7 @@
 """Focal length of a window of frames, by how much of the tracks' motion a rigid scene explains with it."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from moseg.schemas.parameters import RigidityParams
@@ -25,11 +27,20 @@ def choose_focal(points: np.ndarray, visible: np.ndarray, shape: tuple[int, int]
     """
     num_frames = visible.shape[1]
     gap = min(params.focal_gap, num_frames - 1)
-    focals, costs = np.array(params.focals), [np.zeros(len(params.focals))]
     starts = np.linspace(0, num_frames - 1 - gap, params.focal_pairs).round().astype(int)
+    pairs = []
     for start in np.unique(starts) if gap > 0 else ():
         seen = visible[:, start] & visible[:, start + gap]
-        pair = points[seen, start].astype(np.float64), points[seen, start + gap].astype(np.float64)
+        pairs.append((points[seen, start].astype(np.float64), points[seen, start + gap].astype(np.float64)))
+    return focal_of_pairs(pairs, shape, params)
+
+
+def focal_of_pairs(
+    pairs: Sequence[tuple[np.ndarray, np.ndarray]], shape: tuple[int, int], params: RigidityParams
+) -> float:
+    """Do the same from the tracks of frame pairs, xy float64 (N, 2) in both frames, px."""
+    focals, costs = np.array(params.focals), [np.zeros(len(params.focals))]
+    for pair in pairs:
         costs.append(np.array([_cost(*pair, focal, shape, params) for focal in focals]))
     cost = np.sum(costs, axis=0) / max(len(costs) - 1, 1)
     good = focals[cost <= cost.min() + params.focal_slack]

@@ -35,7 +35,7 @@ def fit_pose(
     D. Nister, An efficient solution to the five-point relative pose problem, TPAMI 2004.
     V. Larsson, PoseLib - minimal solvers for camera pose estimation, https://github.com/PoseLib/PoseLib.
     """
-    chosen = _one_per_cell(points0, params.pose_cell)
+    chosen = one_per_cell(points0, params.pose_cell)
     if len(chosen) < _MINIMAL_TRACKS:
         return None
     height, width = shape
@@ -59,7 +59,7 @@ def fit_pose(
     return CameraMotion(np.asarray(pose.R), pose.t / size, length)
 
 
-def _one_per_cell(points: np.ndarray, cell: int) -> np.ndarray:
+def one_per_cell(points: np.ndarray, cell: int) -> np.ndarray:
     """Return the index of the first of the points (N, 2) in each square cell of side `cell`, px."""
     column, row = (points.T / cell).astype(np.int64)
     return np.unique(row * (1 << 32) + column, return_index=True)[1]

@@ -29,6 +29,7 @@ from moseg.schemas.parameters.rigidity import RigidityParams
 from moseg.schemas.parameters.saliency import SaliencyParams
 from moseg.schemas.parameters.sam2 import Sam2Params
 from moseg.schemas.parameters.sam_hq import SamHqParams
+from moseg.schemas.parameters.scene_parallax import SceneParallaxParams
 from moseg.schemas.parameters.track_masks import TrackMaskParams
 from moseg.schemas.parameters.track_objects import (
     CandidateParams,
@@ -86,6 +87,7 @@ __all__ = [
     "SaliencyParams",
     "Sam2Params",
     "SamHqParams",
+    "SceneParallaxParams",
     "SeedParams",
     "SeparationParams",
     "TrackFieldParams",

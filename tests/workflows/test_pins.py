@@ -18,6 +18,8 @@ from moseg.workflows.engine.session import Session
 from moseg.workflows.pipelines.evaluate import evaluate
 
 LEAVES = {"frame", "annotation", "ingest"}
+READ_FIRST = LEAVES | {"scene_parallax"}
+"""What a run reads before its graph is written."""
 CONFIG = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2}})
 
 DIES_AT_WORK = """
@@ -97,7 +99,7 @@ def _collect(store):
 def test_a_run_at_work_keeps_its_lease_however_a_run_of_the_same_work_ends(evaluated_copy, end):
     store = _open(evaluated_copy)
     _unpin_all(store)
-    _drop(store, *({split_ref(ref)[0] for ref in store.refs()} - LEAVES))
+    _drop(store, *({split_ref(ref)[0] for ref in store.refs()} - READ_FIRST))
     leaves = set(store.refs())
     removed = []
 
@@ -115,6 +117,24 @@ def test_a_run_at_work_keeps_its_lease_however_a_run_of_the_same_work_ends(evalu
     _rerun(evaluated_copy, _LooksOn(other_run_ends))
     assert removed == []
     assert leaves < set(store.refs())
+
+
+def test_leaves_are_leased_while_the_sources_of_proposals_are_chosen(evaluated_copy):
+    store = _open(evaluated_copy)
+    _unpin_all(store)
+    _drop(store, *({split_ref(ref)[0] for ref in store.refs()} - LEAVES))
+    leaves = set(store.refs())
+    seen = []
+
+    def look():
+        if not seen:
+            seen.extend(lease for lease in store.pinned().values() if lease.expires is not None)
+            assert not _collect(store)
+
+    _rerun(evaluated_copy, _LooksOn(look))
+    (lease,) = seen
+    assert leaves < {*lease.refs}
+    assert {split_ref(ref)[0] for ref in {*lease.refs} - leaves} == {"scene_parallax"}
 
 
 @pytest.mark.parametrize("end", [_fail, _die])

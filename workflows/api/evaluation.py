@@ -58,10 +58,15 @@ class Evaluated(NamedTuple):
 
 
 class Planned(NamedTuple):
-    """Artifacts to compute and to reuse by stage, and the weights that must be fetched before."""
+    """Artifacts to compute and to reuse by stage, and the weights that must be fetched before.
+
+    `num_open_choices` counts the stretches of video whose source of proposals is not chosen yet: what depends on them
+    is counted as if it were saliency.
+    """
 
     stages: dict[str, StageUse]
     missing_weights: tuple[WeightsItem, ...]
+    num_open_choices: int = 0
 
 
 def run_evaluation(
@@ -152,14 +157,15 @@ def run_plan(
     if dataset.has_frames:
         trajectories.refuse(dataset.name)
         chosen = read_variants(variants, Variant, dataset.name)
-        stages = plan_evaluation(opened, open_sequences(dataset, config, choices), config, chosen, weights)
+        sources = open_sequences(dataset, config, choices)
+        stages, num_open = plan_evaluation(opened, sources, config, chosen, weights)
     else:
         config = trajectories.apply(choices, config, dataset.name)
         chosen = read_variants(variants, TrajectoryVariant, dataset.name)
         sources = [dataset.trajectories(name) for name in dataset.names]
-        stages = plan_trajectories(opened, sources, config, chosen, trajectories.all_seeds)
+        stages, num_open = plan_trajectories(opened, sources, config, chosen, trajectories.all_seeds), 0
     items = [weights.item(name) for name in needed_items(config)]
-    return Planned(stages, tuple(item for item in items if not weights.is_present(item)))
+    return Planned(stages, tuple(item for item in items if not weights.is_present(item)), num_open)
 
 
 def read_data(

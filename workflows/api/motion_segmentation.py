@@ -12,6 +12,7 @@ from PIL import Image
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.scores import StoreUse
+from moseg.schemas.stretch_choice import StretchChoice
 from moseg.store import ArtifactStore
 from moseg.workflows.api.arguments import (
     Kind,
@@ -96,6 +97,11 @@ class MotionSegmentation:
     def frames(self) -> Iterator[np.ndarray]:
         """Yield every frame as analysed, uint8 (y, x, 3) RGB of `analysed_shape`."""
         return self._stored.frames(self._store)
+
+    @property
+    def choices(self) -> tuple[StretchChoice, ...]:
+        """Source of the proposals of each stretch, with its figures; empty if the configuration names the source."""
+        return self._stored.choices
 
     def overlay(self, frame: int, style: OverlayStyle | None = None) -> np.ndarray:
         """Draw the moving objects of one frame into it.

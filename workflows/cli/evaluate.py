@@ -133,6 +133,10 @@ def plan(
     print_stages(planned)
     computed, reused = (sum(use[i] for use in planned.stages.values()) for i in (0, 1))
     print(f"{computed} artifacts to compute, {reused} to reuse")
+    if planned.num_open_choices:
+        count = planned.num_open_choices
+        stretches = f"{count} stretch{'' if count == 1 else 'es'} of video"
+        print(f"the proposals of {stretches} are not chosen yet: the rest is counted as if saliency were")
     if planned.missing_weights:
         names = ", ".join(item.name for item in planned.missing_weights)
         print(f"weights to fetch: {names} ({fetch_command(*planned.missing_weights)})")

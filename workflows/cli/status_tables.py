@@ -10,6 +10,7 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
+from moseg.workflows.runlog.choices import describe_choices
 from moseg.workflows.runlog.status import RunState, RunStatus
 from moseg.workflows.runlog.status_counts import StageStatus, Trouble
 
@@ -33,6 +34,8 @@ def status_view(status: RunStatus) -> RenderableType:
     parts: list[RenderableType] = [*_head(status)]
     if status.stages:
         parts.append(_stage_table(status.stages))
+    if status.choices:
+        parts.append(_line("proposals", describe_choices(status.choices)))
     parts += _in_flight(status)
     parts += _slowest(status.stages)
     parts += _degenerate(status.stages)

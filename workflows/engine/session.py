@@ -4,14 +4,14 @@ import os
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from typing import NamedTuple, TypeVar
 
 from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifactError
 from moseg.schemas.recipes import Recipe, split_ref
 from moseg.schemas.scores import StoreUse
-from moseg.store import ArtifactStore, PutOutcome, open_store
+from moseg.store import ArtifactStore, PutOutcome, map_reads, open_store
 from moseg.workflows.cluster.call import Call
 from moseg.workflows.cluster.runners import Runner, open_runner
 from moseg.workflows.cluster.tls_files import TlsFiles
@@ -104,7 +104,9 @@ class Session:
         self._seconds: Counter[str] = Counter()
         self._started = time.perf_counter()
         self._pins = RunPins(store, self.run_id)
-        self._ingested: set[str] = set()
+        # What `build` reads in the store before it can return the graph: memories of ingest, settled artifacts.
+        self._first: set[str] = set()
+        self._settled_hits: dict[str, None] = {}
         self._weights = weights or open_weights(os.environ)
         self._weights_leaves: dict[str, WeightsLeaf] = {}
         self._batch = batch
@@ -159,7 +161,7 @@ class Session:
                 progress.advance("ingest", len(remembered))
 
             self.runner.run(calls, done)
-        self._ingested.update(found)
+        self._first.update(found)
         return [found[recipe.ref] for recipe in recipes]
 
     def name_weights(self, items: Mapping[str, str]) -> dict[str, str]:
@@ -175,22 +177,24 @@ class Session:
     ) -> Result:
         """Compute the missing sinks of the graph that `build` returns, then return what `read` returns.
 
-        Both are called again after an artifact was found corrupt and quarantined: the corrupt one may be a leaf, which
-        `build` ingests anew, or a sink. The same holds if another run quarantined it between the look-up and the read.
+        `build` may ingest sources, and settle a few artifacts that decide what the graph is. Both are called again
+        after an artifact was found corrupt and quarantined: the corrupt one may be a leaf, which `build` ingests anew,
+        a settled one, or a sink. The same holds if another run quarantined it between the look-up and the read.
         """
         # Only those of this computation, so that a wave's pins hold no earlier wave's.
-        self._ingested.clear()
+        self._first.clear()
         num_repairs = 0
         missed: set[str] = set()
         with self.log.watch():
             while True:
+                self._settled_hits.clear()
                 try:
                     recipes, sinks = build()
                     plan = self._plan(recipes, sinks)
                     self._run(plan)
                     result = read()
-                    self.reused += plan.count()[1]
-                    self._pins.keep((*sinks, *sorted(self._ingested)), is_new=bool(plan.compute))
+                    self.reused += plan.count()[1] + Counter(split_ref(ref)[0] for ref in self._settled_hits)
+                    self._pins.keep((*sinks, *sorted(self._first)), is_new=bool(plan.compute))
                     return result
                 except CorruptArtifactError as error:
                     if num_repairs == MAX_REPAIRS:
@@ -206,6 +210,25 @@ class Session:
                         raise
                     missed.add(str(error))
 
+    def settle(self, recipes: Mapping[str, Recipe], sinks: Sequence[str], leaves: Iterable[str] = ()) -> list[dict]:
+        """Compute missing artifacts on which the graph itself depends, and return the attributes of each.
+
+        To be called by the `build` of `compute`, which repairs a damaged one.
+
+        Parameters
+        ----------
+        recipes : mapping of reference to recipe
+            Of the sinks, and of all that they are made from but leaves.
+        sinks : sequence of references
+        leaves : iterable of references
+            What the rest of the graph will read: pinned meanwhile.
+        """
+        plan = self._plan(recipes, sinks, leaves)
+        self._run(plan)
+        self._settled_hits |= dict.fromkeys(plan.reuse)
+        self._first.update(sinks)
+        return list(map_reads(self.store, self.store.attributes, sinks))
+
     def close(self) -> None:
         """End the lease on what this session worked on; the results of its finished work stay pinned."""
         try:
@@ -213,12 +236,12 @@ class Session:
         finally:
             self.log.close(tuple(self._pins.results))
 
-    def _plan(self, recipes: dict[str, Recipe], sinks: Sequence[str]) -> Plan:
+    def _plan(self, recipes: Mapping[str, Recipe], sinks: Sequence[str], leaves: Iterable[str] = ()) -> Plan:
         """Return a plan whose artifacts are pinned: what `gc` took between the look-up and the pin is planned again.
 
-        No recipe reads the memories of ingest, so they are pinned by name.
+        No recipe reads what `build` read first, so it is pinned by name.
         """
-        pinned = set(self._ingested)
+        pinned = {*self._first, *leaves}
         while True:
             plan = make_plan(self.store, recipes, sinks)
             if not plan.compute or plan.touched() <= pinned:
@@ -230,7 +253,7 @@ class Session:
         """Compute a plan, phase by phase, and count what it computes."""
         if plan.compute:
             self.log.open(self.runner.num_workers)
-            self.log.plan(plan.compute, plan.reuse)
+            self.log.plan(plan.compute, (*self._settled_hits, *plan.reuse))
         self._fetch_weights(plan)
         if plan.compute:
             # Not before: bad input is reported in one line.

@@ -8,6 +8,7 @@ from pydantic import Field, ValidationError
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.frozen import Frozen
+from moseg.schemas.stretch_choice import StretchChoice
 from moseg.workflows.exports.write_text import write_text
 from moseg.workflows.runlog.events import as_unicode
 from moseg.workflows.sources import FrameSource, ImageFiles
@@ -57,6 +58,8 @@ class SequenceSummary(Frozen):
     objects : tuple of ObjectSummary
     frames : tuple of str or None
         File names of the frames, one each, where they came from a folder; None for a video.
+    choices : tuple of StretchChoice
+        Where the proposals of each stretch come from, if that was left to the camera's motion, and why.
     """
 
     name: str
@@ -67,6 +70,7 @@ class SequenceSummary(Frozen):
     num_motions: int
     objects: tuple[ObjectSummary, ...]
     frames: tuple[str, ...] | None = None
+    choices: tuple[StretchChoice, ...] = ()
 
 
 def summarise_sequence(
@@ -77,6 +81,7 @@ def summarise_sequence(
     motions: Mapping[int, int],
     tags: Mapping[int, str] | None = None,
     frames: tuple[str, ...] | None = None,
+    choices: tuple[StretchChoice, ...] = (),
 ) -> SequenceSummary:
     """Follow each identity through a sequence's masks, one frame in memory at a time.
 
@@ -96,6 +101,8 @@ def summarise_sequence(
         Names of the identities, where they have any.
     frames : tuple of str, optional
         File names of the frames, where they have any.
+    choices : tuple of StretchChoice, optional
+        Source of the proposals of each stretch, where it was chosen.
 
     Raises
     ------
@@ -135,6 +142,7 @@ def summarise_sequence(
         num_motions=num_motions,
         objects=objects,
         frames=frames,
+        choices=choices,
     )
 
 

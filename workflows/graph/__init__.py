@@ -2,7 +2,8 @@
 
 from moseg.workflows.graph.sequence_graph import SequenceGraph
 from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES, SequenceLeaves
+from moseg.workflows.graph.stretches import Stretches
 from moseg.workflows.graph.trajectory_graph import TrajectoryGraph
 from moseg.workflows.graph.trajectory_leaves import TrajectoryLeaves
 
-__all__ = ["GIVEN_SOURCES", "SequenceGraph", "SequenceLeaves", "TrajectoryGraph", "TrajectoryLeaves"]
+__all__ = ["GIVEN_SOURCES", "SequenceGraph", "SequenceLeaves", "Stretches", "TrajectoryGraph", "TrajectoryLeaves"]

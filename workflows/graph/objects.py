@@ -43,13 +43,27 @@ class Objects:
         lengths = [section.stop - section.start for section in self._sections]
         return self._nodes.add("linking", {"proposals": proposals}, lengths=lengths)
 
+    def source_of(self, index: int) -> str:
+        """Return the source of a section's proposals; saliency if it was left open and not chosen."""
+        if self._config.proposal_source != "auto":
+            return self._config.proposal_source
+        section = self._sections[index]
+        middle = (section.start + section.stop - 1) // 2
+        holding = (choice for choice in self._leaves.choices if choice.first_frame <= middle <= choice.last_frame)
+        return next((choice.proposals for choice in holding), "saliency")
+
+    @property
+    def uses_saliency(self) -> bool:
+        """Whether the proposals of any section are made from motion saliency, which then covers the whole video."""
+        return any(self.source_of(index) == "saliency" for index in range(len(self._sections)))
+
     def labelled_until(self, index: int) -> int:
         """Return the end of the frames in which a section's objects are labelled."""
         section = self._sections[index]
         if self._config.proposal_source == "detections":
             # The next section continues the objects that were tracked into its first frame.
             return min(section.stop + 1, len(self._leaves.frames))
-        if self._config.proposal_source == "tracks":
+        if self.source_of(index) == "tracks":
             return self.track_proposals.window(index).last
         return section.proposal_stop
 
@@ -62,7 +76,7 @@ class Objects:
             return self._nodes.add("proposals", {"masks": masks}, **place, **given)
         if self._config.proposal_source == "detections":
             return self._track_objects(index)
-        if self._config.proposal_source == "tracks":
+        if self.source_of(index) == "tracks":
             return self.track_proposals.proposals(index)
         frames = self._leaves.frames[section.start : section.proposal_stop]
         inputs = {
@@ -70,7 +84,7 @@ class Objects:
             "components": self._foreground.components(index),
             "foreground": self._foreground.foregrounds(index),
         }
-        return self._nodes.add("proposals", inputs)
+        return self._nodes.add("proposals", inputs, "saliency")
 
     def _track_objects(self, index: int) -> str:
         """Return the reference of a section's objects, tracked from the masks of its first frame."""

@@ -1,9 +1,11 @@
 """Leaves of the graph of a sequence: its decoded content, given cues and weights."""
 
 from collections.abc import Mapping
+from itertools import chain
 from typing import NamedTuple
 
 from moseg.schemas.recipes import Ref
+from moseg.schemas.stretch_choice import StretchChoice
 
 GIVEN_SOURCES = ("groundtruth", "folder")
 """Methods of stages whose result the data set or the user gives."""
@@ -36,6 +38,8 @@ class SequenceLeaves(NamedTuple):
         Given cues, one per frame or frame pair.
     weights : dict of str to reference
         The weights that the configuration's networks read, by the name of their item.
+    choices : tuple of StretchChoice
+        The source of the proposals of every stretch, where the configuration leaves it to the camera's motion.
     """
 
     name: str
@@ -53,3 +57,10 @@ class SequenceLeaves(NamedTuple):
     flow_forward: tuple[Ref, ...] | None = None
     flow_backward: tuple[Ref, ...] | None = None
     weights: Mapping[str, Ref] = {}
+    choices: tuple[StretchChoice, ...] = ()
+
+    def refs(self) -> tuple[Ref, ...]:
+        """Return the references of all content and cues."""
+        single = (self.annotation, self.labelled_points, self.masks, self.tracks)
+        several = (self.frames, self.depth, self.flow_forward, self.flow_backward)
+        return (*filter(None, single), *chain.from_iterable(filter(None, several)))

@@ -107,9 +107,9 @@ def _write_sheets(
     return session.compute(build, read)
 
 
-def choose_soft_map(graph: SequenceGraph, config: PipelineConfig, frame: int) -> SoftMap | None:
+def choose_soft_map(graph: SequenceGraph, frame: int) -> SoftMap | None:
     """Return the motion saliency of a frame; None where objects come from elsewhere."""
-    if config.proposal_source != "saliency":
+    if not graph.objects.uses_saliency:
         return None
     return SoftMap(graph.frame_cues.saliency(frame), "saliency", "saliency")
 
@@ -119,7 +119,7 @@ def _plan_sheet(
 ) -> _Sheet:
     shown = scored_frames(store, graph.leaves)
     frames = tuple(shown[position] for position in spread(len(shown), num_frames))
-    soft_maps = tuple(choose_soft_map(graph, config, frame) for frame in frames)
+    soft_maps = tuple(choose_soft_map(graph, frame) for frame in frames)
     return _Sheet(
         graph=graph,
         frames=frames,

@@ -9,6 +9,7 @@ from moseg.workflows.datasets import SequenceSource, TrajectorySource
 from moseg.workflows.engine.ingest import IngestJob
 from moseg.workflows.engine.session import Session
 from moseg.workflows.graph import GIVEN_SOURCES, SequenceLeaves, TrajectoryLeaves
+from moseg.workflows.pipelines.source_choices import settle_choices
 from moseg.workflows.sources import SceneFrames
 from moseg.workflows.stages.needed_weights import needed_items
 
@@ -18,7 +19,10 @@ FRAMES_PER_JOB = 16
 def ingest_sequences(
     session: Session, sources: Sequence[SequenceSource], config: PipelineConfig, annotated: bool
 ) -> list[SequenceLeaves]:
-    """Return the leaves of every sequence: frames, cues that `config` takes as given, the annotation where asked."""
+    """Return the leaves of every sequence: frames, cues that `config` takes as given, the annotation where asked.
+
+    Choices that `config` leaves open are settled.
+    """
     plans = [ingest_jobs(source, config, annotated) for source in sources]
     found = iter(session.ingest([job for jobs in plans for job in chain.from_iterable(jobs.values())]))
     leaves = []
@@ -27,7 +31,7 @@ def ingest_sequences(
         leaves.append(make_leaves(source, ingested))
     # Last, so that a file that is not a video is reported before anything is fetched.
     weights = session.name_weights(needed_items(config))
-    return [each._replace(weights=weights) for each in leaves]
+    return list(settle_choices(session, [each._replace(weights=weights) for each in leaves], config))
 
 
 def ingest_jobs(source: SequenceSource, config: PipelineConfig, annotated: bool) -> dict[str, list[IngestJob]]:

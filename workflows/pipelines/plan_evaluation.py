@@ -13,6 +13,7 @@ from moseg.workflows.engine.planning import make_plan
 from moseg.workflows.engine.session import StageUse
 from moseg.workflows.graph import SequenceGraph, TrajectoryGraph
 from moseg.workflows.pipelines.leaves import ingest_jobs, make_leaves, make_trajectory_leaves, trajectory_jobs
+from moseg.workflows.pipelines.source_choices import choice_recipes, with_choices
 from moseg.workflows.stages.needed_weights import needed_items
 from moseg.workflows.weights.folder import Weights, weights_leaf
 
@@ -31,11 +32,12 @@ def plan_evaluation(
     config: PipelineConfig,
     variants: Sequence[Variant],
     folder: Weights,
-) -> dict[str, StageUse]:
-    """Return the artifacts to compute and to reuse by stage.
+) -> tuple[dict[str, StageUse], int]:
+    """Return the artifacts to compute and to reuse by stage, and how many choices between sources are not known.
 
-    Frames that were never ingested are decoded, because keys are digests of what files decode to. With weights that are
-    neither here nor pinned nothing can have been made.
+    Where such a choice is not stored, the rest is counted as if saliency were chosen. Frames that were never ingested
+    are decoded, because keys are digests of what files decode to. With weights that are neither here nor pinned nothing
+    can have been made.
 
     Raises
     ------
@@ -44,17 +46,23 @@ def plan_evaluation(
     """
     find_ground_truth(sources)
     weights = {name: _plan_weights(folder, name, needed) for name, needed in needed_items(config).items()}
-    recipes, sinks, num_ingests = {}, [], 0
+    leaves, num_ingests = [], 0
     for source in sources:
         ingested = {}
         for role, jobs in ingest_jobs(source, config, annotated=True).items():
             ingested[role], num_new = foresee_ingest(store, jobs)
             num_ingests += num_new
-        graph = SequenceGraph(make_leaves(source, ingested)._replace(weights=weights), config)
+        leaves.append(make_leaves(source, ingested)._replace(weights=weights))
+    written = choice_recipes(leaves, config)
+    known = {ref: found for ref in store.present(written.sinks) if (found := _remembered(store, ref)) is not None}
+    recipes, sinks = dict(written.recipes), list(written.sinks)
+    for each in with_choices(leaves, config, written, known):
+        graph = SequenceGraph(each, config)
         sinks.extend(graph.score(variant) for variant in variants)
         sinks.extend(graph.cues())
         recipes |= graph.recipes
-    return count_uses(store, recipes, sinks, num_ingests)
+    num_unknown = sum(ref not in known for ref in written.sinks)
+    return count_uses(store, recipes, sinks, num_ingests), num_unknown
 
 
 def plan_trajectories(

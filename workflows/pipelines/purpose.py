@@ -5,6 +5,7 @@ from typing import Literal, NamedTuple
 
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
 from moseg.schemas.events import SequenceSubject, SubjectEvent
+from moseg.schemas.frozen import Frozen
 from moseg.workflows.graph import SequenceLeaves, TrajectoryLeaves
 from moseg.workflows.runlog.events import as_unicode, this_process
 
@@ -59,5 +60,7 @@ def _plain(leaves: SequenceLeaves | TrajectoryLeaves) -> dict:
 
 def _as_json(value: object) -> object:
     if isinstance(value, tuple):
-        return list(value)
+        return list(map(_as_json, value))
+    if isinstance(value, Frozen):
+        return value.model_dump(mode="json")
     return dict(value) if isinstance(value, Mapping) else value

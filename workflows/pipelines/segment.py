@@ -7,6 +7,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.stretch_choice import StretchChoice
 from moseg.store import ArtifactStore
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.session import Session
@@ -42,6 +43,8 @@ class StoredSegmentation(NamedTuple):
         The objects' affinity by motion model; empty for the variant that has none.
     residual_refs : dict of str to tuple of references
         Each section's residuals by motion model; empty where affinities come from hypotheses alone.
+    choices : tuple of StretchChoice
+        Source of the proposals of each stretch, where it was left to the camera's motion.
     """
 
     name: str
@@ -55,6 +58,7 @@ class StoredSegmentation(NamedTuple):
     label_refs: tuple[str, ...]
     affinity_refs: dict[str, str]
     residual_refs: dict[str, tuple[str, ...]]
+    choices: tuple[StretchChoice, ...] = ()
 
     @property
     def num_frames(self) -> int:
@@ -144,6 +148,7 @@ def segment(
             label_refs=graph.segmentations(variant),
             affinity_refs=affinities,
             residual_refs=residuals,
+            choices=graph.leaves.choices,
         )
         return use(result)
 

@@ -78,6 +78,7 @@ def write_segmentation(
         else:
             write_overlay(overlay, progress.each("overlay", full_frames), result.labels(store), fps, style)
         labels = progress.each("summary", result.labels(store))
-        summary = summarise_sequence(result.name, labels, fps, result.num_motions, result.motions, result.tags, frames)
+        found = result.num_motions, result.motions, result.tags
+        summary = summarise_sequence(result.name, labels, fps, *found, frames, result.choices)
         write_motion(folder / MOTION, summary)
     return summary

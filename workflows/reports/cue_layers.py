@@ -34,7 +34,7 @@ def plan_cue_layers(view: SequenceView, variants: Sequence[Variant]) -> list[Pla
     frames, leaves = view.frames, view.graph.leaves
     layers = [PlannedLayer("frame", tuple(leaves.frames[frame] for frame in frames), lambda: _make_frames(view))]
     models = {model for variant in variants for model in view.config.views(variant)}
-    has_saliency = view.config.proposal_source == "saliency"
+    has_saliency = view.graph.objects.uses_saliency
     if has_saliency:
         refs = tuple(view.graph.frame_cues.saliency(frame) for frame in frames)
         layers.append(PlannedLayer("motion saliency", refs, lambda: _make_saliency(view)))

@@ -26,11 +26,15 @@ POINT_RADIUS = 1.0
 
 
 def plan_dense_tracks(view: SequenceView, variant: Variant) -> PlannedLayer:
-    """Plan the layer of the dense tracks in the colour of the object that they propose, with short tails."""
+    """Plan the layer of the dense tracks in the colour of the object that they propose, with short tails.
+
+    Frames of a section whose proposals are not made from dense tracks have no picture.
+    """
     proposed = view.graph.objects.track_proposals
+    tracked = [section for section in view.sections() if view.graph.objects.source_of(section) == "tracks"]
     refs = [
         ref
-        for section in view.sections()
+        for section in tracked
         for ref in (
             proposed.dense_tracks(section),
             proposed.objects(section),
@@ -43,7 +47,10 @@ def plan_dense_tracks(view: SequenceView, variant: Variant) -> PlannedLayer:
         linked = view.store.read(view.graph.objects.linking(), "identity")
         names = np.array((0, *found.identities), np.uint16)
 
-        def draw_section(section: int, rows: Iterable[int]) -> Iterator[Picture]:
+        def draw_section(section: int, rows: Iterable[int]) -> Iterator[Picture | None]:
+            if section not in tracked:
+                yield from (None for _ in rows)
+                return
             tracks = proposed.dense_tracks(section)
             candidate = view.store.read(proposed.objects(section), "object")
             chosen = view.store.attributes(view.graph.objects.proposals(section))["candidates"]

@@ -3,17 +3,20 @@
 import os
 import shlex
 import sys
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from enum import Enum
 from importlib.metadata import version
 from typing import NamedTuple
 
 from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.stretch_choice import StretchChoice
 from moseg.store import ArtifactStore
 from moseg.workflows.config.parameters import list_parameters, value_of
 from moseg.workflows.engine.session import Session
 from moseg.workflows.reports.content import ParameterRow, StageRow
 from moseg.workflows.reports.page.numbers import duration
+from moseg.workflows.runlog.choices import describe_choices
 from moseg.workflows.runlog.events import as_unicode, this_process
 from moseg.workflows.runlog.status import RunStatus
 
@@ -37,6 +40,7 @@ def facts_of_session(session: Session) -> RunFacts:
         ("host", this_process()["host"]),
         ("workers", str(session.runner.num_workers())),
         ("store", session.store.url),
+        *_choice_rows(session.log.choices),
     )
     return RunFacts(rows, tuple(StageRow(name, *use) for name, use in session.stages().items()))
 
@@ -53,6 +57,7 @@ def facts_of_log(store: ArtifactStore, status: RunStatus) -> RunFacts:
         ("host", status.host),
         ("workers", str(status.num_workers)),
         ("store", store.url),
+        *_choice_rows(status.choices),
     )
     # An artifact that another run stored first was not computed by this run, even if this run had begun it.
     stages = (StageRow(use.stage, use.committed, use.hits + use.lost_races, use.seconds) for use in status.stages)
@@ -69,6 +74,11 @@ def parameter_rows(config: PipelineConfig) -> tuple[ParameterRow, ...]:
             texts = _format_value(value), _format_value(parameter.default)
             rows.append(ParameterRow(name, *texts, parameter.description + unit))
     return tuple(rows)
+
+
+def _choice_rows(choices: Mapping[str, Sequence[StretchChoice]]) -> tuple[tuple[str, str], ...]:
+    """Return a row about the sources of proposals, where they were left to the camera's motion."""
+    return (("proposals", describe_choices(choices)),) if choices else ()
 
 
 def _format_time(moment: datetime) -> str:

@@ -106,7 +106,7 @@ def _plan_layers(view: SequenceView, variants: Sequence[Variant]) -> list[Planne
     over = [plan_truth(view), *(plan_errors(view, variant) for variant in variants)]
     layers += [layer for layer in over if layer is not None]
     layers.append(plan_proposals(view, variants[0]))
-    if view.config.proposal_source == "tracks":
+    if any(view.graph.objects.source_of(section) == "tracks" for section in view.sections()):
         layers.append(plan_dense_tracks(view, variants[0]))
     if reads_tracks(view, variants):
         layers.append(plan_tracks(view, variants[0]))

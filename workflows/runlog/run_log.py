@@ -19,8 +19,10 @@ from moseg.schemas.events import (
     write_event,
     write_plan,
 )
+from moseg.schemas.stretch_choice import StretchChoice
 from moseg.store import ArtifactStore
 from moseg.store.owners import process_space
+from moseg.workflows.runlog.choices import read_choices
 from moseg.workflows.runlog.events import EventLog, as_unicode, describe_error, failed_event, is_written, this_process
 
 
@@ -29,6 +31,11 @@ class RunLog:
 
     It begins when there is something to compute. A run that finds everything in the store leaves no log: nothing
     happened, and its store may be read-only.
+
+    Attributes
+    ----------
+    choices : dict of str to tuple of StretchChoice
+        Sources of proposals chosen for the subject's sequences, by name.
     """
 
     def __init__(self, store: ArtifactStore, run_id: str, quiet: bool = False):
@@ -41,6 +48,7 @@ class RunLog:
         self._outcome, self._error = Outcome.FINISHED, None
         self._written: dict[str, EventKind] = {}
         self._subjects: dict[tuple, SubjectEvent | None] = {}
+        self.choices: dict[str, tuple[StretchChoice, ...]] = {}
 
     @property
     def is_open(self) -> bool:
@@ -66,6 +74,7 @@ class RunLog:
 
     def describe(self, subject: SubjectEvent) -> None:
         """Write the subject of the run, each wave of sequences once: now, or when the log begins."""
+        self.choices |= read_choices(subject)
         self._subjects.setdefault(tuple(sequence.leaves["name"] for sequence in subject.sequences), subject)
         if self._is_open:
             self._write_subjects()

@@ -11,8 +11,10 @@ from moseg.schemas.errors import InputError, StoreError
 from moseg.schemas.events import Event, Outcome, RunClosed, RunOpened, SubjectEvent, line_time, read_event
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.spelling import closest
+from moseg.schemas.stretch_choice import StretchChoice
 from moseg.store import ArtifactStore
 from moseg.store.owners import is_running
+from moseg.workflows.runlog.choices import read_choices
 from moseg.workflows.runlog.status_counts import InFlight, RunCounts, StageStatus, Trouble
 
 LATEST = "latest"
@@ -49,6 +51,8 @@ class RunStatus(Frozen):
         In the order in which they were planned.
     in_flight : tuple of InFlight
         What each process began last and has not ended.
+    choices : dict of str to tuple of StretchChoice
+        By sequence, sources of proposals that were left to the camera's motion.
     num_unreadable : int
         Lines of the log that this version cannot read or that were cut short; no other count includes them.
     """
@@ -75,6 +79,7 @@ class RunStatus(Frozen):
     in_flight: tuple[InFlight, ...]
     failures: tuple[Trouble, ...]
     quarantined: tuple[Trouble, ...]
+    choices: dict[str, tuple[StretchChoice, ...]] = {}
     message: str | None
     pins: tuple[str, ...]
     num_unreadable: int
@@ -96,6 +101,7 @@ def summarise(run_id: str, events: Iterable[Event | None], now: datetime) -> Run
     opened: RunOpened | None = None
     closed: RunClosed | None = None
     last_event = None
+    choices: dict[str, tuple[StretchChoice, ...]] = {}
     num_unreadable = 0
     for event in events:
         if event is None:
@@ -106,7 +112,9 @@ def summarise(run_id: str, events: Iterable[Event | None], now: datetime) -> Run
             opened = opened or event
         elif isinstance(event, RunClosed):
             closed = event
-        elif not isinstance(event, SubjectEvent):
+        elif isinstance(event, SubjectEvent):
+            choices |= read_choices(event)
+        else:
             counts.add(event)
     if opened is None:
         raise StoreError("a log without a beginning", where=f"run {run_id}", expected="a line with the event 'opened'")
@@ -131,6 +139,7 @@ def summarise(run_id: str, events: Iterable[Event | None], now: datetime) -> Run
         in_flight=counts.in_flight(),
         failures=tuple(counts.failures),
         quarantined=tuple(counts.quarantined),
+        choices=choices,
         message=None if closed is None else closed.message,
         pins=() if closed is None else closed.pins,
         num_unreadable=num_unreadable,

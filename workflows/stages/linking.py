@@ -20,8 +20,10 @@ def _run_overlap(params, inputs, rng):
     # The length of the last section is not used, because no section follows it.
     for index, (section0, section1) in enumerate(pairwise(sections)):
         length = params["lengths"][index]
-        tail = section0.rows("masks", length, section0.shape("masks")[0])
-        head = section1.rows("masks", 0, len(tail))
+        # A short section from tracks reaches less far than one from saliency before it.
+        num_shared = min(section0.shape("masks")[0] - length, section1.shape("masks")[0])
+        tail = section0.rows("masks", length, length + num_shared)
+        head = section1.rows("masks", 0, num_shared)
         overlaps.append(count_overlaps(tail, head, *num_objects[index : index + 2]))
     identity = link_sections(overlaps, num_objects, LinkingParams.of_recipe(params["linking"]))
     return Output({"identity": identity}, {"num_objects": int(identity.max(initial=0)) + 1})

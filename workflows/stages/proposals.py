@@ -143,6 +143,9 @@ def _sam2_params(config: PipelineConfig) -> dict:
 def _method(config: PipelineConfig) -> str:
     if config.proposal_source == "detections":
         return config.detections.tracker
+    if config.proposal_source == "auto":
+        # The graph names the method of each section.
+        return "saliency"
     return config.proposal_source if config.proposal_source in MOTION_SOURCES else "given"
 
 
@@ -194,6 +197,7 @@ STAGE = Stage(
             "proposal_source",
             "--proposals",
             (
+                Backend("auto", "saliency or tracks, by the camera's motion in each stretch of the video"),
                 Backend("saliency", "motion saliency"),
                 Backend("tracks", "dense point tracks that no rigid scene explains"),
                 Backend("detections", "named, found, outlined and tracked objects"),

@@ -36,6 +36,7 @@ from moseg.workflows.stages import (
     proposals,
     rigidity,
     saliency,
+    scene_parallax,
     score,
     seeds,
     segmentation,
@@ -52,6 +53,7 @@ STAGES: dict[str, Stage] = {
     module.STAGE.name: module.STAGE
     for module in (
         *(tags, detections, instances, seeds),
+        scene_parallax,
         *(flow, background, saliency, consistency, accumulation, own_motion, coherence),
         *(appearance, foreground, components),
         *(dense_tracks, rigidity, moving_tracks, track_groups, track_objects),

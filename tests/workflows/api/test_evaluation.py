@@ -41,7 +41,7 @@ def test_scores_are_those_of_the_command_line_and_are_not_computed_again(evaluat
     assert _written(report) == _expected(evaluated.report)
     assert report.store.computed == 0 < report.store.reused
     assert report.notes == (
-        "proposals saliency, flow dis, tracks lucas-kanade",
+        "proposals auto, flow dis, tracks lucas-kanade",
         "no depth given: fused ran without it (oc-depth with constant inverse depth)",
     )
 

@@ -1,0 +1,80 @@
+"""Choice of the source of a stretch's proposals from the evidence of its frame pairs."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from moseg.schemas.parameters import SceneParallaxParams
+from moseg.tasks.scene_parallax.pair_evidence import PairEvidence
+
+SALIENCY, TRACKS = "saliency", "tracks"
+
+
+class SourceChoice(NamedTuple):
+    """Choice of a stretch, with the figures that it comes from.
+
+    Attributes
+    ----------
+    proposals : 'saliency' or 'tracks'
+    reason : str
+        Why, in words.
+    moving : float
+        Share of the frame pairs over which the camera moves; the other figures are of these pairs.
+    gain : float
+        Median share of the tracks that a rigid scene explains and a single plane does not.
+    inside : float
+        Share of the pairs with the epipole inside the frame.
+    wander_deg : float
+        Median angle of the camera's headings to their middle, degrees.
+    """
+
+    proposals: str
+    reason: str
+    moving: float = 0.0
+    gain: float = 0.0
+    inside: float = 0.0
+    wander_deg: float = 0.0
+
+
+def choose_source(evidence: Sequence[PairEvidence], num_pairs: int, params: SceneParallaxParams) -> SourceChoice:
+    """Choose tracks for a camera that drives through a scene with depth, and saliency for any other.
+
+    A driving camera sees the point that it moves to, which keeps its place in the frame, and a rigid scene explains
+    many tracks that no single plane explains. A camera on a hand or a shoulder sees that point too if its bearer walks
+    ahead, but there it wanders. A change of focal length looks like a drive, but a homography explains it.
+
+    Parameters
+    ----------
+    evidence : sequence of PairEvidence
+        Pairs over which the camera moves.
+    num_pairs : int
+        All pairs of the stretch.
+    params : SceneParallaxParams
+    """
+    if not evidence:
+        return SourceChoice(SALIENCY, "the camera stands still")
+    moving = len(evidence) / num_pairs
+    gain = float(np.median([max(pair.rigid_share - pair.plane_share, 0.0) for pair in evidence]))
+    inside = float(np.mean([pair.sees_epipole for pair in evidence]))
+    wander = _wander(np.array([pair.heading for pair in evidence]))
+    if moving < params.min_moving:
+        proposals, reason = SALIENCY, "the camera stands still most of the time"
+    elif gain < params.min_gain:
+        proposals, reason = SALIENCY, "one plane explains most of what a rigid scene explains"
+    elif inside < params.min_inside:
+        proposals, reason = SALIENCY, "the camera does not move ahead"
+    elif wander > params.max_wander_deg:
+        proposals, reason = SALIENCY, "the camera's heading wanders"
+    else:
+        proposals, reason = TRACKS, "the camera drives through a scene with depth"
+    return SourceChoice(proposals, reason, moving, gain, inside, wander)
+
+
+def _wander(headings: np.ndarray) -> float:
+    """Return the median angle of directions float64 (N, 3) to their middle, degrees."""
+    middle = np.median(headings, axis=0)
+    size = np.linalg.norm(middle)
+    if size == 0:
+        return 180.0
+    return float(np.degrees(np.median(np.arccos(np.clip(headings @ middle / size, -1, 1)))))

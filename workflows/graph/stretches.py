@@ -1,0 +1,62 @@
+"""Stretches of a video, for each of which the camera's motion chooses the source of the proposals."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.parameters import SceneParallaxParams
+from moseg.schemas.recipes import Recipe
+from moseg.workflows.graph.nodes import Nodes
+from moseg.workflows.graph.sequence_leaves import SequenceLeaves
+
+
+class Stretch(NamedTuple):
+    """Stretch of the frames start..stop."""
+
+    start: int
+    stop: int
+
+
+def cut_stretches(num_frames: int, length: int) -> tuple[Stretch, ...]:
+    """Return stretches of `length` frames that cover the video; a rest shorter than half of it joins the last one."""
+    num_stretches = max((num_frames + length // 2) // length, 1)
+    starts = [index * length for index in range(num_stretches)]
+    return tuple(map(Stretch, starts, [*starts[1:], num_frames]))
+
+
+def choose_pairs(stretch: Stretch, params: SceneParallaxParams) -> list[tuple[int, int]]:
+    """Return the first and last frame of the pairs of a stretch, spread over it evenly."""
+    num_frames = stretch.stop - stretch.start
+    gap = min(params.pair_gap, num_frames - 1)
+    wanted = round(params.num_pairs * num_frames / params.stretch_length)
+    num_pairs = min(max(wanted, params.min_pairs), max(params.num_pairs, params.min_pairs))
+    firsts = np.linspace(stretch.start, stretch.stop - 1 - gap, num_pairs).round().astype(int)
+    return [(first, first + gap) for first in sorted(set(firsts.tolist()))]
+
+
+class Stretches:
+    """Writer of the recipes of a sequence's choices, which are settled before the rest of its graph is written."""
+
+    def __init__(self, leaves: SequenceLeaves, config: PipelineConfig):
+        self._nodes = Nodes(leaves, config)
+        self._params = config.scene_parallax
+        self._frames = leaves.frames
+        self.stretches = cut_stretches(len(leaves.frames), config.scene_parallax.stretch_length)
+
+    @property
+    def recipes(self) -> dict[str, Recipe]:
+        """Recipes written so far, by reference."""
+        return self._nodes.recipes
+
+    def choices(self) -> tuple[str, ...]:
+        """Return the reference of each stretch's choice."""
+        return tuple(map(self._choice, self.stretches))
+
+    def _choice(self, stretch: Stretch) -> str:
+        pairs = choose_pairs(stretch, self._params)
+        read = sorted({frame for first, last in pairs for frame in range(first, last + 1)})
+        # By their places among the frames read: the stretch's place in the video changes no key.
+        row_of = {frame: row for row, frame in enumerate(read)}
+        rows = [(row_of[first], row_of[last]) for first, last in pairs]
+        return self._nodes.add("scene_parallax", {"frames": tuple(self._frames[frame] for frame in read)}, pairs=rows)

@@ -1,0 +1,46 @@
+"""Scene parallax: the camera's motion in a stretch of video, and the source of proposals that suits it."""
+
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.parameters import RigidityParams, SceneParallaxParams
+from moseg.workflows.stages.stage import Stage
+from moseg.workflows.stages.task import Output, Task
+
+CAMERA_PARAMS = frozenset(
+    {"pose_cell", "pose_threshold", "pose_iterations", "pose_inliers", "seed"}
+    | {"focals", "focal_prior", "focal_slack", "noise", "noise_share"}
+)
+"""Parameters of rigidity that it reads: those of the camera's motion."""
+PLACE_PARAMS = frozenset({"stretch_length", "num_pairs", "min_pairs", "pair_gap"})
+"""Parameters that only choose the frames."""
+
+
+def _run(params, inputs, rng):
+    from moseg.tasks.scene_parallax import choose_source, follow_corners, measure_pairs
+
+    parallax_params = SceneParallaxParams.of_recipe(params["scene_parallax"])
+    frames = inputs.all("frames")
+    runs = ([frame.cached("image") for frame in frames[first : last + 1]] for first, last in params["pairs"])
+    pairs = [follow_corners(run, parallax_params) for run in runs]
+    shape = frames[0].cached("image").shape[:2]
+    evidence = measure_pairs(pairs, shape, parallax_params, RigidityParams.of_recipe(params["rigidity"]))
+    return Output({}, choose_source(evidence, len(pairs), parallax_params)._asdict())
+
+
+def _params(config: PipelineConfig, pairs: list[tuple[int, int]]) -> dict:
+    return {
+        "pairs": [list(pair) for pair in pairs],
+        "scene_parallax": config.scene_parallax.model_dump(mode="json", exclude=PLACE_PARAMS),
+        "rigidity": config.rigidity.model_dump(mode="json", include=CAMERA_PARAMS),
+    }
+
+
+EPIPOLAR = Task("scene_parallax", "epipolar", version=1, run=_run, params=_params)
+
+STAGE = Stage(
+    name="scene_parallax",
+    about="the camera's motion in a stretch, and the source of its proposals",
+    inputs={"frames": "frames of the pairs at fixed places of the stretch, and those between them"},
+    arrays={},
+    tasks=(EPIPOLAR,),
+    method=lambda config: "epipolar" if config.proposal_source == "auto" else None,
+)
