@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from moseg.schemas.parameters import TrackGroupParams
+from moseg.schemas.parameters import HypothesisParams, TrackGroupParams
 from moseg.tasks.point_models import POINT_MODELS
 from moseg.tasks.trajectories import (
     View,
@@ -70,20 +70,20 @@ def group_tracks(
     tracks = np.concatenate([static, moving])
     seen = visible[tracks]
     place = np.where(seen[..., None], points[tracks], 0).astype(np.float64)
-    motion = cluster_trajectories(_views(place, seen, params, rng), place, seen, None, params.clustering, rng).motion
+    motion = cluster_trajectories([_views(place, seen, params, rng)], place, seen, None, params.clustering, rng).motion
     return TrackGroups(tracks.astype(np.int32), np.arange(len(tracks)) >= len(static), motion)
 
 
-def _views(points: np.ndarray, visible: np.ndarray, params: TrackGroupParams, rng: np.random.Generator) -> list:
-    """Return the views of every draw of hypotheses, from the least general model to the most."""
-    by_model = []
+def _views(points: np.ndarray, visible: np.ndarray, params: TrackGroupParams, rng: np.random.Generator) -> list[View]:
+    """Return the view of each model, from the least general to the most."""
+    drawing = HypothesisParams(num_hypotheses=params.num_hypotheses, num_draws=1)
+    views = []
     for name in (name for name in POINT_MODELS if name in params.models):
         model = POINT_MODELS[name]
-        hypotheses = draw_hypotheses(points, visible, model, params.hypotheses, rng)
+        hypotheses = draw_hypotheses(points, visible, model, drawing, rng)
         residuals = hypothesis_residuals(hypotheses, points, visible, model)
-        draws = np.split(residuals, params.hypotheses.num_draws, axis=1)
-        by_model.append([View(trajectory_kernel(residual, params.kernel), residual) for residual in draws])
-    return [list(views) for views in zip(*by_model, strict=True)]
+        views.append(View(trajectory_kernel(residuals, params.kernel), residuals))
+    return views
 
 
 def _sample_candidates(

@@ -6,7 +6,7 @@ from pydantic import Field, field_validator
 
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.parameters.comma_separated import split_commas
-from moseg.schemas.parameters.trajectories import HypothesisParams, KernelParams, TrajectoryClusteringParams
+from moseg.schemas.parameters.trajectories import KernelParams, TrajectoryClusteringParams
 from moseg.schemas.units import Unit
 
 
@@ -96,7 +96,7 @@ class TrackGroupParams(Frozen):
     )
     min_static_life: Annotated[int, Unit.FRAMES] = Field(6, ge=2, description="the same of a static track")
     max_static_state: Annotated[float, Unit.RATIO] = Field(
-        -1.0, description="log-odds of motion below which a track may be sampled as static"
+        -1.0, le=0, description="log-odds of motion below which a track may be sampled as static"
     )
     cell: Annotated[int, Unit.PIXELS] = Field(
         60, ge=1, description="side of the cells of the frame that give one static track each, px"
@@ -104,7 +104,9 @@ class TrackGroupParams(Frozen):
     models: tuple[str, ...] = Field(
         ("homography", "fundamental"), min_length=1, description="point models, separated by commas"
     )
-    hypotheses: HypothesisParams = HypothesisParams(num_hypotheses=100, num_draws=1)
+    num_hypotheses: Annotated[int, Unit.COUNT] = Field(
+        100, ge=1, description="minimal samples of each model in each pair of frames"
+    )
     kernel: KernelParams = KernelParams()
     clustering: TrajectoryClusteringParams = TrajectoryClusteringParams()
 
