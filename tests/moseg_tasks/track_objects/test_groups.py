@@ -131,7 +131,7 @@ def test_samples_are_no_larger_than_asked_for_and_favour_small_candidates():
 
 
 def _sampled(scene, candidate, seed):
-    quick = {"models": ("homography",), "hypotheses": HypothesisParams(num_hypotheses=10)}
+    quick = {"models": ("homography",), "hypotheses": HypothesisParams(num_hypotheses=10, num_draws=1)}
     groups = _group(scene, candidate, seed=seed, max_moving=24, max_static=15, **quick)
     return groups.track[groups.is_candidate]
 

@@ -146,7 +146,7 @@ def test_a_part_that_goes_on_where_another_ends_is_joined(drive, first, shift, e
     car, later = (np.flatnonzero(scene.truth == label) for label in (1, 2))
     # Fast, so that only the expected place is near: both move alike, one until frame 2, the other from `first` on.
     moved = np.array([250.0, 60.0]) + points[car, :1] - points[car[0], 0] + step * np.arange(14)[:, None]
-    points[car], points[later] = moved, moved + [0.0, shift]
+    points[car], points[later] = moved, moved + np.array([0.0, shift])
     visible[car, 3:] = False
     visible[later, :first] = False
     scene = scene._replace(points=points, visible=visible)
