@@ -13,6 +13,7 @@ from moseg.store import open_store
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 
 FOUND = {"track_objects", "proposals", "linking", "tracks"}
+CANDIDATES = {"moving_tracks", "track_groups"}
 END = {"fundamental", "fundamental_residual", "flow_model", "flow_residual", "affinity"}
 END |= {"clustering", "segmentation", "score"}
 
@@ -57,7 +58,7 @@ def test_a_window_contains_its_section_and_is_no_shorter_than_the_video_allows(n
 
 def test_objects_are_found_without_saliency():
     tasks = _tasks(_recipes())
-    assert {"dense_tracks", "rigidity", *FOUND} <= tasks
+    assert {"dense_tracks", "rigidity", *CANDIDATES, *FOUND} <= tasks
     assert not tasks & {"saliency", "components", "background"}
 
 
@@ -80,8 +81,11 @@ def test_every_input_is_a_leaf_or_a_node():
     [
         ({"track_masks": {"radius": 20.0}}, FOUND - {"track_objects"} | END),
         ({"track_objects": {"min_score": 300.0}}, FOUND | END),
-        ({"track_field": {"coupling": 1.0}}, FOUND | END),
-        ({"rigidity": {"noise": 0.4}}, {"rigidity"} | FOUND | END),
+        ({"track_objects": {"sensitivity": 2.0}}, FOUND | END),
+        ({"track_groups": {"max_static": 100}}, {"track_groups"} | FOUND | END),
+        ({"track_field": {"coupling": 1.0}}, CANDIDATES | FOUND | END),
+        ({"track_candidates": {"radius": 20.0}}, CANDIDATES | FOUND | END),
+        ({"rigidity": {"noise": 0.4}}, {"rigidity"} | CANDIDATES | FOUND | END),
         ({"saliency": {"floor": 0.4}}, set()),
         ({"sections": {"length": 8, "overlap": 3}}, set()),
     ],
@@ -128,6 +132,25 @@ def test_proposals_are_the_moving_candidates_that_have_pixels(evaluated_tracks):
         assert store.read(found, "is_moving")[chosen - 1].all()
         np.testing.assert_array_equal(store.read(found, "scores")[chosen - 1], scores)
         assert len(store.attributes(found)["test"]) == len(store.read(found, "scores"))
+
+
+def test_objects_are_groups_of_the_candidates_tracks(evaluated_tracks):
+    store, _ = evaluated_tracks
+    for ref in store.refs("track_objects"):
+        inputs = store.manifest(ref).recipe.inputs
+        state, candidate = (store.read(inputs["moving_tracks"], name) for name in ("state", "candidate"))
+        found = store.read(ref, "object")
+        assert found.shape == candidate.shape == state.shape
+        assert not candidate[state <= 0].any()
+        assert not found[candidate == 0].any()
+        track, is_candidate, motion = (
+            store.read(inputs["track_groups"], name) for name in ("track", "is_candidate", "motion")
+        )
+        assert track.shape == is_candidate.shape == motion.shape
+        np.testing.assert_array_equal(candidate[track] > 0, is_candidate)
+        num_objects = len(store.read(ref, "is_moving"))
+        assert {len(values) for values in store.attributes(ref).values()} == {num_objects}
+        assert found.max(initial=0) == num_objects
 
 
 def test_a_report_shows_the_dense_tracks(evaluated_tracks):

@@ -34,7 +34,7 @@ def drive():
         points = (starts[:, None] + motion[:, None] * np.arange(num_frames)[:, None]).astype(np.float32)
         visible = np.ones((len(starts), num_frames), bool)
         num_pairs = max(num_frames - 2, 0)
-        arrays = (np.tile(values, (num_pairs, 1)).astype(np.float16) for values in (error, error, test))
+        arrays = (np.tile(values, (num_pairs, 1)).astype(np.float16) for values in (error, error, test, error, test))
         return Drive(points, visible, truth, PairEvidence(*arrays))
 
     return make

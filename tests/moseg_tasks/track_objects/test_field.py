@@ -13,7 +13,7 @@ CAR = ((100, 60), 5, (-3.0, 0.0), 2.0)
 def _evidence(errors):
     """Return evidence whose raw and median errors are `errors` (pair, track)."""
     errors = np.asarray(errors, np.float16)
-    return PairEvidence(errors, errors, np.zeros_like(errors))
+    return PairEvidence(errors, errors, np.zeros_like(errors), errors, np.zeros_like(errors))
 
 
 def test_large_errors_are_evidence_of_motion_and_small_ones_against_it(drive):

@@ -1,92 +1,137 @@
-"""Objects of moving tracks: what is joined, and what has enough evidence to be proposed."""
+"""The decision which groups of tracks move, and what it rests on."""
 
 import numpy as np
 import pytest
 
 from moseg.schemas.parameters import TrackObjectParams
-from moseg.tasks.track_objects import PairEvidence, find_objects
+from moseg.tasks.track_objects import PairEvidence, judge_objects
 
 PARAMS = TrackObjectParams()
 CAR = ((100, 60), 5, (-3.0, 0.0), 2.0)
-VAN = ((150, 60), 5, (4.0, 1.0), 2.0)
+VAN = ((150, 60), 4, (4.0, 1.0), 2.0)
+CAR_SCORE = 25 * 6 * 4 * 2 / 8
+"""25 tracks with an error of 4 and a test of 2 in each of 6 pairs, over 8 frames."""
 
 
-def _find(scene, state=None, **changes):
-    state = np.where(scene.truth > 0, 1.0, -1.0) if state is None else state
-    return find_objects(scene.points, scene.visible, state, scene.evidence, PARAMS.model_copy(update=changes))
-
-
-def test_tracks_of_different_motions_are_different_objects(drive):
-    scene = drive(CAR, VAN)
-    found = _find(scene)
-    assert found.is_moving.tolist() == [True, True]
-    assert ((found.object > 0) == (scene.truth > 0)).all()
-    assert len({*zip(found.object.tolist(), scene.truth.tolist(), strict=True)}) == 3
-
-
-def test_tracks_of_one_motion_far_apart_are_different_objects(drive):
-    scene = drive(CAR, ((200, 120), 5, (-3.0, 0.0), 2.0))
-    assert len(_find(scene).score) == 2
-
-
-def test_an_approaching_object_is_one_object(drive):
-    scene = drive(CAR)
-    car = scene.truth == 1
-    centre = scene.points[car, :1].mean(axis=0)
-    growth = 1 + 0.03 * np.arange(scene.points.shape[1])[:, None]
-    points = scene.points.copy()
-    points[car] = centre + (scene.points[car, :1] - centre) * growth
-    assert len(_find(scene._replace(points=points)).score) == 1
+def _judge(scene, group=None, candidate=None, **changes):
+    """Judge the blocks of a scene, each of which is one group and one candidate where these are not given."""
+    group = scene.truth - 1 if group is None else group
+    candidate = (group + 1).astype(np.uint16) if candidate is None else candidate
+    return judge_objects(group, candidate, scene.visible, scene.evidence, PARAMS.model_copy(update=changes))
 
 
 def test_features_are_those_of_the_tracks_and_pairs(drive):
-    scene = drive(CAR)
-    found = _find(scene)
-    num_tracks, (num_pairs, _) = (scene.truth == 1).sum(), scene.evidence.error.shape
-    assert found.num_tracks.tolist() == [num_tracks]
-    assert found.num_observations.tolist() == [num_tracks * scene.points.shape[1]]
-    assert found.strength.tolist() == [4 * num_tracks * num_pairs]
+    found = _judge(drive(CAR))
+    assert found.num_tracks.tolist() == [25]
+    assert found.num_observations.tolist() == [25 * 8]
+    assert found.strength.tolist() == [4 * 25 * 6]
     assert found.test.tolist() == [2]
-    assert found.score.tolist() == [8 * num_tracks * num_pairs]
+    assert found.score.tolist() == found.best_part.tolist() == [CAR_SCORE]
+    assert found.is_moving.tolist() == [True]
 
 
-def test_candidates_are_numbered_by_falling_score(drive):
-    scene = drive(((100, 60), 4, (-3.0, 0.0), 2.0), ((200, 60), 6, (4.0, 1.0), 2.0))
-    found = _find(scene)
-    assert (np.diff(found.score) <= 0).all()
-    assert (found.object[scene.truth == 2] == 1).all()
+def test_a_score_is_per_frame_and_not_larger_in_a_longer_window(drive):
+    short, long = (_judge(drive(CAR, num_frames=count)).score[0] for count in (8, 64))
+    assert short == CAR_SCORE
+    assert short < long < 8 / 6 * short
 
 
-@pytest.mark.parametrize("changes", [{"min_test": 2.5}, {"min_score": 1e6}])
-def test_a_candidate_with_too_little_evidence_is_named_but_does_not_move(drive, changes):
-    found = _find(drive(CAR), **changes)
-    assert found.object.max() == 1
-    assert found.is_moving.tolist() == [False]
+def test_errors_count_up_to_the_largest_one(drive):
+    assert _judge(drive(CAR), max_error=2.0).score.tolist() == [CAR_SCORE / 2]
 
 
-def test_what_a_rigid_position_explains_as_well_does_not_move(drive):
-    assert _find(drive(((100, 60), 5, (-3.0, 0.0), 0.2))).is_moving.tolist() == [False]
+def test_pairs_that_do_not_see_a_track_add_nothing(drive):
+    scene = drive(CAR)
+    values = [array.copy() for array in scene.evidence]
+    for array in values:
+        array[::2] = np.nan
+    found = _judge(scene._replace(evidence=PairEvidence(*values)))
+    assert found.score.tolist() == [CAR_SCORE / 2]
+    assert found.test.tolist() == [2]
 
 
-@pytest.mark.parametrize("changes", [{"min_tracks": 26}, {"min_observations": 10_000}])
-def test_small_groups_are_no_candidates(drive, changes):
-    found = _find(drive(CAR), **changes)
-    assert len(found.score) == 0
-    assert not found.object.any()
+def test_objects_are_numbered_by_falling_score_whether_they_move_or_not(drive):
+    scene = drive(VAN, CAR, ((10, 10), 2, (3.0, 3.0), 2.0))
+    found = _judge(scene)
+    assert found.object.dtype == np.uint16
+    assert (np.diff(found.score) < 0).all()
+    assert [np.unique(found.object[scene.truth == label]).tolist() for label in range(4)] == [[0], [2], [1], [3]]
+    # Four tracks are too few.
+    assert found.is_moving.tolist() == [True, True, False]
+
+
+@pytest.mark.parametrize(
+    ("enough", "too_little"),
+    [
+        ({"min_tracks": 25}, {"min_tracks": 26}),
+        ({"min_observations": 200}, {"min_observations": 201}),
+        ({"min_score": CAR_SCORE}, {"min_score": CAR_SCORE + 0.1}),
+        ({"min_test": 2.0}, {"min_test": 2.1}),
+    ],
+)
+def test_an_object_with_too_little_evidence_is_named_but_does_not_move(drive, enough, too_little):
+    for changes, moves in ((enough, True), (too_little, False)):
+        found = _judge(drive(CAR), **changes)
+        assert found.object.max() == 1
+        assert found.is_moving.tolist() == [moves]
+
+
+@pytest.mark.parametrize("name", ["min_score", "min_test"])
+def test_sensitivity_divides_the_smallest_score_and_test(drive, name):
+    value = {"min_score": CAR_SCORE, "min_test": 2.0}[name] * 3
+    moves = [_judge(drive(CAR), **{name: value}, sensitivity=times).is_moving[0] for times in (1.0, 2.9, 3.0, 5.0)]
+    assert moves == [False, False, True, True]
+
+
+def test_a_low_sensitivity_asks_for_more(drive):
+    assert _judge(drive(CAR), sensitivity=1.0).is_moving[0]
+    assert not _judge(drive(CAR), sensitivity=0.9 * PARAMS.min_test / 2).is_moving[0]
+    assert not _judge(drive(CAR), min_score=CAR_SCORE, sensitivity=0.9).is_moving[0]
+
+
+def test_objects_are_judged_by_two_surfaces_in_a_patch(drive):
+    scene = drive(CAR)
+    nothing, errors, tests = np.zeros_like(scene.evidence.error), scene.evidence.error, scene.evidence.test
+    corners = PairEvidence(errors, errors, tests, nothing, nothing)
+    found = _judge(scene._replace(evidence=corners))
+    assert found.score.tolist() == found.test.tolist() == [0]
+    assert not found.is_moving.any()
+    mover = PairEvidence(nothing, nothing, nothing, errors, tests)
+    assert _judge(scene._replace(evidence=mover)).score.tolist() == [CAR_SCORE]
+
+
+def test_weak_parts_of_different_candidates_do_not_add_up_to_an_object(drive):
+    scene = drive(CAR)
+    car = np.flatnonzero(scene.truth)
+    candidate = np.zeros(len(scene.truth), np.uint16)
+    candidate[car] = 1 + np.arange(len(car)) % 5
+    limit = {"min_score": CAR_SCORE, "min_part": 0.3}
+    # Five parts with a fifth of the score each.
+    parted = _judge(scene, candidate=candidate, **limit)
+    assert parted.score.tolist() == [CAR_SCORE]
+    assert parted.best_part.tolist() == [CAR_SCORE / 5]
+    assert parted.is_moving.tolist() == [False]
+    assert _judge(scene, **limit).is_moving.tolist() == [True]
+    assert _judge(scene, candidate=candidate, min_score=CAR_SCORE, min_part=0.2).is_moving.tolist() == [True]
+    # The smallest score of a part is divided by the sensitivity too.
+    assert _judge(scene, candidate=candidate, **limit, sensitivity=2.0).is_moving.tolist() == [True]
+
+
+def test_the_best_part_is_that_of_the_object_itself(drive):
+    scene = drive(CAR, VAN)
+    found = _judge(scene, candidate=(scene.truth > 0).astype(np.uint16))
+    np.testing.assert_array_equal(found.best_part, found.score)
 
 
 @pytest.mark.parametrize("num_tracks", [0, 1, 600])
-def test_without_moving_tracks_there_is_no_object(drive, num_tracks):
+def test_without_groups_there_is_no_object(drive, num_tracks):
     scene = drive()
-    few = scene._replace(points=scene.points[:num_tracks], visible=scene.visible[:num_tracks])
-    few = few._replace(
-        truth=scene.truth[:num_tracks], evidence=PairEvidence(*(a[:, :num_tracks] for a in scene.evidence))
-    )
-    found = _find(few)
-    assert (len(found.object), len(found.score)) == (num_tracks, 0)
-    assert found.object.dtype == np.uint16
+    evidence = PairEvidence(*(array[:, :num_tracks] for array in scene.evidence))
+    nothing = np.full(num_tracks, -1)
+    found = judge_objects(nothing, (nothing + 1).astype(np.uint16), scene.visible[:num_tracks], evidence, PARAMS)
+    assert found.object.tolist() == [0] * num_tracks
+    assert {len(values) for values in found[1:]} == {0}
 
 
 def test_without_frame_pairs_nothing_moves(drive):
-    scene = drive(CAR, num_frames=2)
-    assert not _find(scene).is_moving.any()
+    assert _judge(drive(CAR, num_frames=2)).is_moving.tolist() == [False]

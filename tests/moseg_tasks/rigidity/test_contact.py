@@ -1,0 +1,58 @@
+"""Height of a surface's bottom above the ground: what comes closer hangs, what the noise hides does not count."""
+
+import numpy as np
+import pytest
+
+from moseg.schemas.parameters import RigidityParams
+from moseg.tasks.rigidity.contact import contact_excess
+from moseg.tasks.rigidity.ground import Ground
+from moseg.tasks.rigidity.parallax import find_epipole, split_displacements
+from moseg.tasks.saliency.camera import CameraMotion
+
+PARAMS = RigidityParams()
+SHAPE, FOCAL, CAMERA_HEIGHT = (375, 1242), 0.73, 1.5
+AHEAD = CameraMotion(np.eye(3), np.array([0.0, 0.0, -1.0]), FOCAL * SHAPE[1])
+GROUND = Ground(np.array([0.0, 1 / (CAMERA_HEIGHT * FOCAL * SHAPE[1])]), find_epipole(AHEAD, SHAPE))
+PARKED, COMING = (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)
+
+
+@pytest.fixture
+def measure(see, road, front):
+    """Function that returns excess and height of a car's front that moves by `own`, at a noise of all tracks, px."""
+
+    def call(own, noise, **changes):
+        static, mover = see(road, yaw=0), see(front, own, yaw=0)
+        points0, points1, _ = (np.concatenate(parts) for parts in zip(mover, static, strict=True))
+        parallax = split_displacements(points0, points1, AHEAD, SHAPE)
+        params = PARAMS.model_copy(update=changes)
+        excess, height = contact_excess(points0, parallax, GROUND, np.full(len(points0), noise), params)
+        np.testing.assert_array_equal(excess > 0, height > 0)
+        num_tracks = len(mover.points0)
+        assert not excess[num_tracks:].any()
+        return excess[:num_tracks], height[:num_tracks]
+
+    return call
+
+
+@pytest.mark.parametrize("noise", [0.1, 0.5, 1.0, 1.5])
+def test_a_parked_car_does_not_hang_however_much_of_its_foot_the_noise_hides(measure, noise):
+    assert not measure(PARKED, noise)[0].any()
+
+
+def test_without_a_margin_a_parked_car_seems_to_hang(measure):
+    # Its lowest track above what the noise hides lies a little higher than that.
+    assert measure(PARKED, 1.0, contact_margin=0.0)[0].any()
+
+
+@pytest.mark.parametrize("noise", [0.1, 0.5, 1.0])
+def test_a_car_that_comes_closer_hangs(measure, noise):
+    excess, height = measure(COMING, noise)
+    assert np.mean(excess > 1) > 0.7
+    # It moves as a point that is half as far away.
+    assert height[excess > 0].min() == pytest.approx(0.5, abs=0.05)
+
+
+def test_only_a_lift_beyond_the_margin_counts(measure):
+    # At this noise an eighth of a camera height above the contact is hidden.
+    assert measure(COMING, 0.1, contact_margin=0.3)[0].any()
+    assert not measure(COMING, 0.1, contact_margin=0.45)[0].any()
