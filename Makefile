@@ -9,6 +9,7 @@ WORKERS ?= 0
 RERUN   ?=
 DAVIS   ?=
 KT3DMOSEG ?=
+STILL   ?=
 ARGS    ?=
 STORE   ?= .moseg/store
 MOSEG   := .venv/bin/moseg
@@ -50,7 +51,7 @@ docs-pictures: setup
 	.venv/bin/python docs/tools/make_pictures.py
 
 results: setup
-	.venv/bin/python docs/tools/write_results.py $(if $(RERUN),--rerun '$(RERUN)') $(if $(DAVIS),--davis "$(DAVIS)") $(if $(KT3DMOSEG),--kt3dmoseg "$(KT3DMOSEG)") $(ARGS)
+	.venv/bin/python docs/tools/write_results.py $(if $(RERUN),--rerun '$(RERUN)') $(if $(DAVIS),--davis "$(DAVIS)") $(if $(KT3DMOSEG),--kt3dmoseg "$(KT3DMOSEG)") $(if $(STILL),--still "$(STILL)") $(ARGS)
 
 bench: setup
 	for script in benchmarks/*.py; do echo "== $$script"; .venv/bin/python "$$script" || exit 1; done

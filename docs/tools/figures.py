@@ -25,7 +25,10 @@ RESULTS = ROOT / "benchmarks" / "results"
 MEASURED_APART = RESULTS / "apart"
 PAGES = (
     ROOT / "README.md",
-    *(ROOT / "docs" / f"{name}.md" for name in ("results", "weights_free", "trajectories", "models", "pipeline")),
+    *(
+        ROOT / "docs" / f"{name}.md"
+        for name in ("results", "weights_free", "trajectories", "models", "pipeline", "road_scenes")
+    ),
 )
 NOT_MEASURED = "–"
 NUM_LOWEST = 3

@@ -15,6 +15,12 @@ DATA = {
         "Seq005_Clip01,Seq009_Clip01,Seq009_Clip03,Seq013_Clip01,Seq028_Clip01,Seq028_clip03,Seq037_Clip01,"
         "Seq038_Clip02,Seq059_Clip01,Seq071_Clip01,Seq095_Clip01",
     ),
+    "still": (
+        "STILL",
+        "rendered-bright-sky,rendered-garden,rendered-orbit,rendered-roofs,rendered-street,rendered-wall,"
+        "kitti_parked_cars,davis-blackswan,davis-bmx-trees,davis-car-shadow,davis-cows,davis-dog,davis-drift-straight,"
+        "davis-parkour,davis-soapbox",
+    ),
 }
 """Data sets that must be given: the placeholder of the root in a command, and the measured sequences."""
 NUM_FRAMES = {"davis16": 583}
@@ -22,6 +28,8 @@ NUM_FRAMES = {"davis16": 583}
 
 DAVIS = f"--dataset davis16 --root DAVIS --sequences {DATA['davis'][1]}"
 TRAJECTORIES = f"--dataset kt3dmoseg --root KT3DMOSEG --sequences {DATA['kt3dmoseg'][1]} --seeds 5"
+ROADS = f"--dataset kt3dinsmoseg --root KT3DMOSEG --sequences {DATA['kt3dmoseg'][1]}"
+STILL = f"--dataset still --root STILL --sequences {DATA['still'][1]}"
 SYNTHETIC = "--dataset synthetic"
 ORACLE = f"{SYNTHETIC} --proposals groundtruth"
 EXACT = f"{ORACLE} --flow groundtruth --depth groundtruth --tracks groundtruth"
@@ -53,6 +61,17 @@ VIEWS = {
     "two-views": "--views homography,fundamental",
     "four-views": "--views affine,homography,fundamental,trifocal",
 }
+SENSITIVITIES = ("0.25", "0.5", "0.7", "1.5", "2", "4")
+"""Of objects of tracks, beside the default of 1."""
+ROAD_PARTS = {
+    "gap-2": "--set rigidity.gaps=2",
+    "gap-4": "--set rigidity.gaps=4",
+    "no-patch-test": "--set rigidity.test_gain=1000000",
+    "no-contact": "--set rigidity.contact_lift=2",
+    "no-field": "--set track_field.coupling=0",
+    "no-groups": "--set track_groups.min_moving=1000000",
+}
+"""Tracks-first proposals without one of their parts."""
 CHOSEN = {"num_hypotheses": "200", "window": "0.2", "background_rows": "3"}
 
 
@@ -112,6 +131,7 @@ def _catalogue() -> list[Measurement]:
         "davis-fast": f"moseg eval {DAVIS} --quality fast",
         "davis-best": f"moseg eval {DAVIS} --quality best",
         **_trajectories(),
+        **_roads(),
     }
     found = []
     for name, command in commands.items():
@@ -186,6 +206,22 @@ def _trajectories() -> dict[str, str]:
         for seed in (5, 6, 7):
             options = f"--motions {motions} --seed {seed}"
             commands[f"kt3d-{motions}-seed-{seed}"] = f"moseg eval {other_seeds} {options}"
+    return commands
+
+
+def _roads() -> dict[str, str]:
+    """Return the measurements on road scenes and where nothing moves."""
+    commands = {f"roads-{motions}": f"moseg ablate {ROADS} --motions {motions}" for motions in MOTIONS}
+    commands["roads-saliency"] = f"moseg eval {ROADS} --motions auto --proposals saliency"
+    for part, options in ROAD_PARTS.items():
+        commands[f"roads-{part}"] = f"moseg eval {ROADS} --motions auto {options}"
+    for data, sequences in (("roads", ROADS), ("still", STILL)):
+        for value in SENSITIVITIES:
+            options = f"--motions auto --set track_objects.sensitivity={value}"
+            commands[f"{data}-sensitivity-{value}"] = f"moseg eval {sequences} {options}"
+    commands["still-auto"] = f"moseg eval {STILL} --motions auto"
+    for part, options in ROAD_PARTS.items():
+        commands[f"still-{part}"] = f"moseg eval {STILL} --motions auto {options}"
     return commands
 
 

@@ -21,7 +21,11 @@ from moseg.workflows.cli.pipeline_options import PipelineOptions
 
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "benchmarks" / "results"
-SCORES = ("P", "R", "F", "J", "error", "median_error", "num_motions", "num_motions_true", "num_motions_correct")
+SCORES = (
+    *("P", "R", "F", "J"),
+    *("error", "median_error", "num_motions", "num_motions_true", "num_motions_correct"),
+    *("false_pixels", "false_frames"),
+)
 """Scores that are kept of each sequence and of their means."""
 ON_FRAMES = ("flow_model", "fundamental", "affinity", "object_hypotheses", "clustering")
 ON_TRAJECTORIES = ("fused_point_models", "hypotheses", "kernel", "trajectory_clustering")
@@ -78,7 +82,7 @@ def parameters(measurement: Measurement) -> dict[str, Any]:
         name, command, words = command.resolve_command(context, words)
     values = command.make_context(name, words, parent=context).params
     config = PipelineOptions(**{field.name: values[field.name] for field in fields(PipelineOptions)}).choices().read()
-    stages = ON_TRAJECTORIES if measurement.data == "kt3dmoseg" else ON_FRAMES
+    stages = ON_TRAJECTORIES if "--dataset kt3dmoseg" in measurement.command else ON_FRAMES
     return config.model_dump(mode="json", include={*stages})
 
 

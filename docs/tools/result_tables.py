@@ -1,6 +1,6 @@
 """Tables of measured figures in the documents: texts of their cells, with ``{expression}`` for each figure."""
 
-from measurements import AFFINITIES, COUNTS, DATA, MOTIONS, READINGS, SWEEPS, THRESHOLDS
+from measurements import AFFINITIES, COUNTS, DATA, MOTIONS, READINGS, SENSITIVITIES, SWEEPS, THRESHOLDS
 
 VIEWS = ("fused", "oc-depth", "oc", "trajs")
 VARIANTS = (*VIEWS, "base")
@@ -167,6 +167,77 @@ def _other_seeds() -> Rows:
     ]
 
 
+def _roads() -> Rows:
+    rows = [(variant, *_scores("roads-auto", variant), *_scores("roads-gt", variant)) for variant in (*VIEWS, "base")]
+    saliency = ("fused, from saliency alone", *_scores("roads-saliency"), "", "", "", "")
+    given = (f"{score}, `gt`" for score in SCORES)
+    return [("variant", *(f"{score}, `auto`" for score in SCORES), *given), *rows, saliency]
+
+
+def _road_clips() -> Rows:
+    clips = DATA["kt3dmoseg"][1].split(",")
+    rows = ((clip, *(f"{{roads-auto/fused/{score}@{clip}}}" for score in SCORES.values())) for clip in clips)
+    return [("clip", *SCORES), *rows]
+
+
+def _still(name: str, sequence: str = "") -> str:
+    at = f"@{sequence}" if sequence else ""
+    return f"{{{name}/fused/false_pixels{at}:.2f}} / {{{name}/fused/false_frames{at}:.0f}}"
+
+
+def _road_parts() -> Rows:
+    texts = {
+        "auto": "all parts",
+        "gap-2": "pairs 2 frames apart only",
+        "gap-4": "pairs 4 frames apart only",
+        "no-patch-test": "errors of tracks not limited by the patch test",
+        "no-contact": "no test of the contact with the ground",
+        "no-field": "no agreement with neighbours",
+        "no-groups": "candidates not regrouped by motion",
+    }
+    return [
+        ("", "Fu", "J", "parked cars: false pixels / frames, percent"),
+        *(
+            (text, *_scores(f"roads-{part}")[2:], _still(f"still-{part}", "kitti_parked_cars"))
+            for part, text in texts.items()
+        ),
+    ]
+
+
+def _road_curve() -> Rows:
+    names = {value: f"sensitivity-{value}" for value in SENSITIVITIES} | {"1": "auto"}
+    values = sorted(names, key=float)
+    return [
+        ("sensitivity", *SCORES, "parked cars: false pixels / frames", "all of `still`"),
+        *(
+            (
+                value + (" (default)" if value == "1" else ""),
+                *_scores(f"roads-{names[value]}"),
+                _still(f"still-{names[value]}", "kitti_parked_cars"),
+                _still(f"still-{names[value]}"),
+            )
+            for value in values
+        ),
+    ]
+
+
+def _still_sequences() -> Rows:
+    rows = (
+        (name, *(f"{{still-auto/fused/{score}@{name}:.2f}}" for score in ("false_pixels", "false_frames")))
+        for name in DATA["still"][1].split(",")
+    )
+    mean = ("mean", "{still-auto/fused/false_pixels:.2f}", "{still-auto/fused/false_frames:.2f}")
+    return [("sequence", "false pixels, percent", "false frames, percent"), *rows, mean]
+
+
+def _drives() -> Rows:
+    names = ("drive-crossing-cyclist", "drive-oncoming-car", "drive-overtaking-car", "drive-parked-row")
+    rows = (
+        (name, *(f"{{synthetic-residual-auto/fused/{score}@{name}}}" for score in SCORES.values())) for name in names
+    )
+    return [("scene", *SCORES), *rows]
+
+
 def _held_out() -> Rows:
     davis = "twelve other sequences of DAVIS-2016's validation set"
     rows = [
@@ -194,6 +265,7 @@ TABLES = {
             "fused, number of motions found",
             *_scores("synthetic-residual-auto"),
         ),
+        ("eleven road clips of KT3DMoSeg, over points", "fused, number of motions found", *_scores("roads-auto")),
     ],
     "readme-trajectories": [
         ("data", "", "misclassified trajectories"),
@@ -243,5 +315,11 @@ TABLES = {
     "trajectory-counts": _counts(),
     "trajectory-seeds": _other_seeds(),
     "held-out": _held_out(),
+    "roads": _roads(),
+    "road-clips": _road_clips(),
+    "road-parts": _road_parts(),
+    "road-curve": _road_curve(),
+    "still": _still_sequences(),
+    "drives": _drives(),
 }
 """Head and rows of each table."""

@@ -1,9 +1,9 @@
 """Write the measured figures of the documents from ``benchmarks/results``: ``python docs/tools/write_results.py``.
 
 ``--rerun all``, or names and patterns separated by commas (``--rerun 'exact-*,davis-default'``), repeats measurements
-first, in a store of their own, and writes their files. Data sets are given by ``--davis`` and ``--kt3dmoseg``;
-measurements of a data set that is not given are left as they are, and named. At the end each measurement is listed with
-its command and the seconds that it took after those before it.
+first, in a store of their own, and writes their files. Data sets are given by ``--davis``, ``--kt3dmoseg`` and
+``--still``; measurements of a data set that is not given are left as they are, and named. At the end each measurement is
+listed with its command and the seconds that it took after those before it.
 """
 
 import argparse
@@ -25,6 +25,7 @@ def main() -> int:
     parser.add_argument("--rerun", default="", metavar="NAMES", help="measurements to repeat, or all")
     parser.add_argument("--davis", default="", metavar="ROOT", help="folder of DAVIS-2016")
     parser.add_argument("--kt3dmoseg", default="", metavar="ROOT", help="folder of <clip>_Tracks.mat")
+    parser.add_argument("--still", default="", metavar="ROOT", help="folder of the data set still, DAVIS beside it")
     parser.add_argument("--store", type=Path, help="artifact store to use and keep; by default a temporary one")
     options = parser.parse_args()
     roots = {data: str(Path(vars(options)[data]).resolve()) for data in DATA if vars(options)[data]}
