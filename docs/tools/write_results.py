@@ -2,8 +2,8 @@
 
 ``--rerun all``, or names and patterns separated by commas (``--rerun 'exact-*,davis-default'``), repeats measurements
 first, in a store of their own, and writes their files. Data sets are given by ``--davis``, ``--kt3dmoseg`` and
-``--still``; measurements of a data set that is not given are left as they are, and named. At the end each measurement is
-listed with its command and the seconds that it took after those before it.
+``--still``; measurements of a data set that is not given are left as they are, and named. At the end each measurement
+is listed with its command and the seconds that it took after those before it.
 """
 
 import argparse
