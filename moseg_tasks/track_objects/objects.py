@@ -61,7 +61,8 @@ def judge_objects(
     np.maximum.at(best_part, part[part >= 0] // stride, scores[part >= 0])
     large = (found.num_tracks >= params.min_tracks) & (found.num_observations >= params.min_observations)
     min_score, min_test = params.min_score / params.sensitivity, params.min_test / params.sensitivity
-    enough = (found.score >= min_score) & (found.test >= min_test)
+    relative = params.min_ratio / params.sensitivity * found.score.max(initial=0)
+    enough = (found.score >= max(min_score, relative)) & (found.test >= min_test)
     is_moving = large & enough & (best_part >= params.min_part * min_score)
     order = np.argsort(-found.score, kind="stable")
     number = np.zeros(count + 1, np.uint16)

@@ -172,6 +172,13 @@ class TrackObjectParams(Frozen):
         description="smallest mean strict test of a moving object: how much worse the best rigid position explains"
         " its patches than the tracked one",
     )
+    min_ratio: Annotated[float, Unit.SHARE] = Field(
+        0.02,
+        ge=0,
+        le=1,
+        description="smallest score of a moving object, as a share of the best object's: beside strong evidence, weak"
+        " evidence is rather a slip of the tracker",
+    )
     sensitivity: Annotated[float, Unit.RATIO] = Field(
         1.0,
         gt=0,
