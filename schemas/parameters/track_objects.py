@@ -82,6 +82,17 @@ class CandidateParams(Frozen):
     )
 
 
+class TrackHypothesisParams(HypothesisParams):
+    """Drawing of hypotheses of a point model from the sampled tracks of a window: fewer than for a clip."""
+
+    num_hypotheses: Annotated[int, Unit.COUNT] = Field(
+        100, ge=1, description="minimal samples of a draw in each pair (or triple) of frames"
+    )
+    num_draws: Annotated[int, Unit.COUNT] = Field(
+        1, ge=1, description="independent draws, each with its own kernels; the groupings of all draws are compared"
+    )
+
+
 class TrackGroupParams(Frozen):
     """Motion groups of a balanced sample of static tracks and of the candidates' tracks."""
 
@@ -104,7 +115,7 @@ class TrackGroupParams(Frozen):
     models: tuple[str, ...] = Field(
         ("homography", "fundamental"), min_length=1, description="point models, separated by commas"
     )
-    hypotheses: HypothesisParams = HypothesisParams(num_hypotheses=100, num_draws=1)
+    hypotheses: TrackHypothesisParams = TrackHypothesisParams()
     kernel: KernelParams = KernelParams()
     clustering: TrajectoryClusteringParams = TrajectoryClusteringParams()
 
