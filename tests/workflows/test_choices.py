@@ -3,8 +3,10 @@
 import pytest
 
 from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError
 from moseg.schemas.presets import GEOMETRIES, PRESETS
 from moseg.workflows.cli.pipeline_options import PipelineOptions
+from moseg.workflows.config.parameters import list_parameters, value_of
 
 
 def test_presets_and_geometries_set_different_stages():
@@ -30,6 +32,28 @@ def test_an_option_changes_one_choice_of_a_preset():
     paper = PipelineOptions(preset="paper").choices().read()
     changed = {name for name in PipelineConfig.model_fields if getattr(config, name) != getattr(paper, name)}
     assert changed == {"flow", "pips"}
+
+
+def test_a_sensitivity_is_one_of_proposals_from_tracks():
+    config = PipelineOptions(proposals="tracks", sensitivity=2.5).choices().read()
+    assert config.track_objects.sensitivity == 2.5
+    with pytest.raises(InputError, match="an option of tracks in --sensitivity"):
+        PipelineOptions(sensitivity=2.5).choices().read()
+
+
+def test_one_parameter_of_a_stage_within_a_stage_leaves_the_others_as_they_are():
+    config = (
+        PipelineOptions(proposals="tracks", settings=["track_groups.hypotheses.num_hypotheses=50"]).choices().read()
+    )
+    default = PipelineConfig().track_groups.hypotheses
+    assert config.track_groups.hypotheses == default.model_copy(update={"num_hypotheses": 50})
+    for name, parameter in list_parameters().items():
+        assert value_of(PipelineConfig(), parameter) == parameter.default, name
+
+
+@pytest.mark.parametrize("command", ["segment", "eval", "ablate", "plan", "contact-sheet"])
+def test_commands_offer_the_sensitivity(moseg, command):
+    assert "--sensitivity" in moseg(command, "--help").out
 
 
 def test_ranks_that_do_not_determine_the_number_of_motions_are_reported(evaluated_copy, moseg):

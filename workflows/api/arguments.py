@@ -18,10 +18,12 @@ MAX_NAME_BYTES = 200
 _OPTION = re.compile(
     r"(?<![^\s(])--(batch|dataset|depth|device|dilate|flow|format|geometry|list|motions|name|non-commercial|offline|out"
     r"|overlay-size"
-    r"|predictions|preset|proposals|quality|report|root|scheduler|seed|seeds|sequences|store|threads|tls-ca|tls-cert"
-    r"|tls-key|tracks|variant|views|workers)(?![\w-])(?: folder:)?"
+    r"|predictions|preset|proposals|quality|report|root|scheduler|seed|seeds|sensitivity|sequences|store|threads|tls-ca"
+    r"|tls-cert|tls-key|tracks|variant|views|workers)(?![\w-])(?: folder:)?"
 )
 """Options of the command line that are arguments here."""
+_SOURCE = re.compile(r"--proposals (?=[a-z])(?!folder:)")
+"""The option with the name of a source: the argument is a folder, and a parameter chooses the source."""
 _ARGUMENT_OF = {"dilate": "dilation", "list": "list_file", "out": "folder", "variant": "variants"}
 """The names of those that differ by more than dashes."""
 
@@ -113,7 +115,7 @@ def named_as_arguments() -> Iterator[None]:
 def _renamed(text: object) -> object:
     if not isinstance(text, str):
         return text
-    return _OPTION.sub(_argument_of, text.replace("--set or --config", "config"))
+    return _OPTION.sub(_argument_of, _SOURCE.sub("proposal_source=", text.replace("--set or --config", "config")))
 
 
 def _argument_of(found: re.Match[str]) -> str:

@@ -15,6 +15,7 @@ def load_config(
     quality: str | None = None,
     geometry: str | None = None,
     motions: int | str | None = None,
+    sensitivity: float | None = None,
 ) -> PipelineConfig:
     """Return the configuration that `segment_video` and `evaluate` run with for the same arguments.
 
@@ -31,6 +32,8 @@ def load_config(
         Fits, affinity and clustering.
     motions : int, 'auto' or 'gt', optional
         Number of motions, the background's included; ``gt`` takes it from ground truth.
+    sensitivity : float, optional
+        Of proposals from dense tracks: divisor of the evidence that a moving object needs, 1 by default.
 
     Returns
     -------
@@ -48,7 +51,7 @@ def load_config(
     >>> load_config({"flow.preset": "fine"}, motions=2).flow.preset
     'fine'
     """
-    return read_choices(config, motions, preset, quality, geometry).make_config()
+    return read_choices(config, motions, preset, quality, geometry, sensitivity).make_config()
 
 
 def read_choices(
@@ -57,6 +60,7 @@ def read_choices(
     preset: str | None,
     quality: str | None,
     geometry: str | None,
+    sensitivity: float | None,
     **cues: str | os.PathLike | None,
 ) -> PipelineChoices:
     """Return what the arguments of a call say of the pipeline, with the folders of its own `cues`.
@@ -68,9 +72,12 @@ def read_choices(
     """
     check_kinds(Kind.TEXT, optional=True, preset=preset, quality=quality, geometry=geometry)
     check_kinds(Kind.TEXT_OR_COUNT, optional=True, motions=motions)
+    check_kinds(Kind.NUMBER, optional=True, sensitivity=sensitivity)
     check_kinds(Kind.PATH, optional=True, **cues)
     folders = {cue: os.fsdecode(path) for cue, path in cues.items() if path is not None}
     chosen = [Choice(f"--{cue}", CUES[cue], "folder") for cue in folders]
     if motions is not None:
         chosen.append(Choice("--motions", "clustering.motions", str(motions)))
+    if sensitivity is not None:
+        chosen.append(Choice("--sensitivity", "track_objects.sensitivity", float(sensitivity)))
     return PipelineChoices(config, preset, quality, geometry, tuple(chosen), folders=folders)

@@ -29,6 +29,7 @@ def evaluate(
     preset: str | None = None,
     quality: str | None = None,
     geometry: str | None = None,
+    sensitivity: float | None = None,
     proposals: str | os.PathLike | None = None,
     depth: str | os.PathLike | None = None,
     flow: str | os.PathLike | None = None,
@@ -74,6 +75,8 @@ def evaluate(
         Number of motions, the background's included; ``gt`` takes it from ground truth.
     preset, quality, geometry : str, optional
         As of `segment_video`.
+    sensitivity : float, optional
+        As of `segment_video`.
     proposals, depth, flow, tracks : path, optional
         Folders of your own cues, as of `segment_video`; each sequence is looked for under its name below them.
     views : str or iterable of str, optional
@@ -116,7 +119,16 @@ def evaluate(
         read_names("variants", variants),
         read_data(dataset, root, sequences, list_file),
         read_choices(
-            config, motions, preset, quality, geometry, proposals=proposals, depth=depth, flow=flow, tracks=tracks
+            config,
+            motions,
+            preset,
+            quality,
+            geometry,
+            sensitivity,
+            proposals=proposals,
+            depth=depth,
+            flow=flow,
+            tracks=tracks,
         ),
         read_trajectory_choices(views, seed, seeds),
         read_run_settings(
@@ -149,6 +161,7 @@ def ablate(
     preset: str | None = None,
     quality: str | None = None,
     geometry: str | None = None,
+    sensitivity: float | None = None,
     proposals: str | os.PathLike | None = None,
     depth: str | os.PathLike | None = None,
     flow: str | os.PathLike | None = None,
@@ -201,7 +214,16 @@ def ablate(
         None,
         read_data(dataset, root, sequences, list_file),
         read_choices(
-            config, motions, preset, quality, geometry, proposals=proposals, depth=depth, flow=flow, tracks=tracks
+            config,
+            motions,
+            preset,
+            quality,
+            geometry,
+            sensitivity,
+            proposals=proposals,
+            depth=depth,
+            flow=flow,
+            tracks=tracks,
         ),
         read_trajectory_choices(views, seed, seeds),
         read_run_settings(

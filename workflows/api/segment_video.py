@@ -33,6 +33,7 @@ def segment_video(
     preset: str | None = None,
     quality: str | None = None,
     geometry: str | None = None,
+    sensitivity: float | None = None,
     variant: Variant | str = Variant.FUSED,
     proposals: str | os.PathLike | None = None,
     depth: str | os.PathLike | None = None,
@@ -74,6 +75,9 @@ def segment_video(
         What accuracy may cost.
     geometry : 'default' or 'paper', optional
         Fits, affinity and clustering.
+    sensitivity : float, optional
+        Of proposals from dense tracks (``config={"proposal_source": "tracks"}``): divisor of the evidence that a moving
+        object needs, 1 by default; a larger one finds more, and more that does not move.
     variant : Variant or str
         Row of the paper's ablation: fused, oc-depth, oc, trajs or base.
     proposals, depth, flow, tracks : path, optional
@@ -143,7 +147,16 @@ def segment_video(
         progress=progress,
     )
     choices = read_choices(
-        config, motions, preset, quality, geometry, proposals=proposals, depth=depth, flow=flow, tracks=tracks
+        config,
+        motions,
+        preset,
+        quality,
+        geometry,
+        sensitivity,
+        proposals=proposals,
+        depth=depth,
+        flow=flow,
+        tracks=tracks,
     )
     page = None if report is None else os.fsdecode(report)
     path = os.path.abspath(os.fsdecode(video)) if isinstance(video, str | os.PathLike) else None

@@ -6,9 +6,12 @@ from typing import Annotated, ClassVar
 import typer
 
 from moseg.schemas.errors import InputError
+from moseg.schemas.parameters import TrackObjectParams
 from moseg.workflows.cli import completion
 from moseg.workflows.cli.named_options import named_option
 from moseg.workflows.config.pipeline_choices import CUES, PARAMETER_OF, Choice, PipelineChoices
+
+_SENSITIVITY = TrackObjectParams().sensitivity
 
 
 @dataclass(frozen=True)
@@ -47,6 +50,15 @@ class PipelineOptions:
     flow: Annotated[str | None, named_option("--flow", "{choices} (default: {default}).")] = None
     tracks: Annotated[str | None, named_option("--tracks", "{choices} (default: {default}).")] = None
     affinity: Annotated[str | None, named_option("--affinity", "{choices} (default: {default}).")] = None
+    sensitivity: Annotated[
+        float | None,
+        typer.Option(
+            "--sensitivity",
+            help="Divisor of the evidence that a moving object of dense tracks needs: a larger one finds more, and more"
+            f" that does not move; with --proposals tracks (default: {_SENSITIVITY:g}).",
+            metavar="NUMBER",
+        ),
+    ] = None
     geometry: Annotated[str, named_option("--geometry", "Fits, affinity and clustering: {choices}.")] = "default"
     section_length: Annotated[
         int | None, typer.Option("--section-length", help="Frames of a section (l of the paper).", metavar="N")
@@ -79,6 +91,7 @@ class PipelineOptions:
             "--masks": self.masks,
             "--tracker": self.tracker,
             "--affinity": self.affinity,
+            "--sensitivity": self.sensitivity,
             "--section-length": self.section_length,
         }
         given = {option: value for option, value in values.items() if value is not None}

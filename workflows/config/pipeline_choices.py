@@ -25,11 +25,15 @@ PARAMETER_OF = {f"--{cue}": parameter for cue, parameter in CUES.items()} | {
     "--masks": "detections.masks",
     "--tracker": "detections.tracker",
     "--affinity": "affinity.method",
+    "--sensitivity": "track_objects.sensitivity",
     "--section-length": "sections.length",
 }
 """Parameters that have an option of their own, by option."""
 SETS_OF = {"--preset": PRESETS, "--geometry": GEOMETRIES, "--quality": QUALITIES}
 """Options that choose many parameters by one name, each with its sets of values by name."""
+
+READ_BY = {"detections": ("detections",), "track_objects": ("tracks",)}
+"""Stages whose options change something with some sources of proposals alone, each with these sources."""
 
 
 class Choice(NamedTuple):
@@ -100,7 +104,7 @@ class PipelineChoices:
             if (source == "folder") != (cue in self.folders):
                 got, expected = f"{source} by --set or --config", f"--{cue} folder:PATH"
                 raise InputError("a folder and its use disagree", where=f"--{cue}", got=got, expected=expected)
-        self._check_detections(config)
+        self._check_sources(config)
         return config
 
     def given_values(self) -> dict[str, Any]:
@@ -124,13 +128,17 @@ class PipelineChoices:
         """Return what `config` alone makes of the defaults."""
         return _validate(self.given_values())
 
-    def _check_detections(self, config: PipelineConfig) -> None:
-        """Raise InputError where an option of detections would change nothing."""
-        given = {choice.parameter: choice for choice in self.chosen if choice.parameter.startswith("detections.")}
-        if given and config.proposal_source != "detections":
-            expected = "--proposals detections, or a preset that has it"
-            where, got = next(iter(given.values())).option, f"proposals {config.proposal_source}"
-            raise InputError("an option of detections", where=where, got=got, expected=expected)
+    def _check_sources(self, config: PipelineConfig) -> None:
+        """Raise InputError where an option would change nothing, because proposals come from elsewhere."""
+        given = {choice.parameter: choice for choice in self.chosen}
+        for parameter, choice in given.items():
+            sources = READ_BY.get(parameter.partition(".")[0])
+            if sources is not None and config.proposal_source not in sources:
+                expected = " or ".join(f"--proposals {source}" for source in sources)
+                if any(preset.get("proposal_source") in sources for preset in PRESETS.values()):
+                    expected += ", or a preset that has it"
+                what, got = f"an option of {sources[0]}", f"proposals {config.proposal_source}"
+                raise InputError(what, where=choice.option, got=got, expected=expected)
         if {"detections.tags", "detections.tagger"} <= given.keys():
             got = f"--tags {given['detections.tags'].value}"
             raise InputError("nothing to tag", where="--tagger", got=got, expected="one of the two")

@@ -29,8 +29,13 @@ NUMBERS = {
     "--batch": ["0", "-3", "nan", "1e3"],
     "--section-length": ["0", "-1", "nan", "1e9", ""],
     "--motions": ["0", "-1", "nan", "inf", "2.5", "some"],
+    "--sensitivity": ["0", "-1", "nan", "inf", "-inf", "high", ""],
 }
-PARAMETERS = {"--section-length": "sections.length", "--motions": "clustering.motions"}
+PARAMETERS = {
+    "--section-length": "sections.length",
+    "--motions": "clustering.motions",
+    "--sensitivity": "track_objects.sensitivity",
+}
 """What an option sets, where the line names that."""
 SETTINGS = [
     "max_side=0",
@@ -66,6 +71,12 @@ def test_an_empty_name_is_none(refuse, write_folder, name):
 def test_a_number_out_of_range_names_its_option(refuse, write_folder, option, value):
     line = refuse(write_folder(), options=(f"{option}={value}",))
     assert option in line or PARAMETERS.get(option, option) in line
+
+
+@pytest.mark.parametrize("source", [(), ("--proposals", "saliency"), ("--proposals", "detections")])
+def test_a_sensitivity_without_proposals_from_tracks_is_refused(refuse, write_folder, source):
+    says = ("an option of tracks in --sensitivity", "expected --proposals tracks")
+    refuse(write_folder(), *says, options=("--sensitivity", "2", *source))
 
 
 @pytest.mark.parametrize("setting", SETTINGS)

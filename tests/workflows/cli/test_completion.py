@@ -32,6 +32,7 @@ def complete(monkeypatch, capsys):
         ("moseg ev", ["eval"]),
         ("moseg store p", ["push", "pull"]),
         ("moseg eval --geom", ["--geometry"]),
+        ("moseg segment a.mp4 --sens", ["--sensitivity"]),
         ("moseg eval --dataset kt3d", ["kt3dinsmoseg", "kt3dmoseg"]),
         ("moseg datasets show davis1", ["davis16"]),
         ("moseg eval --variant o", ["oc-depth", "oc"]),

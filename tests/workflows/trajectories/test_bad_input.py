@@ -29,6 +29,7 @@ def _assert_refused(ran, *words):
         ("eval --tracks lucas-kanade", ("--tracks",)),
         ("eval --affinity ork", ("--affinity",)),
         ("eval --section-length 4", ("--section-length",)),
+        ("eval --sensitivity 2", ("--sensitivity",)),
         ("ablate --preset paper", ("--preset",)),
         ("plan --quality fast", ("--quality",)),
         ("eval --geometry paper", ("--geometry",)),
