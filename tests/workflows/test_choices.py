@@ -35,10 +35,11 @@ def test_an_option_changes_one_choice_of_a_preset():
 
 
 def test_a_sensitivity_is_one_of_proposals_from_tracks():
-    config = PipelineOptions(proposals="tracks", sensitivity=2.5).choices().read()
-    assert config.track_objects.sensitivity == 2.5
+    for proposals in (None, "auto", "tracks"):
+        config = PipelineOptions(proposals=proposals, sensitivity=2.5).choices().read()
+        assert config.track_objects.sensitivity == 2.5
     with pytest.raises(InputError, match="an option of tracks in --sensitivity"):
-        PipelineOptions(sensitivity=2.5).choices().read()
+        PipelineOptions(proposals="saliency", sensitivity=2.5).choices().read()
 
 
 def test_one_parameter_of_a_stage_within_a_stage_leaves_the_others_as_they_are():

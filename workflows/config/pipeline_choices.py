@@ -32,7 +32,7 @@ PARAMETER_OF = {f"--{cue}": parameter for cue, parameter in CUES.items()} | {
 SETS_OF = {"--preset": PRESETS, "--geometry": GEOMETRIES, "--quality": QUALITIES}
 """Options that choose many parameters by one name, each with its sets of values by name."""
 
-READ_BY = {"detections": ("detections",), "track_objects": ("tracks",)}
+READ_BY = {"detections": ("detections",), "track_objects": ("auto", "tracks")}
 """Stages whose options change something with some sources of proposals alone, each with these sources."""
 
 
@@ -137,7 +137,7 @@ class PipelineChoices:
                 expected = " or ".join(f"--proposals {source}" for source in sources)
                 if any(preset.get("proposal_source") in sources for preset in PRESETS.values()):
                     expected += ", or a preset that has it"
-                what, got = f"an option of {sources[0]}", f"proposals {config.proposal_source}"
+                what, got = f"an option of {sources[-1]}", f"proposals {config.proposal_source}"
                 raise InputError(what, where=choice.option, got=got, expected=expected)
         if {"detections.tags", "detections.tagger"} <= given.keys():
             got = f"--tags {given['detections.tags'].value}"

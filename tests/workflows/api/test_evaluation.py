@@ -102,7 +102,10 @@ def test_saved_masks_are_scored_as_by_the_command(squares, saved_masks, tmp_path
         ({"seed": -1}, "in seed; got -1; expected 0 or more"),
         ({"seeds": 0}, "in seeds; got 0; expected 1 or more"),
         ({"motions": "some"}, "clustering.motions"),
-        ({"sensitivity": 2}, "in sensitivity; got proposals saliency; expected proposal_source=tracks"),
+        (
+            {"sensitivity": 2, "config": {"proposal_source": "saliency"}},
+            "in sensitivity; got proposals saliency; expected proposal_source=auto or proposal_source=tracks",
+        ),
         ({"config": {"flow.method": "folder"}}, "in flow; got folder by config; expected flow=PATH"),
         ({"depth": "nowhere"}, "in depth=nowhere"),
         ({"scheduler": "tcp://"}, "in scheduler tcp://"),

@@ -148,7 +148,11 @@ BLACK = np.zeros((3, 20, 30, 3), np.uint8)
         (BLACK, {"preset": "papers"}, "paper"),
         (BLACK, {"sensitivity": "2"}, r"in sensitivity; got '2' \(str\); expected a number or None"),
         (BLACK, {"sensitivity": 0}, r"track_objects\.sensitivity; got 0\.0; expected greater than 0"),
-        (BLACK, {"sensitivity": 2}, "in sensitivity; got proposals saliency; expected proposal_source=tracks"),
+        (
+            BLACK,
+            {"sensitivity": 2, "config": {"proposal_source": "saliency"}},
+            "in sensitivity; got proposals saliency; expected proposal_source=auto or proposal_source=tracks",
+        ),
         (BLACK, {"config": {"flow.method": "groundtruth"}}, "ground truth"),
         (BLACK, {"config": {"depth": {"method": "folder"}}}, "depth=PATH"),
         (BLACK, {"config": 3}, "not a configuration; got int"),

@@ -73,9 +73,9 @@ def test_a_number_out_of_range_names_its_option(refuse, write_folder, option, va
     assert option in line or PARAMETERS.get(option, option) in line
 
 
-@pytest.mark.parametrize("source", [(), ("--proposals", "saliency"), ("--proposals", "detections")])
-def test_a_sensitivity_without_proposals_from_tracks_is_refused(refuse, write_folder, source):
-    says = ("an option of tracks in --sensitivity", "expected --proposals tracks")
+@pytest.mark.parametrize("source", [("--proposals", "saliency"), ("--proposals", "detections")])
+def test_a_sensitivity_where_proposals_never_come_from_tracks_is_refused(refuse, write_folder, source):
+    says = ("an option of tracks in --sensitivity", "expected --proposals auto or --proposals tracks")
     refuse(write_folder(), *says, options=("--sensitivity", "2", *source))
 
 
