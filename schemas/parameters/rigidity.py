@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from pydantic import Field, PositiveFloat, field_validator
+from pydantic import Field, PositiveFloat, PositiveInt, field_validator
 
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.parameters.comma_separated import are_different_counts, split_commas
@@ -16,7 +16,7 @@ class RigidityParams(Frozen):
     faster than where its surface meets the ground allows.
     """
 
-    gaps: Annotated[tuple[int, ...], Unit.FRAMES] = Field(
+    gaps: Annotated[tuple[PositiveInt, ...], Unit.FRAMES] = Field(
         (2, 4), description="numbers of frames between the two frames of a pair, separated by commas"
     )
     seed: Annotated[int, Unit.SEED] = Field(0, ge=0, description="seed of the random draws")

@@ -107,7 +107,7 @@ class TrackGroupParams(Frozen):
     )
     min_static_life: Annotated[int, Unit.FRAMES] = Field(6, ge=2, description="the same of a static track")
     max_static_state: Annotated[float, Unit.RATIO] = Field(
-        -1.0, description="log-odds of motion below which a track may be sampled as static"
+        -1.0, le=0, description="log-odds of motion below which a track may be sampled as static"
     )
     cell: Annotated[int, Unit.PIXELS] = Field(
         60, ge=1, description="side of the cells of the frame that give one static track each, px"
