@@ -45,10 +45,15 @@ def judge_objects(
     group : integer (track,)
         As `regroup_candidates` returns it.
     candidate : uint16 (track,)
-        0 = none. Some joined parts with little evidence each are no object, whatever the sum.
+        0 = none. Parts of several candidates with little evidence each are no object, whatever their sum.
     visible : bool (track, frame)
     evidence : PairEvidence
     params : TrackObjectParams
+
+    Returns
+    -------
+    TrackObjects
+        Of all groups, whether they move or not.
     """
     count = int(group.max(initial=-1)) + 1
     strict = evidence.strict_error, evidence.strict_test

@@ -47,6 +47,11 @@ def score_groups(
         Median errors and rigidity tests, strict or not; NaN where a track is not seen.
     max_error : float
         Median error in a frame pair, in tolerances, beyond which it adds nothing.
+
+    Returns
+    -------
+    GroupScores
+        0 where a group has no track, or no frame pair sees its tracks.
     """
     tracks = np.flatnonzero(group >= 0)
     group = group[tracks]

@@ -43,11 +43,9 @@ def test_a_sensitivity_is_one_of_proposals_from_tracks():
 
 
 def test_one_parameter_of_a_stage_within_a_stage_leaves_the_others_as_they_are():
-    config = (
-        PipelineOptions(proposals="tracks", settings=["track_groups.hypotheses.num_hypotheses=50"]).choices().read()
-    )
-    default = PipelineConfig().track_groups.hypotheses
-    assert config.track_groups.hypotheses == default.model_copy(update={"num_hypotheses": 50})
+    config = PipelineOptions(proposals="tracks", settings=["track_groups.kernel.window=0.2"]).choices().read()
+    default = PipelineConfig().track_groups.kernel
+    assert config.track_groups.kernel == default.model_copy(update={"window": 0.2})
     for name, parameter in list_parameters().items():
         assert value_of(PipelineConfig(), parameter) == parameter.default, name
 

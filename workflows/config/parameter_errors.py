@@ -39,8 +39,8 @@ def unknown_parameter(name: str, where: object = None) -> InputError:
     """Return the error for a ``stage.name``, or a stage, that does not exist."""
     stage, dot, last = name.rpartition(".")
     parameters, stages = list_parameters(), list_stages()
-    # Without its stage, or under another one: the name itself is right.
-    same = [each for each in parameters if each.rpartition(".")[2] == last]
+    # Without its stage, or under another one: the name itself is right. Stages within stages are less likely.
+    same = sorted((each for each in parameters if each.rpartition(".")[2] == last), key=lambda each: each.count("."))
     if stage not in stages and same:
         place = "" if where is None else f" in {where}"
         return InputError(f"unknown parameter {name!r}{place}: did you mean {' or '.join(map(repr, same[:3]))}?")

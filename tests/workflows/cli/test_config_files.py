@@ -141,7 +141,7 @@ BAD = {
     "fundamental: {gap: yes}": ("fundamental.gap", "'yes'", "integer"),
     "fundamental: {gab: 3}": ("unknown parameter 'fundamental.gab'", "did you mean 'fundamental.gap'?"),
     "fundamentl: {gap: 3}": ("unknown parameter 'fundamentl'", "did you mean 'fundamental'?"),
-    "num_refits: 3": ("unknown parameter 'num_refits'", "fundamental.num_refits"),
+    "gap: 3": ("unknown parameter 'gap'", "fundamental.gap"),
     "fundamental.gap: 3": ("a name with a dot", "line 1"),
     "fundamental: 3": ("fundamental", "parameters by name"),
     "flow: {method: rafft}": ("flow.method", "'rafft'", "did you mean 'raft'?"),
