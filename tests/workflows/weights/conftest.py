@@ -49,6 +49,8 @@ class FileServer:
         self.answers: dict[str, Answer] = {}
         self.requests: list[Request] = []
         self.arrived = threading.Event()
+        self._idle = threading.Condition()
+        self._num_active = 0
         self._http = ThreadingHTTPServer(("127.0.0.1", 0), self._handler())
         self._http.daemon_threads = True
         self._thread = threading.Thread(target=self._http.serve_forever, kwargs={"poll_interval": 0.01}, daemon=True)
@@ -61,7 +63,10 @@ class FileServer:
         return self.url + path
 
     def num_sent(self, path: str) -> int:
-        """Return the bytes of bodies sent for a path."""
+        """Return the bytes of bodies sent for a path, once every response is complete."""
+        # A client may have read the last byte before the server's thread counts it.
+        with self._idle:
+            assert self._idle.wait_for(lambda: not self._num_active, timeout=600)
         return sum(request.num_sent for request in self.requests if request.path == path)
 
     def close(self) -> None:
@@ -74,6 +79,16 @@ class FileServer:
 
         class Handler(BaseHTTPRequestHandler):
             def do_GET(self):
+                with server._idle:
+                    server._num_active += 1
+                try:
+                    self._answer()
+                finally:
+                    with server._idle:
+                        server._num_active -= 1
+                        server._idle.notify_all()
+
+            def _answer(self):
                 request = Request(self.path, {key.lower(): value for key, value in self.headers.items()})
                 server.requests.append(request)
                 server.arrived.set()
