@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from moseg.schemas.parameters import RigidityParams
+from moseg.tasks.geometry.camera_motion import CameraMotion
 from moseg.tasks.rigidity.deviation import deviation_from_depth, deviation_from_ground
 from moseg.tasks.rigidity.given_depth import bound_inverse_depth
 from moseg.tasks.rigidity.ground import Ground, fit_ground
@@ -13,7 +14,6 @@ from moseg.tasks.rigidity.noise import displacement_noise
 from moseg.tasks.rigidity.parallax import find_epipole, split_displacements
 from moseg.tasks.rigidity.patch_test import compare_patches
 from moseg.tasks.rigidity.relative_pose import fit_pose
-from moseg.tasks.saliency.camera import CameraMotion
 
 
 class PairEvidence(NamedTuple):

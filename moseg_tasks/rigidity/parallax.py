@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from moseg.tasks.geometry.camera_motion import CameraMotion
 from moseg.tasks.geometry.epipolar_split import split_along_epipolar
-from moseg.tasks.saliency.camera import CameraMotion
 
 _FLOOR = 1e-9  # avoids division by zero
 _SIDEWAYS = 1e-3

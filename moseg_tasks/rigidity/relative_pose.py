@@ -1,10 +1,9 @@
 """Motion of a calibrated camera between two frames, from tracks spread over the frame."""
 
 import numpy as np
-import poselib
 
 from moseg.schemas.parameters import RigidityParams
-from moseg.tasks.saliency.camera import CameraMotion
+from moseg.tasks.geometry.camera_motion import CameraMotion, estimate_camera_motion
 
 _MINIMAL_TRACKS = 16
 
@@ -29,34 +28,20 @@ def fit_pose(
     -------
     CameraMotion or None
         None if there are too few tracks or inliers.
-
-    References
-    ----------
-    D. Nister, An efficient solution to the five-point relative pose problem, TPAMI 2004.
-    V. Larsson, PoseLib - minimal solvers for camera pose estimation, https://github.com/PoseLib/PoseLib.
     """
     chosen = one_per_cell(points0, params.pose_cell)
     if len(chosen) < _MINIMAL_TRACKS:
         return None
-    height, width = shape
-    length = focal * max(height, width)
-    camera = {
-        "model": "SIMPLE_PINHOLE",
-        "width": width,
-        "height": height,
-        "params": [length, (width - 1) / 2, (height - 1) / 2],
-    }
-    options = {
-        "max_epipolar_error": params.pose_threshold,
-        "min_iterations": params.pose_iterations // 2,
-        "max_iterations": params.pose_iterations,
-        "seed": params.seed,
-    }
-    pose, report = poselib.estimate_relative_pose(points0[chosen], points1[chosen], camera, camera, options, {})
-    size = np.linalg.norm(pose.t)
-    if report["num_inliers"] < params.pose_inliers or not np.isfinite(pose.R).all() or not 0 < size < np.inf:
-        return None
-    return CameraMotion(np.asarray(pose.R), pose.t / size, length)
+    return estimate_camera_motion(
+        points0[chosen],
+        points1[chosen],
+        shape,
+        focal,
+        threshold=params.pose_threshold,
+        num_iterations=(params.pose_iterations // 2, params.pose_iterations),
+        min_inliers=params.pose_inliers,
+        seed=params.seed,
+    )
 
 
 def one_per_cell(points: np.ndarray, cell: int) -> np.ndarray:

@@ -1,32 +1,15 @@
-"""A calibrated camera's rigid motion between two frames, and flow along and across its epipolar lines."""
+"""Rigid camera motion fitted to flow, and flow along and across its epipolar lines."""
 
 from typing import NamedTuple
 
 import numpy as np
-import poselib
 
 from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.geometry.camera_motion import CameraMotion, estimate_camera_motion
 from moseg.tasks.geometry.epipolar_split import split_along_epipolar
 from moseg.tasks.saliency.background import sample_flow
 
 _MINIMAL_SAMPLE = 5
-
-
-class CameraMotion(NamedTuple):
-    """Rigid motion of the scene seen by a camera with square pixels and its principal point in the frame's middle.
-
-    Attributes
-    ----------
-    rotation : float64 (3, 3)
-    translation : float64 (3,)
-        Unit length, because two views do not determine the scale.
-    focal : float
-        Focal length, px.
-    """
-
-    rotation: np.ndarray
-    translation: np.ndarray
-    focal: float
 
 
 class EpipolarFlow(NamedTuple):
@@ -62,34 +45,20 @@ def fit_camera_motion(flow: np.ndarray, focal: float, params: SaliencyParams) ->
     -------
     CameraMotion or None
         None if the flow has too few samples or no motion has enough inliers.
-
-    References
-    ----------
-    D. Nister, An efficient solution to the five-point relative pose problem, TPAMI 2004.
-    V. Larsson, PoseLib - minimal solvers for camera pose estimation, https://github.com/PoseLib/PoseLib.
     """
-    height, width = flow.shape[:2]
     points, vectors = sample_flow(flow, params.camera_step)
     if len(points) <= _MINIMAL_SAMPLE:
         return None
-    length = focal * max(height, width)
-    camera = {
-        "model": "SIMPLE_PINHOLE",
-        "width": width,
-        "height": height,
-        "params": [length, (width - 1) / 2, (height - 1) / 2],
-    }
-    options = {
-        "max_epipolar_error": params.camera_threshold,
-        "min_iterations": params.camera_iterations,
-        "max_iterations": 10 * params.camera_iterations,
-        "seed": params.ransac_seed,
-    }
-    pose, report = poselib.estimate_relative_pose(points, points + vectors, camera, camera, options, {})
-    size = np.linalg.norm(pose.t)
-    if report["num_inliers"] <= _MINIMAL_SAMPLE or not np.isfinite(pose.R).all() or not 0 < size < np.inf:
-        return None
-    return CameraMotion(np.asarray(pose.R), pose.t / size, length)
+    return estimate_camera_motion(
+        points,
+        points + vectors,
+        flow.shape[:2],
+        focal,
+        threshold=params.camera_threshold,
+        num_iterations=(params.camera_iterations, 10 * params.camera_iterations),
+        min_inliers=_MINIMAL_SAMPLE + 1,
+        seed=params.ransac_seed,
+    )
 
 
 def split_flow(flow: np.ndarray, motion: CameraMotion, step: int = 1) -> EpipolarFlow:

@@ -4,7 +4,8 @@ import cv2
 import numpy as np
 
 from moseg.schemas.parameters import SaliencyParams
-from moseg.tasks.saliency.camera import CameraMotion, EpipolarFlow, split_flow
+from moseg.tasks.geometry.camera_motion import CameraMotion
+from moseg.tasks.saliency.camera import EpipolarFlow, split_flow
 from moseg.tasks.saliency.ground import fit_ground
 from moseg.tasks.saliency.layers import Background
 from moseg.tasks.saliency.support import unsupported_parallax

@@ -7,11 +7,11 @@ import numpy as np
 import poselib
 
 from moseg.schemas.parameters import RigidityParams, SceneParallaxParams
+from moseg.tasks.geometry.camera_motion import CameraMotion
 from moseg.tasks.rigidity.focal_length import focal_of_pairs
 from moseg.tasks.rigidity.noise import displacement_noise
 from moseg.tasks.rigidity.parallax import split_displacements
 from moseg.tasks.rigidity.relative_pose import fit_pose, one_per_cell
-from moseg.tasks.saliency.camera import CameraMotion
 
 
 class PairEvidence(NamedTuple):

@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 
 from moseg.schemas.parameters import RigidityParams
+from moseg.tasks.geometry.camera_motion import CameraMotion
 from moseg.tasks.rigidity.deviation import deviation_from_depth
 from moseg.tasks.rigidity.given_depth import bound_inverse_depth
 from moseg.tasks.rigidity.parallax import split_displacements
-from moseg.tasks.saliency.camera import CameraMotion
 
 PARAMS = RigidityParams()
 SHAPE, FOCAL = (375, 1242), 0.73
