@@ -10,7 +10,7 @@ from moseg.schemas.units import Unit
 
 
 class RigidityParams(Frozen):
-    """How far a track deviates from every rigid point, over pairs of frames of a moving camera.
+    """Deviation of tracks from every rigid point, over pairs of frames of a moving camera.
 
     A point of the static scene moves along its epipolar line, forward, no slower than the ground that it hides and no
     faster than where its surface meets the ground allows.

@@ -182,7 +182,7 @@ class TrackObjectParams(Frozen):
     sensitivity: Annotated[float, Unit.RATIO] = Field(
         1.0,
         gt=0,
-        description="divisor of the smallest score and the smallest test: a larger one finds more movers, and more that"
+        description="divisor of the smallest score, test and ratio: a larger one finds more movers, and more that"
         " does not move",
     )
     regroup: RegroupParams = RegroupParams()

@@ -55,7 +55,7 @@ class PipelineOptions:
         typer.Option(
             "--sensitivity",
             help="Divisor of the evidence that a moving object of dense tracks needs: a larger one finds more, and more"
-            f" that does not move; with --proposals tracks (default: {_SENSITIVITY:g}).",
+            f" that does not move; with --proposals auto or tracks (default: {_SENSITIVITY:g}).",
             metavar="NUMBER",
         ),
     ] = None

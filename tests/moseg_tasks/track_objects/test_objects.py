@@ -89,6 +89,14 @@ def test_a_low_sensitivity_asks_for_more(drive):
     assert not _judge(drive(CAR), min_score=CAR_SCORE, sensitivity=0.9).is_moving[0]
 
 
+def test_an_object_needs_a_share_of_the_best_ones_evidence(drive):
+    scene = drive(CAR, VAN)
+    share = _judge(scene).score[1] / _judge(scene).score[0]
+    moves = [_judge(scene, min_ratio=share * factor).is_moving.tolist() for factor in (0.99, 1.01)]
+    assert moves == [[True, True], [True, False]]
+    assert _judge(scene, min_ratio=share * 1.01, sensitivity=1.1).is_moving.tolist() == [True, True]
+
+
 def test_objects_are_judged_by_two_surfaces_in_a_patch(drive):
     scene = drive(CAR)
     nothing, errors, tests = np.zeros_like(scene.evidence.error), scene.evidence.error, scene.evidence.test
