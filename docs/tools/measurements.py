@@ -220,6 +220,7 @@ def _roads() -> dict[str, str]:
             options = f"--motions auto --set track_objects.sensitivity={value}"
             commands[f"{data}-sensitivity-{value}"] = f"moseg eval {sequences} {options}"
     commands["still-auto"] = f"moseg eval {STILL} --motions auto"
+    commands["still-tracks"] = f"moseg eval {STILL} --motions auto --proposals tracks"
     for part, options in ROAD_PARTS.items():
         commands[f"still-{part}"] = f"moseg eval {STILL} --motions auto {options}"
     return commands

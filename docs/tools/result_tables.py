@@ -222,12 +222,10 @@ def _road_curve() -> Rows:
 
 
 def _still_sequences() -> Rows:
-    rows = (
-        (name, *(f"{{still-auto/fused/{score}@{name}:.2f}}" for score in ("false_pixels", "false_frames")))
-        for name in DATA["still"][1].split(",")
-    )
-    mean = ("mean", "{still-auto/fused/false_pixels:.2f}", "{still-auto/fused/false_frames:.2f}")
-    return [("sequence", "false pixels, percent", "false frames, percent"), *rows, mean]
+    measured = ("still-auto", "still-tracks")
+    rows = ((name, *(_still(each, name) for each in measured)) for name in DATA["still"][1].split(","))
+    head = ("false pixels / frames, percent", "`auto` (default)", "`--proposals tracks`")
+    return [head, *rows, ("mean", *(_still(each) for each in measured))]
 
 
 def _drives() -> Rows:
