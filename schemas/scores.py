@@ -10,7 +10,7 @@ from moseg.schemas.frozen import Frozen
 GroundTruth = Literal["pixels", "points", "still"]
 """Elements that ground truth labels: every pixel of a frame, or points in it; or nothing moves at all."""
 Matching = Literal["name", "order", "number"]
-"""How saved masks are matched to frames."""
+"""Property by which saved masks are matched to frames."""
 
 
 class SequenceScore(Frozen):

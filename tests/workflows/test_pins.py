@@ -19,7 +19,7 @@ from moseg.workflows.pipelines.evaluate import evaluate
 
 LEAVES = {"frame", "annotation", "ingest"}
 READ_FIRST = LEAVES | {"scene_parallax"}
-"""What a run reads before its graph is written."""
+"""References that a run reads before its graph is written."""
 CONFIG = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2}})
 
 DIES_AT_WORK = """

@@ -1,4 +1,4 @@
-"""Where nothing moves, what is labelled is counted: by an evaluation, of saved masks, in reports and on sheets."""
+"""Counts of labels where nothing moves: of an evaluation, of saved masks, in reports and on sheets."""
 
 import json
 import re

@@ -54,7 +54,7 @@ class Objects:
 
     @property
     def uses_saliency(self) -> bool:
-        """Whether the proposals of any section are made from motion saliency, which then covers the whole video."""
+        """Return whether the proposals of any section are made from saliency, which then covers the whole video."""
         return any(self.source_of(index) == "saliency" for index in range(len(self._sections)))
 
     def labelled_until(self, index: int) -> int:

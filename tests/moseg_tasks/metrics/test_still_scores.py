@@ -1,4 +1,4 @@
-"""Where nothing moves, false pixels and false frames are counts of labels."""
+"""Counts of false pixels and false frames where nothing moves."""
 
 import numpy as np
 import pytest
