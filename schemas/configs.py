@@ -38,6 +38,7 @@ from moseg.schemas.parameters import (
     RamParams,
     RefinementParams,
     RigidityParams,
+    RigidSupportParams,
     SaliencyParams,
     Sam2Params,
     SamHqParams,
@@ -134,6 +135,7 @@ class PipelineConfig(Frozen):
     track_objects: TrackObjectParams = TrackObjectParams()
     track_masks: TrackMaskParams = TrackMaskParams()
     linking: LinkingParams = LinkingParams()
+    rigid_support: RigidSupportParams = RigidSupportParams()
     tracks: TrackParams = TrackParams()
     fundamental: FundamentalParams = FundamentalParams()
     flow_model: FlowModelParams = FlowModelParams()

@@ -65,7 +65,8 @@ def cluster_motions(
         One for each view, symmetric and non-negative; object 0 is the background; NaN if unknown (see
         ``fill_unknown``).
     num_motions : int, optional
-        Number of motions including the background's, reduced to K if larger. None: it is found by `params.auto`.
+        Number of motions including the background's, reduced to that of the objects, or with `is_static` to that of
+        the moving ones and the background, if larger. None: it is found by `params.auto`.
         ``threshold`` merges groups of the fused kernel while they are alike, and can return 1; it needs affinities with
         a scale, which those of ORK do not have. ``eigengap`` needs no scale, but rarely returns 1. The other methods
         are those of ``count_motions``.
@@ -85,8 +86,8 @@ def cluster_motions(
     Raises
     ------
     InputError
-        If there is no view, the views disagree in shape, `num_motions` is below 1 or given together with `is_static`,
-        which may result in another number, or the number is found by tracks and there are none.
+        If there is no view, the views disagree in shape, `num_motions` is below 1, or the number is found by tracks and
+        there are none.
     """
     _check(affinities, num_motions, is_static)
     views = fill_unknown([unit_diagonal(affinity) for affinity in affinities])
@@ -101,7 +102,8 @@ def cluster_motions(
 
     objects = _Objects(kernel, spectral_views, None if is_static is None else is_static[order], params)
     if num_motions is not None:
-        count, scores = min(num_motions, len(kernel)), np.empty(0)
+        most = len(kernel) if is_static is None else int(np.count_nonzero(~is_static)) + 1
+        count, scores = min(num_motions, most), np.empty(0)
     else:
         rank = np.argsort(order)
         count, scores = _count(objects, [section._replace(owner=rank[section.owner]) for section in tracks], rng)
@@ -124,8 +126,6 @@ def _check(affinities, num_motions, is_static) -> None:
         )
     if num_motions is not None and num_motions < 1:
         raise InputError("too few motions", where="cluster_motions", got=num_motions, expected="1 or more, or None")
-    if num_motions is not None and is_static is not None:
-        raise InputError("motions are given twice", where="cluster_motions", expected="num_motions or is_static")
     if is_static is not None and (np.shape(is_static) != (side,) or not is_static[0]):
         raise InputError(
             "not the static objects", where="cluster_motions", got=is_static, expected=f"{side} truths, the first true"

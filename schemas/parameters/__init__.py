@@ -25,6 +25,7 @@ from moseg.schemas.parameters.pips import PipsParams
 from moseg.schemas.parameters.raft import RaftParams
 from moseg.schemas.parameters.ram import RamParams
 from moseg.schemas.parameters.refinement import RefinementParams
+from moseg.schemas.parameters.rigid_support import RigidSupportParams
 from moseg.schemas.parameters.rigidity import RigidityParams
 from moseg.schemas.parameters.saliency import SaliencyParams
 from moseg.schemas.parameters.sam2 import Sam2Params
@@ -83,6 +84,7 @@ __all__ = [
     "RamParams",
     "RefinementParams",
     "RegroupParams",
+    "RigidSupportParams",
     "RigidityParams",
     "SaliencyParams",
     "Sam2Params",

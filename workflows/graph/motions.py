@@ -61,6 +61,21 @@ class Motions:
         num_frames = min(self._objects.labelled_until(index), stop) - section.start
         return self._nodes.add("tracks", inputs, num_frames=num_frames)
 
+    @cached_method
+    def rigid_supports(self) -> tuple[str, ...]:
+        """Return the references of the rigid support of the objects of the sections that are compared with a scene."""
+        compared = filter(self._objects.is_compared, range(len(self._sections)))
+        return tuple(map(self._rigid_support, compared))
+
+    def _rigid_support(self, index: int) -> str:
+        objects, window = self._objects, self._objects.track_proposals
+        inputs = {"proposals": objects.proposals(index), "linking": objects.linking()}
+        if objects.source_of(index) == "tracks":
+            inputs["track_objects"] = window.objects(index)
+            return self._nodes.add("rigid_support", inputs, "track-objects", section=index)
+        inputs |= {"dense_tracks": window.dense_tracks(index), "rigidity": window.rigidity(index)}
+        return self._nodes.add("rigid_support", inputs, "masks", section=index, start=window.first_row(index))
+
     def _pairs(self, gap: int) -> Iterator[tuple[int, int, int]]:
         """Yield, for every section with frame pairs, its index, the number of pairs, and their gap in frames."""
         num_frames = len(self._leaves.frames)

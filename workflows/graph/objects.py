@@ -1,6 +1,7 @@
 """Objects: proposals of every section, and their identities over the sequence."""
 
 from moseg.schemas.configs import MOTION_SOURCES
+from moseg.schemas.stretch_choice import StretchChoice
 from moseg.workflows.graph.cached_method import cached_method
 from moseg.workflows.graph.foreground import Foreground
 from moseg.workflows.graph.frame_cues import FrameCues
@@ -47,10 +48,25 @@ class Objects:
         """Return the source of a section's proposals; saliency if it was left open and not chosen."""
         if self._config.proposal_source != "auto":
             return self._config.proposal_source
+        choice = self._choice_of(index)
+        return "saliency" if choice is None else choice.proposals
+
+    def is_compared(self, index: int) -> bool:
+        """Return whether a section's objects are compared with a rigid scene."""
+        use = self._config.rigid_support.use
+        if use != "auto":
+            return use == "always"
+        if self.source_of(index) == "tracks":
+            return True
+        choice, params = self._choice_of(index), self._config.scene_parallax
+        return choice is not None and choice.moving >= params.min_moving and choice.gain >= params.min_gain
+
+    def _choice_of(self, index: int) -> StretchChoice | None:
+        """Return the choice of the stretch that a section lies in; None if none was made."""
         section = self._sections[index]
         middle = (section.start + section.stop - 1) // 2
         holding = (choice for choice in self._leaves.choices if choice.first_frame <= middle <= choice.last_frame)
-        return next((choice.proposals for choice in holding), "saliency")
+        return next(holding, None)
 
     @property
     def uses_saliency(self) -> bool:

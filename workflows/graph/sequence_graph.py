@@ -95,8 +95,12 @@ class SequenceGraph:
         if num_motions == "auto" and params.auto in READ_TRACKS:
             inputs["tracks"] = tuple(self.motions.tracks(index) for index in range(len(self._sections)))
             inputs["linking"] = self.objects.linking()
-        found = None if num_motions == "auto" else num_motions
-        return self._nodes.add("clustering", inputs, num_views=len(views), num_motions=found)
+        place = {"num_views": len(views), "num_motions": None if num_motions == "auto" else num_motions}
+        supports = self.motions.rigid_supports() if variant == Variant.FUSED else ()
+        if supports:
+            inputs["rigid_support"] = supports
+            place["has_rigid"] = True
+        return self._nodes.add("clustering", inputs, **place)
 
     def cues(self) -> tuple[str, ...]:
         """Return the references of the tracks and of the forward flow, from which every motion model starts."""

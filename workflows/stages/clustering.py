@@ -19,14 +19,22 @@ def _tracks(inputs):
     ]
 
 
+def _supports(views):
+    return [view.array("static_support") for view in views]
+
+
 def _run(params, inputs, rng):
     from moseg.tasks.clustering import agreed_static, cluster_motions
+    from moseg.tasks.rigid_support import combine_sections
 
     views = inputs.all("affinities")
     clustering_params = ClusteringParams.of_recipe(params["clustering"])
     is_found, is_static = params["num_motions"] is None, None
-    if is_found and clustering_params.static == "agreement":
-        is_static = agreed_static([view.array("static_support") for view in views], clustering_params.threshold)
+    if "rigid_support" in inputs:
+        rigid = combine_sections([section.array("support") for section in inputs.all("rigid_support")])
+        is_static = agreed_static(_supports(views), clustering_params.threshold, rigid)
+    elif is_found and clustering_params.static == "agreement":
+        is_static = agreed_static(_supports(views), clustering_params.threshold)
     affinities = [view.array("affinity") for view in views]
     tracks = _tracks(inputs) if is_found and clustering_params.auto in READ_TRACKS else []
     result = cluster_motions(affinities, params["num_motions"], clustering_params, is_static, tracks, rng)
@@ -38,16 +46,19 @@ def _run(params, inputs, rng):
     )
 
 
-def _params(config: PipelineConfig, num_views: int, num_motions: int | None) -> dict:
-    """Return the parameters that a clustering of so many views reads; `num_motions` is None if it has to be found."""
+def _params(config: PipelineConfig, num_views: int, num_motions: int | None, has_rigid: bool = False) -> dict:
+    """Return the parameters that a clustering of so many views reads.
+
+    `num_motions` is None if it has to be found; `has_rigid` is whether it reads the objects' rigid support.
+    """
     params, is_auto = config.clustering, num_motions is None
     by_agreement = params.static == "agreement"
     if params.static == "auto":
         by_agreement = config.proposal_source in MOTION_SOURCES
     unread = {"motions", "count"}
     if not is_auto:
-        unread |= {"auto", "threshold", "static"}
-    elif params.auto != "threshold" and not by_agreement:
+        unread |= {"auto", "static"}
+    if not has_rigid and not (is_auto and (params.auto == "threshold" or by_agreement)):
         unread.add("threshold")
     if num_views == 1 or params.fusion != "coregularised":
         unread |= {"co_regularisation", "num_iterations", "tolerance"}
@@ -55,7 +66,7 @@ def _params(config: PipelineConfig, num_views: int, num_motions: int | None) -> 
         unread.add("fusion")
     read = params.model_dump(mode="json", exclude=unread)
     if is_auto:
-        read["static"] = "agreement" if by_agreement else "group"
+        read["static"] = "agreement" if by_agreement or has_rigid else "group"
         if params.auto in COUNT_READS:
             read["count"] = params.count.model_dump(mode="json", include=COUNT_READS[params.auto])
     return {"num_motions": num_motions, "clustering": read}
@@ -70,6 +81,7 @@ STAGE = Stage(
         "affinities": "affinity under every motion model",
         "tracks": "tracks of every section, if the number of motions is found from them",
         "linking": "identities of the objects, beside the tracks",
+        "rigid_support": "of the objects, by every section in which they are compared with a rigid scene",
     },
     arrays={
         "motion": layout("uint16", "object", "motion group, 0 = the background's"),

@@ -1,0 +1,122 @@
+"""Evidence of the dense tracks inside and around objects: whether a rigid scene explains them, and where they stand."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from moseg.schemas.parameters import RigidityParams, RigidSupportParams
+from moseg.tasks.geometry.camera_motion import CameraMotion
+from moseg.tasks.rigidity.noise import displacement_noise
+from moseg.tasks.rigidity.parallax import split_displacements
+
+
+class ObjectEvidence(NamedTuple):
+    """Evidence about K objects, the background included; its values are not meaningful.
+
+    Attributes
+    ----------
+    num_observations : int64 (K,)
+        Tracks that stay in the object over a frame pair, summed over the pairs.
+    test : float64 (K,)
+        Their mean strict test, -1..3; 0 without observations.
+    num_contour : float64 (K,)
+        Tracks that have one outside the object near them, in the mean over the pairs in which the object has tracks.
+    attached : float64 (K,)
+        Share of those that may have the inverse depth of a track outside; 1 without any.
+    """
+
+    num_observations: np.ndarray
+    test: np.ndarray
+    num_contour: np.ndarray
+    attached: np.ndarray
+
+
+def measure_objects(
+    labels: np.ndarray,
+    num_objects: int,
+    points: np.ndarray,
+    visible: np.ndarray,
+    pairs: np.ndarray,
+    cameras: Sequence[CameraMotion],
+    strict_test: np.ndarray,
+    params: RigidSupportParams,
+    rigidity: RigidityParams,
+) -> ObjectEvidence:
+    """Gather the evidence of the tracks in the objects' masks.
+
+    Depths are compared over the pairs that are farthest apart, in which parallax is largest.
+
+    Parameters
+    ----------
+    labels : integer (frame, y, x)
+        Objects in the first frames of the tracks, 0 = background; 0..num_objects - 1.
+    num_objects : int
+        The background included.
+    points : floating (track, frame, xy)
+        px; read only where `visible`.
+    visible : bool (track, frame)
+    pairs : integer (pair, 2)
+        First frame, and frames to the second; those that end beyond `labels` are not read.
+    cameras : sequence of CameraMotion
+        Of each pair.
+    strict_test : floating (pair, track)
+        As `estimate_rigidity` returns it; NaN where a track is not seen in both frames.
+    params : RigidSupportParams
+    rigidity : RigidityParams
+        Of the noise of displacements.
+    """
+    num_observations, test = np.zeros((2, num_objects))
+    num_contour, num_attached, num_pairs = np.zeros((3, num_objects))
+    widest = pairs[:, 1].max(initial=0)
+    for (start, gap), camera, tests in zip(pairs.tolist(), cameras, strict_test, strict=True):
+        if start + gap >= len(labels):
+            continue
+        seen = np.flatnonzero(visible[:, start] & visible[:, start + gap] & np.isfinite(tests))
+        points0, points1 = (points[seen, frame].astype(np.float64) for frame in (start, start + gap))
+        owner, owner1 = _labels_at(labels[start], points0), _labels_at(labels[start + gap], points1)
+        inside = (owner > 0) & (owner == owner1)
+        num_observations += np.bincount(owner[inside], minlength=num_objects)
+        test += np.bincount(owner[inside], tests[seen[inside]].astype(np.float64), num_objects)
+        if gap == widest:
+            noise = displacement_noise(points0, points1, rigidity.noise, rigidity.noise_share)
+            parallax = split_displacements(points0, points1, camera, labels.shape[1:])
+            has_tracks = np.bincount(owner[inside], minlength=num_objects) > 0
+            rows, is_attached = _compare_depths(points0, owner, inside, parallax, noise, params)
+            num_contour += np.bincount(owner[rows], minlength=num_objects)
+            num_attached += np.bincount(owner[rows], is_attached, num_objects)
+            num_pairs += has_tracks
+    return ObjectEvidence(
+        num_observations=num_observations.astype(np.int64),
+        test=test / np.maximum(num_observations, 1),
+        num_contour=num_contour / np.maximum(num_pairs, 1),
+        attached=np.where(num_contour > 0, num_attached / np.maximum(num_contour, 1), 1.0),
+    )
+
+
+def _labels_at(labels: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Return the label of the pixel nearest to each of the points (N, 2), int64 (N,)."""
+    column, row = np.rint(points).astype(np.intp).T
+    height, width = labels.shape
+    return labels[np.clip(row, 0, height - 1), np.clip(column, 0, width - 1)].astype(np.int64)
+
+
+def _compare_depths(points, owner, inside, parallax, noise, params) -> tuple[np.ndarray, np.ndarray]:
+    """Return the tracks inside an object that have some of the background near them, and which may lie at their depth.
+
+    The result is int (C,) and bool (C,).
+    """
+    inner, outer = np.flatnonzero(inside), np.flatnonzero(owner == 0)
+    if not len(inner) or not len(outer):
+        return inner[:0], np.zeros(0, bool)
+    near = cKDTree(points[outer]).query_ball_point(points[inner], params.contour_distance)
+    number = np.repeat(np.arange(len(inner)), [len(each) for each in near])
+    other = outer[np.concatenate(near).astype(np.intp)]
+    own = inner[number]
+    depth, depth_noise = parallax.inverse_depth, noise / parallax.reach
+    nearest = np.maximum(np.abs(depth[own]), np.abs(depth[other]))
+    tolerance = np.sqrt((params.depth_slack * nearest) ** 2 + depth_noise[own] ** 2 + depth_noise[other] ** 2)
+    alike = np.bincount(number, np.abs(depth[own] - depth[other]) < tolerance, len(inner)) > 0
+    at_contour = np.bincount(number, minlength=len(inner)) > 0
+    return inner[at_contour], alike[at_contour]

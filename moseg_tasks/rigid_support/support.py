@@ -1,0 +1,46 @@
+"""Support of objects for being part of a rigid scene, from the evidence of their tracks."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from moseg.schemas.parameters import RigidSupportParams
+from moseg.tasks.rigid_support.object_evidence import ObjectEvidence
+
+
+def support_of_evidence(evidence: ObjectEvidence, params: RigidSupportParams, sensitivity: float) -> np.ndarray:
+    """Return whether each object is part of the rigid scene, float64 (K,): 1 = it is, 0 = it is not, NaN = open.
+
+    An object that no rigid scene explains moves. What a rigid scene explains is static if it touches other things, at
+    their depth, and if it has too few tracks to say: there is no evidence that it moves. But an object that stands free
+    on all sides may as well move parallel to the camera, so it stays open.
+
+    Parameters
+    ----------
+    evidence : ObjectEvidence
+    params : RigidSupportParams
+    sensitivity : float
+        Divisor of the evidence that a moving object needs.
+    """
+    is_known = evidence.num_observations >= params.min_observations / sensitivity
+    moves = is_known & (evidence.test > params.max_test / sensitivity)
+    stands_free = is_known & (evidence.num_contour >= params.min_contour) & (evidence.attached < params.min_attached)
+    support = np.where(moves, 0.0, np.where(stands_free, np.nan, 1.0))
+    support[0] = 1.0
+    return support
+
+
+def combine_sections(supports: Sequence[np.ndarray]) -> np.ndarray:
+    """Return each object's support over all sections, float64 (K,).
+
+    What moves in one section moves, also where it rests in another. What is open in one section and static in others is
+    static.
+
+    Parameters
+    ----------
+    supports : sequence of float64 (K,)
+        Of each section, 0..1; NaN for objects that are open or not in it.
+    """
+    stacked = np.stack(supports)
+    least = np.min(np.where(np.isnan(stacked), np.inf, stacked), axis=0)
+    return np.where(np.isinf(least), np.nan, least)

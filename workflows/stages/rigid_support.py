@@ -1,0 +1,89 @@
+"""Rigid support: support of a section's objects for being part of the rigid scene, from the dense tracks."""
+
+import numpy as np
+
+from moseg.schemas.arrays import layout
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.parameters import RigidityParams, RigidSupportParams
+from moseg.workflows.stages.moving_tracks import tracks_of
+from moseg.workflows.stages.stage import Stage
+from moseg.workflows.stages.task import Output, Task
+
+NOISE_PARAMS = frozenset({"noise", "noise_share"})
+"""Parameters of rigidity that it reads: the noise of displacements."""
+
+
+def _run_masks(params, inputs, rng):
+    from moseg.tasks.geometry.camera_motion import CameraMotion
+    from moseg.tasks.rigid_support import measure_objects, support_of_evidence
+
+    identity, num_objects = _identities(params, inputs)
+    labels = identity[inputs["proposals"].array("masks")]
+    points, visible = tracks_of(inputs)
+    rigidity, start = inputs["rigidity"], params["start"]
+    pairs = rigidity.array("pairs")
+    in_section = np.flatnonzero(pairs[:, 0] >= start)
+    found, focal = rigidity.attributes["cameras"], rigidity.attributes["focal"] * max(labels.shape[1:])
+    cameras = [
+        CameraMotion(np.array(found[i]["rotation"]), np.array(found[i]["translation"]), focal) for i in in_section
+    ]
+    support_params = RigidSupportParams.of_recipe(params["rigid_support"])
+    evidence = measure_objects(
+        labels,
+        num_objects,
+        points[:, start:],
+        visible[:, start:],
+        pairs[in_section] - [start, 0],
+        cameras,
+        rigidity.array("strict_test")[in_section],
+        support_params,
+        RigidityParams.of_recipe(params["rigidity"]),
+    )
+    support = support_of_evidence(evidence, support_params, params["sensitivity"])
+    support[np.setdiff1d(np.arange(num_objects), identity)] = np.nan
+    return Output({"support": support}, {name: values.tolist() for name, values in evidence._asdict().items()})
+
+
+def _run_tracks(params, inputs, rng):
+    identity, num_objects = _identities(params, inputs)
+    proposed = np.array(inputs["proposals"].attributes["candidates"], np.int64) - 1
+    support = np.full(num_objects, np.nan)
+    support[identity[: len(proposed) + 1]] = [1.0, *~inputs["track_objects"].array("is_moving")[proposed]]
+    return Output({"support": support})
+
+
+def _identities(params, inputs) -> tuple[np.ndarray, int]:
+    """Return the object of the sequence of each object of the section, and the number of those."""
+    return inputs["linking"].cached("identity")[params["section"]], inputs["linking"].attributes["num_objects"]
+
+
+def _mask_params(config: PipelineConfig, section: int, start: int) -> dict:
+    return {
+        "section": section,
+        "start": start,
+        "sensitivity": config.track_objects.sensitivity,
+        "rigid_support": config.rigid_support.model_dump(mode="json", exclude={"use"}),
+        "rigidity": config.rigidity.model_dump(mode="json", include=NOISE_PARAMS),
+    }
+
+
+def _track_params(config: PipelineConfig, section: int) -> dict:
+    return {"section": section}
+
+
+BY_MASKS = Task("rigid_support", "masks", version=1, run=_run_masks, params=_mask_params)
+BY_TRACK_OBJECTS = Task("rigid_support", "track-objects", version=1, run=_run_tracks, params=_track_params)
+
+STAGE = Stage(
+    name="rigid_support",
+    about="support of a section's objects for being part of the rigid scene",
+    inputs={
+        "proposals": "objects of the section",
+        "linking": "identities of its objects",
+        "dense_tracks": "tracks of the section's window (masks)",
+        "rigidity": "their deviation from a rigid scene (masks)",
+        "track_objects": "objects of these tracks (track-objects)",
+    },
+    arrays={"support": layout("float64", "object", "1 = static, 0 = moves, NaN = open or not in the section")},
+    tasks=(BY_MASKS, BY_TRACK_OBJECTS),
+)
