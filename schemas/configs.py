@@ -49,6 +49,7 @@ from moseg.schemas.parameters import (
     TrackMaskParams,
     TrackObjectParams,
     TrackParams,
+    TrackSurfaceParams,
     TrackWindowParams,
     TrajectoryClusteringParams,
 )
@@ -134,6 +135,7 @@ class PipelineConfig(Frozen):
     track_groups: TrackGroupParams = TrackGroupParams()
     track_objects: TrackObjectParams = TrackObjectParams()
     track_masks: TrackMaskParams = TrackMaskParams()
+    track_surfaces: TrackSurfaceParams = TrackSurfaceParams()
     linking: LinkingParams = LinkingParams()
     rigid_support: RigidSupportParams = RigidSupportParams()
     tracks: TrackParams = TrackParams()

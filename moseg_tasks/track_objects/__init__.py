@@ -5,6 +5,7 @@ from moseg.tasks.track_objects.field import PairEvidence, couple_tracks, mean_fi
 from moseg.tasks.track_objects.groups import TrackGroups, group_tracks
 from moseg.tasks.track_objects.objects import TrackObjects, judge_objects
 from moseg.tasks.track_objects.regroup import regroup_candidates
+from moseg.tasks.track_objects.surfaces import find_surfaces
 
 __all__ = [
     "PairEvidence",
@@ -12,6 +13,7 @@ __all__ = [
     "TrackObjects",
     "couple_tracks",
     "find_candidates",
+    "find_surfaces",
     "group_tracks",
     "judge_objects",
     "mean_field",

@@ -39,6 +39,7 @@ from moseg.schemas.parameters.track_objects import (
     TrackGroupParams,
     TrackObjectParams,
 )
+from moseg.schemas.parameters.track_surfaces import TrackSurfaceParams
 from moseg.schemas.parameters.track_window import TrackWindowParams
 from moseg.schemas.parameters.tracks import TrackParams
 from moseg.schemas.parameters.trajectories import (
@@ -97,6 +98,7 @@ __all__ = [
     "TrackMaskParams",
     "TrackObjectParams",
     "TrackParams",
+    "TrackSurfaceParams",
     "TrackWindowParams",
     "TrajectoryClusteringParams",
 ]

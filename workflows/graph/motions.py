@@ -71,8 +71,7 @@ class Motions:
         objects, window = self._objects, self._objects.track_proposals
         inputs = {"proposals": objects.proposals(index), "linking": objects.linking()}
         if objects.source_of(index) == "tracks":
-            inputs["track_objects"] = window.objects(index)
-            return self._nodes.add("rigid_support", inputs, "track-objects", section=index)
+            return self._nodes.add("rigid_support", inputs, "tracks", section=index)
         inputs |= {"dense_tracks": window.dense_tracks(index), "rigidity": window.rigidity(index)}
         return self._nodes.add("rigid_support", inputs, "masks", section=index, start=window.first_row(index))
 

@@ -65,6 +65,12 @@ class TrackProposals:
         groups = {"track_groups": self._nodes.add("track_groups", {**tracks, **moving})}
         return self._nodes.add("track_objects", {**tracks, **rigidity, **moving, **groups})
 
+    @cached_method
+    def surfaces(self, index: int) -> str:
+        """Return the reference of the surfaces of these tracks that stand above the ground."""
+        inputs = {"dense_tracks": self.dense_tracks(index), "rigidity": self.rigidity(index)}
+        return self._nodes.add("track_surfaces", inputs, shape=self._leaves.shape)
+
     def proposals(self, index: int) -> str:
         """Return the reference of the masks of these objects, from the section's start to the end of the window."""
         start, last = self._sections[index].start, self.window(index).last
@@ -72,6 +78,7 @@ class TrackProposals:
             "frames": self._leaves.frames[start:last],
             "dense_tracks": self.dense_tracks(index),
             "track_objects": self.objects(index),
+            "track_surfaces": self.surfaces(index),
             "flow_next": tuple(self._cues.flow(frame, frame + 1) for frame in range(start, last - 1)),
             "flow_previous": self._cues.flow(last - 1, last - 2),
         }

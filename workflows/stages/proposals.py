@@ -6,11 +6,12 @@ import numpy as np
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import MOTION_SOURCES, PipelineConfig
-from moseg.schemas.parameters import DeaotParams, RefinementParams, Sam2Params, TrackMaskParams
+from moseg.schemas.parameters import DeaotParams, RefinementParams, Sam2Params, TrackMaskParams, TrackSurfaceParams
 from moseg.workflows.stages.components import join_rows
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
 from moseg.workflows.stages.task import Network, Output, Task
+from moseg.workflows.stages.track_surfaces import MASK_PARAMS
 
 
 def _run_saliency(params, inputs, rng):
@@ -34,27 +35,36 @@ def _run_saliency(params, inputs, rng):
 def _run_tracks(params, inputs, rng):
     from moseg.tasks.flow.fill_unknown import fill_unknown
     from moseg.tasks.proposals.boxes import object_boxes
+    from moseg.tasks.proposals.surface_masks import surface_masks
     from moseg.tasks.proposals.track_masks import number_seen, track_masks
 
     tracks, found = inputs["dense_tracks"], inputs["track_objects"]
-    is_moving = found.array("is_moving")
-    moving = np.concatenate([[0], np.where(is_moving, np.cumsum(is_moving), 0)]).astype(np.uint16)
+    points, visible, objects = tracks.array("points"), tracks.array("visible"), found.array("object")
+    is_moving = np.concatenate([[False], found.array("is_moving")])
     frames = (frame.cached("image") for frame in inputs.all("frames"))
     masks = track_masks(
         frames,
         (fill_unknown(flow) for flow in _flows_to_next(inputs)),
-        tracks.array("points"),
-        tracks.array("visible"),
-        moving[found.array("object")],
+        points,
+        visible,
+        np.where(is_moving[objects], objects, 0).astype(np.uint16),
         params["start"],
         TrackMaskParams.of_recipe(params["track_masks"]),
     )
+    # What has too little evidence to move is a candidate too, and what merely stands above the ground.
+    surface = inputs["track_surfaces"].array("surface")
+    still = np.where(objects > 0, objects, np.where(surface > 0, len(is_moving) - 1 + surface, 0)).astype(np.uint16)
+    still[is_moving[objects]] = 0
+    frame_range = range(params["start"], params["start"] + len(masks))
+    surface_params = TrackSurfaceParams.of_recipe(params["track_surfaces"])
+    behind = surface_masks(masks.shape[1:], points, visible, still, frame_range, surface_params)
+    masks = np.where(masks > 0, masks, behind)
     masks, seen = number_seen(masks)
-    candidates = np.flatnonzero(is_moving)[seen - 1] + 1
-    scores = found.array("scores")[candidates - 1]
+    is_object = seen < len(is_moving)
+    scores = np.where(is_object, np.concatenate([[0.0], found.array("scores")])[np.where(is_object, seen, 0)], 0.0)
     return Output(
         {"masks": masks, "scores": scores, "boxes": object_boxes(masks, len(scores))},
-        {"candidates": candidates.tolist()},
+        {"candidates": seen.tolist(), "is_moving": [bool(is_moving[each]) for each in np.where(is_object, seen, 0)]},
     )
 
 
@@ -124,7 +134,11 @@ def _saliency_params(config: PipelineConfig) -> dict:
 
 
 def _track_params(config: PipelineConfig, start: int) -> dict:
-    return {"start": start, "track_masks": config.track_masks.model_dump(mode="json")}
+    return {
+        "start": start,
+        "track_masks": config.track_masks.model_dump(mode="json"),
+        "track_surfaces": config.track_surfaces.model_dump(mode="json", include=MASK_PARAMS),
+    }
 
 
 def _given_params(config: PipelineConfig, start: int, stop: int, shape: tuple[int, int], void: int | None) -> dict:
@@ -150,7 +164,7 @@ def _method(config: PipelineConfig) -> str:
 
 
 SALIENCY = Task("proposals", "saliency", version=2, run=_run_saliency, params=_saliency_params)
-DENSE_TRACKS = Task("proposals", "tracks", version=1, run=_run_tracks, params=_track_params)
+DENSE_TRACKS = Task("proposals", "tracks", version=2, run=_run_tracks, params=_track_params)
 GIVEN_MASKS = Task("proposals", "given", version=1, run=_run_given, params=_given_params)
 DEAOT = Task(
     "proposals",
@@ -178,6 +192,7 @@ STAGE = Stage(
         "foreground": "probability to move, of every section with a frame of this one (saliency)",
         "dense_tracks": "tracks of the section's window (tracks)",
         "track_objects": "objects of these tracks (tracks)",
+        "track_surfaces": "surfaces of these tracks that may be static (tracks)",
         "flow_next": "flow from each of the frames but the last to the next (tracks)",
         "flow_previous": "flow from the last frame to the one before it (tracks)",
         "seeds": "objects that tracking starts with (trackers)",

@@ -44,6 +44,7 @@ from moseg.workflows.stages import (
     tags,
     track_groups,
     track_objects,
+    track_surfaces,
     tracks,
     trajectory_clustering,
 )
@@ -57,7 +58,7 @@ STAGES: dict[str, Stage] = {
         scene_parallax,
         *(flow, background, saliency, consistency, accumulation, own_motion, coherence),
         *(appearance, foreground, components),
-        *(dense_tracks, rigidity, moving_tracks, track_groups, track_objects),
+        *(dense_tracks, rigidity, moving_tracks, track_groups, track_objects, track_surfaces),
         *(proposals, linking, rigid_support),
         *(depth, tracks, fundamental, fundamental_residual, flow_model, flow_residual, object_hypotheses),
         *(affinity, clustering, segmentation),

@@ -6,6 +6,7 @@ from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import RigidityParams, RigidSupportParams
 from moseg.workflows.stages.moving_tracks import tracks_of
+from moseg.workflows.stages.rigidity import cameras_of
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -14,7 +15,6 @@ NOISE_PARAMS = frozenset({"noise", "noise_share"})
 
 
 def _run_masks(params, inputs, rng):
-    from moseg.tasks.geometry.camera_motion import CameraMotion
     from moseg.tasks.rigid_support import measure_objects, support_of_evidence
 
     identity, num_objects = _identities(params, inputs)
@@ -23,10 +23,7 @@ def _run_masks(params, inputs, rng):
     rigidity, start = inputs["rigidity"], params["start"]
     pairs = rigidity.array("pairs")
     in_section = np.flatnonzero(pairs[:, 0] >= start)
-    found, focal = rigidity.attributes["cameras"], rigidity.attributes["focal"] * max(labels.shape[1:])
-    cameras = [
-        CameraMotion(np.array(found[i]["rotation"]), np.array(found[i]["translation"]), focal) for i in in_section
-    ]
+    cameras = cameras_of(rigidity, labels.shape[1:])
     support_params = RigidSupportParams.of_recipe(params["rigid_support"])
     evidence = measure_objects(
         labels,
@@ -34,7 +31,7 @@ def _run_masks(params, inputs, rng):
         points[:, start:],
         visible[:, start:],
         pairs[in_section] - [start, 0],
-        cameras,
+        [cameras[index] for index in in_section],
         rigidity.array("strict_test")[in_section],
         support_params,
         RigidityParams.of_recipe(params["rigidity"]),
@@ -46,9 +43,9 @@ def _run_masks(params, inputs, rng):
 
 def _run_tracks(params, inputs, rng):
     identity, num_objects = _identities(params, inputs)
-    proposed = np.array(inputs["proposals"].attributes["candidates"], np.int64) - 1
+    is_moving = inputs["proposals"].attributes["is_moving"]
     support = np.full(num_objects, np.nan)
-    support[identity[: len(proposed) + 1]] = [1.0, *~inputs["track_objects"].array("is_moving")[proposed]]
+    support[identity[: len(is_moving) + 1]] = [1.0, *(0.0 if moves else 1.0 for moves in is_moving)]
     return Output({"support": support})
 
 
@@ -72,7 +69,7 @@ def _track_params(config: PipelineConfig, section: int) -> dict:
 
 
 BY_MASKS = Task("rigid_support", "masks", version=1, run=_run_masks, params=_mask_params)
-BY_TRACK_OBJECTS = Task("rigid_support", "track-objects", version=1, run=_run_tracks, params=_track_params)
+BY_TRACKS = Task("rigid_support", "tracks", version=1, run=_run_tracks, params=_track_params)
 
 STAGE = Stage(
     name="rigid_support",
@@ -82,8 +79,7 @@ STAGE = Stage(
         "linking": "identities of its objects",
         "dense_tracks": "tracks of the section's window (masks)",
         "rigidity": "their deviation from a rigid scene (masks)",
-        "track_objects": "objects of these tracks (track-objects)",
     },
     arrays={"support": layout("float64", "object", "1 = static, 0 = moves, NaN = open or not in the section")},
-    tasks=(BY_MASKS, BY_TRACK_OBJECTS),
+    tasks=(BY_MASKS, BY_TRACKS),
 )

@@ -1,8 +1,11 @@
 """Rigidity: deviation of each dense track from a rigid scene, over frame pairs."""
 
+import numpy as np
+
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import RigidityParams
+from moseg.workflows.stages.inputs import ArtifactView
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -25,6 +28,25 @@ def _run(params, inputs, rng):
     result = estimate_rigidity(frames, points, visible, RigidityParams.of_recipe(params), depth_of)
     arrays = {name: getattr(result, name) for name in ("pairs", *TRACK_EVIDENCE)}
     return Output(arrays, {"focal": result.focal, "cameras": [_camera(pair) for pair in result.evidence]})
+
+
+def cameras_of(rigidity: ArtifactView, shape: tuple[int, int]) -> list:
+    """Return the camera's motion in each pair of a rigidity artifact, a list of `CameraMotion`."""
+    from moseg.tasks.geometry.camera_motion import CameraMotion
+
+    attributes = rigidity.attributes
+    focal = attributes["focal"] * max(shape)
+    return [
+        CameraMotion(np.array(pair["rotation"]), np.array(pair["translation"]), focal) for pair in attributes["cameras"]
+    ]
+
+
+def grounds_of(rigidity: ArtifactView) -> list:
+    """Return the ground seen in each pair of a rigidity artifact, a list of `Ground`, or None where none was."""
+    from moseg.tasks.rigidity.ground import Ground
+
+    grounds = (pair["ground"] for pair in rigidity.attributes["cameras"])
+    return [ground and Ground(np.array(ground["slope"]), np.array(ground["epipole"])) for ground in grounds]
 
 
 def _camera(pair) -> dict:
