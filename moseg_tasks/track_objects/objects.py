@@ -7,6 +7,7 @@ import numpy as np
 from moseg.schemas.parameters import TrackObjectParams
 from moseg.tasks.track_objects.field import PairEvidence
 from moseg.tasks.track_objects.score import score_groups
+from moseg.tasks.track_objects.wholeness import complete_objects
 
 
 class TrackObjects(NamedTuple):
@@ -23,6 +24,8 @@ class TrackObjects(NamedTuple):
         See `GroupScores`.
     best_part : float64 (object,)
         Highest score of the object's part in one candidate.
+    on_surface : float64 (object,)
+        See `WholeObjects`.
     """
 
     object: np.ndarray
@@ -33,12 +36,20 @@ class TrackObjects(NamedTuple):
     num_tracks: np.ndarray
     num_observations: np.ndarray
     best_part: np.ndarray
+    on_surface: np.ndarray
 
 
 def judge_objects(
-    group: np.ndarray, candidate: np.ndarray, visible: np.ndarray, evidence: PairEvidence, params: TrackObjectParams
+    group: np.ndarray,
+    candidate: np.ndarray,
+    surface: np.ndarray,
+    visible: np.ndarray,
+    evidence: PairEvidence,
+    params: TrackObjectParams,
 ) -> TrackObjects:
     """Decide which groups of tracks move, by an absolute measure of evidence: in a static scene none does.
+
+    The evidence is that of the groups as given; then each takes the rest of its surfaces.
 
     Parameters
     ----------
@@ -46,6 +57,8 @@ def judge_objects(
         As `regroup_candidates` returns it.
     candidate : uint16 (track,)
         0 = none. Parts of several candidates with little evidence each are no object, whatever their sum.
+    surface : integer (track,)
+        0 = none. What lies on no surface needs more evidence: slips of the tracker are scattered.
     visible : bool (track, frame)
     evidence : PairEvidence
     params : TrackObjectParams
@@ -65,15 +78,18 @@ def judge_objects(
     best_part = np.full(count, -np.inf)
     np.maximum.at(best_part, part[part >= 0] // stride, scores[part >= 0])
     large = (found.num_tracks >= params.min_tracks) & (found.num_observations >= params.min_observations)
+    whole = complete_objects(group, surface, params)
+    is_scattered = whole.on_surface < params.min_on_surface
     min_score, min_test = params.min_score / params.sensitivity, params.min_test / params.sensitivity
+    needed = np.where(is_scattered, params.min_scattered_score / params.sensitivity, min_score)
     relative = params.min_ratio / params.sensitivity * found.score.max(initial=0)
-    enough = (found.score >= max(min_score, relative)) & (found.test >= min_test)
+    enough = (found.score >= np.maximum(needed, relative)) & (found.test >= min_test)
     is_moving = large & enough & (best_part >= params.min_part * min_score)
     order = np.argsort(-found.score, kind="stable")
     number = np.zeros(count + 1, np.uint16)
     number[order] = np.arange(1, count + 1)
     return TrackObjects(
-        object=number[group],
+        object=number[whole.group],
         is_moving=is_moving[order],
         score=found.score[order],
         strength=found.strength[order],
@@ -81,4 +97,5 @@ def judge_objects(
         num_tracks=found.num_tracks[order],
         num_observations=found.num_observations[order],
         best_part=best_part[order],
+        on_surface=whole.on_surface[order],
     )

@@ -74,7 +74,7 @@ def find_surfaces(
     joined = _agreeing(np.concatenate(edges, axis=1), num_tracks)[standing][:, standing]
     count, component = connected_components(joined, directed=False)
     size = np.bincount(component, minlength=count)
-    kept = np.argsort(-size, kind="stable")[: params.num_surfaces]
+    kept = np.argsort(-size, kind="stable")
     kept = kept[size[kept] >= params.min_tracks]
     number = np.zeros(count, np.uint16)
     number[kept] = np.arange(1, len(kept) + 1)

@@ -14,7 +14,7 @@ class TrackSurfaceParams(Frozen):
     num_surfaces: Annotated[int, Unit.COUNT] = Field(
         16, ge=0, description="largest number of surfaces of a section that are proposed; 0 proposes none"
     )
-    min_tracks: Annotated[int, Unit.COUNT] = Field(12, ge=1, description="smallest number of tracks of a surface")
+    min_tracks: Annotated[int, Unit.COUNT] = Field(6, ge=1, description="smallest number of tracks of a surface")
     num_neighbours: Annotated[int, Unit.COUNT] = Field(
         4, ge=1, description="nearest tracks in a frame that are compared with a track"
     )

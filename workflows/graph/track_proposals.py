@@ -63,7 +63,8 @@ class TrackProposals:
         rigidity = {"rigidity": self.rigidity(index)}
         moving = {"moving_tracks": self._nodes.add("moving_tracks", {**tracks, **rigidity})}
         groups = {"track_groups": self._nodes.add("track_groups", {**tracks, **moving})}
-        return self._nodes.add("track_objects", {**tracks, **rigidity, **moving, **groups})
+        surfaces = {"track_surfaces": self.surfaces(index)}
+        return self._nodes.add("track_objects", {**tracks, **rigidity, **moving, **groups, **surfaces})
 
     @cached_method
     def surfaces(self, index: int) -> str:

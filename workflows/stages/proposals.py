@@ -52,11 +52,14 @@ def _run_tracks(params, inputs, rng):
         TrackMaskParams.of_recipe(params["track_masks"]),
     )
     # What has too little evidence to move is a candidate too, and what merely stands above the ground.
-    surface = inputs["track_surfaces"].array("surface")
+    surface, surface_params = (
+        inputs["track_surfaces"].array("surface"),
+        TrackSurfaceParams.of_recipe(params["track_surfaces"]),
+    )
+    surface = np.where(surface <= surface_params.num_surfaces, surface, 0)
     still = np.where(objects > 0, objects, np.where(surface > 0, len(is_moving) - 1 + surface, 0)).astype(np.uint16)
     still[is_moving[objects]] = 0
     frame_range = range(params["start"], params["start"] + len(masks))
-    surface_params = TrackSurfaceParams.of_recipe(params["track_surfaces"])
     behind = surface_masks(masks.shape[1:], points, visible, still, frame_range, surface_params)
     masks = np.where(masks > 0, masks, behind)
     masks, seen = number_seen(masks)

@@ -58,7 +58,7 @@ STAGES: dict[str, Stage] = {
         scene_parallax,
         *(flow, background, saliency, consistency, accumulation, own_motion, coherence),
         *(appearance, foreground, components),
-        *(dense_tracks, rigidity, moving_tracks, track_groups, track_objects, track_surfaces),
+        *(dense_tracks, rigidity, moving_tracks, track_surfaces, track_groups, track_objects),
         *(proposals, linking, rigid_support),
         *(depth, tracks, fundamental, fundamental_residual, flow_model, flow_residual, object_hypotheses),
         *(affinity, clustering, segmentation),

@@ -16,9 +16,10 @@ def _run(params, inputs, rng):
     object_params = TrackObjectParams.of_recipe(params["objects"])
     join = CandidateParams.of_recipe(params["candidates"])
     group = regroup_candidates(*tracks, candidate, groups, join, object_params.regroup)
-    found = judge_objects(group, candidate, tracks[1], evidence_of(inputs), object_params)
+    surface = inputs["track_surfaces"].array("surface")
+    found = judge_objects(group, candidate, surface, tracks[1], evidence_of(inputs), object_params)
     # The reasons for the decision.
-    reasons = ("strength", "test", "num_tracks", "num_observations", "best_part")
+    reasons = ("strength", "test", "num_tracks", "num_observations", "best_part", "on_surface")
     return Output(
         {"object": found.object, "is_moving": found.is_moving, "scores": found.score},
         {name: getattr(found, name).tolist() for name in reasons},
@@ -32,7 +33,7 @@ def _params(config: PipelineConfig) -> dict:
     }
 
 
-ABSOLUTE_EVIDENCE = Task("track_objects", "absolute-evidence", version=1, run=_run, params=_params)
+ABSOLUTE_EVIDENCE = Task("track_objects", "absolute-evidence", version=2, run=_run, params=_params)
 
 STAGE = Stage(
     name="track_objects",
@@ -42,6 +43,7 @@ STAGE = Stage(
         "rigidity": "their deviation from a rigid scene",
         "moving_tracks": "candidates for moving objects",
         "track_groups": "motion groups of a sample of the tracks",
+        "track_surfaces": "surfaces of the tracks that stand above the ground",
     },
     arrays={
         "object": layout("uint16", "track", "object, moving or not, 0 = background"),

@@ -12,8 +12,8 @@ from moseg.workflows.stages.task import Output, Task
 
 READ_RIGIDITY = frozenset({"noise", "noise_share", "contact_parallax"})
 """Parameters of rigidity that it reads."""
-MASK_PARAMS = frozenset({"mask_radius"})
-"""Parameters that the masks of the surfaces read."""
+MASK_PARAMS = frozenset({"num_surfaces", "mask_radius"})
+"""Parameters of the surfaces that are proposed."""
 
 
 def _run(params, inputs, rng):
