@@ -254,7 +254,7 @@ def segment_walk(walk, tmp_path_factory):
 def test_saliencys_false_objects_are_dropped_by_fused_alone(segment_walk):
     found, page, store = segment_walk()
     assert found == []
-    assert "(a rigid scene explains it)" in page
+    assert "(a rigid scene explains it)" in page and "objects that a rigid scene explains, and of those" in page
     (ref,) = store.refs("rigid_support")
     support = store.read(ref, "support")
     assert len(support) > 1 and (support == 1).all()
