@@ -176,7 +176,7 @@ class _Inputs(dict):
 def _masked(left=1, right=2):
     """Return the inputs of section 1, which begins in row 2 of its window: objects 1 and 2 lie left and right.
 
-    They are objects 3 and 1 of the sequence. Before the section their tracks are elsewhere.
+    They are objects 3 and 1 of the sequence. Before the section their tracks are elsewhere, with other tests.
     """
     rows, columns = np.mgrid[5:60:6, 2:78:6].reshape(2, -1)
     here = np.stack([columns, rows], axis=1).astype(np.float32)
@@ -184,13 +184,14 @@ def _masked(left=1, right=2):
     masks = np.zeros((5, 64, 80), np.uint16)
     masks[:, 20:40, 10:30], masks[:, 20:40, 50:70] = left, right
     pairs = np.array([(first, 2) for first in range(5)], np.int32)
-    test = np.where(columns < 40, 1.5, 0.0).astype(np.float16)
+    test = np.tile(np.where(columns < 40, 1.5, 0.0), (5, 1)).astype(np.float16)
+    test[:2] = 3.0
     camera = {"rotation": np.eye(3).tolist(), "translation": [-1.0, 0.0, 0.0]}
     return _Inputs(
         proposals={"masks": masks},
         linking={"identity": np.array([[0, 1, 2], [0, 3, 1]], np.uint16), "num_objects": 4},
         dense_tracks={"points": points, "visible": np.ones(points.shape[:2], bool)},
-        rigidity={"pairs": pairs, "strict_test": np.tile(test, (5, 1)), "focal": 0.8, "cameras": [camera] * 5},
+        rigidity={"pairs": pairs, "strict_test": test, "focal": 0.8, "cameras": [camera] * 5},
     )
 
 
@@ -204,7 +205,8 @@ def test_masks_are_compared_in_the_frames_of_their_section_by_the_objects_of_the
     support, attributes = _compute(BY_MASKS, _masked(), section=1, start=2)
     # Object 2 is not in the section.
     np.testing.assert_array_equal(support, [1, 1, np.nan, 0])
-    assert attributes["num_observations"][2] == 0 < attributes["num_observations"][3]
+    # Nine tracks, in each of three pairs.
+    assert attributes["num_observations"][2:] == [0, 27]
     assert attributes["test"][1] == 0 and attributes["test"][3] == 1.5
 
 
