@@ -176,7 +176,7 @@ class _Inputs(dict):
 def _masked(left=1, right=2):
     """Return the inputs of section 1, which begins in row 2 of its window: objects 1 and 2 lie left and right.
 
-    They are objects 3 and 1 of the sequence. Before the section their tracks are elsewhere, with other tests.
+    They are objects 3 and 1 of the sequence. Before the section their tracks are elsewhere or hidden, with other tests.
     """
     rows, columns = np.mgrid[5:60:6, 2:78:6].reshape(2, -1)
     here = np.stack([columns, rows], axis=1).astype(np.float32)
@@ -186,11 +186,13 @@ def _masked(left=1, right=2):
     pairs = np.array([(first, 2) for first in range(5)], np.int32)
     test = np.tile(np.where(columns < 40, 1.5, 0.0), (5, 1)).astype(np.float16)
     test[:2] = 3.0
+    visible = np.ones(points.shape[:2], bool)
+    visible[:, 0] = False
     camera = {"rotation": np.eye(3).tolist(), "translation": [-1.0, 0.0, 0.0]}
     return _Inputs(
         proposals={"masks": masks},
         linking={"identity": np.array([[0, 1, 2], [0, 3, 1]], np.uint16), "num_objects": 4},
-        dense_tracks={"points": points, "visible": np.ones(points.shape[:2], bool)},
+        dense_tracks={"points": points, "visible": visible},
         rigidity={"pairs": pairs, "strict_test": test, "focal": 0.8, "cameras": [camera] * 5},
     )
 
