@@ -31,7 +31,10 @@ PARTS = {
         *("dense_tracks", "rigidity", "moving_tracks", "track_groups", "track_objects"),
     ),
     "objects": ("tags", "detections", "instances", "seeds", "proposals", "linking", "tracks"),
-    "motions": ("fundamental", "fundamental_residual", "flow_model", "flow_residual", "affinity", "clustering"),
+    "motions": (
+        *("fundamental", "fundamental_residual", "flow_model", "flow_residual", "affinity"),
+        *("rigid_support", "clustering"),
+    ),
     "results": ("segmentation", "score"),
 }
 """Stages by part; the part sets the colour of a box."""

@@ -66,7 +66,7 @@ def cluster_motions(
         ``fill_unknown``).
     num_motions : int, optional
         Number of motions including the background's, reduced to that of the objects, or with `is_static` to that of
-        the moving ones and the background, if larger. None: it is found by `params.auto`.
+        the moving ones and the background, if larger. 1: nothing moves. None: it is found by `params.auto`.
         ``threshold`` merges groups of the fused kernel while they are alike, and can return 1; it needs affinities with
         a scale, which those of ORK do not have. ``eigengap`` needs no scale, but rarely returns 1. The other methods
         are those of ``count_motions``.
@@ -108,6 +108,9 @@ def cluster_motions(
         rank = np.argsort(order)
         count, scores = _count(objects, [section._replace(owner=rank[section.owner]) for section in tracks], rng)
     ordered, embedding = objects.group(count)
+    if num_motions == 1:
+        # The only motion is the background's, though some objects are known to move.
+        ordered = np.zeros_like(ordered)
     labels, coordinates = np.empty(len(order), np.int64), np.empty_like(embedding.coordinates)
     labels[order], coordinates[order] = ordered, embedding.coordinates
     motion = _background_first(labels)

@@ -107,14 +107,14 @@ class ClusteringParams(Frozen):
         0.5,
         gt=0,
         lt=1,
-        description="minimal affinity of two groups of one motion (threshold), and minimal support in every view for"
-        " a static object (agreement)",
+        description="minimal affinity of two groups of one motion (threshold), and minimal support for a static"
+        " object, in every view (agreement) or by a rigid scene",
     )
     static: Literal["auto", "agreement", "group"] = Field(
         "auto",
         description="static objects if the number of motions is found: those static in every view, or unknown to all"
         " (agreement), the background's group (group), or (auto) the first for proposals by motion saliency or"
-        " tracks and the second for all others",
+        " tracks and the second for all others; but with group no object is compared with a rigid scene",
     )
     co_regularisation: Annotated[float, Unit.RATIO] = Field(0.1, ge=0, description="lambda of Kumar et al. 2011")
     num_iterations: Annotated[int, Unit.COUNT] = Field(

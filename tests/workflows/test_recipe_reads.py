@@ -73,6 +73,7 @@ def _object_inputs() -> dict:
         "affinities": [_Artifact(arrays={"affinity": view, "static_support": view[0]}) for view in views],
         "tracks": [_Artifact(arrays=tracks)],
         "linking": _Artifact(arrays={"identity": np.arange(NUM_OBJECTS, dtype=np.uint16)[None]}),
+        "rigid_support": [_Artifact(arrays={"support": np.array([1.0, 0.0, 1.0, np.nan])})],
     }
 
 
@@ -84,6 +85,7 @@ CLUSTERINGS = list(
         _values(ClusteringParams, "static"),
         ("auto", "gt", 3),
         ("saliency", "groundtruth"),
+        ("always", "never"),
     )
 )
 
@@ -92,17 +94,20 @@ def test_clusterings_of_objects_read_what_their_recipes_name():
     frames = tuple(_ref("frame", number) for number in range(NUM_FRAMES))
     leaves = SequenceLeaves(name="toy", shape=(96, 96), frames=frames, num_motions=2, masks=_ref("masks", 0))
     inputs, done = _object_inputs(), set()
-    for fusion, grouping, auto, static, motions, source in CLUSTERINGS:
+    for fusion, grouping, auto, static, motions, source, use in CLUSTERINGS:
         values = {"fusion": fusion, "grouping": grouping, "auto": auto, "static": static, "motions": motions}
         values["count"] = {"most_motions": 3, "num_samples": 5, "num_resamples": 2, "affinity": {"num_hypotheses": 20}}
         for variant in (Variant.FUSED, Variant.OC):
-            graph = SequenceGraph(leaves, PipelineConfig(proposal_source=source, clustering=values))
+            config = PipelineConfig(proposal_source=source, clustering=values, rigid_support={"use": use})
+            graph = SequenceGraph(leaves, config)
             recipe = graph.recipes[graph.clustering(variant)]
-            if str(recipe.params) not in done:
-                done.add(str(recipe.params))
+            question = (str(recipe.params), *recipe.inputs)
+            if question not in done:
+                done.add(question)
                 views = inputs["affinities"][: len(recipe.inputs["affinities"])]
-                _run(recipe, inputs | {"affinities": views})
-    assert len(done) > 60
+                _run(recipe, {role: inputs[role] for role in recipe.inputs} | {"affinities": views})
+    assert len(done) > 100
+    assert sum("rigid_support" in question for question in done) > 40
 
 
 def test_clusterings_of_trajectories_read_what_their_recipes_name():
@@ -196,5 +201,9 @@ def test_a_stage_that_reads_more_is_found():
         version=1,
         params={"method": "motion-groups", "num_motions": None, "clustering": {"auto": "threshold", "static": "group"}},
     )
+    inputs = _object_inputs()
+    with pytest.raises(UnnamedParameterError, match="threshold"):
+        _run(recipe, inputs)
+    del inputs["rigid_support"]
     with pytest.raises(UnnamedParameterError, match="fusion"):
-        _run(recipe, _object_inputs())
+        _run(recipe, inputs)

@@ -49,17 +49,14 @@ def test_the_papers_geometry_keeps_the_papers_decision():
     assert _clustering(affinity=values["affinity"], **values["clustering"])["static"] == "group"
 
 
-class _View(dict):
+class _Artifact(dict):
     def array(self, name):
         return self[name]
 
 
-class _Views:
-    def __init__(self, *views):
-        self._views = [_View(view) for view in views]
-
+class _Inputs(dict):
     def all(self, role):
-        return self._views
+        return [_Artifact(each) for each in self[role]]
 
 
 @pytest.mark.parametrize(("static", "motion"), [("agreement", [0, 1]), ("group", [0, 0])])
@@ -69,5 +66,16 @@ def test_an_undecided_view_keeps_an_object_only_by_agreement(static, motion):
     badly_fitted = {"affinity": alike, "static_support": np.array([1.0, 0.01])}
     named = ClusteringParams(static=static).model_dump(exclude={"motions", "count"})
     params = {"num_motions": None, "clustering": named}
-    output = MOTION_GROUPS.run(params, _Views(blind, badly_fitted), np.random.default_rng(0))
+    output = MOTION_GROUPS.run(params, _Inputs(affinities=[blind, badly_fitted]), np.random.default_rng(0))
     assert output.arrays["motion"].tolist() == motion
+
+
+@pytest.mark.parametrize(("number", "motion"), [(None, [0, 1, 0, 1]), (2, [0, 1, 0, 1]), (1, [0, 0, 0, 0])])
+def test_a_rigid_scene_decides_before_the_views_whether_the_number_is_found_or_given(number, motion):
+    # The views take object 1 for static and 2 for moving; no section could compare object 3.
+    view = {"affinity": np.ones((4, 4)), "static_support": np.array([1.0, 1.0, 0.0, 0.0])}
+    sections = [{"support": np.array([1.0, *others, np.nan])} for others in ((1.0, 1.0), (0.0, np.nan))]
+    named = ClusteringParams(static="agreement").model_dump(exclude={"motions", "count"})
+    inputs = _Inputs(affinities=[view, view], rigid_support=sections)
+    params = {"num_motions": number, "clustering": named}
+    assert MOTION_GROUPS.run(params, inputs, np.random.default_rng(0)).arrays["motion"].tolist() == motion

@@ -15,7 +15,8 @@ from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 FOUND = {"track_objects", "proposals", "linking", "tracks"}
 CANDIDATES = {"moving_tracks", "track_groups"}
 END = {"fundamental", "fundamental_residual", "flow_model", "flow_residual", "affinity"}
-END |= {"clustering", "segmentation", "score"}
+LAST = {"clustering", "segmentation", "score"}
+END |= {"rigid_support", *LAST}
 
 
 def _refs(task, count):
@@ -86,6 +87,8 @@ def test_every_input_is_a_leaf_or_a_node():
         ({"track_field": {"coupling": 1.0}}, CANDIDATES | FOUND | END),
         ({"track_candidates": {"radius": 20.0}}, CANDIDATES | FOUND | END),
         ({"rigidity": {"noise": 0.4}}, {"rigidity"} | CANDIDATES | FOUND | END),
+        ({"rigid_support": {"use": "never"}}, LAST),
+        ({"rigid_support": {"max_test": 0.9}}, set()),
         ({"saliency": {"floor": 0.4}}, set()),
         ({"sections": {"length": 8, "overlap": 3}}, set()),
     ],

@@ -25,9 +25,10 @@ class MovingObject:
     static_support : mapping of str to float
         How well the background's motion explains the object, 0..1, under each motion model that has one (``trajs``,
         ``oc_depth`` …): ``exp(-d² / 2)``, with d the error of the background's model on the object beyond that of the
-        object's own model, in units of the tolerated error.
+        object's own model, in units of the tolerated error. ``rigid`` is 0 where no rigid scene explains the object; it
+        is absent where the object was not compared with one, and where that left open whether it moves.
     score : float or None
-        ``1 - min(static_support)``, 0..1: how clearly the object moves by the motion model that separates it best from
+        ``1 - min(static_support)``, 0..1: how clearly the object moves by the evidence that separates it best from
         the background. It is evidence, not a probability. With the default ``clustering.static`` an object is dropped
         as static where every model supports that, so a low score belongs to an object without a value under some
         model. None where no model has a value for the object, or none was used (variant ``base``).

@@ -96,11 +96,21 @@ class SequenceGraph:
             inputs["tracks"] = tuple(self.motions.tracks(index) for index in range(len(self._sections)))
             inputs["linking"] = self.objects.linking()
         place = {"num_views": len(views), "num_motions": None if num_motions == "auto" else num_motions}
-        supports = self.motions.rigid_supports() if variant == Variant.FUSED else ()
+        supports = self.rigid_supports(variant)
         if supports:
             inputs["rigid_support"] = supports
             place["has_rigid"] = True
         return self._nodes.add("clustering", inputs, **place)
+
+    def rigid_supports(self, variant: Variant) -> tuple[str, ...]:
+        """Return the references of the objects' rigid support that a variant's motion groups read.
+
+        Only the fused variant reads it, because the others show what one view alone can do; and not where the
+        configuration says that the background's group is static.
+        """
+        if variant != Variant.FUSED or self._config.clustering.static == "group":
+            return ()
+        return self.motions.rigid_supports()
 
     def cues(self) -> tuple[str, ...]:
         """Return the references of the tracks and of the forward flow, from which every motion model starts."""

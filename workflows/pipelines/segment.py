@@ -16,6 +16,7 @@ from moseg.workflows.pipelines.leaves import ingest_sequences
 from moseg.workflows.pipelines.purpose import SEGMENTATION, Purpose, make_subject
 from moseg.workflows.reports.panels import Panels
 from moseg.workflows.results.found_objects import read_found_objects
+from moseg.workflows.results.rigid_support import read_rigid_support
 from moseg.workflows.sources.resize import resize_labels
 
 Result = TypeVar("Result")
@@ -43,6 +44,8 @@ class StoredSegmentation(NamedTuple):
         The objects' affinity by motion model; empty for the variant that has none.
     residual_refs : dict of str to tuple of references
         Each section's residuals by motion model; empty where affinities come from hypotheses alone.
+    rigid_support : float64 (k,) or None
+        Support of each of `rows` for being part of the rigid scene, NaN if open; None if the variant reads none.
     choices : tuple of StretchChoice
         Source of the proposals of each stretch, where it was left to the camera's motion.
     """
@@ -58,6 +61,7 @@ class StoredSegmentation(NamedTuple):
     label_refs: tuple[str, ...]
     affinity_refs: dict[str, str]
     residual_refs: dict[str, tuple[str, ...]]
+    rigid_support: np.ndarray | None = None
     choices: tuple[StretchChoice, ...] = ()
 
     @property
@@ -125,6 +129,7 @@ def segment(
         if clustering is not None:
             affinities, residuals = _evidence(graphs[0], config, variant)
             sinks = (*sinks, clustering, *affinities.values(), *chain.from_iterable(residuals.values()))
+            sinks = (*sinks, *graphs[0].rigid_supports(variant))
         if panels is not None:
             sinks = (*sinks, *panels.sinks(graphs[0]))
         session.log.describe(make_subject(purpose, None, config, [variant], [(leaves, fps())]))
@@ -148,6 +153,7 @@ def segment(
             label_refs=graph.segmentations(variant),
             affinity_refs=affinities,
             residual_refs=residuals,
+            rigid_support=read_rigid_support(session.store, graph.rigid_supports(variant)),
             choices=graph.leaves.choices,
         )
         return use(result)

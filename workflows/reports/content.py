@@ -197,11 +197,14 @@ class GroupedObject(NamedTuple):
         Its motion group; 0 = static, with the background.
     colour : str or None
         Of its outline in the overlay, ``#rrggbb``; None where it has no outline.
+    reason : str
+        Why a rigid scene decided that it is static or moves; empty where it did not decide.
     """
 
     name: str
     motion: int
     colour: str | None = None
+    reason: str = ""
 
 
 class VariantPanel(NamedTuple):

@@ -13,6 +13,7 @@ from moseg.tasks.clustering.fusion import fill_unknown, fuse_kernels, unit_diago
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.reports.content import Matrix
 from moseg.workflows.reports.missing import Missing, collect_missing
+from moseg.workflows.results.rigid_support import read_rigid_support
 
 
 def object_matrices(
@@ -64,7 +65,7 @@ def matrix_refs(graph: SequenceGraph, config: PipelineConfig, variant: Variant) 
         if config.affinity.method != "hypotheses":
             refs.extend(graph.motions.residuals(view))
     clustering = graph.clustering(variant)
-    return tuple(refs if clustering is None else [*refs, clustering])
+    return tuple(refs if clustering is None else [*refs, clustering, *graph.rigid_supports(variant)])
 
 
 def mean_residuals(sections) -> np.ndarray:
@@ -84,7 +85,10 @@ def mean_residuals(sections) -> np.ndarray:
 
 
 def fused_kernel(
-    affinities: Sequence[np.ndarray], supports: Sequence[np.ndarray], params: ClusteringParams
+    affinities: Sequence[np.ndarray],
+    supports: Sequence[np.ndarray],
+    params: ClusteringParams,
+    rigid_support: np.ndarray | None = None,
 ) -> np.ndarray:
     """Return the kernel that `cluster_motions` makes of the views, float64 (K, K) without NaN.
 
@@ -93,13 +97,15 @@ def fused_kernel(
     affinities : sequence of float64 (K, K)
         Of each view; NaN where unknown.
     supports : sequence of float64 (K,)
-        Of each view for every object as static; read where `params.static` is ``agreement``.
+        Of each view for every object as static; read where `params.static` is ``agreement`` and with `rigid_support`.
     params : ClusteringParams
         As the clustering's recipe has them.
+    rigid_support : float64 (K,), optional
+        Of every object (``read_rigid_support``), if the clustering reads it.
     """
     views = fill_unknown([unit_diagonal(affinity) for affinity in affinities])
-    if params.static == "agreement":
-        views = set_apart(views, agreed_static(supports, params.threshold))
+    if params.static == "agreement" or rigid_support is not None:
+        views = set_apart(views, agreed_static(supports, params.threshold, rigid_support))
     return fuse_kernels(views, params.fusion)
 
 
@@ -117,14 +123,17 @@ def _clustered(store, graph, config, variant, labels) -> Matrix:
     views = config.views(variant)
     refs = [graph.motions.affinity(view) for view in views]
     params = clustering_params(graph, variant)
-    by_agreement = params.static == "agreement"
+    rigid_support = read_rigid_support(store, graph.rigid_supports(variant))
+    by_agreement = params.static == "agreement" or rigid_support is not None
     supports = [store.read(ref, "static_support") for ref in refs] if by_agreement else []
-    values = fused_kernel([store.read(ref, "affinity") for ref in refs], supports, params)
+    values = fused_kernel([store.read(ref, "affinity") for ref in refs], supports, params, rigid_support)
     mean = "geometric mean" if params.fusion == "product" else "arithmetic mean"
     named = " and ".join(map(_spell, views))
     description = f"The {mean} of the affinities of {named}" if len(views) > 1 else "The affinity"
     description += ", with a unit diagonal; values that no view has are filled in along chains of objects"
-    if by_agreement:
+    if rigid_support is not None:
+        description += ", and static objects are one group"
+    elif by_agreement:
         description += ", and objects that every view takes for static are one group"
     description += "; 1: the same motion."
     if len(views) > 1 and params.fusion == "coregularised":

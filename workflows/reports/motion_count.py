@@ -31,7 +31,9 @@ class FoundGroups(NamedTuple):
     num_views: int = 1
 
 
-def explain_objects(found: FoundGroups, params: ClusteringParams, scores: Sequence[float] = ()) -> str:
+def explain_objects(
+    found: FoundGroups, params: ClusteringParams, scores: Sequence[float] = (), *, has_rigid: bool = False
+) -> str:
     """Explain how the number of motions of a sequence's objects was chosen.
 
     Parameters
@@ -41,6 +43,8 @@ def explain_objects(found: FoundGroups, params: ClusteringParams, scores: Sequen
         As the clustering's recipe has them.
     scores : sequence of float
         Scores of 1, 2, ... groups, by which they were compared.
+    has_rigid : bool
+        Whether objects were compared with a rigid scene.
     """
     if found.num_asked is not None:
         return _explain_given(found, "objects, the background among them,")
@@ -55,7 +59,8 @@ def explain_objects(found: FoundGroups, params: ClusteringParams, scores: Sequen
         how = _explain_scores(params.auto, params.count, scores)
     if params.static == "agreement":
         by = f"by {params.threshold:g} or more"
-        how = how[:-1] + f"; objects that every view takes for static, {by}, are a group of their own"
+        explained = "that a rigid scene explains, and of those that it leaves open the ones " if has_rigid else ""
+        how = how[:-1] + f"; objects {explained}that every view takes for static, {by}, are a group of their own"
         how += ", whatever number of groups is asked for." if scores else "."
     return how
 

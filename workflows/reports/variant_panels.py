@@ -14,6 +14,7 @@ from moseg.workflows.reports.matrices import clustering_params, object_matrices
 from moseg.workflows.reports.missing import Missing, WhyAbsent, collect_missing, format_missing
 from moseg.workflows.reports.motion_count import FoundGroups, explain_objects, explain_tracks
 from moseg.workflows.results.found_objects import read_identities
+from moseg.workflows.results.rigid_support import read_rigid_support
 
 BACKGROUND = "background"
 MAX_TRACKS = 200
@@ -53,11 +54,13 @@ def variant_panel(
     with collect_missing(missing, "motion groups and eigenvalues"):
         found = store.attributes(clustering)
         groups = store.read(clustering, "motion").tolist()
-        objects = _group(names, groups) if names else ()
+        rigid_support = read_rigid_support(store, graph.rigid_supports(variant))
+        objects = _group(names, groups, rigid_support) if names else ()
         asked, num_found = graph.recipes[clustering].params["num_motions"], found["num_motions"]
         spectrum = store.read(clustering, "eigenvalues")
         counted = FoundGroups(config.clustering.motions, asked, num_found, len(groups), len(spectrum))
-        how = explain_objects(counted, clustering_params(graph, variant), found.get("scores", ()))
+        has_rigid = rigid_support is not None
+        how = explain_objects(counted, clustering_params(graph, variant), found.get("scores", ()), has_rigid=has_rigid)
         eigenvalues = EigenvaluePlot(_squeeze(spectrum), num_found, how)
     matrices = object_matrices(store, graph, config, variant, tuple(names.values()), missing)
     if config.affinity.method == "hypotheses":
@@ -117,12 +120,22 @@ def _object_names(store: ArtifactStore, graph: SequenceGraph) -> dict[int, str]:
     return {0: BACKGROUND} | {identity: f"{identity} {tags.get(identity, '')}".strip() for identity in identities}
 
 
-def _group(names: dict[int, str], groups: Iterable[int]) -> tuple[GroupedObject, ...]:
+def _group(
+    names: dict[int, str], groups: Iterable[int], rigid_support: np.ndarray | None = None
+) -> tuple[GroupedObject, ...]:
     colours = all_colours()
+    supports = np.full(len(names), np.nan) if rigid_support is None else rigid_support
     return tuple(
-        GroupedObject(name, group, as_hex(colours[identity]) if group else None)
-        for (identity, name), group in zip(names.items(), groups, strict=True)
+        GroupedObject(name, group, as_hex(colours[identity]) if group else None, _reason(support) if identity else "")
+        for (identity, name), group, support in zip(names.items(), groups, supports, strict=True)
     )
+
+
+def _reason(rigid_support: float) -> str:
+    """Return what the rigid support of an object says, or nothing if it is open."""
+    if np.isnan(rigid_support):
+        return ""
+    return "(a rigid scene explains it)" if rigid_support else "(no rigid scene explains it)"
 
 
 def _squeeze(spectrum: np.ndarray) -> np.ndarray:

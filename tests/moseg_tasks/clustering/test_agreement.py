@@ -41,6 +41,54 @@ def test_the_threshold_is_the_minimal_support_of_agreement():
     assert agreed_static([support], 0.5).tolist() == [True, True, False]
 
 
+def test_a_known_rigid_support_decides_alone_and_an_open_one_leaves_it_to_the_views():
+    blind, sees = np.array([1.0, 0.9, 0.9, 0.9, 0.9, np.nan]), np.array([1.0, 0.1, 0.9, 0.9, 0.1, np.nan])
+    rigid = np.array([1.0, 1.0, 0.0, np.nan, np.nan, 0.0])
+    assert agreed_static([blind, sees], 0.5, rigid).tolist() == [True, True, False, True, False, False]
+    assert agreed_static([blind, sees], 0.5, np.full(6, np.nan)).tolist() == agreed_static([blind, sees], 0.5).tolist()
+
+
+def test_the_background_is_static_and_the_threshold_holds_for_the_rigid_support_too():
+    support = np.array([1.0, 0.1, 0.9])
+    assert agreed_static([support], 0.5, np.array([0.0, 0.5, 0.49])).tolist() == [True, True, False]
+
+
+def _movers():
+    """Return affinities of the background, three pairs of movers and a static object; pairs 1 and 2 are a bit alike."""
+    affinity = np.full((8, 8), 0.02)
+    affinity[np.ix_((1, 2, 3, 4), (1, 2, 3, 4))] = 0.3
+    for group in ((1, 2), (3, 4), (5, 6)):
+        affinity[np.ix_(group, group)] = 0.95
+    affinity[0] = affinity[:, 0] = 0.97
+    np.fill_diagonal(affinity, 1.0)
+    return affinity, np.array([True, *[False] * 6, True])
+
+
+@pytest.mark.parametrize("params", EVERY)
+def test_movers_are_grouped_into_the_given_number_less_one(params):
+    affinity, is_static = _movers()
+    for number, expected in ((4, [0, 1, 1, 2, 2, 3, 3, 0]), (3, [0, 1, 1, 1, 1, 2, 2, 0]), (2, [0, *[1] * 6, 0])):
+        result = cluster_motions([affinity, affinity], number, params, is_static)
+        assert (result.motion.tolist(), result.num_motions) == (expected, number)
+
+
+@pytest.mark.parametrize("params", EVERY)
+def test_fewer_movers_than_the_given_number_have_a_motion_each(params):
+    affinity, _ = _movers()
+    is_static = np.array([True, True, False, False, True, True, True, True])
+    for number in (3, 4, 20):
+        result = cluster_motions([affinity, affinity], number, params, is_static)
+        assert (result.motion.tolist(), result.num_motions) == ([0, 0, 1, 2, 0, 0, 0, 0], 3)
+    assert not cluster_motions([affinity], 5, params, np.ones(8, bool)).motion.any()
+
+
+@pytest.mark.parametrize("params", EVERY)
+def test_of_one_motion_everything_is_static(params):
+    affinity, is_static = _movers()
+    result = cluster_motions([affinity, affinity], 1, params, is_static)
+    assert (result.motion.any(), result.num_motions) == (False, 1)
+
+
 @settings(max_examples=80, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1),
@@ -88,8 +136,6 @@ def test_an_object_of_unknown_affinities_moves_unless_it_is_given_as_static():
 
 
 def test_bad_use_is_named():
-    with pytest.raises(InputError, match="motions are given twice"):
-        cluster_motions([np.eye(2)], 2, EVERY[0], np.array([True, False]))
     for is_static in ([True], [False, True]):
         with pytest.raises(InputError, match="not the static objects"):
             cluster_motions([np.eye(2)], None, EVERY[0], np.array(is_static))

@@ -58,6 +58,18 @@ def test_the_kernel_shown_has_the_eigenvalues_that_were_clustered(fusion, num_vi
     assert found == pytest.approx(clustered.eigenvalues[0], abs=1e-9)
 
 
+@pytest.mark.parametrize("num_motions", [None, 3])
+def test_the_kernel_shown_sets_apart_what_a_rigid_scene_explains(num_motions):
+    views, supports = _affinities(2), [np.array([1.0, 0.9, 0.1, 0.9, 0.2])] * 2
+    # Object 2 is explained by a rigid scene, object 3 is not; the others are left to the views.
+    rigid = np.array([1.0, np.nan, 1.0, 0.0, np.nan])
+    params = ClusteringParams(static="agreement" if num_motions is None else "auto")
+    clustered = cluster_motions(views, num_motions, params, np.array([1, 1, 1, 0, 0], bool))
+    kernel = fused_kernel(views, supports, params, rigid)
+    found = np.sort(np.linalg.eigvalsh(normalise_affinity(kernel)))[::-1]
+    assert found == pytest.approx(clustered.eigenvalues[0], abs=1e-9)
+
+
 def test_a_panel_shows_what_is_stored(squares_graph):
     store, graph, config = squares_graph
     panel = variant_panel(store, graph, config, Variant.FUSED)
@@ -102,7 +114,7 @@ def test_moving_objects_have_their_colour_of_the_overlay_with_any_name(squares_g
 
     colour = as_hex(all_colours()[7])
     objects = variant_panel(Tagged(), graph, config, Variant.FUSED).objects
-    assert objects == (("background", 0, None), ("4", 0, None), ("7 car", 1, colour))
+    assert objects == (("background", 0, None, ""), ("4", 0, None, ""), ("7 car", 1, colour, ""))
     assert [each.colour for each in variant_panel(Tagged(), graph, config, Variant.BASE).objects] == [
         None,
         as_hex(all_colours()[4]),
@@ -166,6 +178,8 @@ def test_every_method_that_counts_motions_of_objects_has_a_sentence(auto):
         assert "for 1, 2, … groups asked for -12.5, -10.25 (" in how
     how = explain_objects(found, ClusteringParams(auto=auto, static="agreement"), scores)
     assert "static, by 0.5 or more, are a group of their own" in how and how.endswith(".")
+    compared = explain_objects(found, ClusteringParams(auto=auto, static="agreement"), scores, has_rigid=True)
+    assert "objects that a rigid scene explains, and of those that it leaves open the ones that every view" in compared
     # The static block is set apart after the grouping: what is asked for is not the number of groups.
     assert ("whatever number of groups is asked for" in how) == bool(scores)
 

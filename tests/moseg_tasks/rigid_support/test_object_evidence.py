@@ -1,0 +1,147 @@
+"""Evidence of the tracks in an object's masks, of a wall and an object that a camera passes."""
+
+import numpy as np
+import pytest
+
+from moseg.schemas.parameters import RigidityParams, RigidSupportParams
+from moseg.tasks.rigid_support import measure_objects
+
+PARAMS, RIGIDITY = RigidSupportParams(), RigidityParams()
+NEAR = 25.0
+"""Depth of an object that stands before the wall, which is at 40."""
+
+
+def measure(passage, num_objects=2, **changes):
+    params = PARAMS.model_copy(update=changes)
+    labels, *tracks = passage[:6]
+    return measure_objects(labels, num_objects, *tracks, params, RIGIDITY)
+
+
+def test_an_object_on_the_wall_has_the_walls_depth(passage):
+    evidence = measure(passage())
+    assert evidence.attached.tolist() == [1, 1]
+    assert evidence.num_contour[1] >= PARAMS.min_contour
+
+
+def test_an_object_before_the_wall_has_another_depth(passage):
+    evidence = measure(passage(NEAR))
+    assert evidence.attached[1] == 0
+    assert evidence.num_contour[1] >= PARAMS.min_contour
+
+
+def test_what_the_noise_hides_may_have_the_walls_depth(passage):
+    # The camera hardly travels: depths of which the parallax differs by 0.1 px are not told apart.
+    assert measure(passage(NEAR, travel=0.01)).attached[1] == 1
+    assert measure(passage(38.0)).attached[1] == 1
+    assert measure(passage(38.0), depth_slack=0.0).attached[1] < 0.5
+
+
+def test_only_tracks_near_the_contour_are_compared(passage):
+    whole, narrow = measure(passage()), measure(passage(), contour_distance=7.0)
+    per_pair = passage().is_object.sum()
+    assert narrow.num_contour[1] < whole.num_contour[1] < per_pair
+    assert not measure(passage(), contour_distance=0.5).num_contour.any()
+    assert measure(passage(NEAR), contour_distance=0.5).attached[1] == 1
+
+
+def test_other_objects_are_not_around_an_object(passage):
+    scene = passage()
+    everything = np.where(scene.labels == 1, 1, 2).astype(np.uint16)
+    evidence = measure(scene._replace(labels=everything), 3)
+    assert not evidence.num_contour.any()
+    assert evidence.attached.tolist() == [1, 1, 1]
+    assert evidence.num_observations[1:].all()
+
+
+def test_depths_are_compared_over_the_widest_pairs(passage):
+    scene = passage(NEAR)
+    turned = scene.cameras[0]._replace(translation=np.array([0.0, 1.0, 0.0]))
+    narrow = scene.pairs[:, 1] < 4
+    spoilt = [turned if is_narrow else camera for camera, is_narrow in zip(scene.cameras, narrow, strict=True)]
+    whole, only = measure(scene), measure(scene._replace(cameras=spoilt))
+    assert (only.attached == whole.attached).all() and (only.num_contour == whole.num_contour).all()
+    swapped = [camera if is_narrow else turned for camera, is_narrow in zip(scene.cameras, narrow, strict=True)]
+    assert measure(scene._replace(cameras=swapped)).attached[1] != whole.attached[1]
+
+
+def test_the_test_is_the_mean_over_tracks_and_pairs(passage):
+    scene = passage(test=1.0)
+    assert measure(scene).test.tolist() == [0, 1]
+    tests = scene.strict_test.copy()
+    tests[::2, scene.is_object] = -1
+    evidence = measure(scene._replace(strict_test=tests))
+    seen = np.stack([scene.visible[:, [first, first + gap]].all(axis=1) for first, gap in scene.pairs])
+    seen &= scene.is_object
+    assert evidence.num_observations[1] == seen.sum()
+    assert evidence.test[1] == pytest.approx(tests[seen].mean(dtype=float))
+
+
+def test_tracks_that_are_not_seen_or_not_tested_are_no_observations(passage):
+    scene = passage(test=1.0)
+    num_observations = measure(scene).num_observations[1]
+    hidden, untested = scene.visible.copy(), scene.strict_test.copy()
+    rows = np.flatnonzero(scene.is_object & scene.visible.all(axis=1))[:3]
+    hidden[rows] = False
+    untested[:, rows] = np.nan
+    for spoilt in (scene._replace(visible=hidden), scene._replace(strict_test=untested)):
+        evidence = measure(spoilt)
+        assert evidence.num_observations[1] == num_observations - len(rows) * len(scene.pairs)
+        assert evidence.test[1] == 1
+
+
+def test_a_track_that_leaves_the_object_is_no_observation(passage):
+    scene = passage(test=1.0)
+    labels = scene.labels.copy()
+    labels[1:] = 0
+    assert not measure(scene._replace(labels=labels)).num_observations.any()
+
+
+def test_pairs_that_end_beyond_the_labels_are_not_read(passage):
+    scene = passage(NEAR, num_frames=9)
+    num_labelled = 6
+    within = scene.pairs.sum(axis=1) < num_labelled
+    tests = np.where(within[:, None], scene.strict_test, 3).astype(np.float16)
+    evidence = measure(scene._replace(labels=scene.labels[:num_labelled], strict_test=tests))
+    cut = scene._replace(
+        labels=scene.labels[:num_labelled],
+        pairs=scene.pairs[within],
+        cameras=scene.cameras[: within.sum()],
+        strict_test=scene.strict_test[within],
+    )
+    assert 0 < within.sum() < len(within)
+    for found, expected in zip(evidence, measure(cut), strict=True):
+        np.testing.assert_array_equal(found, expected)
+
+
+def test_an_object_without_tracks_has_no_evidence(passage):
+    evidence = measure(passage(test=1.0), num_objects=4)
+    assert evidence.num_observations[2:].tolist() == [0, 0]
+    assert evidence.test[2:].tolist() == evidence.num_contour[2:].tolist() == [0, 0]
+    assert evidence.attached[2:].tolist() == [1, 1]
+
+
+def test_no_pair_is_no_evidence(passage):
+    scene = passage()
+    evidence = measure(scene._replace(pairs=scene.pairs[:0], cameras=[], strict_test=scene.strict_test[:0]))
+    assert not evidence.num_observations.any()
+
+
+def test_points_are_read_only_where_they_are_visible(passage):
+    scene = passage(test=1.0)
+    points = scene.points.copy()
+    points[~scene.visible] = np.nan
+    for found, expected in zip(measure(scene._replace(points=points)), measure(scene), strict=True):
+        np.testing.assert_array_equal(found, expected)
+
+
+def test_points_have_the_label_of_the_nearest_pixel_also_at_the_frames_edge(passage):
+    scene = passage()
+    wall = np.flatnonzero(~scene.is_object)[:5]
+    points, visible = scene.points.copy(), scene.visible.copy()
+    right = scene.labels.shape[2] - 1
+    points[wall[:3]], points[wall[3:]] = [right + 0.9, -0.9], [right - 0.4, 0.4]
+    visible[wall] = True
+    labels = scene.labels.copy()
+    labels[:, 0, -1] = 2
+    evidence = measure(scene._replace(labels=labels, points=points, visible=visible), 3)
+    assert evidence.num_observations[2] == len(wall) * len(scene.pairs)

@@ -1,0 +1,88 @@
+"""Support of objects for being part of a rigid scene, and of the same objects over sections."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from moseg.schemas.parameters import RigidityParams, RigidSupportParams
+from moseg.tasks.rigid_support import ObjectEvidence, combine_sections, measure_objects, support_of_evidence
+
+PARAMS = RigidSupportParams()
+NEAR, WALL = 25.0, 40.0
+ATTACHED = {"num_contour": 30.0, "attached": 1.0}
+FREE = {"num_contour": 30.0, "attached": 0.1}
+
+
+def support_of(passage, sensitivity=1.0):
+    """Return the support of the object of a passage."""
+    labels, *tracks = passage[:6]
+    evidence = measure_objects(labels, 2, *tracks, PARAMS, RigidityParams())
+    background, support = support_of_evidence(evidence, PARAMS, sensitivity)
+    assert background == 1
+    return support
+
+
+def judge(num_observations=500, test=0.0, num_contour=30.0, attached=1.0, sensitivity=1.0, **changes):
+    """Return the support of an object of this evidence, beside a background of the same."""
+    values = (num_observations, test, num_contour, attached)
+    evidence = ObjectEvidence(*(np.array([value, value]) for value in values))
+    support = support_of_evidence(evidence, PARAMS.model_copy(update=changes), sensitivity)
+    assert support.dtype == np.float64 and support[0] == 1
+    return support[1]
+
+
+def test_an_object_on_the_wall_is_static(passage):
+    assert support_of(passage(WALL)) == 1
+
+
+def test_an_object_that_moves_parallel_to_the_camera_stays_open(passage):
+    # It moves against the camera: all of its points stay on their epipolar lines, at a depth of their own.
+    assert np.isnan(support_of(passage(NEAR)))
+
+
+@pytest.mark.parametrize("depth", [WALL, NEAR])
+def test_an_object_that_no_rigid_scene_explains_moves(passage, depth):
+    assert support_of(passage(depth, test=1.5)) == 0
+
+
+def test_an_object_of_few_tracks_is_static(passage):
+    assert support_of(passage(NEAR, test=1.5, spacing=45.0)) == 1
+    assert judge(PARAMS.min_observations - 1, test=3.0, **FREE) == 1
+    assert judge(PARAMS.min_observations, test=3.0, **FREE) == 0
+
+
+def test_the_largest_test_of_a_static_object_is_a_parameter():
+    assert judge(test=0.6) == 1
+    assert judge(test=0.61) == 0
+    assert judge(test=0.61, max_test=0.7) == 1
+
+
+def test_it_is_asked_whether_an_object_stands_free_where_its_contour_has_tracks():
+    assert np.isnan(judge(**FREE))
+    assert judge(num_contour=7.9, attached=0.1) == 1
+    assert judge(num_contour=30.0, attached=0.75) == 1
+    assert judge(num_contour=7.9, attached=0.1, min_contour=7) != 1
+
+
+def test_sensitivity_divides_the_evidence_that_a_moving_object_needs():
+    assert judge(test=0.4, **ATTACHED) == 1
+    assert judge(test=0.4, sensitivity=2.0, **ATTACHED) == 0
+    assert judge(6, test=3.0, **ATTACHED) == 1
+    assert judge(6, test=3.0, sensitivity=2.0, **ATTACHED) == 0
+
+
+def test_what_moves_in_one_section_moves_and_what_is_static_in_one_is_not_open():
+    first = np.array([1.0, 1.0, np.nan, np.nan, 0.0])
+    second = np.array([1.0, 0.0, 1.0, np.nan, np.nan])
+    np.testing.assert_array_equal(combine_sections([first, second]), [1, 0, 1, np.nan, 0])
+    np.testing.assert_array_equal(combine_sections([first]), first)
+
+
+@given(st.lists(st.lists(st.sampled_from([0.0, 1.0, np.nan]), min_size=3, max_size=3), min_size=1, max_size=5))
+def test_the_order_and_the_repetition_of_sections_do_not_matter(sections):
+    supports = [np.array(section) for section in sections]
+    combined = combine_sections(supports)
+    np.testing.assert_array_equal(combined, combine_sections(supports[::-1]))
+    np.testing.assert_array_equal(combined, combine_sections([combined, *supports]))
+    np.testing.assert_array_equal(np.isnan(combined), np.isnan(supports).all(axis=0))
