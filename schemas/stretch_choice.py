@@ -25,6 +25,8 @@ class StretchChoice(Frozen):
         Share of the pairs in which the point that the camera moves to, or away from, lies inside the frame.
     wander_deg : float
         Median angle between the camera's headings and their middle, degrees.
+    shows_depth : bool
+        Whether parallax suffices to compare each object with a rigid scene.
     """
 
     first_frame: int = Field(ge=0)
@@ -35,6 +37,7 @@ class StretchChoice(Frozen):
     gain: float
     inside: float
     wander_deg: float
+    shows_depth: bool
 
     def __str__(self) -> str:
         figures = f"gain {self.gain:.2f}, epipole inside {self.inside:.2f}, heading wanders {self.wander_deg:.1f} deg"

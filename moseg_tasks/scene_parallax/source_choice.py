@@ -27,6 +27,8 @@ class SourceChoice(NamedTuple):
         Share of the pairs with the epipole inside the frame.
     wander_deg : float
         Median angle of the camera's headings to their middle, degrees.
+    shows_depth : bool
+        Whether parallax suffices to compare each object with a rigid scene.
     """
 
     proposals: str
@@ -35,6 +37,7 @@ class SourceChoice(NamedTuple):
     gain: float = 0.0
     inside: float = 0.0
     wander_deg: float = 0.0
+    shows_depth: bool = False
 
 
 def choose_source(evidence: Sequence[PairEvidence], num_pairs: int, params: SceneParallaxParams) -> SourceChoice:
@@ -42,7 +45,8 @@ def choose_source(evidence: Sequence[PairEvidence], num_pairs: int, params: Scen
 
     A driving camera sees the point that it moves to, which keeps its place in the frame, and a rigid scene explains
     many tracks that no single plane explains. A camera on a hand or a shoulder sees that point too if its bearer walks
-    ahead, but there it wanders. A change of focal length looks like a drive, but a homography explains it.
+    ahead, but there it wanders. A change of focal length looks like a drive, but a homography explains it. Where the
+    camera keeps its heading, few such tracks suffice to show depth.
 
     Parameters
     ----------
@@ -58,6 +62,8 @@ def choose_source(evidence: Sequence[PairEvidence], num_pairs: int, params: Scen
     gain = float(np.median([max(pair.rigid_share - pair.plane_share, 0.0) for pair in evidence]))
     inside = float(np.mean([pair.sees_epipole for pair in evidence]))
     wander = _wander(np.array([pair.heading for pair in evidence]))
+    is_ahead = inside >= params.min_inside and wander <= params.max_wander_deg
+    enough = gain >= (params.min_ahead_gain if is_ahead else params.min_gain)
     if moving < params.min_moving:
         proposals, reason = SALIENCY, "the camera stands still most of the time"
     elif gain < params.min_gain:
@@ -68,7 +74,8 @@ def choose_source(evidence: Sequence[PairEvidence], num_pairs: int, params: Scen
         proposals, reason = SALIENCY, "the camera's heading wanders"
     else:
         proposals, reason = TRACKS, "the camera drives through a scene with depth"
-    return SourceChoice(proposals, reason, moving, gain, inside, wander)
+    shows_depth = moving >= params.min_moving and enough
+    return SourceChoice(proposals, reason, moving, gain, inside, wander, shows_depth)
 
 
 def _wander(headings: np.ndarray) -> float:

@@ -45,6 +45,12 @@ class SceneParallaxParams(Frozen):
     min_gain: Annotated[float, Unit.SHARE] = Field(
         0.22, ge=0, le=1, description="minimal median share of tracks that only the rigid scene explains, for tracks"
     )
+    min_ahead_gain: Annotated[float, Unit.SHARE] = Field(
+        0.05,
+        ge=0,
+        le=1,
+        description="the same for depth to show by parallax where the camera moves ahead",
+    )
     min_inside: Annotated[float, Unit.SHARE] = Field(
         0.6, ge=0, le=1, description="minimal share of pairs with the epipole inside the frame, for tracks"
     )

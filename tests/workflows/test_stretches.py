@@ -27,7 +27,15 @@ def _refs(task, count):
 
 def _choice(first, last, source):
     return StretchChoice(
-        first_frame=first, last_frame=last, proposals=source, reason="", moving=1, gain=0, inside=0, wander_deg=0
+        first_frame=first,
+        last_frame=last,
+        proposals=source,
+        reason="",
+        moving=1,
+        gain=0,
+        inside=0,
+        wander_deg=0,
+        shows_depth=False,
     )
 
 

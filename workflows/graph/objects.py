@@ -58,8 +58,8 @@ class Objects:
             return use == "always"
         if self.source_of(index) == "tracks":
             return True
-        choice, params = self._choice_of(index), self._config.scene_parallax
-        return choice is not None and choice.moving >= params.min_moving and choice.gain >= params.min_gain
+        choice = self._choice_of(index)
+        return choice is not None and choice.shows_depth
 
     def _choice_of(self, index: int) -> StretchChoice | None:
         """Return the choice of the stretch that a section lies in; None if none was made."""

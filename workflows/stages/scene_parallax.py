@@ -34,7 +34,7 @@ def _params(config: PipelineConfig, pairs: list[tuple[int, int]]) -> dict:
     }
 
 
-EPIPOLAR = Task("scene_parallax", "epipolar", version=1, run=_run, params=_params)
+EPIPOLAR = Task("scene_parallax", "epipolar", version=2, run=_run, params=_params)
 
 STAGE = Stage(
     name="scene_parallax",
