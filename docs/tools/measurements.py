@@ -70,6 +70,9 @@ ROAD_PARTS = {
     "no-contact": "--set rigidity.contact_lift=2",
     "no-field": "--set track_field.coupling=0",
     "no-groups": "--set track_groups.min_moving=1000000",
+    "no-completion": "--set track_objects.min_surface=2",
+    "no-scattering": "--set track_objects.min_scattered_score=0",
+    "no-comparison": "--set rigid_support.use=never",
 }
 """Tracks-first proposals without one of their parts."""
 CHOSEN = {"num_hypotheses": "200", "window": "0.2", "background_rows": "3"}
