@@ -77,9 +77,12 @@ def test_only_a_name_without_its_arguments_is_a_mention(checks, command, is_ment
     assert checks.is_mention(command) == is_mention
 
 
-def test_a_run_on_all_synthetic_scenes_is_shortened_and_no_other(checks):
+def test_a_run_on_all_rendered_scenes_is_shortened_and_no_other(checks):
     assert checks.shorten(["moseg", "eval"])[-2:] == ["--sequences", "two-motions"]
+    assert checks.shorten(["moseg", "eval", "--dataset", "still"])[-2:] == ["--sequences", checks.STILL]
     assert "ARGS=--sequences two-motions" in checks.shorten(["make", "eval"])
+    assert f"ARGS=--sequences {checks.STILL}" in checks.shorten(["make", "eval", "DATASET=still"])
+    assert not [word for word in checks.shorten(["make", "eval", "DATASET=davis16"]) if word.startswith("ARGS")]
     for command in ("moseg eval --dataset davis16", "moseg eval --sequences zoom", "moseg status"):
         assert checks.shorten(command.split()) == command.split()
 
