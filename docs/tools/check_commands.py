@@ -2,8 +2,8 @@
 
 Each document gets a folder of its own with small inputs in place of those that it names (`stand_ins`): commands for
 ``/data/DAVIS`` run on eight tiny sequences, commands for ``s3://my-bucket`` on a server in this process. What one
-document has computed another reads, unless it copies its store. One line is printed for each command: ok, FAIL or not
-run, with the reason. The exit code is 1 if a command failed.
+document has computed another reads, unless it shows runs or the store. One line is printed for each command: ok, FAIL
+or not run, with the reason. The exit code is 1 if a command failed.
 """
 
 import argparse
@@ -84,8 +84,8 @@ _COMPUTED = threading.Lock()
 _RUN = re.compile(r"20\d{6}T\d{4,6}(-[0-9a-f]{8})?")
 VIDEO_SUFFIXES = (".mp4", ".mov", ".mkv", ".avi", ".webm")
 OUTPUTS = ("-o", "--out", "--report", "--overlay")
-COPYING = ("moseg store push", "moseg store pull")
-"""Commands that copy all of a store."""
+OF_OWN_RUNS = ("moseg report", "moseg status", "moseg store")
+"""Commands about the runs of a document, of which those that compute nothing leave no log, or about its store."""
 OF_DATA = ("eval", "ablate", "plan", "contact-sheet")
 SEQUENCES = {"synthetic": SCENE, "still": STILL}
 """Sequences that stand for all of a data set, with one of each kind."""
@@ -152,7 +152,7 @@ def check_document(path: Path, codes: list[str], folder: Path, services: Service
     own = folder / f"work-{name.replace('/', '-')}"
     values = _lay_out(folder / "inputs", own)
     objects = own / ".moseg" / "store" / "objects"
-    if not any(without_variables(code).startswith(COPYING) for code in codes):
+    if not any(without_variables(code).startswith(OF_OWN_RUNS) for code in codes):
         _link_artifacts(folder / "computed", objects)
     checks = []
     for code in codes:
