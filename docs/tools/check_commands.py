@@ -1,8 +1,9 @@
 """Run every command line of moseg and make that the documents show: ``python docs/tools/check_commands.py``.
 
 Each document gets a folder of its own with small inputs in place of those that it names (`stand_ins`): commands for
-``/data/DAVIS`` run on eight tiny sequences, commands for ``s3://my-bucket`` on a server in this process. One line is
-printed for each command: ok, FAIL or not run, with the reason. The exit code is 1 if a command failed.
+``/data/DAVIS`` run on eight tiny sequences, commands for ``s3://my-bucket`` on a server in this process. What one
+document has computed another reads, unless it shows runs or the store. One line is printed for each command: ok, FAIL
+or not run, with the reason. The exit code is 1 if a command failed.
 """
 
 import argparse
@@ -13,6 +14,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -24,14 +26,15 @@ from typing import NamedTuple
 
 from services import Services
 from shown_commands import DOCUMENTS, ROOT, shown_commands, variables, without_variables
-from stand_ins import SCENE, write_stand_ins
+from stand_ins import SCENE, STILL, write_stand_ins
 from typer.core import TyperGroup
 from typer.main import get_command
 
 from moseg.workflows.cli.app import app
 
 BIN = ROOT / ".venv" / "bin"
-TIMEOUT = 180.0
+TIMEOUT = 1200.0
+"""Longest time of a command, s: the slowest takes twenty on two idle cores."""
 
 NOT_RUN = (
     (r"^make (test|lint|docs-check)\b", "a check of its own"),
@@ -77,10 +80,15 @@ PARTS = {
     "=DIR": "=tiny",
 }
 """Replacements of parts of words."""
+_COMPUTED = threading.Lock()
 _RUN = re.compile(r"20\d{6}T\d{4,6}(-[0-9a-f]{8})?")
 VIDEO_SUFFIXES = (".mp4", ".mov", ".mkv", ".avi", ".webm")
 OUTPUTS = ("-o", "--out", "--report", "--overlay")
+OF_OWN_RUNS = ("moseg report", "moseg status", "moseg store")
+"""Commands about the runs of a document, of which those that compute nothing leave no log, or about its store."""
 OF_DATA = ("eval", "ablate", "plan", "contact-sheet")
+SEQUENCES = {"synthetic": SCENE, "still": STILL}
+"""Sequences that stand for all of a data set, with one of each kind."""
 
 
 class Check(NamedTuple):
@@ -143,6 +151,9 @@ def check_document(path: Path, codes: list[str], folder: Path, services: Service
     name = path.relative_to(ROOT).as_posix()
     own = folder / f"work-{name.replace('/', '-')}"
     values = _lay_out(folder / "inputs", own)
+    objects = own / ".moseg" / "store" / "objects"
+    if not any(without_variables(code).startswith(OF_OWN_RUNS) for code in codes):
+        _link_artifacts(folder / "computed", objects)
     checks = []
     for code in codes:
         check = _check(name, code, own, values, services)
@@ -151,8 +162,18 @@ def check_document(path: Path, codes: list[str], folder: Path, services: Service
         why = f"  ({check.reason})" if check.verdict == "not run" else ""
         failure = f"\n{indent(check.reason, ' ' * 18)}" if check.verdict == "FAIL" else ""
         print(f"{check.verdict:8}{seconds}  {name}: {code}{why}{failure}", flush=True)
+    _link_artifacts(objects, folder / "computed")
     shutil.rmtree(own)
     return checks
+
+
+def _link_artifacts(source: Path, target: Path) -> None:
+    """Link the artifacts of one store into another, or into the folder of what was computed so far."""
+    with _COMPUTED:
+        for artifact in source.glob("*/*/*"):
+            there = target / artifact.relative_to(source)
+            if not there.exists():
+                shutil.copytree(artifact, there, copy_function=os.link)
 
 
 def _check(name: str, code: str, own: Path, values: dict[str, str], services: Services) -> Check:
@@ -185,15 +206,16 @@ def _check(name: str, code: str, own: Path, values: dict[str, str], services: Se
 
 
 def shorten(words: list[str]) -> list[str]:
-    """Return the command, restricted to one scene if it would run on all of the synthetic data set."""
+    """Return the command, restricted to the sequences that stand for a data set of which scenes are rendered."""
     if words[0] == "make":
-        is_synthetic = not any(word.startswith("DATASET=") and word != "DATASET=synthetic" for word in words)
-        extra = [f"ARGS=--sequences {SCENE}"] if {"eval", "ablation"} & {*words} and is_synthetic else []
+        named = [word.removeprefix("DATASET=") for word in words if word.startswith("DATASET=")]
+        chosen = SEQUENCES.get(named[0] if named else "synthetic")
+        extra = [f"ARGS=--sequences {chosen}"] if {"eval", "ablation"} & {*words} and chosen else []
         # Set-up is done: it belongs to the working copy, which contains this folder.
         return ["make", "-f", str(ROOT / "Makefile"), "-o", ".venv/.ready", *words[1:], *extra]
-    dataset = words[words.index("--dataset") + 1] if "--dataset" in words else "synthetic"
-    if words[1] in OF_DATA and dataset == "synthetic" and "--sequences" not in words:
-        return [*words, "--sequences", SCENE]
+    chosen = SEQUENCES.get(words[words.index("--dataset") + 1] if "--dataset" in words else "synthetic")
+    if words[1] in OF_DATA and chosen and "--sequences" not in words:
+        return [*words, "--sequences", chosen]
     return words
 
 

@@ -16,6 +16,8 @@ from moseg.tasks.synthetic import SCENES, RenderedScene, render_scene
 from moseg.workflows.exports import davis_palette
 
 SCENE, NUM_FRAMES, FRAME_RATE = "two-motions", 6, 8
+STILL = "parked-cars,picture-00000,davis-blackswan,rendered-street"
+"""A sequence of each kind in which nothing moves: a recording, a picture, a first frame of DAVIS, and a scene."""
 MOST_TRACKS = 120
 DAVIS = ("blackswan", "bmx-trees", "car-shadow", "cows", "dog", "drift-straight", "parkour", "soapbox")
 CLIPS = ("Seq005_Clip01", "Seq009_Clip01")

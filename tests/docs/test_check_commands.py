@@ -77,9 +77,12 @@ def test_only_a_name_without_its_arguments_is_a_mention(checks, command, is_ment
     assert checks.is_mention(command) == is_mention
 
 
-def test_a_run_on_all_synthetic_scenes_is_shortened_and_no_other(checks):
+def test_a_run_on_all_rendered_scenes_is_shortened_and_no_other(checks):
     assert checks.shorten(["moseg", "eval"])[-2:] == ["--sequences", "two-motions"]
+    assert checks.shorten(["moseg", "eval", "--dataset", "still"])[-2:] == ["--sequences", checks.STILL]
     assert "ARGS=--sequences two-motions" in checks.shorten(["make", "eval"])
+    assert f"ARGS=--sequences {checks.STILL}" in checks.shorten(["make", "eval", "DATASET=still"])
+    assert not [word for word in checks.shorten(["make", "eval", "DATASET=davis16"]) if word.startswith("ARGS")]
     for command in ("moseg eval --dataset davis16", "moseg eval --sequences zoom", "moseg status"):
         assert checks.shorten(command.split()) == command.split()
 
@@ -88,3 +91,22 @@ def test_variables_of_a_command_are_set_for_it_and_are_not_part_of_it(checks):
     (code,) = checks.shown_commands("    MOSEG_DATA=/data moseg datasets\n")
     assert checks.variables(code) == {"MOSEG_DATA": "/data"}
     assert checks.without_variables(code) == "moseg datasets"
+
+
+@pytest.mark.parametrize(("shown", "num_linked"), [("moseg datasets", 1), ("moseg status latest", 0)])
+def test_a_document_reads_what_another_computed_unless_it_shows_runs(shown, num_linked, checks, tmp_path, monkeypatch):
+    found = []
+    monkeypatch.setattr(checks, "ROOT", tmp_path)
+    (tmp_path / "inputs" / "data").mkdir(parents=True)
+    (tmp_path / "inputs" / "store" / "objects" / "score" / "ab" / "abcdef0123").mkdir(parents=True)
+    (tmp_path / "computed" / "flow" / "cd" / "cdef").mkdir(parents=True)
+
+    def check(name, code, own, values, services):
+        found.extend((own / ".moseg" / "store" / "objects").glob("flow/*/*"))
+        (own / ".moseg" / "store" / "objects" / "depth" / "01" / "0123").mkdir(parents=True)
+        return checks.Check(name, code, "ok")
+
+    monkeypatch.setattr(checks, "_check", check)
+    checks.check_document(tmp_path / "page.md", [shown], tmp_path, None)
+    assert len(found) == num_linked
+    assert (tmp_path / "computed" / "depth" / "01" / "0123").is_dir()

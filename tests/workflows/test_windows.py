@@ -82,14 +82,14 @@ def test_the_scheduler_forgets_finished_calls(monkeypatch):
     with open_runner(workers=1) as runner:
 
         def look(name, result):
-            if name.endswith("50"):
+            if name.endswith("0"):
                 client = Client.current()
                 scheduler = client.cluster.scheduler
                 sizes.append((len(scheduler.tasks), len(client.futures), len(scheduler.task_prefixes)))
 
-        runner.run(_calls(400, []), look)
+        runner.run(_calls(200, []), look)
         scheduler = Client.current().cluster.scheduler
-        assert len(sizes) == 4
+        assert len(sizes) == 20
         # The window, and the calls that it still waits for or that were just collected.
         assert max(tasks for tasks, _, _ in sizes) <= 3 * WINDOW
         assert max(futures for _, futures, _ in sizes) <= 3 * WINDOW

@@ -10,6 +10,8 @@ from moseg.schemas.errors import InputError
 
 REACH_SEC = 5.0
 """Longest time that a host may take to accept a connection."""
+PROMPT_SEC = 1.0
+"""Time after which a port that has not greeted is asked whether it uses TLS."""
 GREETING_SEC = 10.0
 """Longest time between the connection and the scheduler's greeting."""
 SIZE_BYTES = 8
@@ -48,7 +50,8 @@ def _sends_greeting(host: str, port: int, context: ssl.SSLContext | None) -> boo
     with socket.create_connection((host, port), timeout=REACH_SEC) as plain:
         if context is None:
             # A TLS server waits for the client to begin, so that it can be probed early.
-            return _has_greeting(plain, 1.0) or (not _uses_tls(host, port) and _has_greeting(plain, GREETING_SEC))
+            is_there = _has_greeting(plain, PROMPT_SEC)
+            return is_there or (not _uses_tls(host, port) and _has_greeting(plain, GREETING_SEC))
         with context.wrap_socket(plain) as encrypted:
             return _has_greeting(encrypted, GREETING_SEC)
 

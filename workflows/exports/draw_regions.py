@@ -75,29 +75,26 @@ def draw_regions(
     line = largest != smallest
     rim = cv2.dilate(largest, _round_brush(2 * RIM)) > 0
     # From the bottom to the top: each replaces those below.
-    opacity = np.zeros(large, np.float32)
+    canvas = np.zeros((*large, 4), np.float32)
     if hatched is not None:
         y, x = np.indices(large)
         stripes = (x + y) // _OVERSAMPLING % _HATCH_STEP < _HATCH_STEP / 3
-        opacity[stripes & (resize_labels(hatched.astype(np.uint8), large) > 0)] = _HATCH_OPACITY
-    colour = np.where(opacity[..., None] > 0, np.array(HATCH, np.float32), np.float32(0))
-    opacity[rim], colour[rim] = RIM_OPACITY, 0
+        canvas[stripes & (resize_labels(hatched.astype(np.uint8), large) > 0)] = _ink(np.array(HATCH), _HATCH_OPACITY)
+    canvas[rim] = _ink(np.zeros(3), RIM_OPACITY)
     inside = labels > 0
-    opacity[inside], colour[inside] = style.opacity, (colours if tints is None else tints)[labels[inside]]
-    opacity[line], colour[line] = 1, colours[largest[line]]
-    drawn = reduce_transparent(colour, opacity, shape)
+    canvas[inside] = _ink((colours if tints is None else tints)[labels[inside]], style.opacity)
+    canvas[line] = _ink(colours[largest[line]], 1)
+    drawn = reduce_transparent(canvas, shape)
     return _draw_numbers(drawn, resize_labels(regions.astype(np.uint16), shape)) if style.is_numbered else drawn
 
 
-def reduce_transparent(colour: np.ndarray, opacity: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+def reduce_transparent(weighted: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
     """Reduce a transparent picture to `shape`; pixels are weighted by opacity, so that edges keep their colours.
 
     Parameters
     ----------
-    colour : float32 (y, x, rgb)
-        0..255.
-    opacity : float32 (y, x)
-        0..1.
+    weighted : float32 (y, x, rgba)
+        Colours, 0..255, multiplied by the opacity, 0..1; and the opacity.
     shape : (int, int)
         Height and width, px, at most the picture's.
 
@@ -105,11 +102,22 @@ def reduce_transparent(colour: np.ndarray, opacity: np.ndarray, shape: tuple[int
     -------
     uint8 (y, x, rgba)
     """
-    size = shape[1], shape[0]
-    weighted = cv2.resize(colour * opacity[..., None], size, interpolation=cv2.INTER_AREA)
-    weight = cv2.resize(opacity, size, interpolation=cv2.INTER_AREA)
-    mean = weighted / np.maximum(weight, 1e-6)[..., None]
-    return np.rint(np.dstack([np.clip(mean, 0, 255), 255 * weight])).astype(np.uint8)
+    reduced = cv2.resize(weighted, (shape[1], shape[0]), interpolation=cv2.INTER_AREA)
+    drawn = np.zeros((*shape, 4), np.uint8)
+    # Most of a picture is often empty.
+    is_drawn = reduced[..., 3] > 0
+    found = reduced[is_drawn]
+    opacity = found[:, 3:]
+    mean = found[:, :3] / np.maximum(opacity, 1e-6)
+    drawn[is_drawn] = np.rint(np.hstack([np.clip(mean, 0, 255), 255 * opacity]))
+    return drawn
+
+
+def _ink(colours: np.ndarray, opacity: float) -> np.ndarray:
+    """Return colours (..., rgb) multiplied by their opacity, and the opacity, float32 (..., rgba)."""
+    ink = np.full((*colours.shape[:-1], 4), opacity, np.float32)
+    ink[..., :3] *= colours
+    return ink
 
 
 def _round_brush(width: int) -> np.ndarray:

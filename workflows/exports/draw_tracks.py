@@ -77,9 +77,7 @@ def draw_tracks(drawn: DrawnPoints, shape: tuple[int, int], radius: float) -> np
         for grown, ink in ((0.75, (0, 0, 0, _RIM_OPACITY)), (0, (*colours[index], 1))):
             size = round((radius + grown) * _OVERSAMPLING * 2**_SHIFT)
             cv2.circle(canvas, centre, size, ink, cv2.FILLED, cv2.LINE_8, _SHIFT)
-    opacity = canvas[..., 3]
-    colour = canvas[..., :3] / np.maximum(opacity, 1e-6)[..., None]
-    return reduce_transparent(colour, opacity, shape)
+    return reduce_transparent(canvas, shape)
 
 
 def _unbroken(visible: np.ndarray) -> np.ndarray:

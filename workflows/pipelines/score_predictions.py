@@ -7,7 +7,6 @@ from functools import partial
 import numpy as np
 
 from moseg.schemas.scores import AnyReport, AnyScore, GroundTruth, StoreUse, make_report
-from moseg.tasks.metrics import sample_points, score_points, score_sequence, score_still
 from moseg.workflows.datasets import Dataset, SequenceSource, find_ground_truth
 from moseg.workflows.predictions import FrameList, Predictions, SequencePredictions
 from moseg.workflows.process.progress import StageProgress
@@ -70,6 +69,9 @@ def _score(
     over: GroundTruth, source: SequenceSource, saved: SequencePredictions, num_frames: int, scored: set[int]
 ) -> AnyScore:
     """Return the score of one sequence; the frames that count are added to `scored`."""
+    # Here, because a program starts without SciPy.
+    from moseg.tasks.metrics import score_points, score_sequence, score_still
+
     if over == "still":
         scored.update(range(num_frames))
         return score_still(map(saved.frame, range(num_frames)))
@@ -91,6 +93,8 @@ def _saved_points(
     source: SequenceSource, saved: SequencePredictions, scored: set[int]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Yield saved and true labels of the visible points of every frame in which there are any, added to `scored`."""
+    from moseg.tasks.metrics import sample_points
+
     points, visible, truth, _ = source.labelled_points.read()
     for index in np.flatnonzero(visible.any(axis=0)):
         scored.add(int(index))

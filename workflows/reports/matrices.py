@@ -7,9 +7,6 @@ import numpy as np
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.parameters import ClusteringParams
 from moseg.store import ArtifactStore
-from moseg.tasks.clustering import agreed_static
-from moseg.tasks.clustering.agreement import set_apart
-from moseg.tasks.clustering.fusion import fill_unknown, fuse_kernels, unit_diagonal
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.reports.content import Matrix
 from moseg.workflows.reports.missing import Missing, collect_missing
@@ -103,6 +100,11 @@ def fused_kernel(
     rigid_support : float64 (K,), optional
         Of every object (``read_rigid_support``), if the clustering reads it.
     """
+    # Here, because a program starts without SciPy.
+    from moseg.tasks.clustering import agreed_static
+    from moseg.tasks.clustering.agreement import set_apart
+    from moseg.tasks.clustering.fusion import fill_unknown, fuse_kernels, unit_diagonal
+
     views = fill_unknown([unit_diagonal(affinity) for affinity in affinities])
     if params.static == "agreement" or rigid_support is not None:
         views = set_apart(views, agreed_static(supports, params.threshold, rigid_support))

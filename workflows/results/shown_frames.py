@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from moseg.store import ArtifactStore
-from moseg.tasks.metrics import sample_points
 from moseg.workflows.exports.draw_errors import PointLabels
 from moseg.workflows.graph import SequenceLeaves
 from moseg.workflows.sources import LabelledPoints
@@ -40,6 +39,9 @@ def read_labelled_points(store: ArtifactStore, labelled_points: str) -> Labelled
 
 def label_points(labelled: LabelledPoints, frame: int, labels: np.ndarray) -> PointLabels:
     """Return the points visible in a frame, with their predicted and true labels."""
+    # Here, because a program starts without SciPy.
+    from moseg.tasks.metrics import sample_points
+
     points, visible = labelled.points[:, frame], labelled.visible[:, frame]
     found = sample_points(resize_labels(labels, labelled.size), points, visible, labelled.labels)
     return PointLabels(points[visible], *found, labelled.size)

@@ -3,6 +3,7 @@
 import gc
 import os
 import threading
+import weakref
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
@@ -36,13 +37,27 @@ def open_network(build: Callable[..., Network], weights: ArtifactView) -> Iterat
     wanted = (weights.ref, f"{build.__module__}.{build.__qualname__}", str(device))
     with _IN_USE:
         if not _RESIDENT or _RESIDENT[0][0] != wanted:
-            if _RESIDENT:
-                # Released first, because the memory may not hold two networks.
-                _RESIDENT.clear()
-                gc.collect()
+            # First, because the memory may not hold two networks.
+            _release()
             _RESIDENT.append((wanted, _load(build, weights).to(device)))
         with network_context(device):
             yield _RESIDENT[0][1]
+
+
+def _release() -> None:
+    """Free the memory of the network that is kept, if there is one."""
+    tensors = [tensor for _, network in _RESIDENT for tensor in _weak_tensors(network)]
+    _RESIDENT.clear()
+    # Only objects that refer to each other remain; to search for these takes a quarter of a second.
+    if any(tensor() is not None for tensor in tensors):
+        gc.collect()
+
+
+def _weak_tensors(network: object) -> list[weakref.ref]:
+    """Return weak references to the tensors of a network, or of the networks in a tuple."""
+    parts = network if isinstance(network, tuple) else (network,)
+    modules = [part for part in parts if hasattr(part, "parameters")]
+    return [weakref.ref(tensor) for module in modules for tensor in module.parameters()]
 
 
 def _load(build: Callable[..., Network], weights: ArtifactView) -> Network:

@@ -64,6 +64,7 @@ def test_a_server_that_stops_is_a_fault_and_not_bad_input(s3, put_toy, monkeypat
     store = open_store(s3)
     ref = put_toy(store)
     monkeypatch.setenv("AWS_ENDPOINT_URL", "http://127.0.0.1:9")
+    monkeypatch.setitem(connection._RETRIES, "max_retries", 1)
     # the connection of a server that has stopped
     monkeypatch.setitem(store._requests.__dict__, "_client", connect(s3))
     for call in (

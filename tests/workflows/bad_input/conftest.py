@@ -39,11 +39,11 @@ def _scene(height: int, width: int) -> list[np.ndarray]:
     return frames
 
 
-def _stamps_of(folder: Path) -> dict[Path, tuple[int, int]]:
-    """Every file below a folder, with its size and the time at which it was written."""
-    # Also of a folder whose name is too long to be asked for.
-    below = sorted(folder.rglob("*")) if os.path.isdir(folder) else ()
-    states = {path: path.stat() for path in below if path.is_file()}
+def _stamps_of(folder: Path) -> dict[str, tuple[int, int]]:
+    """Every file below a folder, with its size and the time at which it was written; none if there is no folder."""
+    # `Path.rglob` takes ten times as long, for a store of thousands of files.
+    paths = [os.path.join(parent, name) for parent, _, names in os.walk(folder) for name in names]
+    states = {path: os.stat(path) for path in paths if os.path.isfile(path)}
     return {path: (state.st_size, state.st_mtime_ns) for path, state in states.items()}
 
 
@@ -182,11 +182,12 @@ def refuse(segment, assert_refused, store, tmp_path):
         kept = {store: _stamps_of(store), target: _stamps_of(target)}
         ran = segment(video, *options, out=target)
         assert_refused(ran, *words)
+        found = {folder: _stamps_of(folder) for folder in kept}
         for folder, files in kept.items():
-            now = _stamps_of(folder)
+            now = found[folder]
             assert {path: now.get(path) for path in files} == files
-            assert not [path for path in now if path.name.endswith(".part")]
-        assert not set(_stamps_of(target)) - set(kept[target])
+            assert not [path for path in now if path.endswith(".part")]
+        assert not set(found[target]) - set(kept[target])
         return ran.err
 
     return call

@@ -30,3 +30,10 @@ def test_a_command_that_computes_nothing_imports_nothing_for_it(tmp_path, words,
     )
     assert (ran.returncode, ran.stderr) == (0, "\n")
     assert ran.stdout
+
+
+def test_an_evaluation_whose_results_are_stored_computes_nothing_and_imports_nothing_for_it(evaluated):
+    command = [sys.executable, "-c", PROGRAM, *evaluated.arguments, "--store", str(evaluated.store)]
+    ran = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert ran.returncode == 0
+    assert not {"distributed", "scipy", "sklearn", "torch"} & {*ran.stderr.split()}, ran.stderr

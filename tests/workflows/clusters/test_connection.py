@@ -120,7 +120,8 @@ def test_a_wrong_scheduler_file_is_refused(text, tmp_path):
 
 
 def test_a_port_without_a_dask_scheduler_is_refused(monkeypatch):
-    monkeypatch.setattr("moseg.workflows.cluster.scheduler_probe.GREETING_SEC", 0.1)
+    for name in ("PROMPT_SEC", "GREETING_SEC", "REACH_SEC"):
+        monkeypatch.setattr(f"moseg.workflows.cluster.scheduler_probe.{name}", 0.1)
     with socket.create_server(("127.0.0.1", 0)) as server:
         free = server.getsockname()[1]
     with pytest.raises(InputError, match=r"no Dask scheduler answers .*expected a running scheduler"):

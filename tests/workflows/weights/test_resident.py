@@ -1,6 +1,7 @@
 """One network in a process, shared by all tasks."""
 
 import threading
+import weakref
 from typing import NamedTuple
 
 import pytest
@@ -42,6 +43,28 @@ def test_a_network_is_loaded_once_and_replaced_by_another(leaves):
         pass
     with open_network(build_raft, raft) as later:
         assert later is not first
+
+
+@pytest.mark.parametrize("has_cycle", [False, True])
+def test_a_network_is_freed_before_another_is_loaded(has_cycle, leaves):
+    raft, pips = leaves
+    loaded, freed = [], []
+
+    def build_first(checkpoint):
+        network = build_raft(checkpoint)
+        network.parts = [network] if has_cycle else []
+        loaded.append(weakref.ref(network))
+        return network
+
+    def build_second(checkpoint):
+        freed.append(loaded[0]() is None)
+        return build_pips(checkpoint)
+
+    with open_network(build_first, raft):
+        pass
+    with open_network(build_second, pips):
+        pass
+    assert freed == [True]
 
 
 def test_a_thread_waits_while_another_uses_its_network(leaves):
