@@ -5,6 +5,7 @@ from moseg.tasks.track_objects.field import PairEvidence, couple_tracks, mean_fi
 from moseg.tasks.track_objects.groups import TrackGroups, group_tracks
 from moseg.tasks.track_objects.objects import TrackObjects, judge_objects
 from moseg.tasks.track_objects.regroup import regroup_candidates
+from moseg.tasks.track_objects.static_candidates import static_candidates
 from moseg.tasks.track_objects.surfaces import find_surfaces
 
 __all__ = [
@@ -18,5 +19,6 @@ __all__ = [
     "judge_objects",
     "mean_field",
     "regroup_candidates",
+    "static_candidates",
     "track_evidence",
 ]

@@ -37,6 +37,7 @@ def _run_tracks(params, inputs, rng):
     from moseg.tasks.proposals.boxes import object_boxes
     from moseg.tasks.proposals.surface_masks import surface_masks
     from moseg.tasks.proposals.track_masks import number_seen, track_masks
+    from moseg.tasks.track_objects import static_candidates
 
     tracks, found = inputs["dense_tracks"], inputs["track_objects"]
     points, visible, objects = tracks.array("points"), tracks.array("visible"), found.array("object")
@@ -51,23 +52,18 @@ def _run_tracks(params, inputs, rng):
         params["start"],
         TrackMaskParams.of_recipe(params["track_masks"]),
     )
-    # What has too little evidence to move is a candidate too, and what merely stands above the ground.
-    surface, surface_params = (
-        inputs["track_surfaces"].array("surface"),
-        TrackSurfaceParams.of_recipe(params["track_surfaces"]),
-    )
-    surface = np.where(surface <= surface_params.num_surfaces, surface, 0)
-    still = np.where(objects > 0, objects, np.where(surface > 0, len(is_moving) - 1 + surface, 0)).astype(np.uint16)
-    still[is_moving[objects]] = 0
+    surface_params = TrackSurfaceParams.of_recipe(params["track_surfaces"])
+    surface = inputs["track_surfaces"].array("surface")
+    still = static_candidates(objects, is_moving[1:], surface, params["max_static"])
     frame_range = range(params["start"], params["start"] + len(masks))
     behind = surface_masks(masks.shape[1:], points, visible, still, frame_range, surface_params)
-    masks = np.where(masks > 0, masks, behind)
-    masks, seen = number_seen(masks)
-    is_object = seen < len(is_moving)
-    scores = np.where(is_object, np.concatenate([[0.0], found.array("scores")])[np.where(is_object, seen, 0)], 0.0)
+    masks, seen = number_seen(np.where(masks > 0, masks, behind))
+    # Of objects, surfaces have the numbers after theirs.
+    known = np.where(seen < len(is_moving), seen, 0)
+    scores = np.concatenate([[0.0], found.array("scores")])[known]
     return Output(
         {"masks": masks, "scores": scores, "boxes": object_boxes(masks, len(scores))},
-        {"candidates": seen.tolist(), "is_moving": [bool(is_moving[each]) for each in np.where(is_object, seen, 0)]},
+        {"candidates": seen.tolist(), "is_moving": is_moving[known].tolist()},
     )
 
 
@@ -136,11 +132,14 @@ def _saliency_params(config: PipelineConfig) -> dict:
     return {"refinement": config.refinement.model_dump(mode="json")}
 
 
-def _track_params(config: PipelineConfig, start: int) -> dict:
+def _track_params(config: PipelineConfig, start: int, num_sections: int) -> dict:
+    """Return the parameters of the masks of one of `num_sections` sections, over which static candidates are spread."""
+    surfaces = config.track_surfaces
     return {
         "start": start,
+        "max_static": min(surfaces.max_section, surfaces.max_video // num_sections),
         "track_masks": config.track_masks.model_dump(mode="json"),
-        "track_surfaces": config.track_surfaces.model_dump(mode="json", include=MASK_PARAMS),
+        "track_surfaces": surfaces.model_dump(mode="json", include=MASK_PARAMS),
     }
 
 

@@ -12,8 +12,10 @@ from moseg.workflows.stages.task import Output, Task
 
 READ_RIGIDITY = frozenset({"noise", "noise_share", "contact_parallax"})
 """Parameters of rigidity that it reads."""
-MASK_PARAMS = frozenset({"num_surfaces", "mask_radius"})
-"""Parameters of the surfaces that are proposed."""
+MASK_PARAMS = frozenset({"mask_radius"})
+"""Parameters of the surfaces that the masks of those that are proposed read."""
+COUNT_PARAMS = frozenset({"max_section", "max_video"})
+"""Parameters that say how many are proposed."""
 
 
 def _run(params, inputs, rng):
@@ -35,7 +37,7 @@ def _run(params, inputs, rng):
 def _params(config: PipelineConfig, shape: tuple[int, int]) -> dict:
     return {
         "shape": list(shape),
-        "surfaces": config.track_surfaces.model_dump(mode="json", exclude=MASK_PARAMS),
+        "surfaces": config.track_surfaces.model_dump(mode="json", exclude=MASK_PARAMS | COUNT_PARAMS),
         "rigidity": config.rigidity.model_dump(mode="json", include=READ_RIGIDITY),
     }
 
