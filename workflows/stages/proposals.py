@@ -8,6 +8,7 @@ from moseg.schemas.arrays import layout
 from moseg.schemas.configs import MOTION_SOURCES, PipelineConfig
 from moseg.schemas.parameters import DeaotParams, RefinementParams, Sam2Params, TrackMaskParams, TrackSurfaceParams
 from moseg.workflows.stages.components import join_rows
+from moseg.workflows.stages.moving_tracks import tracks_of
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
 from moseg.workflows.stages.task import Network, Output, Task
@@ -35,39 +36,34 @@ def _run_saliency(params, inputs, rng):
 def _run_tracks(params, inputs, rng):
     from moseg.tasks.flow.fill_unknown import fill_unknown
     from moseg.tasks.proposals.boxes import object_boxes
-    from moseg.tasks.proposals.surface_masks import surface_masks
+    from moseg.tasks.proposals.surface_masks import static_candidates, surface_masks
     from moseg.tasks.proposals.track_masks import number_seen, track_masks
 
-    tracks, found = inputs["dense_tracks"], inputs["track_objects"]
-    points, visible, objects = tracks.array("points"), tracks.array("visible"), found.array("object")
-    is_moving = np.concatenate([[False], found.array("is_moving")])
+    (points, visible), found = tracks_of(inputs), inputs["track_objects"]
+    objects, is_moving = found.array("object"), found.array("is_moving")
+    moves = np.concatenate([[False], is_moving])
     frames = (frame.cached("image") for frame in inputs.all("frames"))
     masks = track_masks(
         frames,
         (fill_unknown(flow) for flow in _flows_to_next(inputs)),
         points,
         visible,
-        np.where(is_moving[objects], objects, 0).astype(np.uint16),
+        np.where(moves[objects], objects, 0).astype(np.uint16),
         params["start"],
         TrackMaskParams.of_recipe(params["track_masks"]),
     )
-    # What has too little evidence to move is a candidate too, and what merely stands above the ground.
-    surface, surface_params = (
-        inputs["track_surfaces"].array("surface"),
-        TrackSurfaceParams.of_recipe(params["track_surfaces"]),
-    )
-    surface = np.where(surface <= surface_params.num_surfaces, surface, 0)
-    still = np.where(objects > 0, objects, np.where(surface > 0, len(is_moving) - 1 + surface, 0)).astype(np.uint16)
-    still[is_moving[objects]] = 0
-    frame_range = range(params["start"], params["start"] + len(masks))
-    behind = surface_masks(masks.shape[1:], points, visible, still, frame_range, surface_params)
-    masks = np.where(masks > 0, masks, behind)
-    masks, seen = number_seen(masks)
-    is_object = seen < len(is_moving)
-    scores = np.where(is_object, np.concatenate([[0.0], found.array("scores")])[np.where(is_object, seen, 0)], 0.0)
+    surface_params = TrackSurfaceParams.of_recipe(params["track_surfaces"])
+    surface = inputs["track_surfaces"].array("surface")
+    still = static_candidates(objects, is_moving, surface, surface_params.num_surfaces)
+    labelled = range(params["start"], params["start"] + len(masks))
+    behind = surface_masks(masks.shape[1:], points, visible, still, labelled, surface_params)
+    masks, candidates = number_seen(np.where(masks > 0, masks, behind))
+    # Surfaces have no score: there is no evidence that they move.
+    of_object = np.where(candidates < len(moves), candidates, 0)
+    scores = np.concatenate([[0.0], found.array("scores")])[of_object]
     return Output(
         {"masks": masks, "scores": scores, "boxes": object_boxes(masks, len(scores))},
-        {"candidates": seen.tolist(), "is_moving": [bool(is_moving[each]) for each in np.where(is_object, seen, 0)]},
+        {"candidates": candidates.tolist(), "is_moving": moves[of_object].tolist()},
     )
 
 
@@ -195,7 +191,7 @@ STAGE = Stage(
         "foreground": "probability to move, of every section with a frame of this one (saliency)",
         "dense_tracks": "tracks of the section's window (tracks)",
         "track_objects": "objects of these tracks (tracks)",
-        "track_surfaces": "surfaces of these tracks that may be static (tracks)",
+        "track_surfaces": "surfaces of these tracks that stand above the ground (tracks)",
         "flow_next": "flow from each of the frames but the last to the next (tracks)",
         "flow_previous": "flow from the last frame to the one before it (tracks)",
         "seeds": "objects that tracking starts with (trackers)",

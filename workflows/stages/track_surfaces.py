@@ -11,9 +11,9 @@ from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 READ_RIGIDITY = frozenset({"noise", "noise_share", "contact_parallax"})
-"""Parameters of rigidity that it reads."""
+"""Parameters of rigidity that it reads: the noise of displacements, and what exceeds the ground's parallax."""
 MASK_PARAMS = frozenset({"num_surfaces", "mask_radius"})
-"""Parameters of the surfaces that are proposed."""
+"""Parameters that it does not read: those of the proposals that surfaces become."""
 
 
 def _run(params, inputs, rng):
