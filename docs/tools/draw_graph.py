@@ -28,7 +28,7 @@ PARTS = {
     "cues": ("flow", "depth", "background", "saliency"),
     "what moves": (
         *("consistency", "accumulation", "own_motion", "coherence", "appearance", "foreground", "components"),
-        *("dense_tracks", "rigidity", "moving_tracks", "track_groups", "track_objects"),
+        *("dense_tracks", "rigidity", "moving_tracks", "track_surfaces", "track_groups", "track_objects"),
     ),
     "objects": ("tags", "detections", "instances", "seeds", "proposals", "linking", "tracks"),
     "motions": (

@@ -1,4 +1,4 @@
-"""Masks of static surfaces: every pixel takes the surface of its nearest track."""
+"""Masks of what may be static, beside the moving objects: every pixel takes the label of its nearest track."""
 
 import cv2
 import numpy as np
@@ -12,13 +12,13 @@ def surface_masks(
     shape: tuple[int, int],
     points: np.ndarray,
     visible: np.ndarray,
-    surface: np.ndarray,
+    labels: np.ndarray,
     frames: range,
     params: TrackSurfaceParams,
 ) -> np.ndarray:
-    """Return the surface of every pixel.
+    """Return the label of every pixel.
 
-    Outlines are those of the tracks alone: a surface is only compared with what is around it.
+    Outlines are those of the tracks alone: what may be static is only compared with what is around it.
 
     Parameters
     ----------
@@ -27,11 +27,12 @@ def surface_masks(
     points : float32 (track, frame, xy)
         px; read only where `visible`.
     visible : bool (track, frame)
-    surface : uint16 (track,)
+    labels : uint16 (track,)
         0 = none.
     frames : range
         Frames of the tracks to label.
     params : TrackSurfaceParams
+        `mask_radius` is read.
 
     Returns
     -------
@@ -43,14 +44,14 @@ def surface_masks(
     masks = np.zeros((len(frames), height, width), np.uint16)
     for row, frame in enumerate(frames):
         seen = np.flatnonzero(visible[:, frame])
-        if not surface[seen].any():
+        if not labels[seen].any():
             continue
         far = np.full(grid, 255, np.uint8)
         cells = np.clip(np.rint(points[seen, frame] / _STEP).astype(int), 0, [grid[1] - 1, grid[0] - 1])
         far[cells[:, 1], cells[:, 0]] = 0
         distance, nearest = cv2.distanceTransformWithLabels(far, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
-        label = np.zeros(nearest.max() + 1, np.uint16)
-        label[nearest[cells[:, 1], cells[:, 0]]] = surface[seen]
-        near = np.where(distance * _STEP <= params.mask_radius, label[nearest], 0)
+        label_of = np.zeros(nearest.max() + 1, np.uint16)
+        label_of[nearest[cells[:, 1], cells[:, 0]]] = labels[seen]
+        near = np.where(distance * _STEP <= params.mask_radius, label_of[nearest], 0)
         masks[row] = cv2.resize(near, (width, height), interpolation=cv2.INTER_NEAREST)
     return masks

@@ -49,7 +49,7 @@ def judge_objects(
 ) -> TrackObjects:
     """Decide which groups of tracks move, by an absolute measure of evidence: in a static scene none does.
 
-    The evidence is that of the groups as given; then each takes the rest of its surfaces.
+    The evidence is that of the groups as given; then each takes the rest of the surfaces of which it has a good part.
 
     Parameters
     ----------
@@ -81,7 +81,8 @@ def judge_objects(
     whole = complete_objects(group, surface, params)
     is_scattered = whole.on_surface < params.min_on_surface
     min_score, min_test = params.min_score / params.sensitivity, params.min_test / params.sensitivity
-    needed = np.where(is_scattered, params.min_scattered_score / params.sensitivity, min_score)
+    min_scattered = max(params.min_score, params.min_scattered_score) / params.sensitivity
+    needed = np.where(is_scattered, min_scattered, min_score)
     relative = params.min_ratio / params.sensitivity * found.score.max(initial=0)
     enough = (found.score >= np.maximum(needed, relative)) & (found.test >= min_test)
     is_moving = large & enough & (best_part >= params.min_part * min_score)

@@ -21,10 +21,12 @@ def static_candidates(
     Returns
     -------
     uint16 (track,)
-        The object's number, or the surface's plus the number of objects; 0 = none.
+        The object's number, or the surface's plus the number of objects; 0 = none. What has no number in uint16 is left
+        out.
     """
     moves = np.concatenate([[False], is_moving])[objects]
-    number = np.where(objects > 0, objects, np.where(surface > 0, len(is_moving) + surface, 0))
-    number = np.where(moves, 0, number)
+    of_surface = np.where(surface > 0, len(is_moving) + surface.astype(np.int64), 0)
+    number = np.where(objects > 0, objects, of_surface)
+    number[moves | (number > np.iinfo(np.uint16).max)] = 0
     first = np.unique(number[number > 0])[:max_candidates]
     return np.where(np.isin(number, first), number, 0).astype(np.uint16)

@@ -1,4 +1,4 @@
-"""Surfaces of tracks that stand above the ground at one depth: what may move, whether there is evidence or not."""
+"""Surfaces of tracks that stand above the ground, each at one depth: parked cars, poles, trunks, walls, and movers."""
 
 from collections.abc import Sequence
 
@@ -15,6 +15,9 @@ from moseg.tasks.rigidity.parallax import Parallax, split_displacements
 
 _CLEAR = 2.0  # standard deviations by which the parallax of a track exceeds that of the ground that it hides
 _STANDS = 0.5  # share of its frame pairs in which a track stands above the ground
+_MOST = 3.0  # tolerances; a single gross error, where a track slips in a pair, must not part two neighbours
+_TINY = 1e-12
+"""Smallest tolerance of a difference of inverse depth; avoids division by zero."""
 
 
 def find_surfaces(
@@ -29,8 +32,9 @@ def find_surfaces(
 ) -> np.ndarray:
     """Return the surface that each track belongs to.
 
-    Tracks are compared over the pairs that are farthest apart and in which the ground is known. Two neighbours lie on
-    one surface if their inverse depths agree, in the mean over the pairs; a surface is a connected component.
+    Of the pairs, those of the largest gap are read, where the ground is known. A track stands above the ground if it
+    does in half of the pairs that see it. Two neighbours that stand lie on one surface if their inverse depths agree,
+    in the mean over the pairs; a surface is a connected component.
 
     Parameters
     ----------
@@ -52,7 +56,7 @@ def find_surfaces(
     Returns
     -------
     uint16 (track,)
-        1.. by falling number of tracks; 0 = none, which all are where no pair shows the ground.
+        1.. by falling number of tracks; 0 = none, as all are where no such pair shows the ground.
     """
     num_tracks = len(points)
     stands, num_seen = np.zeros((2, num_tracks))
@@ -76,6 +80,7 @@ def find_surfaces(
     size = np.bincount(component, minlength=count)
     kept = np.argsort(-size, kind="stable")
     kept = kept[size[kept] >= params.min_tracks]
+    kept = kept[: np.iinfo(np.uint16).max]
     number = np.zeros(count, np.uint16)
     number[kept] = np.arange(1, len(kept) + 1)
     surface = np.zeros(num_tracks, np.uint16)
@@ -92,25 +97,40 @@ def _above_ground(
     return clear & (parallax.inverse_depth > 0)
 
 
-def _compare(points, upright, parallax, noise, seen, params) -> np.ndarray:
-    """Return the neighbours among the `upright` ones of the `seen` tracks, and how far their depths differ: (3, E)."""
+def _compare(
+    points: np.ndarray,
+    upright: np.ndarray,
+    parallax: Parallax,
+    noise: np.ndarray,
+    seen: np.ndarray,
+    params: TrackSurfaceParams,
+) -> np.ndarray:
+    """Return the neighbours among the `upright` ones of the `seen` tracks, and their difference of inverse depth.
+
+    Returns
+    -------
+    float64 (3, E)
+        Two tracks, and the difference in tolerances.
+    """
     count = min(params.num_neighbours, len(upright) - 1)
     if count < 1:
         return np.zeros((3, 0))
     distance, near = cKDTree(points[upright]).query(points[upright], k=count + 1)
     is_near = distance[:, 1:].ravel() < params.radius
     own, other = np.repeat(upright, count)[is_near], upright[near[:, 1:].ravel()][is_near]
-    depth, depth_noise = parallax.inverse_depth, noise / parallax.reach
-    tolerance = np.hypot(params.agreement * np.maximum(depth[own], depth[other]), params.noise * depth_noise[own])
-    return np.stack([seen[own], seen[other], np.abs(depth[own] - depth[other]) / tolerance])
+    inverse_depth, deviation = parallax.inverse_depth, noise / parallax.reach
+    largest = np.maximum(inverse_depth[own], inverse_depth[other])
+    tolerance = np.maximum(np.hypot(params.agreement * largest, params.noise * deviation[own]), _TINY)
+    return np.stack([seen[own], seen[other], np.abs(inverse_depth[own] - inverse_depth[other]) / tolerance])
 
 
 def _agreeing(edges: np.ndarray, num_tracks: int) -> csr_matrix:
-    """Return which neighbours agree in the mean over the pairs in which they are neighbours, csr_matrix of bool."""
+    """Return which neighbours agree in the mean over the pairs in which they are neighbours: bool csr_matrix."""
     rows, columns = np.sort(edges[:2].astype(np.intp), axis=0)
-    # A single gross error, where one of them slips for a pair, must not part them.
-    cost = coo_matrix((np.minimum(edges[2], 3.0), (rows, columns)), (num_tracks, num_tracks)).tocsr()
-    number = coo_matrix((np.ones(len(rows)), (rows, columns)), (num_tracks, num_tracks)).tocsr()
-    cost.data = cost.data < number.data
-    cost.eliminate_zeros()
-    return cost
+    shape = num_tracks, num_tracks
+    difference = coo_matrix((np.minimum(edges[2], _MOST), (rows, columns)), shape).tocsr()
+    count = coo_matrix((np.ones(len(rows)), (rows, columns)), shape).tocsr()
+    # Both have the same entries in the same order.
+    agreeing = csr_matrix((difference.data < count.data, difference.indices, difference.indptr), shape)
+    agreeing.eliminate_zeros()
+    return agreeing

@@ -15,7 +15,7 @@ class WholeObjects(NamedTuple):
     group : int64 (track,)
         From 0; -1 = none.
     on_surface : float64 (group,)
-        Share of each group's tracks that lie on such surfaces.
+        Share of each group's tracks, with the rest, that lie on a surface of which it has a good part.
     """
 
     group: np.ndarray
@@ -26,7 +26,8 @@ def complete_objects(group: np.ndarray, surface: np.ndarray, params: TrackObject
     """Return groups of tracks with the other tracks of their surfaces.
 
     A car that comes along its epipolar lines shows that it moves where it meets the ground, and hardly elsewhere. But
-    all its tracks lie on one surface: they seem equally near.
+    all its tracks lie on one surface: they seem equally near. Of several groups on a surface, the one with most of its
+    tracks takes the rest, and the others keep theirs.
 
     Parameters
     ----------
@@ -36,18 +37,29 @@ def complete_objects(group: np.ndarray, surface: np.ndarray, params: TrackObject
         0 = none.
     params : TrackObjectParams
         `min_surface` is read.
+
+    Returns
+    -------
+    WholeObjects
     """
-    whole = np.asarray(group, np.int64).copy()
-    num_on_surface = np.zeros(int(whole.max(initial=-1)) + 1)
-    for number in range(1, int(surface.max(initial=0)) + 1):
-        tracks = np.flatnonzero(surface == number)
-        owners = group[tracks[group[tracks] >= 0]]
-        if not len(owners):
-            continue
-        counts = np.bincount(owners)
-        owner = counts.argmax()
-        if counts[owner] >= params.min_surface * len(tracks):
-            whole[tracks[group[tracks] < 0]] = owner
-            num_on_surface[owner] += np.count_nonzero(whole[tracks] == owner)
-    num_tracks = np.bincount(whole[whole >= 0], minlength=len(num_on_surface))
+    group, surface = np.asarray(group, np.int64), np.asarray(surface, np.int64)
+    num_groups = int(group.max(initial=-1)) + 1
+    owner = _owners(group, surface, num_groups, params.min_surface)[surface]
+    whole = np.where(group < 0, owner, group)
+    num_tracks = np.bincount(whole[whole >= 0], minlength=num_groups)
+    num_on_surface = np.bincount(whole[(whole >= 0) & (whole == owner)], minlength=num_groups)
     return WholeObjects(whole, num_on_surface / np.maximum(num_tracks, 1))
+
+
+def _owners(group: np.ndarray, surface: np.ndarray, num_groups: int, min_share: float) -> np.ndarray:
+    """Return the group that takes the rest of each surface, int64 (surface + 1,); -1 = none, as for surface 0."""
+    size = np.bincount(surface, minlength=1)
+    is_shared = (surface > 0) & (group >= 0)
+    shared, count = np.unique(surface[is_shared] * num_groups + group[is_shared], return_counts=True)
+    of_surface, of_group = np.divmod(shared, max(num_groups, 1))
+    # The largest part of a surface is written last; of equal ones, that of the lowest group.
+    rising = np.lexsort((-of_group, count))
+    rising = rising[count[rising] >= min_share * size[of_surface[rising]]]
+    owner = np.full(len(size), -1)
+    owner[of_surface[rising]] = of_group[rising]
+    return owner

@@ -49,7 +49,8 @@ class SceneParallaxParams(Frozen):
         0.05,
         ge=0,
         le=1,
-        description="the same for depth to show by parallax where the camera moves ahead",
+        description="the same for objects to be compared with a rigid scene, where the camera moves ahead; elsewhere"
+        " it is min_gain",
     )
     min_inside: Annotated[float, Unit.SHARE] = Field(
         0.6, ge=0, le=1, description="minimal share of pairs with the epipole inside the frame, for tracks"

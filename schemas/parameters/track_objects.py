@@ -182,19 +182,24 @@ class TrackObjectParams(Frozen):
     sensitivity: Annotated[float, Unit.RATIO] = Field(
         1.0,
         gt=0,
-        description="divisor of the smallest score, test and ratio: a larger one finds more movers, and more that"
+        description="divisor of the smallest scores, test and ratio: a larger one finds more movers, and more that"
         " does not move",
     )
     min_surface: Annotated[float, Unit.SHARE] = Field(
         0.25,
         gt=0,
-        description="share of a surface's tracks in one object from which on the others belong to it, too; above 1 none"
-        " do",
+        description="share of a surface's tracks in one object from which on the others belong to it too; above 1 none"
+        " do, and every object is scattered",
     )
     min_on_surface: Annotated[float, Unit.SHARE] = Field(
-        0.3, ge=0, description="share of an object's tracks on such surfaces, below which it is scattered"
+        0.3,
+        ge=0,
+        description="share of an object's tracks on such surfaces, below which it is scattered; 0: none is",
     )
     min_scattered_score: Annotated[float, Unit.RATIO] = Field(
-        12.0, ge=0, description="smallest score of a scattered object: slips of the tracker lie on no surface"
+        12.0,
+        ge=0,
+        description="smallest score of a scattered object, if larger than that of any: slips of the tracker lie on no"
+        " surface",
     )
     regroup: RegroupParams = RegroupParams()

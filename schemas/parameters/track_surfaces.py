@@ -11,16 +11,17 @@ from moseg.schemas.units import Unit
 class TrackSurfaceParams(Frozen):
     """Surfaces of tracks that stand above the ground, each at one depth: parked cars, poles, trunks, walls."""
 
-    max_section: Annotated[int, Unit.COUNT] = Field(
+    max_candidates: Annotated[int, Unit.COUNT] = Field(
         16,
         ge=0,
-        description="largest number of static candidates of a section: objects with too little evidence to move, then"
-        " surfaces",
+        description="largest number of static candidates of the first section: objects with too little evidence to"
+        " move, then surfaces",
     )
-    max_video: Annotated[int, Unit.COUNT] = Field(
-        64,
-        ge=0,
-        description="the same of a video, spread over its sections: what affinities cost grows with the square of it",
+    halved_after: Annotated[int, Unit.SECTIONS] = Field(
+        2,
+        ge=1,
+        description="sections after which that number is halved, again and again: what affinities cost grows with the"
+        " square of all objects of a video",
     )
     min_tracks: Annotated[int, Unit.COUNT] = Field(6, ge=1, description="smallest number of tracks of a surface")
     num_neighbours: Annotated[int, Unit.COUNT] = Field(

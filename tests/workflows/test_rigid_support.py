@@ -14,7 +14,7 @@ from moseg.tasks.synthetic import render_scene
 from moseg.tasks.synthetic.scenes_still import BRIGHT_SKY
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 from moseg.workflows.stages.clustering import MOTION_GROUPS
-from moseg.workflows.stages.rigid_support import BY_MASKS, BY_TRACK_OBJECTS
+from moseg.workflows.stages.rigid_support import BY_MASKS, BY_TRACKS
 
 ALONE = (Variant.OC_DEPTH, Variant.OC, Variant.TRAJS, Variant.BASE)
 
@@ -23,7 +23,7 @@ def _refs(task, count):
     return tuple(f"{task}/{digest_bytes('test', f'{task} {number}'.encode())}" for number in range(count))
 
 
-def _choice(section, source="saliency", moving=1.0, gain=0.5):
+def _choice(section, source="saliency", shows_depth=True):
     """Return the choice of a stretch that is one section of eight frames."""
     first = 8 * section
     return StretchChoice(
@@ -31,10 +31,11 @@ def _choice(section, source="saliency", moving=1.0, gain=0.5):
         last_frame=first + 7,
         proposals=source,
         reason="",
-        moving=moving,
-        gain=gain,
+        moving=0,
+        gain=0,
         inside=0,
         wander_deg=0,
+        shows_depth=shows_depth,
     )
 
 
@@ -59,13 +60,9 @@ DEEP = [_choice(0), _choice(1), _choice(2)]
 
 
 def test_sections_are_compared_where_depth_shows_by_parallax_and_where_objects_are_of_tracks():
-    graph = _graph(_choice(0), _choice(1, gain=0.21), _choice(2, "tracks", gain=0.0))
-    assert _methods(graph) == [(0, "masks"), (2, "track-objects")]
-    graph = _graph(_choice(0, moving=0.49), _choice(1, moving=0.5, gain=0.22), _choice(2, moving=0, gain=0.9))
-    assert _methods(graph) == [(1, "masks")]
-    lenient = {"scene_parallax": {"min_gain": 0.1, "min_moving": 0.4}}
-    graph = _graph(_choice(0, moving=0.49), _choice(1, gain=0.09), _choice(2, gain=0.1), **lenient)
-    assert _methods(graph) == [(0, "masks"), (2, "masks")]
+    graph = _graph(_choice(0), _choice(1, shows_depth=False), _choice(2, "tracks", shows_depth=False))
+    assert _methods(graph) == [(0, "masks"), (2, "tracks")]
+    assert _supports(_graph(*[_choice(section, shows_depth=False) for section in range(3)])) == []
 
 
 @pytest.mark.parametrize("source", ["saliency", "groundtruth", "folder"])
@@ -77,7 +74,7 @@ def test_objects_of_a_source_that_was_named_are_compared_only_on_demand(source):
 
 
 def test_objects_of_tracks_are_compared_unless_it_is_switched_off():
-    whole = [(section, "track-objects") for section in range(3)]
+    whole = [(section, "tracks") for section in range(3)]
     assert _methods(_graph(proposal_source="tracks")) == whole
     assert _methods(_graph(proposal_source="tracks", rigid_support={"use": "always"})) == whole
     assert _supports(_graph(proposal_source="tracks", rigid_support={"use": "never"})) == []
@@ -219,13 +216,20 @@ def test_a_proposal_without_pixels_is_static_and_one_of_another_section_is_open(
 
 def test_objects_of_tracks_move_as_their_tracks_say():
     inputs = _Inputs(
-        # Of three candidates, the second has no pixels.
-        proposals={"candidates": [1, 3]},
-        linking={"identity": np.array([[0, 1, 0, 0], [0, 3, 1, 0]], np.uint16), "num_objects": 4},
-        track_objects={"is_moving": np.array([True, True, True])},
+        # Of the candidates, some have no pixels.
+        proposals={"candidates": [1, 3, 7], "is_moving": [True, False, True]},
+        linking={"identity": np.array([[0, 1, 0, 0, 0], [0, 3, 1, 4, 0]], np.uint16), "num_objects": 5},
     )
-    support, _ = _compute(BY_TRACK_OBJECTS, inputs, section=1)
-    np.testing.assert_array_equal(support, [1, 0, np.nan, 0])
+    support, _ = _compute(BY_TRACKS, inputs, section=1)
+    np.testing.assert_array_equal(support, [1, 1, np.nan, 0, 0])
+
+
+def test_a_section_of_tracks_without_objects_is_static():
+    inputs = _Inputs(
+        proposals={"candidates": [], "is_moving": []},
+        linking={"identity": np.array([[0, 1], [0, 0]], np.uint16), "num_objects": 2},
+    )
+    np.testing.assert_array_equal(_compute(BY_TRACKS, inputs, section=1)[0], [1, np.nan])
 
 
 @pytest.fixture(scope="module")

@@ -110,6 +110,10 @@ def test_a_video_is_segmented_by_both_and_says_so(journey, moseg, tmp_path):
     assert moseg(*command, "--out", tmp_path / "out", "--report", page).code == 0
     summary = json.loads((tmp_path / "out" / "motion.json").read_text())
     assert [each["proposals"] for each in summary["choices"]] == ["saliency", "tracks"]
+    assert [each["shows_depth"] for each in summary["choices"]] == [False, True]
+    figures = {"moving", "gain", "inside", "wander_deg", "shows_depth"}
+    fields = {"first_frame", "last_frame", "proposals", "reason"} | figures
+    assert {frozenset(each) for each in summary["choices"]} == {frozenset(fields)}
     told = "tracks for frames 12 to 23 (the camera drives through a scene with depth"
     assert told in page.read_text()
     assert told in " ".join(moseg("status", "latest", "--store", store).out.split())

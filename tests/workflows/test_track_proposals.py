@@ -1,5 +1,7 @@
 """Proposals from dense tracks: windows of sections, recipes, and whole runs."""
 
+import json
+import re
 from itertools import pairwise
 
 import numpy as np
@@ -14,6 +16,7 @@ from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 
 FOUND = {"track_objects", "proposals", "linking", "tracks"}
 CANDIDATES = {"moving_tracks", "track_groups"}
+SURFACES = {"track_surfaces"}
 END = {"fundamental", "fundamental_residual", "flow_model", "flow_residual", "affinity"}
 LAST = {"clustering", "segmentation", "score"}
 END |= {"rigid_support", *LAST}
@@ -59,7 +62,7 @@ def test_a_window_contains_its_section_and_is_no_shorter_than_the_video_allows(n
 
 def test_objects_are_found_without_saliency():
     tasks = _tasks(_recipes())
-    assert {"dense_tracks", "rigidity", *CANDIDATES, *FOUND} <= tasks
+    assert {"dense_tracks", "rigidity", *CANDIDATES, *SURFACES, *FOUND} <= tasks
     assert not tasks & {"saliency", "components", "background"}
 
 
@@ -86,7 +89,11 @@ def test_every_input_is_a_leaf_or_a_node():
         ({"track_groups": {"max_static": 100}}, {"track_groups"} | FOUND | END),
         ({"track_field": {"coupling": 1.0}}, CANDIDATES | FOUND | END),
         ({"track_candidates": {"radius": 20.0}}, CANDIDATES | FOUND | END),
-        ({"rigidity": {"noise": 0.4}}, {"rigidity"} | CANDIDATES | FOUND | END),
+        ({"rigidity": {"noise": 0.4}}, {"rigidity"} | CANDIDATES | SURFACES | FOUND | END),
+        ({"track_surfaces": {"agreement": 0.1}}, SURFACES | FOUND | END),
+        ({"track_surfaces": {"max_candidates": 4}}, FOUND - {"track_objects"} | END),
+        ({"track_surfaces": {"mask_radius": 20.0}}, FOUND - {"track_objects"} | END),
+        ({"track_objects": {"min_surface": 0.5}}, FOUND | END),
         ({"rigid_support": {"use": "never"}}, LAST),
         ({"rigid_support": {"max_test": 0.9}}, set()),
         ({"saliency": {"floor": 0.4}}, set()),
@@ -100,6 +107,12 @@ def test_an_option_changes_the_keys_of_the_stages_that_read_it_and_no_others(cha
 def test_more_frames_do_not_change_the_objects_of_sections_before_them():
     short, long = ([_graph(count).objects.proposals(index) for index in range(2)] for count in (30, 50))
     assert short == long
+
+
+def test_static_candidates_of_a_video_are_bounded():
+    recipes = _recipes(8 * 12, track_surfaces={"max_candidates": 4, "halved_after": 3})
+    numbers = [recipe.params["max_static"] for recipe in recipes.values() if recipe.task == "proposals"]
+    assert sorted(numbers, reverse=True) == [4] * 3 + [2] * 3 + [1] * 3 + [0] * 3
 
 
 def test_sections_at_the_end_share_their_window():
@@ -122,18 +135,25 @@ def evaluated_tracks(squares, tmp_path_factory):
     return open_store(str(folder / "store"), create=False), report.read_text(encoding="utf-8")
 
 
-def test_proposals_are_the_moving_candidates_that_have_pixels(evaluated_tracks):
+def test_proposals_are_objects_and_surfaces_that_have_pixels(evaluated_tracks):
     store, _ = evaluated_tracks
     refs = list(store.refs("proposals"))
     assert len(refs) == 3
     for ref in refs:
         found = store.manifest(ref).recipe.inputs["track_objects"]
         masks, scores = store.read(ref, "masks"), store.read(ref, "scores")
-        chosen = np.array(store.attributes(ref)["candidates"])
+        attributes = store.attributes(ref)
         assert np.unique(masks).tolist() == list(range(len(scores) + 1))
-        assert len(scores)
-        assert store.read(found, "is_moving")[chosen - 1].all()
-        np.testing.assert_array_equal(store.read(found, "scores")[chosen - 1], scores)
+        assert len(scores) == len(attributes["candidates"]) == len(attributes["is_moving"]) > 0
+        moving = store.read(found, "is_moving")
+        # Objects of tracks, and after them surfaces, which have no score and do not move.
+        numbers = {number: index for index, number in enumerate(attributes["candidates"])}
+        judged = [(number, numbers[number]) for number in numbers if number <= len(moving)]
+        assert judged
+        for number, index in judged:
+            assert scores[index] == store.read(found, "scores")[number - 1]
+            assert attributes["is_moving"][index] == moving[number - 1]
+        assert not scores[len(judged) :].any() and not any(attributes["is_moving"][len(judged) :])
         assert len(store.attributes(found)["test"]) == len(store.read(found, "scores"))
 
 
@@ -171,10 +191,43 @@ def test_two_frames_of_nothing_give_no_object(moseg, write_image, tmp_path):
     assert "0 moving objects" in ran.out
 
 
-def test_a_car_that_comes_along_its_epipolar_line_is_found(moseg, tmp_path):
-    data = ("--dataset", "synthetic", "--sequences", "forward-drive-epipolar-car", "--variant", "base")
-    ran = moseg("eval", *data, "--proposals", "tracks", "--store", tmp_path / "store", "--quiet")
-    assert ran.code == 0
-    store = open_store(str(tmp_path / "store"), create=False)
-    (score,) = store.refs("score")
-    assert store.attributes(score)["F"] > 50
+@pytest.fixture(scope="module")
+def evaluate_drive(tmp_path_factory):
+    """Return a function that evaluates a drive past walls towards a car; it returns Fu, the store and the report."""
+    from moseg.workflows.cli.app import run
+
+    folder = tmp_path_factory.mktemp("drive")
+
+    def call(variant, *options):
+        store, page = folder / ("changed" if options else "store"), folder / "page.html"
+        data = ("eval", "--dataset", "synthetic", "--sequences", "forward-drive-epipolar-car", "--proposals", "tracks")
+        given = ("--variant", variant, "--store", store, "--report", page, "--json", folder / "scores.json", "--quiet")
+        assert run([str(each) for each in (*data, *given, *options)]) == 0
+        (row,) = json.loads((folder / "scores.json").read_text())["rows"]
+        return row["mean"]["F"], open_store(str(store), create=False), page.read_text(encoding="utf-8")
+
+    return call
+
+
+def test_a_car_that_comes_along_its_epipolar_line_is_found_among_static_surfaces(evaluate_drive):
+    score, store, _ = evaluate_drive("fused")
+    assert score > 50
+    (ref,) = store.refs("proposals")
+    attributes, scores = store.attributes(ref), store.read(ref, "scores")
+    assert attributes["is_moving"] == [True, False, False, False, False]
+    assert (scores > 0).tolist() == attributes["is_moving"]
+    (ref,) = store.refs("rigid_support")
+    assert store.read(ref, "support").tolist() == [1, 0, 1, 1, 1, 1]
+
+
+def test_base_takes_all_surfaces_as_moving_and_without_them_equals_fused(evaluate_drive):
+    fused, base = evaluate_drive("fused")[0], evaluate_drive("base")[0]
+    assert base < fused / 2
+    without = ("--set", "track_surfaces.max_candidates=0")
+    assert evaluate_drive("base", *without)[0] == evaluate_drive("fused", *without)[0] > 50
+
+
+def test_a_report_of_dense_tracks_names_the_objects_that_are_drawn_in_colour(evaluate_drive):
+    _, _, page = evaluate_drive("fused")
+    layer = re.search(r'"layer-name">dense tracks<.*?class="legend">(.*?)</div>', page, re.DOTALL)
+    assert re.findall(r"</svg>([^<]*)<", layer[1]) == ["object 1, motion 1", "too little evidence"]

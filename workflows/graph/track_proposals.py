@@ -83,6 +83,4 @@ class TrackProposals:
             "flow_next": tuple(self._cues.flow(frame, frame + 1) for frame in range(start, last - 1)),
             "flow_previous": self._cues.flow(last - 1, last - 2),
         }
-        return self._nodes.add(
-            "proposals", inputs, "tracks", start=self.first_row(index), num_sections=len(self._sections)
-        )
+        return self._nodes.add("proposals", inputs, "tracks", start=self.first_row(index), section=index)

@@ -20,13 +20,13 @@ from moseg.workflows.reports.layers import (
 from moseg.workflows.results.found_objects import found_refs, read_found_objects
 
 DROPPED = (190, 190, 190)
-"""RGB of tracks of candidates that are not proposed."""
+"""RGB of tracks of objects with too little evidence to move."""
 POINT_RADIUS = 1.0
 """px of the picture; dense tracks are about 2 px apart there."""
 
 
 def plan_dense_tracks(view: SequenceView, variant: Variant) -> PlannedLayer:
-    """Plan the layer of the dense tracks in the colour of the object that they propose, with short tails.
+    """Plan the layer of the tracks of moving objects in the colour of the object that they propose, with short tails.
 
     Frames of a section whose proposals are not made from dense tracks have no picture.
     """
@@ -46,6 +46,7 @@ def plan_dense_tracks(view: SequenceView, variant: Variant) -> PlannedLayer:
         found = read_found_objects(view.store, view.graph, variant)
         linked = view.store.read(view.graph.objects.linking(), "identity")
         names = np.array((0, *found.identities), np.uint16)
+        coloured: set[int] = set()
 
         def draw_section(section: int, rows: Iterable[int]) -> Iterator[Picture | None]:
             if section not in tracked:
@@ -53,10 +54,15 @@ def plan_dense_tracks(view: SequenceView, variant: Variant) -> PlannedLayer:
                 return
             tracks = proposed.dense_tracks(section)
             candidate = view.store.read(proposed.objects(section), "object")
-            chosen = view.store.attributes(view.graph.objects.proposals(section))["candidates"]
+            attributes = view.store.attributes(view.graph.objects.proposals(section))
+            moves = np.array(attributes["is_moving"], bool)
+            # Proposals that may be static are not drawn in colour; those of surfaces are no objects of tracks.
+            chosen = np.array(attributes["candidates"], np.int64)[moves]
             colours = np.full((int(candidate.max(initial=0)) + 1, 3), DROPPED, np.uint8)
-            colours[chosen] = all_colours()[names[linked[section][1 : len(chosen) + 1]]]
-            # Proposed objects are drawn last, above the others.
+            identities = names[linked[section][1 : len(moves) + 1][moves]]
+            colours[chosen] = all_colours()[identities]
+            coloured.update(identities.tolist())
+            # Objects that move are drawn last, above the others.
             drawn = np.flatnonzero(candidate)
             drawn = drawn[np.argsort(np.isin(candidate[drawn], chosen), kind="stable")]
             points, visible = (view.store.read(tracks, name)[drawn] for name in ("points", "visible"))
@@ -69,11 +75,12 @@ def plan_dense_tracks(view: SequenceView, variant: Variant) -> PlannedLayer:
         pictures = tuple(
             picture for section, places in by_section for picture in draw_section(section, (row for _, row in places))
         )
+        moving = found._replace(motions={name: found.motions[name] for name in found.motions if name in coloured})
         return Layer(
             "dense tracks",
             LayerKind.OVER,
             pictures,
-            legend=(*object_legend(found, is_moving_only=False), LegendEntry(as_hex(DROPPED), "too little evidence")),
+            legend=(*object_legend(moving, is_moving_only=False), LegendEntry(as_hex(DROPPED), "too little evidence")),
             description="Groups of dense tracks that no rigid scene explains, with their paths over the last"
             f" {TAIL_FRAMES} frames, in the colour of the object that they propose.",
         )

@@ -8,6 +8,7 @@ from moseg.schemas.arrays import layout
 from moseg.schemas.configs import MOTION_SOURCES, PipelineConfig
 from moseg.schemas.parameters import DeaotParams, RefinementParams, Sam2Params, TrackMaskParams, TrackSurfaceParams
 from moseg.workflows.stages.components import join_rows
+from moseg.workflows.stages.moving_tracks import tracks_of
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
 from moseg.workflows.stages.task import Network, Output, Task
@@ -39,31 +40,31 @@ def _run_tracks(params, inputs, rng):
     from moseg.tasks.proposals.track_masks import number_seen, track_masks
     from moseg.tasks.track_objects import static_candidates
 
-    tracks, found = inputs["dense_tracks"], inputs["track_objects"]
-    points, visible, objects = tracks.array("points"), tracks.array("visible"), found.array("object")
-    is_moving = np.concatenate([[False], found.array("is_moving")])
+    (points, visible), found = tracks_of(inputs), inputs["track_objects"]
+    objects, is_moving = found.array("object"), found.array("is_moving")
+    moves = np.concatenate([[False], is_moving])
     frames = (frame.cached("image") for frame in inputs.all("frames"))
     masks = track_masks(
         frames,
         (fill_unknown(flow) for flow in _flows_to_next(inputs)),
         points,
         visible,
-        np.where(is_moving[objects], objects, 0).astype(np.uint16),
+        np.where(moves[objects], objects, 0).astype(np.uint16),
         params["start"],
         TrackMaskParams.of_recipe(params["track_masks"]),
     )
     surface_params = TrackSurfaceParams.of_recipe(params["track_surfaces"])
     surface = inputs["track_surfaces"].array("surface")
-    still = static_candidates(objects, is_moving[1:], surface, params["max_static"])
-    frame_range = range(params["start"], params["start"] + len(masks))
-    behind = surface_masks(masks.shape[1:], points, visible, still, frame_range, surface_params)
-    masks, seen = number_seen(np.where(masks > 0, masks, behind))
-    # Of objects, surfaces have the numbers after theirs.
-    known = np.where(seen < len(is_moving), seen, 0)
-    scores = np.concatenate([[0.0], found.array("scores")])[known]
+    still = static_candidates(objects, is_moving, surface, params["max_static"])
+    labelled = range(params["start"], params["start"] + len(masks))
+    behind = surface_masks(masks.shape[1:], points, visible, still, labelled, surface_params)
+    masks, candidates = number_seen(np.where(masks > 0, masks, behind))
+    # Surfaces have no score: there is no evidence that they move.
+    of_object = np.where(candidates < len(moves), candidates, 0)
+    scores = np.concatenate([[0.0], found.array("scores")])[of_object]
     return Output(
         {"masks": masks, "scores": scores, "boxes": object_boxes(masks, len(scores))},
-        {"candidates": seen.tolist(), "is_moving": is_moving[known].tolist()},
+        {"candidates": candidates.tolist(), "is_moving": moves[of_object].tolist()},
     )
 
 
@@ -132,12 +133,12 @@ def _saliency_params(config: PipelineConfig) -> dict:
     return {"refinement": config.refinement.model_dump(mode="json")}
 
 
-def _track_params(config: PipelineConfig, start: int, num_sections: int) -> dict:
-    """Return the parameters of the masks of one of `num_sections` sections, over which static candidates are spread."""
+def _track_params(config: PipelineConfig, start: int, section: int) -> dict:
+    """Return the parameters of the masks of a section, of which the later ones have fewer static candidates."""
     surfaces = config.track_surfaces
     return {
         "start": start,
-        "max_static": min(surfaces.max_section, surfaces.max_video // num_sections),
+        "max_static": surfaces.max_candidates >> section // surfaces.halved_after,
         "track_masks": config.track_masks.model_dump(mode="json"),
         "track_surfaces": surfaces.model_dump(mode="json", include=MASK_PARAMS),
     }
@@ -194,7 +195,7 @@ STAGE = Stage(
         "foreground": "probability to move, of every section with a frame of this one (saliency)",
         "dense_tracks": "tracks of the section's window (tracks)",
         "track_objects": "objects of these tracks (tracks)",
-        "track_surfaces": "surfaces of these tracks that may be static (tracks)",
+        "track_surfaces": "surfaces of these tracks that stand above the ground (tracks)",
         "flow_next": "flow from each of the frames but the last to the next (tracks)",
         "flow_previous": "flow from the last frame to the one before it (tracks)",
         "seeds": "objects that tracking starts with (trackers)",

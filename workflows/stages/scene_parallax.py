@@ -1,4 +1,4 @@
-"""Scene parallax: the camera's motion in a stretch of video, and the source of proposals that suits it."""
+"""Scene parallax: the camera's motion in a stretch of video, the source of proposals that suits it, and its depth."""
 
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import RigidityParams, SceneParallaxParams
@@ -38,7 +38,7 @@ EPIPOLAR = Task("scene_parallax", "epipolar", version=2, run=_run, params=_param
 
 STAGE = Stage(
     name="scene_parallax",
-    about="the camera's motion in a stretch, and the source of its proposals",
+    about="the camera's motion in a stretch, the source of its proposals, and whether depth shows",
     inputs={"frames": "frames of the pairs at fixed places of the stretch, and those between them"},
     arrays={},
     tasks=(EPIPOLAR,),

@@ -11,10 +11,10 @@ from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 READ_RIGIDITY = frozenset({"noise", "noise_share", "contact_parallax"})
-"""Parameters of rigidity that it reads."""
+"""Parameters of rigidity that it reads: the noise of displacements, and what exceeds the ground's parallax."""
 MASK_PARAMS = frozenset({"mask_radius"})
-"""Parameters of the surfaces that the masks of those that are proposed read."""
-COUNT_PARAMS = frozenset({"max_section", "max_video"})
+"""Parameters of the masks of surfaces."""
+COUNT_PARAMS = frozenset({"max_candidates", "halved_after"})
 """Parameters that say how many are proposed."""
 
 

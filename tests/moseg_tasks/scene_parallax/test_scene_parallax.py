@@ -67,3 +67,34 @@ def test_frames_without_corners_are_no_evidence():
 )
 def test_what_the_choice_asks_for(evidence, num_pairs, source):
     assert choose_source(evidence, num_pairs, PARAMS).proposals == source
+
+
+ASIDE = {"sees_epipole": False}
+
+
+@pytest.mark.parametrize(
+    ("evidence", "num_pairs", "shows"),
+    [
+        # Where the camera moves ahead, a little parallax shows depth.
+        ([_evidence(gain=0.06)] * 4, 4, True),
+        ([_evidence(gain=0.04)] * 4, 4, False),
+        ([_evidence(gain=0.06)] * 2, 5, False),
+        # Elsewhere it takes as much as tracks do.
+        ([_evidence(gain=0.23, **ASIDE)] * 4, 4, True),
+        ([_evidence(gain=0.21, **ASIDE)] * 4, 4, False),
+        ([_evidence(gain=0.23, **ASIDE)] * 2, 5, False),
+        ([_evidence(gain=0.21, heading=_turned(angle)) for angle in (-12, -5, 5, 12)], 4, False),
+        ([_evidence(gain=0.23, heading=_turned(angle)) for angle in (-12, -5, 5, 12)], 4, True),
+        ([], 4, False),
+    ],
+)
+def test_where_depth_shows_by_parallax(evidence, num_pairs, shows):
+    assert choose_source(evidence, num_pairs, PARAMS).shows_depth is shows
+
+
+def test_each_gain_has_its_own_threshold():
+    ahead, aside = [_evidence(gain=0.3)] * 4, [_evidence(gain=0.3, **ASIDE)] * 4
+    few, many = PARAMS.model_copy(update={"min_ahead_gain": 0.4}), PARAMS.model_copy(update={"min_gain": 0.4})
+    assert [choose_source(pairs, 4, few).shows_depth for pairs in (ahead, aside)] == [False, True]
+    assert [choose_source(pairs, 4, many).shows_depth for pairs in (ahead, aside)] == [True, False]
+    assert choose_source(ahead, 4, few).proposals == "tracks"

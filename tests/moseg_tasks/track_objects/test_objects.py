@@ -13,11 +13,12 @@ CAR_SCORE = 25 * 6 * 4 * 2 / 8
 """25 tracks with an error of 4 and a test of 2 in each of 6 pairs, over 8 frames."""
 
 
-def _judge(scene, group=None, candidate=None, **changes):
-    """Judge the blocks of a scene, each of which is one group and one candidate where these are not given."""
+def _judge(scene, group=None, candidate=None, surface=None, **changes):
+    """Judge the blocks of a scene, each of which is one group, candidate and surface where these are not given."""
     group = scene.truth - 1 if group is None else group
     candidate = (group + 1).astype(np.uint16) if candidate is None else candidate
-    return judge_objects(group, candidate, scene.visible, scene.evidence, PARAMS.model_copy(update=changes))
+    surface = scene.truth.astype(np.uint16) if surface is None else surface
+    return judge_objects(group, candidate, surface, scene.visible, scene.evidence, PARAMS.model_copy(update=changes))
 
 
 def test_features_are_those_of_the_tracks_and_pairs(drive):
@@ -27,6 +28,7 @@ def test_features_are_those_of_the_tracks_and_pairs(drive):
     assert found.strength.tolist() == [4 * 25 * 6]
     assert found.test.tolist() == [2]
     assert found.score.tolist() == found.best_part.tolist() == [CAR_SCORE]
+    assert found.on_surface.tolist() == [1]
     assert found.is_moving.tolist() == [True]
 
 
@@ -135,11 +137,69 @@ def test_the_best_part_is_that_of_the_object_itself(drive):
 def test_without_groups_there_is_no_object(drive, num_tracks):
     scene = drive()
     evidence = PairEvidence(*(array[:, :num_tracks] for array in scene.evidence))
-    nothing = np.full(num_tracks, -1)
-    found = judge_objects(nothing, (nothing + 1).astype(np.uint16), scene.visible[:num_tracks], evidence, PARAMS)
-    assert found.object.tolist() == [0] * num_tracks
-    assert {len(values) for values in found[1:]} == {0}
+    group, nothing = np.full(num_tracks, -1), np.zeros(num_tracks, np.uint16)
+    for surface in (nothing, nothing + 1):
+        found = judge_objects(group, nothing, surface, scene.visible[:num_tracks], evidence, PARAMS)
+        assert found.object.tolist() == [0] * num_tracks
+        assert {len(values) for values in found[1:]} == {0}
 
 
 def test_without_frame_pairs_nothing_moves(drive):
     assert _judge(drive(CAR, num_frames=2)).is_moving.tolist() == [False]
+
+
+def _parted(scene, num_seen):
+    """Return groups in which only the first tracks of the car show that it moves."""
+    group = np.full(len(scene.truth), -1)
+    group[np.flatnonzero(scene.truth == 1)[:num_seen]] = 0
+    return group
+
+
+def test_an_object_takes_the_rest_of_its_surface_but_not_its_evidence(drive):
+    scene = drive(CAR)
+    found = _judge(scene, _parted(scene, 10))
+    np.testing.assert_array_equal(found.object, scene.truth)
+    assert found.num_tracks.tolist() == [10]
+    assert found.score.tolist() == [CAR_SCORE * 10 / 25]
+    assert found.on_surface.tolist() == [1]
+    alone = _judge(scene, _parted(scene, 10), min_surface=0.5)
+    np.testing.assert_array_equal(alone.object, _parted(scene, 10) + 1)
+    assert alone.on_surface.tolist() == [0]
+
+
+def test_objects_keep_their_numbers_with_the_rest_of_their_surfaces(drive):
+    scene = drive(VAN, CAR)
+    found = _judge(scene, np.where(_parted(scene, 5) == 0, 0, np.where(scene.truth == 2, 1, -1)))
+    assert (np.diff(found.score) < 0).all()
+    assert [np.unique(found.object[scene.truth == label]).tolist() for label in range(3)] == [[0], [2], [1]]
+
+
+@pytest.mark.parametrize(("num_on_surface", "needs"), [(0, 12.0), (7, 12.0), (8, 6.0), (25, 6.0)])
+def test_a_scattered_object_needs_more_evidence(drive, num_on_surface, needs):
+    scene = drive(CAR)
+    surface = np.zeros(len(scene.truth), np.uint16)
+    surface[np.flatnonzero(scene.truth)[:num_on_surface]] = 1
+    for score, moves in ((needs * 0.99, False), (needs, True)):
+        # The evidence is that of a car with other errors.
+        errors = scene.evidence.strict_error.astype(np.float64) * score / CAR_SCORE
+        evidence = scene.evidence._replace(strict_error=errors)
+        found = _judge(scene._replace(evidence=evidence), surface=surface)
+        assert found.score[0] == pytest.approx(score)
+        assert found.on_surface.tolist() == [num_on_surface / 25]
+        assert found.is_moving.tolist() == [moves], score
+
+
+@pytest.mark.parametrize(
+    ("changes", "moves"),
+    [
+        ({"min_scattered_score": CAR_SCORE}, True),
+        ({"min_scattered_score": CAR_SCORE + 0.1}, False),
+        ({"min_scattered_score": CAR_SCORE + 0.1, "sensitivity": 1.1}, True),
+        ({"min_scattered_score": CAR_SCORE + 0.1, "min_on_surface": 0.0}, True),
+        # It needs no less than other objects do.
+        ({"min_scattered_score": 0.0, "min_score": CAR_SCORE + 0.1}, False),
+    ],
+)
+def test_what_a_scattered_object_needs(drive, changes, moves):
+    scene = drive(CAR)
+    assert _judge(scene, surface=np.zeros(len(scene.truth), np.uint16), **changes).is_moving.tolist() == [moves]
