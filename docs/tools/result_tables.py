@@ -194,7 +194,7 @@ def _road_parts() -> Rows:
         "no-contact": "no test of the contact with the ground",
         "no-field": "no agreement with neighbours",
         "no-groups": "candidates not regrouped by motion",
-        "no-completion": "objects without the rest of their surfaces",
+        "no-completion": "objects without the rest of their surfaces, all of them scattered",
         "no-scattering": "scattered objects asked for no more evidence",
         "no-comparison": "objects not compared with a rigid scene",
     }

@@ -37,8 +37,8 @@ def test_the_declaration_of_a_stage_is_consistent(stage):
     assert all(("weights" in stage.inputs) for task in stage.tasks if task.network is not None)
 
 
-BY_PLACE = ("score", "object_hypotheses")
-"""Stages whose method follows from what the sequence has, or from the kind of motion model."""
+BY_PLACE = ("score", "object_hypotheses", "rigid_support")
+"""Stages whose method follows from what the sequence has, the kind of motion model, or a section's proposals."""
 
 
 def _choose(choice, backend):

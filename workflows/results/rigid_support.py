@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from moseg.store import ArtifactStore
-from moseg.tasks.rigid_support import combine_sections
 
 
 def read_rigid_support(store: ArtifactStore, refs: Sequence[str]) -> np.ndarray | None:
@@ -16,4 +15,9 @@ def read_rigid_support(store: ArtifactStore, refs: Sequence[str]) -> np.ndarray 
     refs : sequence of references
         Rigid support in each section that was compared with a rigid scene; None is returned if there is none.
     """
-    return combine_sections([store.read(ref, "support") for ref in refs]) if refs else None
+    if not refs:
+        return None
+    # Here, because a program starts without SciPy.
+    from moseg.tasks.rigid_support import combine_sections
+
+    return combine_sections([store.read(ref, "support") for ref in refs])

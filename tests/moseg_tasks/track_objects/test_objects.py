@@ -172,6 +172,8 @@ def test_objects_keep_their_numbers_with_the_rest_of_their_surfaces(drive):
     found = _judge(scene, np.where(_parted(scene, 5) == 0, 0, np.where(scene.truth == 2, 1, -1)))
     assert (np.diff(found.score) < 0).all()
     assert [np.unique(found.object[scene.truth == label]).tolist() for label in range(3)] == [[0], [2], [1]]
+    scattered = _judge(scene, surface=np.where(scene.truth == 1, 1, 0).astype(np.uint16))
+    assert scattered.on_surface.tolist() == [0, 1]
 
 
 @pytest.mark.parametrize(("num_on_surface", "needs"), [(0, 12.0), (7, 12.0), (8, 6.0), (25, 6.0)])

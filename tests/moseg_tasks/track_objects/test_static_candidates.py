@@ -25,8 +25,9 @@ def test_no_more_candidates_than_are_asked_for_objects_before_surfaces(most, exp
 
 def test_surfaces_for_which_there_is_no_number_are_left_out():
     surface = np.array([1, 65534, 65535], np.uint16)
-    labels = static_candidates(np.zeros(3, np.uint16), np.array([False]), surface, 10**6)
-    assert labels.tolist() == [2, 65535, 0]
+    for is_moving, expected in (([False], [2, 65535, 0]), ([False, True], [3, 0, 0])):
+        labels = static_candidates(np.zeros(3, np.uint16), np.array(is_moving), surface, 10**6)
+        assert labels.tolist() == expected
 
 
 def test_without_objects_surfaces_are_numbered_from_one_and_without_tracks_nothing_is():
