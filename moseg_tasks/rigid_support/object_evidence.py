@@ -25,12 +25,15 @@ class ObjectEvidence(NamedTuple):
         Tracks that have one outside the object near them, in the mean over the pairs in which the object has tracks.
     attached : float64 (K,)
         Share of those that may have the inverse depth of a track outside; 1 without any.
+    num_pairs : int
+        Frame pairs that were read.
     """
 
     num_observations: np.ndarray
     test: np.ndarray
     num_contour: np.ndarray
     attached: np.ndarray
+    num_pairs: int
 
 
 def measure_objects(
@@ -68,11 +71,13 @@ def measure_objects(
         Of the noise of displacements.
     """
     num_observations, test = np.zeros((2, num_objects))
-    num_contour, num_attached, num_pairs = np.zeros((3, num_objects))
+    num_contour, num_attached, num_holding = np.zeros((3, num_objects))
+    num_pairs = 0
     widest = pairs[:, 1].max(initial=0)
     for (start, gap), camera, tests in zip(pairs.tolist(), cameras, strict_test, strict=True):
         if start + gap >= len(labels):
             continue
+        num_pairs += 1
         seen = np.flatnonzero(visible[:, start] & visible[:, start + gap] & np.isfinite(tests))
         points0, points1 = (points[seen, frame].astype(np.float64) for frame in (start, start + gap))
         owner, owner1 = _labels_at(labels[start], points0), _labels_at(labels[start + gap], points1)
@@ -86,12 +91,13 @@ def measure_objects(
             rows, is_attached = _compare_depths(points0, owner, inside, parallax, noise, params)
             num_contour += np.bincount(owner[rows], minlength=num_objects)
             num_attached += np.bincount(owner[rows], is_attached, num_objects)
-            num_pairs += has_tracks
+            num_holding += has_tracks
     return ObjectEvidence(
         num_observations=num_observations.astype(np.int64),
         test=test / np.maximum(num_observations, 1),
-        num_contour=num_contour / np.maximum(num_pairs, 1),
+        num_contour=num_contour / np.maximum(num_holding, 1),
         attached=np.where(num_contour > 0, num_attached / np.maximum(num_contour, 1), 1.0),
+        num_pairs=num_pairs,
     )
 
 

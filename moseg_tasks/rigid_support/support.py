@@ -13,7 +13,8 @@ def support_of_evidence(evidence: ObjectEvidence, params: RigidSupportParams, se
 
     An object that no rigid scene explains moves. What a rigid scene explains is static if it touches other things, at
     their depth, and if it has too few tracks to say: there is no evidence that it moves. But an object that stands free
-    on all sides may as well move parallel to the camera, so it stays open.
+    on all sides may as well move parallel to the camera, so it stays open. All objects do if the camera's motion was
+    found in no frame pair: they were compared with nothing.
 
     Parameters
     ----------
@@ -26,6 +27,8 @@ def support_of_evidence(evidence: ObjectEvidence, params: RigidSupportParams, se
     moves = is_known & (evidence.test > params.max_test / sensitivity)
     stands_free = is_known & (evidence.num_contour >= params.min_contour) & (evidence.attached < params.min_attached)
     support = np.where(moves, 0.0, np.where(stands_free, np.nan, 1.0))
+    if evidence.num_pairs == 0:
+        support[:] = np.nan
     support[0] = 1.0
     return support
 

@@ -38,7 +38,7 @@ def _run_masks(params, inputs, rng):
     )
     support = support_of_evidence(evidence, support_params, params["sensitivity"])
     support[np.setdiff1d(np.arange(num_objects), identity)] = np.nan
-    return Output({"support": support}, {name: values.tolist() for name, values in evidence._asdict().items()})
+    return Output({"support": support}, {name: np.asarray(each).tolist() for name, each in evidence._asdict().items()})
 
 
 def _run_tracks(params, inputs, rng):
@@ -68,7 +68,7 @@ def _track_params(config: PipelineConfig, section: int) -> dict:
     return {"section": section}
 
 
-BY_MASKS = Task("rigid_support", "masks", version=1, run=_run_masks, params=_mask_params)
+BY_MASKS = Task("rigid_support", "masks", version=2, run=_run_masks, params=_mask_params)
 BY_TRACKS = Task("rigid_support", "tracks", version=1, run=_run_tracks, params=_track_params)
 
 STAGE = Stage(

@@ -23,13 +23,20 @@ def support_of(passage, sensitivity=1.0):
     return support
 
 
-def judge(num_observations=500, test=0.0, num_contour=30.0, attached=1.0, sensitivity=1.0, **changes):
+def judge(num_observations=500, test=0.0, num_contour=30.0, attached=1.0, sensitivity=1.0, num_pairs=20, **changes):
     """Return the support of an object of this evidence, beside a background of the same."""
     values = (num_observations, test, num_contour, attached)
-    evidence = ObjectEvidence(*(np.array([value, value]) for value in values))
+    evidence = ObjectEvidence(*(np.array([value, value]) for value in values), num_pairs=num_pairs)
     support = support_of_evidence(evidence, PARAMS.model_copy(update=changes), sensitivity)
     assert support.dtype == np.float64 and support[0] == 1
     return support[1]
+
+
+def test_an_object_that_was_compared_with_nothing_stays_open(passage):
+    assert judge(num_observations=0, num_contour=0) == 1
+    assert np.isnan(judge(num_observations=0, num_contour=0, num_pairs=0))
+    unknown = passage(WALL)._replace(pairs=np.zeros((0, 2), np.int32), cameras=[], strict_test=np.zeros((0, 1)))
+    assert np.isnan(support_of(unknown))
 
 
 def test_an_object_on_the_wall_is_static(passage):
