@@ -76,8 +76,9 @@ def segment_video(
     geometry : 'default' or 'paper', optional
         Fits, affinity and clustering.
     sensitivity : float, optional
-        Of proposals from dense tracks (``config={"proposal_source": "tracks"}``): divisor of the evidence that a moving
-        object needs, 1 by default; a larger one finds more, and more that does not move.
+        Divisor of the evidence that a moving object of dense tracks, or one that is compared with a rigid scene, needs;
+        1 by default. A larger one finds more, and more that does not move. Read where ``proposal_source`` is ``auto``,
+        as it is by default, or ``tracks``.
     variant : Variant or str
         Row of the paper's ablation: fused, oc-depth, oc, trajs or base.
     proposals, depth, flow, tracks : path, optional
