@@ -9,7 +9,7 @@ from moseg.schemas.units import Unit
 
 
 class RigidSupportParams(Frozen):
-    """Whether a rigid scene explains an object: its tracks, and its depth where it meets what is around it."""
+    """Comparison of an object with a rigid scene: of its tracks, and of its depth where it meets what is around it."""
 
     use: Literal["auto", "always", "never"] = Field(
         "auto",

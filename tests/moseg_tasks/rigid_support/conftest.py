@@ -15,7 +15,7 @@ LEFT, TOP, SIDE = 90, 40, 40
 
 
 class Passage(NamedTuple):
-    """What `measure_objects` reads, and which tracks are the object's."""
+    """Arguments of `measure_objects`, and the tracks that are the object's."""
 
     labels: np.ndarray
     points: np.ndarray

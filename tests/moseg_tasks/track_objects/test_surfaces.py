@@ -20,7 +20,7 @@ CAR, POST, VAN, ROAD = range(4)
 
 
 class Street(NamedTuple):
-    """What `find_surfaces` reads of tracks and pairs, and the part of the street that each track is of."""
+    """Arguments of `find_surfaces` about tracks and pairs, and the part of the street that each track is of."""
 
     points: np.ndarray
     visible: np.ndarray
