@@ -54,8 +54,8 @@ class PipelineOptions:
         float | None,
         typer.Option(
             "--sensitivity",
-            help="Divisor of the evidence against a rigid scene that a moving object needs: a larger one finds more, and"
-            f" more that does not move; with --proposals auto or tracks (default: {_SENSITIVITY:g}).",
+            help="Divisor of the evidence against a rigid scene that a moving object needs: a larger one finds more,"
+            f" and more that does not move; with --proposals auto or tracks (default: {_SENSITIVITY:g}).",
             metavar="NUMBER",
         ),
     ] = None
