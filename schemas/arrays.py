@@ -36,6 +36,7 @@ LEAF_LAYOUTS: Mapping[str, Mapping[str, ArrayLayout]] = {
         "points": layout("float32", "track frame xy", "px"),
         "visible": layout("bool", "track frame"),
     },
+    "motion_weights": {"onnx": layout("uint8", "byte", "ONNX file")},
     "trajectories": {
         "points": layout("float64", "track frame xy", "px"),
         "visible": layout("bool", "track frame"),

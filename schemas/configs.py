@@ -31,6 +31,7 @@ from moseg.schemas.parameters import (
     InstanceParams,
     KernelParams,
     LinkingParams,
+    MotionNetworkParams,
     ObjectHypothesisParams,
     OwnMotionParams,
     PipsParams,
@@ -119,6 +120,7 @@ class PipelineConfig(Frozen):
     dpt_dinov2: DptDinov2Params = DptDinov2Params()
     depth_anything_v2: DepthAnythingParams = DepthAnythingParams()
     saliency: SaliencyParams = SaliencyParams()
+    motion_network: MotionNetworkParams = MotionNetworkParams()
     accumulation: AccumulationParams = AccumulationParams()
     own_motion: OwnMotionParams = OwnMotionParams()
     appearance: AppearanceParams = AppearanceParams()

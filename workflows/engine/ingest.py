@@ -146,6 +146,10 @@ def _content_recipe(kind: str, digests: dict[str, str], attributes: dict) -> Rec
     return leaf_recipe(kind, digest_json("leaf", [digests, attributes]))
 
 
+def _motion_weights(leaf: LeafWriter, source) -> dict:
+    return {"leaves": [leaf({"onnx": source.read()}, {})]}
+
+
 _LEAVES: dict[str, Callable[[LeafWriter, Any], dict]] = {
     "frame": _per_item("image"),
     "annotation": _masks,
@@ -154,6 +158,7 @@ _LEAVES: dict[str, Callable[[LeafWriter, Any], dict]] = {
     "given_depth": _per_item("inverse_depth"),
     "given_flow": _per_item("flow"),
     "given_tracks": _tracks,
+    "motion_weights": _motion_weights,
     "trajectories": _tracks,
     "trajectory_labels": _labels,
 }

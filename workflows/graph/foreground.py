@@ -5,6 +5,7 @@ from moseg.workflows.graph.frame_cues import FrameCues
 from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.sections import Section
 from moseg.workflows.stages.accumulation import PASSES
+from moseg.workflows.stages.motion_network import uses_motion_network
 
 
 class Foreground:
@@ -80,6 +81,9 @@ class Foreground:
 
     def _accumulate(self, index: int, origin: str, carried: dict[str, str]) -> str:
         inputs = {"saliency": self._saliency(index), "consistency": self._consistency(index), **carried}
+        if uses_motion_network(self._config):
+            section = self._sections[index]
+            inputs["network"] = tuple(self._cues.motion_network(frame) for frame in range(section.start, section.stop))
         return self._nodes.add("accumulation", inputs, origin=origin)
 
     def _cohere(self, index: int, origin: str, carried: dict[str, str]) -> str:

@@ -65,3 +65,17 @@ class FrameCues:
         if frame + 1 < len(frames):
             inputs |= {"next": frames[frame + 1], "flow_next": self.flow(frame, frame + 1)}
         return self._nodes.add("saliency", inputs)
+
+    @cached_method
+    def motion_network(self, frame: int) -> str:
+        """Return the reference of the motion network's logit for a frame."""
+        frames = self._leaves.frames
+        inputs = {
+            "frame": frames[frame],
+            "saliency": self.saliency(frame),
+            "network": self._nodes.required("motion_weights", "motion network"),
+        }
+        for side, other in (("previous", frame - 1), ("next", frame + 1)):
+            if 0 <= other < len(frames):
+                inputs |= {side: frames[other], f"saliency_{side}": self.saliency(other)}
+        return self._nodes.add("motion_network", inputs)

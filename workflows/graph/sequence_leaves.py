@@ -36,6 +36,8 @@ class SequenceLeaves(NamedTuple):
         Label of the given proposals that is no object.
     depth, flow_forward, flow_backward : tuple of references or None
         Given cues, one per frame or frame pair.
+    motion_weights : reference or None
+        The motion network, if the configuration uses it.
     weights : dict of str to reference
         The weights that the configuration's networks read, by the name of their item.
     choices : tuple of StretchChoice
@@ -56,11 +58,12 @@ class SequenceLeaves(NamedTuple):
     depth: tuple[Ref, ...] | None = None
     flow_forward: tuple[Ref, ...] | None = None
     flow_backward: tuple[Ref, ...] | None = None
+    motion_weights: Ref | None = None
     weights: Mapping[str, Ref] = {}
     choices: tuple[StretchChoice, ...] = ()
 
     def refs(self) -> tuple[Ref, ...]:
         """Return the references of all content and cues."""
-        single = (self.annotation, self.labelled_points, self.masks, self.tracks)
+        single = (self.annotation, self.labelled_points, self.masks, self.tracks, self.motion_weights)
         several = (self.frames, self.depth, self.flow_forward, self.flow_backward)
         return (*filter(None, single), *chain.from_iterable(filter(None, several)))

@@ -10,7 +10,8 @@ from moseg.workflows.engine.ingest import IngestJob
 from moseg.workflows.engine.session import Session
 from moseg.workflows.graph import GIVEN_SOURCES, SequenceLeaves, TrajectoryLeaves
 from moseg.workflows.pipelines.source_choices import settle_choices
-from moseg.workflows.sources import SceneFrames
+from moseg.workflows.sources import MotionWeights, SceneFrames
+from moseg.workflows.stages.motion_network import uses_motion_network
 from moseg.workflows.stages.needed_weights import needed_items
 
 FRAMES_PER_JOB = 16
@@ -65,6 +66,8 @@ def ingest_jobs(source: SequenceSource, config: PipelineConfig, annotated: bool)
             add("flow_backward", "given_flow", source.flow_backward, f"flow: {config.flow.method}")
     if config.tracks.method in GIVEN_SOURCES:
         add("tracks", "given_tracks", source.tracks, f"tracks: {config.tracks.method}")
+    if uses_motion_network(config):
+        add("motion_weights", "motion_weights", MotionWeights(config.motion_network.weights), "motion network")
     return jobs
 
 
@@ -107,6 +110,7 @@ def make_leaves(source: SequenceSource, ingested: dict[str, list[dict]]) -> Sequ
         masks=ingested["masks"][0]["leaves"][0] if "masks" in ingested else None,
         masks_void=source.void if source.objects is None else source.objects_void,
         tracks=ingested["tracks"][0]["leaves"][0] if "tracks" in ingested else None,
+        motion_weights=ingested["motion_weights"][0]["leaves"][0] if "motion_weights" in ingested else None,
         **lists,
     )
 

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from moseg.workflows.sources.frames import FrameDescription, FrameSource
     from moseg.workflows.sources.image_files import ImageFiles
     from moseg.workflows.sources.mask_files import MaskFiles, MaskKind, MaskSource, find_mask_kind
+    from moseg.workflows.sources.motion_weights import MotionWeights
     from moseg.workflows.sources.opening import open_depth, open_flow, open_frames, open_masks, open_tracks
     from moseg.workflows.sources.resize import working_size
     from moseg.workflows.sources.scenes import SceneDepth, SceneFlow, SceneFrames, SceneMasks, SceneTracks, find_scene
@@ -36,6 +37,7 @@ __all__ = [
     "MaskFiles",
     "MaskKind",
     "MaskSource",
+    "MotionWeights",
     "SceneDepth",
     "SceneFlow",
     "SceneFrames",
@@ -67,6 +69,7 @@ _HOMES = {
     "MaskFiles": "mask_files",
     "MaskKind": "mask_files",
     "MaskSource": "mask_files",
+    "MotionWeights": "motion_weights",
     "SceneDepth": "scenes",
     "SceneFlow": "scenes",
     "SceneFrames": "scenes",

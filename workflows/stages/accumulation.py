@@ -7,12 +7,14 @@ import numpy as np
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.parameters import AccumulationParams
+from moseg.schemas.parameters import AccumulationParams, ForegroundParams, MotionNetworkParams
 from moseg.workflows.stages.consistency import CONSISTENCY_PARAMS
 from moseg.workflows.stages.inputs import Inputs
+from moseg.workflows.stages.motion_network import uses_motion_network
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
+_EVIDENCE_PARAMS = frozenset({"threshold", "sharpness"})
 PASSES = ("past", "future")
 """Names of the passes, in the order of the flows' directions: to the previous and to the next frame."""
 
@@ -27,16 +29,22 @@ def mean_of_passes(inputs: Inputs, role: str, name: str) -> np.ndarray:
 
 def _run(params, inputs, rng):
     from moseg.tasks.half_floats import to_float32
+    from moseg.tasks.motion_network import join_evidence
     from moseg.tasks.saliency import accumulate, memory_weight
 
     accumulation_params = AccumulationParams.of_recipe(params["accumulation"])
     direction, order = pass_direction(params["from"])
     frames = inputs.all("saliency")[order]
+    networks = inputs.all("network")[order] if "network" in inputs else [None] * len(frames)
     consistency = inputs["consistency"].array("consistency")[order]
 
-    def see(frame, agreement):
-        seen = (frame.array("strict_saliency"), frame.array("saliency"), agreement[direction])
-        return to_float32(np.dstack(seen))
+    def see(frame, network, agreement):
+        saliencies = [to_float32(frame.array(name)) for name in ("strict_saliency", "saliency")]
+        if network is not None:
+            logit = to_float32(network.array("logit"))
+            evidence = MotionNetworkParams.of_recipe(params["motion_network"]), _foreground(params)
+            saliencies = [join_evidence(saliency, logit, *evidence) for saliency in saliencies]
+        return np.dstack([*saliencies, to_float32(agreement[direction])])
 
     def weigh(agreement):
         weight = memory_weight(to_float32(agreement), direction, accumulation_params)
@@ -44,7 +52,7 @@ def _run(params, inputs, rng):
 
     # Frame by frame: all frames of a section at once would set the peak memory of the run.
     accumulated = accumulate(
-        (see(*each) for each in zip(frames, consistency, strict=True)),
+        (see(*each) for each in zip(frames, networks, consistency, strict=True)),
         pass_flows(frames, direction),
         (weigh(agreement) for agreement in consistency),
         carried_row(inputs, "maps", params["from"]),
@@ -74,7 +82,18 @@ def carried_row(inputs: Inputs, name: str, origin: str) -> np.ndarray | None:
 
 def _params(config: PipelineConfig, origin: str) -> dict:
     read = config.accumulation.model_dump(mode="json", exclude=CONSISTENCY_PARAMS)
-    return {"from": origin, "accumulation": read}
+    if not uses_motion_network(config):
+        return {"from": origin, "accumulation": read}
+    return {
+        "from": origin,
+        "accumulation": read,
+        "motion_network": config.motion_network.model_dump(mode="json", exclude={"use", "weights"}),
+        "foreground": config.foreground.model_dump(mode="json", include=_EVIDENCE_PARAMS),
+    }
+
+
+def _foreground(params) -> ForegroundParams:
+    return ForegroundParams.of_recipe(params["foreground"])
 
 
 ALONG_FLOW = Task("accumulation", "along-flow", version=1, run=_run, params=_params)
@@ -84,6 +103,7 @@ STAGE = Stage(
     about="saliency accumulated along the flow through a section",
     inputs={
         "saliency": "saliency of the section's frames",
+        "network": "logits of the motion network, unless it is not used",
         "consistency": "of their flows",
         "carried": "the same pass in the section before",
     },

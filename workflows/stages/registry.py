@@ -30,6 +30,7 @@ from moseg.workflows.stages import (
     instances,
     kernel,
     linking,
+    motion_network,
     moving_tracks,
     object_hypotheses,
     own_motion,
@@ -56,7 +57,7 @@ STAGES: dict[str, Stage] = {
     for module in (
         *(tags, detections, instances, seeds),
         scene_parallax,
-        *(flow, background, saliency, consistency, accumulation, own_motion, coherence),
+        *(flow, background, saliency, motion_network, consistency, accumulation, own_motion, coherence),
         *(appearance, foreground, components),
         *(dense_tracks, rigidity, moving_tracks, track_surfaces, track_groups, track_objects),
         *(proposals, linking, rigid_support),
