@@ -111,7 +111,10 @@ def make_up_leaves(video: int, num_pairs: int) -> SequenceLeaves:
     """Return made-up leaves of a sequence."""
     frames = tuple(f"frame/{digest_json('made-up', [video, t])}" for t in range(num_pairs + 1))
     annotation = f"annotation/{digest_json('made-up', video)}"
-    return SequenceLeaves(f"video-{video:05}", SIZE, frames, annotation=annotation, num_motions=2)
+    weights = f"motion_weights/{digest_json('made-up', None)}"
+    return SequenceLeaves(
+        f"video-{video:05}", SIZE, frames, annotation=annotation, num_motions=2, motion_weights=weights
+    )
 
 
 def report_calls(counts: Sequence[int], scratch: Path) -> None:

@@ -39,7 +39,7 @@ FILES = (
 EDITOR = "docs/editor"
 """Links to the folders, through which a checkout is imported without installation."""
 FRONT = "api/moseg/__init__.py"
-PAGE_SUFFIXES = (".html", ".css", ".js")
+PAGE_SUFFIXES = (".html", ".css", ".js", ".onnx", ".json")
 
 
 class Wheel(NamedTuple):

@@ -131,6 +131,7 @@ def _leaves(config: PipelineConfig) -> SequenceLeaves:
         frames=refs("frame", 9),
         annotation=refs("annotation", 1)[0],
         num_motions=2,
+        motion_weights=refs("motion_weights", 1)[0],
         weights={item: refs("weights", 1)[0] for item in needed_items(config)},
     )
 

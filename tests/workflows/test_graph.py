@@ -11,7 +11,7 @@ from moseg.workflows.stages.registry import find_stage
 
 OBJECTS = {"components", "proposals", "linking", "tracks"}
 FOREGROUND = {"accumulation", "own_motion", "coherence", "appearance", "foreground"} | OBJECTS
-CUES = {"flow", "background", "saliency", "consistency"} | FOREGROUND
+CUES = {"flow", "background", "saliency", "motion_network", "consistency"} | FOREGROUND
 END = {"clustering", "segmentation", "score"}
 TRAJS = {"fundamental", "fundamental_residual"}
 FLOW_MODEL = {"flow_model", "flow_residual"}
@@ -40,6 +40,7 @@ LEAVES = SequenceLeaves(
     annotation=_refs("annotation", 1)[0],
     num_motions=3,
     masks=_refs("given_masks", 1)[0],
+    motion_weights=_refs("motion_weights", 1)[0],
     tracks=_refs("given_tracks", 1)[0],
     depth=_refs("given_depth", 9),
     flow_forward=_refs("given_flow", 8),
@@ -88,12 +89,13 @@ def _tasks(refs):
         ({"saliency__floor": 0.4}, TRAJS | FLOW_MODEL | CUES - {"flow", "background"} | {"affinity"} | END),
         ({"saliency__gric_noise": 0.3}, TRAJS | FLOW_MODEL | CUES - {"flow"} | {"affinity"} | END),
         ({"accumulation__consistency_absolute": 0.2}, BEHIND | FOREGROUND | {"consistency"}),
+        ({"motion_network__share": 0.3}, BEHIND | FOREGROUND),
         ({"accumulation__memory": 0.9}, BEHIND | FOREGROUND),
         ({"accumulation__reliability_floor": 0.2}, BEHIND | FOREGROUND),
         ({"own_motion__spread": 0.5}, BEHIND | FOREGROUND - {"accumulation"}),
         ({"appearance__levels": 16}, BEHIND | OBJECTS | {"appearance", "foreground"}),
         ({"appearance__smoothing": 2.0}, BEHIND | OBJECTS | {"foreground"}),
-        ({"foreground__threshold": 0.5}, BEHIND | FOREGROUND - {"accumulation"}),
+        ({"foreground__threshold": 0.5}, BEHIND | FOREGROUND),
         ({"foreground__colour_weight": 0.5}, BEHIND | OBJECTS | {"foreground"}),
         ({"components__score_ratio": 0.2}, BEHIND | OBJECTS),
         ({"refinement__radius": 2}, BEHIND | OBJECTS - {"components"}),
@@ -186,7 +188,7 @@ def test_every_input_is_a_leaf_or_a_node():
         {"proposal_source": "groundtruth", "flow__method": "groundtruth", "tracks__method": "groundtruth"},
     ):
         recipes = _recipes(depth__method="groundtruth", **given)
-        leaves = {*LEAVES.frames, LEAVES.annotation, LEAVES.masks, LEAVES.tracks}
+        leaves = {*LEAVES.frames, LEAVES.annotation, LEAVES.masks, LEAVES.motion_weights, LEAVES.tracks}
         leaves |= {*LEAVES.depth, *LEAVES.flow_forward, *LEAVES.flow_backward}
         for recipe in recipes.values():
             assert set(recipe.input_refs()) <= recipes.keys() | leaves

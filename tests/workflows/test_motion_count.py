@@ -10,7 +10,13 @@ from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 
 def _clustering(**clustering):
     frames = tuple(f"frame/{digest_bytes('test', str(number).encode())}" for number in range(5))
-    leaves = SequenceLeaves(name="toy", shape=(48, 64), frames=frames, num_motions=2)
+    leaves = SequenceLeaves(
+        name="toy",
+        shape=(48, 64),
+        frames=frames,
+        num_motions=2,
+        motion_weights=f"motion_weights/{digest_bytes('test', b'')}",
+    )
     graph = SequenceGraph(leaves, PipelineConfig(clustering=clustering))
     return graph.recipes[graph.clustering(Variant.OC)]
 

@@ -37,7 +37,9 @@ def _graph(config, num_frames=9, changed=None):
     """Return the fused variant's graph, in which the item `changed` has other weights."""
     weights = {name: _ref("weights", name + "*" * (name == changed)) for name in needed_items(config)}
     frames = tuple(_ref("frame", str(number)) for number in range(num_frames))
-    graph = SequenceGraph(SequenceLeaves("toy", (48, 64), frames, weights=weights), config)
+    graph = SequenceGraph(
+        SequenceLeaves("toy", (48, 64), frames, motion_weights=_ref("motion_weights", ""), weights=weights), config
+    )
     graph.segmentations(Variant.FUSED)
     return graph
 

@@ -92,7 +92,14 @@ CLUSTERINGS = list(
 
 def test_clusterings_of_objects_read_what_their_recipes_name():
     frames = tuple(_ref("frame", number) for number in range(NUM_FRAMES))
-    leaves = SequenceLeaves(name="toy", shape=(96, 96), frames=frames, num_motions=2, masks=_ref("masks", 0))
+    leaves = SequenceLeaves(
+        name="toy",
+        shape=(96, 96),
+        frames=frames,
+        num_motions=2,
+        masks=_ref("masks", 0),
+        motion_weights=_ref("motion_weights", 0),
+    )
     inputs, done = _object_inputs(), set()
     for fusion, grouping, auto, static, motions, source, use in CLUSTERINGS:
         values = {"fusion": fusion, "grouping": grouping, "auto": auto, "static": static, "motions": motions}

@@ -41,7 +41,14 @@ def _choice(section, source="saliency", shows_depth=True):
 
 def _graph(*choices, num_frames=24, **values):
     given = {"masks": _refs("given_masks", 1)[0], "annotation": _refs("annotation", 1)[0], "num_motions": 2}
-    leaves = SequenceLeaves("toy", (48, 64), _refs("frame", num_frames), choices=choices, **given)
+    leaves = SequenceLeaves(
+        "toy",
+        (48, 64),
+        _refs("frame", num_frames),
+        motion_weights=_refs("motion_weights", 1)[0],
+        choices=choices,
+        **given,
+    )
     config = {"sections": {"length": 8, "overlap": 2}, "track_window": {"min_frames": 10}} | values
     return SequenceGraph(leaves, PipelineConfig.model_validate(config))
 

@@ -15,7 +15,13 @@ def _refs(task, count):
     return tuple(f"{task}/{digest_bytes('test', str(number).encode())}" for number in range(count))
 
 
-LEAVES = SequenceLeaves(name="toy", shape=(48, 64), frames=_refs("frame", 5), masks=_refs("given_masks", 1)[0])
+LEAVES = SequenceLeaves(
+    name="toy",
+    shape=(48, 64),
+    frames=_refs("frame", 5),
+    masks=_refs("given_masks", 1)[0],
+    motion_weights=_refs("motion_weights", 1)[0],
+)
 
 
 def _clustering(variant=Variant.FUSED, proposal_source="saliency", affinity=None, **clustering):

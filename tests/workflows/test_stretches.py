@@ -40,7 +40,9 @@ def _choice(first, last, source):
 
 
 def _leaves(*choices, num_frames=60):
-    return SequenceLeaves("toy", (48, 64), _refs("frame", num_frames), choices=choices)
+    return SequenceLeaves(
+        "toy", (48, 64), _refs("frame", num_frames), motion_weights=_refs("motion_weights", 1)[0], choices=choices
+    )
 
 
 def _recipes(leaves, source):

@@ -32,7 +32,16 @@ def _graph(num_frames=30, *, leaves=None, **changes):
     values = {"proposal_source": "tracks", "sections": {"length": 8}, "track_window": {"min_frames": 10}}
     config = PipelineConfig.model_validate(values | changes)
     given = {"annotation": _refs("annotation", 1)[0], **(leaves or {})}
-    return SequenceGraph(SequenceLeaves(name="toy", shape=(48, 64), frames=_refs("frame", num_frames), **given), config)
+    return SequenceGraph(
+        SequenceLeaves(
+            name="toy",
+            shape=(48, 64),
+            frames=_refs("frame", num_frames),
+            motion_weights=_refs("motion_weights", 1)[0],
+            **given,
+        ),
+        config,
+    )
 
 
 def _recipes(num_frames=30, variant=Variant.FUSED, **changes):
