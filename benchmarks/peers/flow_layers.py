@@ -23,8 +23,8 @@ from frame_size import enlarged, reduced
 NUM_LAYERS = 2
 GRID_SIDE = 214
 """Longer side of the grid on which layers are estimated, px."""
-MIN_NOISE = 0.4
-"""Smallest noise scale of a layer, px: the error of the flow itself."""
+MIN_NOISE = 0.2
+"""Smallest noise scale of a layer, px of the grid: the error of the flow itself."""
 SMOOTHNESS = 1.5
 """Standard deviation over which the layers' shares are averaged, px of the grid."""
 MIN_SHARE = 1e-4
@@ -49,9 +49,10 @@ def segment(frames: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
     carried = None
     for flow in flow_of_each(frames):
         small = reduced([flow], GRID_SIDE)[0].astype(np.float64)
+        small *= small.shape[1] / flow.shape[1]
         starts = [initial_shares(small)] if carried is None else [initial_shares(small), carried]
         mixture = max((fit_layers(small, start) for start in starts), key=lambda each: each.log_likelihood)
-        carried = _carry(mixture.shares, small * small.shape[1] / flow.shape[1])
+        carried = _carry(mixture.shares, small)
         yield enlarged(1 - mixture.shares[..., background_layer(mixture.shares)], flow.shape[:2])
 
 
@@ -61,7 +62,7 @@ def fit_layers(flow: np.ndarray, shares: np.ndarray) -> Mixture:
     Parameters
     ----------
     flow : float64 (y, x, 2)
-        px.
+        px of the grid.
     shares : float64 (y, x, layer)
         Probability of each layer in each pixel to start from; they sum to 1.
     """
