@@ -15,7 +15,7 @@ STORE   ?= .moseg/store
 MOSEG   := .venv/bin/moseg
 OPTIONS  = $(if $(ROOT),--root "$(ROOT)") --workers $(WORKERS) --store "$(STORE)" $(ARGS)
 
-.PHONY: setup eval ablation segment test test-faults lint docs-check docs-pictures results bench bench-engine bench-faults bench-networks bench-memory bench-objects clean
+.PHONY: setup eval ablation segment test test-faults lint docs-check docs-pictures results bench bench-engine bench-faults bench-networks bench-memory bench-objects peers clean
 
 setup: .venv/.ready
 
@@ -81,6 +81,9 @@ bench-memory: setup
 bench-objects: setup
 	.venv/bin/python benchmarks/kt3dmoseg/object_affinities.py $(if $(ROOT),"$(ROOT)") $(ARGS)
 	.venv/bin/python benchmarks/kt3dmoseg/motion_counts.py $(if $(ROOT),"$(ROOT)")
+
+peers: setup
+	.venv/bin/python benchmarks/peers/compare.py $(if $(DAVIS),--dataset davis16 --root "$(DAVIS)",--dataset $(DATASET) $(if $(ROOT),--root "$(ROOT)")) $(ARGS)
 
 clean:
 	rm -rf .venv build *.egg-info

@@ -38,7 +38,7 @@ TIMEOUT = 1200.0
 
 NOT_RUN = (
     (r"^make (test|lint|docs-check)\b", "a check of its own"),
-    (r"^make bench", "a benchmark of minutes to hours"),
+    (r"^make (bench|peers\b)", "a benchmark of minutes to hours"),
     (
         r"^make results\b",
         "writes the pages of the working copy; tests/docs/test_results.py compares them",

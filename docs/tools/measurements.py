@@ -31,6 +31,7 @@ TRAJECTORIES = f"--dataset kt3dmoseg --root KT3DMOSEG --sequences {DATA['kt3dmos
 ROADS = f"--dataset kt3dinsmoseg --root KT3DMOSEG --sequences {DATA['kt3dmoseg'][1]}"
 STILL = f"--dataset still --root STILL --sequences {DATA['still'][1]}"
 SYNTHETIC = "--dataset synthetic"
+PEERS = "python benchmarks/peers/compare.py"
 ORACLE = f"{SYNTHETIC} --proposals groundtruth"
 EXACT = f"{ORACLE} --flow groundtruth --depth groundtruth --tracks groundtruth"
 SPECTRAL = "--set clustering.grouping=spectral --set clustering.fusion=coregularised"
@@ -112,6 +113,7 @@ def _catalogue() -> list[Measurement]:
         **_of_setting("synthetic"),
         **_static("synthetic"),
         "synthetic-layers": f"moseg eval {SYNTHETIC} --motions auto --set saliency.background=layers",
+        "peers-synthetic": f"{PEERS} {SYNTHETIC}",
         **_of_setting("exact"),
         **_paper_choices(),
         "exact-paper-lambda-0.01": f"moseg ablate {EXACT} --motions gt --geometry paper {XU_LAMBDA}",
@@ -133,6 +135,7 @@ def _catalogue() -> list[Measurement]:
         **_static("davis"),
         "davis-fast": f"moseg eval {DAVIS} --quality fast",
         "davis-best": f"moseg eval {DAVIS} --quality best",
+        "peers-davis": f"{PEERS} {DAVIS}",
         **_trajectories(),
         **_roads(),
     }

@@ -262,6 +262,30 @@ def _held_out() -> Rows:
     return [("data", "", "J", "Fu", "misclassified trajectories, percent"), *rows, clips]
 
 
+def _peers() -> Rows:
+    texts = {
+        "moseg": "`moseg`, `--quality default`",
+        "flow-layers": "expectation maximisation over quadratic flow models",
+        "gaussian-background": "mixture of Gaussians on registered frames",
+        "frame-difference": "difference of registered frames",
+        "flow-threshold": "threshold on the flow's residual",
+    }
+    form = {"J": ":.1f", "Fu": ":.1f", "seconds_a_frame": ":.2f", "ratio": ":.2f"}
+    rows = (
+        (
+            text,
+            *(
+                f"{{{data}/methods/{name}/{figure}{form[figure]}}}"
+                for data in ("peers-davis", "peers-synthetic")
+                for figure in form
+            ),
+        )
+        for name, text in texts.items()
+    )
+    columns = ("J", "Fu", "s per frame", "ratio")
+    return [("", *(f"{each}, {data}" for data in ("DAVIS", "synthetic") for each in columns)), *rows]
+
+
 TABLES = {
     "readme": [
         ("data", "", "Pu", "Ru", "Fu", "J"),
@@ -321,6 +345,7 @@ TABLES = {
     "trajectory-counts": _counts(),
     "trajectory-seeds": _other_seeds(),
     "held-out": _held_out(),
+    "peers": _peers(),
     "roads": _roads(),
     "road-clips": _road_clips(),
     "road-parts": _road_parts(),
