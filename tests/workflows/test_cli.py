@@ -107,8 +107,8 @@ def test_a_plan_computes_and_stores_nothing(evaluated_copy, moseg):
     assert re.search(r"^0 artifacts to compute", warm.out, re.MULTILINE)
     # Two affinities, their clustering, three sections of labels and a score.
     assert re.search(r"^7 artifacts to compute, \d+ to reuse$", other.out, re.MULTILINE)
-    # The annotation has its own size, and is remembered.
-    assert f"{evaluated_copy.report['store']['computed'] - 1} artifacts to compute, 0 to reuse" in unseen.out
+    # The annotation has its own size; it and the motion network are remembered.
+    assert f"{evaluated_copy.report['store']['computed'] - 2} artifacts to compute, 0 to reuse" in unseen.out
     assert _tree(evaluated_copy.store) == before
 
 

@@ -17,7 +17,7 @@ from moseg.workflows.datasets import open_dataset
 from moseg.workflows.engine.session import Session
 from moseg.workflows.pipelines.evaluate import evaluate
 
-LEAVES = {"frame", "annotation", "ingest"}
+LEAVES = {"frame", "annotation", "motion_weights", "ingest"}
 READ_FIRST = LEAVES | {"scene_parallax"}
 """References that a run reads before its graph is written."""
 CONFIG = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2}})

@@ -41,8 +41,8 @@ def test_a_damaged_ingest_artifact_is_planned_again_and_left_alone(evaluated_cop
     for path in (evaluated_copy.store / "objects" / "ingest").rglob("manifest.json"):
         path.write_bytes(damage)
     total, stages = plan(evaluated_copy.store)
-    # One ingest artifact of the frames and one of the annotation; the leaves are still in the store.
-    assert (total, stages["ingest"]) == (2, (2, 0))
+    # One ingest artifact each of the frames, the annotation and the motion network; the leaves are still in the store.
+    assert (total, stages["ingest"]) == (3, (3, 0))
 
 
 def test_another_statistic_of_the_residuals_keeps_the_fits(evaluated_copy, plan):

@@ -25,7 +25,7 @@ from moseg.workflows.runlog.status import RunState, list_runs, read_events, read
 from moseg.workflows.stages.task import Output, Task
 
 CONFIG = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2}})
-LEAVES = {"frame", "annotation"}
+LEAVES = {"frame", "annotation", "motion_weights"}
 COMPUTED = [EventKind.PLANNED, EventKind.STARTED, EventKind.COMPUTED, EventKind.COMMITTED]
 
 DIES_AT = """
@@ -292,13 +292,13 @@ def test_only_a_damaged_artifact_is_planned_again(evaluated_copy):
 
 
 def test_the_log_of_a_killed_run_shows_its_unfinished_artifacts(evaluated, tmp_path):
-    command = [sys.executable, "-c", DIES_AT, "saliency", *evaluated.arguments, "--store", str(tmp_path / "store")]
+    command = [sys.executable, "-c", DIES_AT, "consistency", *evaluated.arguments, "--store", str(tmp_path / "store")]
     assert subprocess.run(command, check=False).returncode == -signal.SIGKILL
     store = _open(tmp_path / "store")
     status = read_status(store, list_runs(store)[0])
     assert status.state == RunState.DEAD
     (work,) = status.in_flight
-    assert split_ref(work.ref)[0] == "saliency"
+    assert split_ref(work.ref)[0] == "consistency"
     # Stored artifacts are in the log, except those of the last moment.
     logged = {event.ref for event in _events(store) if event.event == EventKind.COMMITTED}
     stored = {ref for ref in store.refs() if split_ref(ref)[0] not in LEAVES}
