@@ -24,8 +24,8 @@ DRAWINGS = {
 """Parameters that differ from their defaults, and title, of each drawing."""
 
 PARTS = {
-    "from outside": ("frame", "annotation", "weights"),
-    "cues": ("flow", "depth", "background", "saliency"),
+    "from outside": ("frame", "annotation", "weights", "motion_weights"),
+    "cues": ("flow", "depth", "background", "saliency", "motion_network"),
     "what moves": (
         *("consistency", "accumulation", "own_motion", "coherence", "appearance", "foreground", "components"),
         *("dense_tracks", "rigidity", "moving_tracks", "track_surfaces", "track_groups", "track_objects"),
@@ -42,9 +42,11 @@ UNITS = {
     "frame": "file content",
     "annotation": "file content",
     "weights": "files of a network",
+    "motion_weights": "our own network",
     "flow": "a pair and direction",
     "background": "64 frames",
     "saliency": "a frame",
+    "motion_network": "a frame",
     "depth": "a frame",
     "tags": "first frame of a section",
     "detections": "first frame of a section",
