@@ -31,6 +31,7 @@ from moseg.schemas.parameters import (
     InstanceParams,
     KernelParams,
     LinkingParams,
+    MotionProofParams,
     ObjectHypothesisParams,
     OwnMotionParams,
     PipsParams,
@@ -52,6 +53,7 @@ from moseg.schemas.parameters import (
     TrackSurfaceParams,
     TrackWindowParams,
     TrajectoryClusteringParams,
+    VideoNetworkParams,
 )
 from moseg.schemas.units import Unit
 
@@ -123,6 +125,8 @@ class PipelineConfig(Frozen):
     own_motion: OwnMotionParams = OwnMotionParams()
     appearance: AppearanceParams = AppearanceParams()
     foreground: ForegroundParams = ForegroundParams()
+    motion_proof: MotionProofParams = MotionProofParams()
+    video_network: VideoNetworkParams = VideoNetworkParams()
     identity: IdentityParams = IdentityParams()
     components: ComponentParams = ComponentParams()
     dense_tracks: DenseTrackParams = DenseTrackParams()

@@ -19,6 +19,7 @@ from moseg.schemas.parameters.grounding_dino import GroundingDinoParams
 from moseg.schemas.parameters.identity import IdentityParams
 from moseg.schemas.parameters.instances import InstanceParams, SeedParams
 from moseg.schemas.parameters.linking import LinkingParams
+from moseg.schemas.parameters.motion_proof import MotionProofParams
 from moseg.schemas.parameters.object_hypotheses import ObjectHypothesisParams
 from moseg.schemas.parameters.own_motion import OwnMotionParams
 from moseg.schemas.parameters.pips import PipsParams
@@ -50,6 +51,7 @@ from moseg.schemas.parameters.trajectories import (
     SeparationParams,
     TrajectoryClusteringParams,
 )
+from moseg.schemas.parameters.video_network import VideoNetworkParams
 
 __all__ = [
     "AccumulationParams",
@@ -77,6 +79,7 @@ __all__ = [
     "KernelParams",
     "LinkingParams",
     "MotionCountParams",
+    "MotionProofParams",
     "ObjectHypothesisParams",
     "OwnMotionParams",
     "PieceParams",
@@ -101,4 +104,5 @@ __all__ = [
     "TrackSurfaceParams",
     "TrackWindowParams",
     "TrajectoryClusteringParams",
+    "VideoNetworkParams",
 ]
