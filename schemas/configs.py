@@ -32,6 +32,7 @@ from moseg.schemas.parameters import (
     KernelParams,
     LinkingParams,
     MotionNetworkParams,
+    MotionProofParams,
     ObjectHypothesisParams,
     OwnMotionParams,
     PipsParams,
@@ -53,6 +54,7 @@ from moseg.schemas.parameters import (
     TrackSurfaceParams,
     TrackWindowParams,
     TrajectoryClusteringParams,
+    VideoNetworkParams,
 )
 from moseg.schemas.units import Unit
 
@@ -125,6 +127,8 @@ class PipelineConfig(Frozen):
     own_motion: OwnMotionParams = OwnMotionParams()
     appearance: AppearanceParams = AppearanceParams()
     foreground: ForegroundParams = ForegroundParams()
+    motion_proof: MotionProofParams = MotionProofParams()
+    video_network: VideoNetworkParams = VideoNetworkParams()
     identity: IdentityParams = IdentityParams()
     components: ComponentParams = ComponentParams()
     dense_tracks: DenseTrackParams = DenseTrackParams()

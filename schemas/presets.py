@@ -47,7 +47,7 @@ method, which needs the number of motions as input. `modern`: current networks u
 QUALITIES: Mapping[str, Choices] = {
     "fast": {"max_side": 427, "saliency": {"working_side": 284}},
     "default": {},
-    "best": {"flow": {"preset": "fine"}},
+    "best": {"flow": {"preset": "fine"}, "video_network": {"use": "always"}},
 }
-"""Trade-offs of accuracy and time for any preset: the size at which frames are analysed, and the search of DIS. `best`
-does not change other flow."""
+"""Trade-offs of accuracy and time for any preset: the size at which frames are analysed, the search of DIS, and a
+network trained on the video. `best` does not change other flow, nor proposals that are not made from saliency."""

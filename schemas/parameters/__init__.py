@@ -20,6 +20,7 @@ from moseg.schemas.parameters.identity import IdentityParams
 from moseg.schemas.parameters.instances import InstanceParams, SeedParams
 from moseg.schemas.parameters.linking import LinkingParams
 from moseg.schemas.parameters.motion_network import MotionNetworkParams
+from moseg.schemas.parameters.motion_proof import MotionProofParams
 from moseg.schemas.parameters.object_hypotheses import ObjectHypothesisParams
 from moseg.schemas.parameters.own_motion import OwnMotionParams
 from moseg.schemas.parameters.pips import PipsParams
@@ -51,6 +52,7 @@ from moseg.schemas.parameters.trajectories import (
     SeparationParams,
     TrajectoryClusteringParams,
 )
+from moseg.schemas.parameters.video_network import VideoNetworkParams
 
 __all__ = [
     "AccumulationParams",
@@ -79,6 +81,7 @@ __all__ = [
     "LinkingParams",
     "MotionCountParams",
     "MotionNetworkParams",
+    "MotionProofParams",
     "ObjectHypothesisParams",
     "OwnMotionParams",
     "PieceParams",
@@ -103,4 +106,5 @@ __all__ = [
     "TrackSurfaceParams",
     "TrackWindowParams",
     "TrajectoryClusteringParams",
+    "VideoNetworkParams",
 ]

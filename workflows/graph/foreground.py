@@ -4,6 +4,7 @@ from moseg.workflows.graph.cached_method import cached_method
 from moseg.workflows.graph.frame_cues import FrameCues
 from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.sections import Section
+from moseg.workflows.graph.video_networks import VideoNetworks
 from moseg.workflows.stages.accumulation import PASSES
 from moseg.workflows.stages.motion_network import uses_motion_network
 
@@ -17,6 +18,7 @@ class Foreground:
         self._leaves = nodes.leaves
         self._cues = cues
         self._sections = sections
+        self._video_networks = VideoNetworks(nodes, cues, sections)
 
     @cached_method
     def components(self, index: int) -> str:
@@ -39,9 +41,12 @@ class Foreground:
             if section.start < stop
         )
 
-    @cached_method
     def foreground(self, index: int) -> str:
         """Return the reference of the probability of motion of a section's pixels."""
+        return self._video_networks.refine(index, self._motion_and_colour, self._coherence)
+
+    @cached_method
+    def _motion_and_colour(self, index: int) -> str:
         reach = (
             self._config.appearance.reach + 1
         )  # the appearance of both neighbouring sections, each of which has its own reach
@@ -66,7 +71,10 @@ class Foreground:
 
     def _accumulated(self, index: int) -> dict[str, str]:
         """Return the references of both passes over a section: of saliency and consistency, and of residuals."""
-        return self._both("accumulation", self._accumulate, index) | self._both("coherence", self._cohere, index)
+        return self._both("accumulation", self._accumulate, index) | self._coherence(index)
+
+    def _coherence(self, index: int) -> dict[str, str]:
+        return self._both("coherence", self._cohere, index)
 
     @cached_method
     def _own_motion(self, index: int) -> str:

@@ -12,6 +12,7 @@ from moseg.workflows.graph import GIVEN_SOURCES, SequenceLeaves, TrajectoryLeave
 from moseg.workflows.pipelines.source_choices import settle_choices
 from moseg.workflows.sources import MotionWeights, SceneFrames
 from moseg.workflows.stages.motion_network import uses_motion_network
+from moseg.workflows.stages.needed_packages import require_packages
 from moseg.workflows.stages.needed_weights import needed_items
 
 FRAMES_PER_JOB = 16
@@ -22,8 +23,9 @@ def ingest_sequences(
 ) -> list[SequenceLeaves]:
     """Return the leaves of every sequence: frames, cues that `config` takes as given, the annotation where asked.
 
-    Choices that `config` leaves open are settled.
+    Choices that `config` leaves open are settled. InputError is raised first where a package that it needs is missing.
     """
+    require_packages(config)
     plans = [ingest_jobs(source, config, annotated) for source in sources]
     found = iter(session.ingest([job for jobs in plans for job in chain.from_iterable(jobs.values())]))
     leaves = []

@@ -4,11 +4,12 @@ import numpy as np
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.parameters import AppearanceParams, ForegroundParams
+from moseg.schemas.parameters import AppearanceParams, ForegroundParams, VideoNetworkParams
 from moseg.workflows.stages.accumulation import mean_of_passes
 from moseg.workflows.stages.appearance import RATIO_PARAMS
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
+from moseg.workflows.stages.video_network import EVIDENCE_PARAMS
 
 
 def _run(params, inputs, rng):
@@ -43,6 +44,28 @@ def _run(params, inputs, rng):
     return Output({"foreground": np.stack(probabilities)})
 
 
+def _run_video_network(params, inputs, rng):
+    from moseg.tasks.half_floats import to_float16, to_float32
+    from moseg.tasks.saliency import reduce_frame
+    from moseg.tasks.video_network import Outcome, refine_foreground
+
+    foreground, trained = inputs["foreground"].array("foreground"), inputs["video_network"].attributes
+    if not trained.pop("is_trained"):
+        return Output({"foreground": foreground})
+
+    from moseg.tasks.video_network.crops import lab_bytes
+    from moseg.tasks.video_network.network import infer_logits, restore_network
+
+    network, outcome = restore_network(inputs["video_network"].array("weights")), Outcome(**trained)
+    network_params = VideoNetworkParams.of_recipe(params["video_network"])
+    refined = []
+    for frame, probability in zip(inputs.all("frames"), foreground, strict=True):
+        reduced = reduce_frame(frame.cached("image"), probability.shape).astype(np.uint8)
+        logits = infer_logits(network, lab_bytes(reduced))
+        refined.append(to_float16(refine_foreground(to_float32(probability), logits, outcome, network_params)))
+    return Output({"foreground": np.stack(refined)})
+
+
 def _read_count(section):
     from moseg.tasks.appearance import ColourCount
 
@@ -71,7 +94,12 @@ def _params(config: PipelineConfig, start: int, centres: list[float], own: int) 
     }
 
 
+def _network_params(config: PipelineConfig) -> dict:
+    return {"video_network": config.video_network.model_dump(mode="json", include=EVIDENCE_PARAMS)}
+
+
 MOTION_AND_COLOUR = Task("foreground", "motion-and-colour", version=1, run=_run, params=_params)
+VIDEO_NETWORK = Task("foreground", "video-network", version=1, run=_run_video_network, params=_network_params)
 
 STAGE = Stage(
     name="foreground",
@@ -82,7 +110,10 @@ STAGE = Stage(
         "accumulation_future": "saliency accumulated from the future",
         "coherence_past": "deviations accumulated from the past",
         "coherence_future": "deviations accumulated from the future",
+        "foreground": "the same by motion and colour, to which a network adds (video-network)",
+        "video_network": "network of the stretch (video-network)",
+        "frames": "frames of the section (video-network)",
     },
     arrays={"foreground": layout("float16", "frame y x", "probability")},
-    tasks=(MOTION_AND_COLOUR,),
+    tasks=(MOTION_AND_COLOUR, VIDEO_NETWORK),
 )

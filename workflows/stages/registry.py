@@ -31,6 +31,7 @@ from moseg.workflows.stages import (
     kernel,
     linking,
     motion_network,
+    motion_proof,
     moving_tracks,
     object_hypotheses,
     own_motion,
@@ -48,6 +49,7 @@ from moseg.workflows.stages import (
     track_surfaces,
     tracks,
     trajectory_clustering,
+    video_network,
 )
 from moseg.workflows.stages.stage import Backend, Choice, Stage
 from moseg.workflows.stages.task import Task
@@ -58,7 +60,7 @@ STAGES: dict[str, Stage] = {
         *(tags, detections, instances, seeds),
         scene_parallax,
         *(flow, background, saliency, motion_network, consistency, accumulation, own_motion, coherence),
-        *(appearance, foreground, components),
+        *(appearance, motion_proof, video_network, foreground, components),
         *(dense_tracks, rigidity, moving_tracks, track_surfaces, track_groups, track_objects),
         *(proposals, linking, rigid_support),
         *(depth, tracks, fundamental, fundamental_residual, flow_model, flow_residual, object_hypotheses),
