@@ -1,5 +1,6 @@
 """What the motion network sees of a frame: deviations of its flow from the background's, free of scale."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import cv2
@@ -100,25 +101,38 @@ def _encode_direction(
     motion = fit_background(flow, params)
     first = flow - affine_flow(motion, flow.shape[:2])
     noise = np.float32(motion.scale)
-    length = vector_length(first)
-    errors = [
-        np.log(colour_error(image, neighbour.image, by) * np.float32(1 / _ERROR_OFFSET) + 1)
+    background_error, observed_error = (
+        cv2.log(colour_error(image, neighbour.image, by) * np.float32(1 / _ERROR_OFFSET) + 1)
         for by in (flow - neighbour.residual, flow)
-    ]
-    inconsistency = vector_length(flow + warp(neighbour.back, flow))
-    channels = [
-        *np.moveaxis(np.arcsinh(first / noise), -1, 0),
-        *np.moveaxis(first * (_CONTRAST / _scale(length, 98, noise)), -1, 0),
-        np.arcsinh(vector_length(neighbour.residual) / noise),
-        *np.moveaxis(flow * (_CONTRAST / _scale(vector_length(flow), 95, noise)), -1, 0),
-        *errors,
-        np.arcsinh(inconsistency / noise),
-        np.arcsinh(_epipolar_distance(flow) / noise),
-    ]
+    )
+    residual = _asinh(first * (1 / noise))
+    remainder, inconsistency, epipolar = (
+        _asinh(length * (1 / noise))
+        for length in (
+            vector_length(neighbour.residual),
+            vector_length(flow + warp(neighbour.back, flow)),
+            _epipolar_distance(flow),
+        )
+    )
     # Four channels at a time, as many as OpenCV reduces at once without a loop.
-    stacked = [np.stack(channels[first : first + 4], axis=-1) for first in range(0, len(channels), 4)]
-    reduced = [cv2.resize(part, shape[::-1], interpolation=cv2.INTER_AREA) for part in stacked]
-    return np.concatenate([part.reshape(*shape, -1) for part in reduced], axis=-1), float(noise)
+    linear = _reduce((*np.moveaxis(first, -1, 0), *np.moveaxis(flow, -1, 0)), shape)
+    linear[..., :2] *= _CONTRAST / _scale(vector_length(first), 98, noise)
+    linear[..., 2:] *= _CONTRAST / _scale(vector_length(flow), 95, noise)
+    bent = _reduce((*np.moveaxis(residual, -1, 0), remainder, background_error), shape)
+    rest = _reduce((observed_error, inconsistency, epipolar), shape)
+    parts = (bent[..., :2], linear[..., :2], bent[..., 2:3], linear[..., 2:], bent[..., 3:], rest)
+    return np.concatenate(parts, axis=-1), float(noise)
+
+
+def _asinh(values: np.ndarray) -> np.ndarray:
+    """Return the inverse hyperbolic sine of float32 values, several times faster than by numpy."""
+    size = np.abs(values)
+    return np.copysign(cv2.log(size + np.sqrt(size * size + 1)), values)
+
+
+def _reduce(channels: Sequence[np.ndarray], shape: tuple[int, int]) -> np.ndarray:
+    """Average channels float32 (h, w) over the cells of a grid of `shape`, float32 (grid y, grid x, channel)."""
+    return cv2.resize(np.stack(channels, axis=-1), shape[::-1], interpolation=cv2.INTER_AREA)
 
 
 def _scale(length: np.ndarray, percentile: float, floor: float) -> np.float32:
@@ -135,7 +149,7 @@ def _epipolar_distance(flow: np.ndarray) -> np.ndarray:
     matrix, report = poselib.estimate_fundamental(points, points + vectors, options, {})
     if report["num_inliers"] < 8 or not np.isfinite(matrix).all():
         return np.zeros((height, width), np.float32)
-    x, y = np.meshgrid(np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32))
-    a, b, c = (np.float32(row[0]) * x + np.float32(row[1]) * y + np.float32(row[2]) for row in matrix)
+    x, y = np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32)[:, None]
+    a, b, c = (np.float32(row[0]) * x + (np.float32(row[1]) * y + np.float32(row[2])) for row in matrix)
     distance = a * (x + flow[..., 0]) + b * (y + flow[..., 1]) + c
     return np.abs(distance) / np.sqrt(a * a + b * b + np.float32(1e-20))
