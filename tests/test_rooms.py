@@ -16,7 +16,19 @@ PACKAGES = {
 }
 """Folders of the packages, and the names under which they are imported."""
 ROOMS = tuple(PACKAGES)
-SCIENCE = {"PIL", "cv2", "kmedoids", "numpy", "poselib", "pydantic", "scipy", "sklearn", "torch", "transformers"}
+SCIENCE = {
+    "PIL",
+    "cv2",
+    "kmedoids",
+    "numpy",
+    "onnx",
+    "poselib",
+    "pydantic",
+    "scipy",
+    "sklearn",
+    "torch",
+    "transformers",
+}
 OUTSIDE_WORLD = {
     "glob",
     "http",

@@ -20,6 +20,7 @@ from moseg.schemas.parameters.identity import IdentityParams
 from moseg.schemas.parameters.instances import InstanceParams, SeedParams
 from moseg.schemas.parameters.linking import LinkingParams
 from moseg.schemas.parameters.motion_network import MotionNetworkParams
+from moseg.schemas.parameters.network_training import NetworkTrainingParams
 from moseg.schemas.parameters.object_hypotheses import ObjectHypothesisParams
 from moseg.schemas.parameters.own_motion import OwnMotionParams
 from moseg.schemas.parameters.pips import PipsParams
@@ -79,6 +80,7 @@ __all__ = [
     "LinkingParams",
     "MotionCountParams",
     "MotionNetworkParams",
+    "NetworkTrainingParams",
     "ObjectHypothesisParams",
     "OwnMotionParams",
     "PieceParams",
