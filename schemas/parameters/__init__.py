@@ -52,12 +52,14 @@ from moseg.schemas.parameters.trajectories import (
     SeparationParams,
     TrajectoryClusteringParams,
 )
+from moseg.schemas.parameters.video_training import ClipParams, VideoTrainingParams
 
 __all__ = [
     "AccumulationParams",
     "AffinityParams",
     "AppearanceParams",
     "CandidateParams",
+    "ClipParams",
     "ClusteringParams",
     "ComponentParams",
     "DeaotParams",
@@ -105,4 +107,5 @@ __all__ = [
     "TrackSurfaceParams",
     "TrackWindowParams",
     "TrajectoryClusteringParams",
+    "VideoTrainingParams",
 ]

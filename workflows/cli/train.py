@@ -7,7 +7,9 @@ import typer
 
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli import completion
-from moseg.workflows.cli.options import QuietOption
+from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption
+
+_PANEL = "Videos without labels"
 
 
 def train(
@@ -21,8 +23,12 @@ def train(
         ),
     ] = ".moseg/training",
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of scenes, random weights and batches.")] = 0,
-    scenes: Annotated[int | None, typer.Option("--scenes", help="Rendered scenes (default: 9000).")] = None,
-    steps: Annotated[int | None, typer.Option("--steps", help="Steps of the optimizer (default: 7000).")] = None,
+    scenes: Annotated[
+        int | None, typer.Option("--scenes", help="Rendered scenes (default: 9000; with --videos 300).")
+    ] = None,
+    steps: Annotated[
+        int | None, typer.Option("--steps", help="Steps of the optimizer (default: 7000; with --videos 300).")
+    ] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option(
@@ -47,23 +53,54 @@ def train(
             autocompletion=completion.complete_device,
         ),
     ] = "auto",
+    videos: Annotated[
+        str | None,
+        typer.Option(
+            "--videos",
+            help="Go on from a trained network on the videos in this folder, which need no labels.",
+            metavar="FOLDER",
+            rich_help_panel=_PANEL,
+        ),
+    ] = None,
+    start: Annotated[
+        str | None,
+        typer.Option(
+            "--from",
+            help="ONNX file to go on from (default: the network of this program).",
+            metavar="FILE",
+            rich_help_panel=_PANEL,
+        ),
+    ] = None,
+    store: Annotated[
+        str,
+        typer.Option(
+            "--store", help="Artifact store of the cues of these videos.", metavar="FOLDER", rich_help_panel=_PANEL
+        ),
+    ] = DEFAULT_STORE,
     quiet: QuietOption = False,
 ) -> None:
-    """Train the network that finds moving pixels, on scenes that are rendered for it.
+    """Train the network that finds moving pixels, on scenes that are rendered for it or on videos without labels.
 
-    Nothing is downloaded and no real label is used. Scenes take 12 GB of the folder. The result is used by
-    `--set motion_network.weights=FILE`.
+    Nothing is downloaded and no real label is used. By default it starts from random weights, and scenes take 12 GB of
+    the folder. The result is used by `--set motion_network.weights=FILE`.
 
     Examples
     --------
     moseg train --out network.onnx --folder training
     moseg train --out small.onnx --scenes 1000 --steps 1000
+    moseg train --videos my-videos --out mine.onnx --folder my-training
     """
-    from moseg.workflows.api.training import run_scene_training
+    from moseg.workflows.api.training import run_scene_training, run_video_training
 
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     chosen = [*map(_read_setting, settings or ()), ("scenes", scenes), ("steps", steps)]
-    done = run_scene_training(out, folder, seed, workers or cores, threads or cores, device, quiet, chosen)
+    common = (out, folder, seed, workers or cores, threads or cores, device, quiet, chosen)
+    if videos is None:
+        if start is not None:
+            raise InputError("no videos to go on with", where="--from", got=start, expected="--videos FOLDER too")
+        done = run_scene_training(*common)
+    else:
+        done = run_video_training(videos, start or "", store, *common)
     print(f"{done.onnx}: {_describe(done.scores)}; recipe in {done.recipe}")
 
 
