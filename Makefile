@@ -15,7 +15,7 @@ STORE   ?= .moseg/store
 MOSEG   := .venv/bin/moseg
 OPTIONS  = $(if $(ROOT),--root "$(ROOT)") --workers $(WORKERS) --store "$(STORE)" $(ARGS)
 
-.PHONY: setup eval ablation segment test test-faults lint docs-check docs-pictures results bench bench-engine bench-faults bench-networks bench-memory bench-objects peers clean
+.PHONY: setup eval ablation segment train test test-faults lint docs-check docs-pictures results bench bench-engine bench-faults bench-networks bench-memory bench-objects peers clean
 
 setup: .venv/.ready
 
@@ -33,6 +33,9 @@ ablation: setup
 
 segment: setup
 	$(MOSEG) segment "$(VIDEO)" --out "$(OUT)" --workers $(WORKERS) --store "$(STORE)" $(ARGS)
+
+train: setup
+	$(MOSEG) train --out "$(OUT)/motion_network.onnx" --folder "$(OUT)/training" $(if $(filter-out 0,$(WORKERS)),--workers $(WORKERS)) $(ARGS)
 
 test: setup
 	env -u PYTHONDONTWRITEBYTECODE .venv/bin/python -m pytest -n 2 --dist worksteal --ignore tests/faults $(ARGS)

@@ -15,12 +15,13 @@ ALLOWED = {
     },
     "api": {
         *("cluster", "config", "datasets", "engine", "exports", "pipelines", "predictions", "process", "reports"),
-        *("plugins", "runlog", "sources", "stages", "weights"),
+        *("plugins", "runlog", "sources", "stages", "training", "weights"),
     },
     "pipelines": {
         *("datasets", "engine", "exports", "graph", "predictions", "process", "reports", "results", "runlog"),
         *("sources", "stages", "weights"),
     },
+    "training": {"exports", "process"},
     "reports": {"config", "engine", "exports", "graph", "process", "results", "runlog", "sources"},
     "results": {"exports", "graph", "sources"},
     "exports": {"config", "process", "runlog", "sources"},

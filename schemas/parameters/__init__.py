@@ -21,6 +21,7 @@ from moseg.schemas.parameters.instances import InstanceParams, SeedParams
 from moseg.schemas.parameters.linking import LinkingParams
 from moseg.schemas.parameters.motion_network import MotionNetworkParams
 from moseg.schemas.parameters.motion_proof import MotionProofParams
+from moseg.schemas.parameters.network_training import NetworkTrainingParams
 from moseg.schemas.parameters.object_hypotheses import ObjectHypothesisParams
 from moseg.schemas.parameters.own_motion import OwnMotionParams
 from moseg.schemas.parameters.pips import PipsParams
@@ -53,12 +54,14 @@ from moseg.schemas.parameters.trajectories import (
     TrajectoryClusteringParams,
 )
 from moseg.schemas.parameters.video_network import VideoNetworkParams
+from moseg.schemas.parameters.video_training import ClipParams, VideoTrainingParams
 
 __all__ = [
     "AccumulationParams",
     "AffinityParams",
     "AppearanceParams",
     "CandidateParams",
+    "ClipParams",
     "ClusteringParams",
     "ComponentParams",
     "DeaotParams",
@@ -82,6 +85,7 @@ __all__ = [
     "MotionCountParams",
     "MotionNetworkParams",
     "MotionProofParams",
+    "NetworkTrainingParams",
     "ObjectHypothesisParams",
     "OwnMotionParams",
     "PieceParams",
@@ -107,4 +111,5 @@ __all__ = [
     "TrackWindowParams",
     "TrajectoryClusteringParams",
     "VideoNetworkParams",
+    "VideoTrainingParams",
 ]

@@ -11,7 +11,7 @@ from typer.exceptions import TyperException
 from typer.main import get_command
 
 from moseg.schemas.errors import ClusterError, InputError, StoreError
-from moseg.workflows.cli import backends, contact_sheet, evaluate, export, report, segment, status
+from moseg.workflows.cli import backends, contact_sheet, evaluate, export, report, segment, status, train
 from moseg.workflows.cli.config import config_app
 from moseg.workflows.cli.datasets import datasets_app
 from moseg.workflows.cli.entry import EXIT_FAULT, EXIT_INTERRUPTED, INTERRUPTED
@@ -35,6 +35,7 @@ app.command("score")(evaluate.score)
 app.command("contact-sheet")(contact_sheet.contact_sheet)
 app.command("report")(report.report)
 app.command("status")(status.status)
+app.command("train")(train.train)
 app.command("backends")(backends.backends)
 app.add_typer(config_app, name="config")
 app.add_typer(datasets_app, name="datasets")

@@ -1,0 +1,81 @@
+"""Clips of videos without labels, from the cues that the pipeline computes for them."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from moseg.schemas.configs import PipelineConfig
+from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.engine.session import Session
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.pipelines.leaves import ingest_sequences
+
+if TYPE_CHECKING:
+    from moseg.schemas.parameters import ClipParams
+    from moseg.store import ArtifactStore
+    from moseg.tasks.network_training.clips import Clip, CuedFrame
+
+
+def cue_config(config: PipelineConfig) -> PipelineConfig:
+    """Return a configuration whose cues are those of `config`, and that asks for no choice and no network beyond."""
+    network = config.motion_network.model_copy(update={"use": "never"})
+    return config.model_copy(update={"proposal_source": "saliency", "motion_network": network})
+
+
+def make_clips(
+    session: Session,
+    source: SequenceSource,
+    config: PipelineConfig,
+    params: "ClipParams",
+    keep: "Callable[[int, Clip], None]",
+) -> None:
+    """Compute the flow, background and saliency of a video, and hand each of its clips to `keep` with its number.
+
+    Raises
+    ------
+    InputError
+        The video cannot be read.
+    """
+    graphs: list[SequenceGraph] = []
+
+    def build():
+        leaves = ingest_sequences(session, [source], config, annotated=False)
+        graphs[:] = [SequenceGraph(each, config) for each in leaves]
+        frames = range(len(leaves[0].frames))
+        return graphs[0].recipes, [graphs[0].frame_cues.saliency(frame) for frame in frames]
+
+    def read():
+        _cut(session.store, graphs[0], config, params, keep)
+
+    session.compute(build, read)
+
+
+def _cut(store: "ArtifactStore", graph: SequenceGraph, config: PipelineConfig, params: "ClipParams", keep) -> None:
+    from moseg.tasks.network_training.clips import choose_middles, make_clip, window
+
+    num_frames = len(graph.leaves.frames)
+    for number, middle in enumerate(choose_middles(num_frames, params)):
+        frames = window(middle, num_frames, params)
+        clip = make_clip(
+            read_cued_frames(store, graph, frames),
+            middle - frames.start,
+            frames.start == 0,
+            frames.stop == num_frames,
+            params,
+            config.saliency,
+        )
+        keep(number, clip)
+
+
+def read_cued_frames(store: "ArtifactStore", graph: SequenceGraph, frames: Sequence[int]) -> "list[CuedFrame]":
+    """Return frames with the cues of their saliency."""
+    from moseg.tasks.half_floats import to_float32
+    from moseg.tasks.network_training.clips import CuedFrame
+    from moseg.tasks.saliency import reduce_frame
+
+    found = []
+    for frame in frames:
+        ref = graph.frame_cues.saliency(frame)
+        flows, residuals = (to_float32(store.read(ref, name)) for name in ("flows", "residual_flows"))
+        image = reduce_frame(store.read(graph.leaves.frames[frame], "image"), flows.shape[1:3])
+        found.append(CuedFrame(image, flows, residuals))
+    return found

@@ -1,0 +1,1 @@
+"""Training of the motion network: scenes drawn into files by several processes, steps with checkpoints, the result."""
