@@ -31,6 +31,8 @@ from moseg.schemas.parameters import (
     InstanceParams,
     KernelParams,
     LinkingParams,
+    MotionMemoryParams,
+    MovesNowParams,
     ObjectHypothesisParams,
     OwnMotionParams,
     PipsParams,
@@ -120,6 +122,7 @@ class PipelineConfig(Frozen):
     depth_anything_v2: DepthAnythingParams = DepthAnythingParams()
     saliency: SaliencyParams = SaliencyParams()
     accumulation: AccumulationParams = AccumulationParams()
+    motion_memory: MotionMemoryParams = MotionMemoryParams()
     own_motion: OwnMotionParams = OwnMotionParams()
     appearance: AppearanceParams = AppearanceParams()
     foreground: ForegroundParams = ForegroundParams()
@@ -136,6 +139,7 @@ class PipelineConfig(Frozen):
     track_objects: TrackObjectParams = TrackObjectParams()
     track_masks: TrackMaskParams = TrackMaskParams()
     track_surfaces: TrackSurfaceParams = TrackSurfaceParams()
+    moves_now: MovesNowParams = MovesNowParams()
     linking: LinkingParams = LinkingParams()
     rigid_support: RigidSupportParams = RigidSupportParams()
     tracks: TrackParams = TrackParams()

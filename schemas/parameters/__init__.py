@@ -19,6 +19,8 @@ from moseg.schemas.parameters.grounding_dino import GroundingDinoParams
 from moseg.schemas.parameters.identity import IdentityParams
 from moseg.schemas.parameters.instances import InstanceParams, SeedParams
 from moseg.schemas.parameters.linking import LinkingParams
+from moseg.schemas.parameters.motion_memory import MotionMemoryParams
+from moseg.schemas.parameters.moves_now import MovesNowParams
 from moseg.schemas.parameters.object_hypotheses import ObjectHypothesisParams
 from moseg.schemas.parameters.own_motion import OwnMotionParams
 from moseg.schemas.parameters.pips import PipsParams
@@ -77,6 +79,8 @@ __all__ = [
     "KernelParams",
     "LinkingParams",
     "MotionCountParams",
+    "MotionMemoryParams",
+    "MovesNowParams",
     "ObjectHypothesisParams",
     "OwnMotionParams",
     "PieceParams",

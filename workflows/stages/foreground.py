@@ -14,7 +14,7 @@ from moseg.workflows.stages.task import Output, Task
 def _run(params, inputs, rng):
     from moseg.tasks.appearance import colour_ratio, pool_sections
     from moseg.tasks.half_floats import to_float16
-    from moseg.tasks.saliency import foreground_probability
+    from moseg.tasks.saliency import foreground_probability, remembered_logit
 
     appearance, foreground = (
         AppearanceParams.of_recipe(params["appearance"]),
@@ -35,10 +35,13 @@ def _run(params, inputs, rng):
 
     accumulated = mean_of_passes(inputs, "accumulation", "maps")
     misfits = mean_of_passes(inputs, "coherence", "misfit")
+    remembered = mean_of_passes(inputs, "motion_memory", "odds")
     probabilities = []
-    for t, (bins, maps, misfit) in enumerate(zip(sections[own].array("bins"), accumulated, misfits, strict=True)):
+    cues = zip(sections[own].array("bins"), accumulated, misfits, remembered, strict=True)
+    for t, (bins, maps, misfit, odds) in enumerate(cues):
         ratio, usual = _blend(look, centres, own, params["start"] + t)
-        moves = foreground_probability(maps[..., 1], maps[..., 2], misfit, ratio[bins], usual, foreground)
+        motion = maps[..., 1], maps[..., 2], misfit
+        moves = foreground_probability(*motion, ratio[bins], usual, foreground, remembered_logit(odds))
         probabilities.append(to_float16(moves))
     return Output({"foreground": np.stack(probabilities)})
 
@@ -71,7 +74,7 @@ def _params(config: PipelineConfig, start: int, centres: list[float], own: int) 
     }
 
 
-MOTION_AND_COLOUR = Task("foreground", "motion-and-colour", version=1, run=_run, params=_params)
+MOTION_AND_COLOUR = Task("foreground", "motion-and-colour", version=2, run=_run, params=_params)
 
 STAGE = Stage(
     name="foreground",
@@ -82,6 +85,8 @@ STAGE = Stage(
         "accumulation_future": "saliency accumulated from the future",
         "coherence_past": "deviations accumulated from the past",
         "coherence_future": "deviations accumulated from the future",
+        "motion_memory_past": "odds of motion remembered from the past",
+        "motion_memory_future": "odds of motion remembered from the future",
     },
     arrays={"foreground": layout("float16", "frame y x", "probability")},
     tasks=(MOTION_AND_COLOUR,),
