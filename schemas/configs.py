@@ -31,8 +31,10 @@ from moseg.schemas.parameters import (
     InstanceParams,
     KernelParams,
     LinkingParams,
+    MotionMemoryParams,
     MotionNetworkParams,
     MotionProofParams,
+    MovesNowParams,
     ObjectHypothesisParams,
     OwnMotionParams,
     PipsParams,
@@ -124,6 +126,7 @@ class PipelineConfig(Frozen):
     saliency: SaliencyParams = SaliencyParams()
     motion_network: MotionNetworkParams = MotionNetworkParams()
     accumulation: AccumulationParams = AccumulationParams()
+    motion_memory: MotionMemoryParams = MotionMemoryParams()
     own_motion: OwnMotionParams = OwnMotionParams()
     appearance: AppearanceParams = AppearanceParams()
     foreground: ForegroundParams = ForegroundParams()
@@ -142,6 +145,7 @@ class PipelineConfig(Frozen):
     track_objects: TrackObjectParams = TrackObjectParams()
     track_masks: TrackMaskParams = TrackMaskParams()
     track_surfaces: TrackSurfaceParams = TrackSurfaceParams()
+    moves_now: MovesNowParams = MovesNowParams()
     linking: LinkingParams = LinkingParams()
     rigid_support: RigidSupportParams = RigidSupportParams()
     tracks: TrackParams = TrackParams()

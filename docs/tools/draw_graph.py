@@ -27,15 +27,16 @@ PARTS = {
     "from outside": ("frame", "annotation", "weights", "motion_weights"),
     "cues": ("flow", "depth", "background", "saliency", "motion_network"),
     "what moves": (
-        *("consistency", "accumulation", "own_motion", "coherence", "appearance", "foreground", "components"),
+        *("consistency", "accumulation", "motion_memory", "own_motion", "coherence", "appearance", "foreground"),
+        "components",
         *("dense_tracks", "rigidity", "moving_tracks", "track_surfaces", "track_groups", "track_objects"),
     ),
-    "objects": ("tags", "detections", "instances", "seeds", "proposals", "linking", "tracks"),
+    "objects": ("tags", "detections", "instances", "seeds", "proposals", "sightings", "linking", "tracks"),
     "motions": (
         *("fundamental", "fundamental_residual", "flow_model", "flow_residual", "affinity"),
         *("rigid_support", "clustering"),
     ),
-    "results": ("segmentation", "score"),
+    "results": ("segmentation", "moves_now", "score"),
 }
 """Stages by part; the part sets the colour of a box."""
 UNITS = {

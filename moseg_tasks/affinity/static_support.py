@@ -17,12 +17,15 @@ def static_support(residuals: np.ndarray, params: AffinityParams, energy: np.nda
     that the object moves. But there is no evidence either that it is static. Here a badly fitting background gives a
     large d, so that such a view does not support static.
 
+    An object that rests most of the time is still one that moves: d is the largest quantile over runs of
+    `static_pairs` frame pairs.
+
     Parameters
     ----------
     residuals : float64 (M, K, K)
         [pair, model, data], px²; NaN if the model is invalid or the object absent. Object 0 is the background.
     params : AffinityParams
-        `scale`, `relative`, `relative_flow`, `excess` and `quantile` are read.
+        `scale`, `relative`, `relative_flow`, `excess`, `quantile` and `static_pairs` are read.
     energy : float64 (M, K), optional
         Mean squared flow length of each object, px²; None if the residuals are not of flow.
 
@@ -37,8 +40,23 @@ def static_support(residuals: np.ndarray, params: AffinityParams, energy: np.nda
     distances = np.sqrt(excess / tolerated_error(own, params, energy))
     support = np.full(residuals.shape[1], np.nan)
     if len(distances) > 0:
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", message="All-NaN slice")
-            support = kernel(np.nanquantile(distances, params.quantile, axis=0))
+        support = kernel(_largest_in_a_row(distances, params))
     support[0] = 1.0
     return support
+
+
+def _largest_in_a_row(distances: np.ndarray, params: AffinityParams) -> np.ndarray:
+    """Return the largest quantile (K,) of the distances (M, K) over runs of pairs of which half are known.
+
+    That over all pairs counts too; runs overlap by half.
+    """
+    length, step = params.static_pairs, params.static_pairs // 2
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="All-NaN slice")
+        largest = np.nanquantile(distances, params.quantile, axis=0)
+        for start in range(0, len(distances) - length + 1, step):
+            run = distances[start : start + length]
+            quantile = np.nanquantile(run, params.quantile, axis=0)
+            is_known = np.isfinite(run).sum(axis=0) > length // 2
+            largest = np.where(is_known, np.fmax(largest, quantile), largest)
+    return largest

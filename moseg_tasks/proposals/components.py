@@ -58,18 +58,21 @@ def keep_best(foreground: np.ndarray, labels: np.ndarray, params: ComponentParam
     Components
     """
     count = int(labels.max(initial=0))
-    scores = _score(foreground, labels, count, params)
-    kept = _best(scores, params)
+    scores, is_clear = _score(foreground, labels, count, params)
+    kept = _best(scores, is_clear, params)
     relabel = np.zeros(count + 1, np.uint16)
     relabel[kept + 1] = np.arange(1, len(kept) + 1)
     return Components(np.stack([relabel[frame] for frame in labels]), scores[kept])
 
 
-def _score(foreground: np.ndarray, labels: np.ndarray, count: int, params: ComponentParams) -> np.ndarray:
-    """Score the components labelled 1..count, float64 (count,).
+def _score(
+    foreground: np.ndarray, labels: np.ndarray, count: int, params: ComponentParams
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the scores float64 (count,) of components 1..count, and which are clear by themselves, bool (count,).
 
-    Sum of the probability over its pixels, times max(0, 1 - share of its outline on the frame's border /
-    `border_share`); 0 below the minimal mean area.
+    The score is the sum of the probability over its pixels, times max(0, 1 - share of its outline on the frame's
+    border / `border_share`); 0 below the minimal mean area. A small object beside a large one has a low score, however
+    sure it is: it is clear if its mean probability is high for long enough.
     """
     num_frames, height, width = labels.shape
     mass, area, perimeter, border, duration = np.zeros((5, count + 1))
@@ -91,11 +94,13 @@ def _score(foreground: np.ndarray, labels: np.ndarray, count: int, params: Compo
     share = border / np.maximum(perimeter, 1)
     score = mass * np.clip(1 - share / params.border_share, 0, None)
     score[area < params.min_area * height * width * duration] = 0
-    return score[1:]
+    is_clear = mass >= params.own_probability * np.maximum(area, 1)
+    is_clear &= duration >= min(params.own_frames, num_frames)
+    return score[1:], is_clear[1:]
 
 
-def _best(scores: np.ndarray, params: ComponentParams) -> np.ndarray:
-    """Return the indices of the components worth keeping, best first."""
+def _best(scores: np.ndarray, is_clear: np.ndarray, params: ComponentParams) -> np.ndarray:
+    """Return the indices of the components worth keeping, best first: clear ones, or good ones beside the best."""
     order = np.argsort(-scores, kind="stable")[: params.max_objects]
     top = scores[order[0]] if len(order) else 0.0
-    return order[(scores[order] > 0) & (scores[order] >= params.score_ratio * top)]
+    return order[(scores[order] > 0) & (is_clear[order] | (scores[order] >= params.score_ratio * top))]

@@ -16,8 +16,24 @@ _LAB_BINS = (8, 32, 32)
 _LAB_RANGES = (0, 256) * 3
 
 
-class _Sight(NamedTuple):
-    """A component's frames, and its appearance where it is fully visible, near the end to be continued."""
+class Sight(NamedTuple):
+    """A component's frames, and its appearance where it is fully visible, near the end to be continued.
+
+    Attributes
+    ----------
+    first, last : int
+        Its frames.
+    frame : int
+        Frame of the `centre`, the one next to that end in which it is fully visible.
+    centre : float64 (2,)
+        xy, px of the working grid.
+    velocity : float64 (2,)
+        Relative to the background, px/frame.
+    area : float
+        Px.
+    histogram : float32 (8, 32, 32)
+        Shares of CIELAB colours.
+    """
 
     first: int
     last: int
@@ -78,15 +94,17 @@ def rejoin_components(
     begins = [label for label in lasting if _is_inside(labels, label, spans[label][0])]
     # Such pairs are rare: only their components are described.
     pairs = [(i, j) for i in ends for j in begins if i != j and _is_in_time(spans[i], spans[j], params)]
-    before = {i: _look(labels, images, residual_flows, i, boxes[i - 1], True, params) for i in {i for i, _ in pairs}}
-    after = {j: _look(labels, images, residual_flows, j, boxes[j - 1], False, params) for j in {j for _, j in pairs}}
+    before = {i: look(labels, images, residual_flows, i, boxes[i - 1], True, params) for i in {i for i, _ in pairs}}
+    after = {j: look(labels, images, residual_flows, j, boxes[j - 1], False, params) for j in {j for _, j in pairs}}
     gains = np.zeros((len(boxes) + 1,) * 2)
     for i, j in pairs:
-        gains[i, j] = _agreement(before[i], after[j], flows, residual_flows, params)
-    return _rename(gains, spans)[labels].astype(labels.dtype)
+        if after[j].frame > before[i].frame:
+            predicted = _predict(before[i], after[j], flows, residual_flows)
+            gains[i, j] = agreement(before[i], after[j], predicted, labels[0].size, params)
+    return rename(gains, spans)[labels].astype(labels.dtype)
 
 
-def _rename(gains: np.ndarray, spans: dict[int, tuple[int, int]]) -> np.ndarray:
+def rename(gains: np.ndarray, spans: dict[int, tuple[int, int]]) -> np.ndarray:
     """Return the new label of each label, int64 (label,), from the gains (earlier, later) of joining two."""
     renamed = np.arange(len(gains))
     found = [(i, j) for i, j in zip(*linear_sum_assignment(gains, maximize=True), strict=True) if gains[i, j] > 0]
@@ -110,7 +128,7 @@ def _is_in_time(span0: tuple[int, int], span1: tuple[int, int], params: Identity
     return later and abs(span1[0] - span0[1] - 1) <= params.rejoin_gap
 
 
-def _look(
+def look(
     labels: np.ndarray,
     images: np.ndarray,
     residual_flows: np.ndarray,
@@ -118,7 +136,7 @@ def _look(
     box: Sequence[slice],
     is_end: bool,
     params: IdentityParams,
-) -> _Sight:
+) -> Sight:
     """Describe a component shortly before it ends, or after it began."""
     masks = labels[tuple(box)] == label
     areas = masks.sum(axis=(1, 2))
@@ -133,7 +151,7 @@ def _look(
         lab = cv2.cvtColor(images[frame, rows, columns], cv2.COLOR_RGB2LAB)
         histogram += cv2.calcHist([lab], [0, 1, 2], masks[t].astype(np.uint8), _LAB_BINS, _LAB_RANGES)
     y, x = np.nonzero(masks[seen[0]])
-    return _Sight(
+    return Sight(
         first=box[0].start,
         last=box[0].stop - 1,
         frame=box[0].start + int(seen[0]),
@@ -150,11 +168,9 @@ def _normalised(histogram: np.ndarray) -> np.ndarray:
     return smooth / max(float(smooth.sum()), 1e-9)
 
 
-def _agreement(
-    before: _Sight, after: _Sight, flows: np.ndarray, residual_flows: np.ndarray, params: IdentityParams
-) -> float:
-    """Return how well one component continues the other, 0..2; 0 where it cannot."""
-    if after.frame <= before.frame or min(before.area, after.area) < params.min_area * flows[0, 0, ..., 0].size:
+def agreement(before: Sight, after: Sight, predicted: np.ndarray, frame_area: int, params: IdentityParams) -> float:
+    """Return how well one component continues the other, whose `predicted` place is xy, px; 0..2, 0 where it cannot."""
+    if after.frame <= before.frame or min(before.area, after.area) < params.min_area * frame_area:
         return 0.0
     if max(before.area, after.area) > params.rejoin_growth * min(before.area, after.area):
         return 0.0
@@ -162,14 +178,13 @@ def _agreement(
     if np.hypot(*(after.velocity - before.velocity)) > params.rejoin_turn * speed + params.rejoin_drift:
         return 0.0
     similarity = float(np.sqrt(before.histogram * after.histogram).sum())
-    predicted = _predict(before, after, flows, residual_flows)
     way = np.hypot(*(before.velocity + after.velocity)) / 2 * (after.frame - before.frame)
     reach = params.rejoin_reach * np.sqrt(min(before.area, after.area)) + params.rejoin_stray * way
     away = np.hypot(*(after.centre - predicted)) / reach
     return 1 - away + similarity if away < 1 and similarity >= params.rejoin_colour else 0.0
 
 
-def _predict(before: _Sight, after: _Sight, flows: np.ndarray, residual_flows: np.ndarray) -> np.ndarray:
+def _predict(before: Sight, after: Sight, flows: np.ndarray, residual_flows: np.ndarray) -> np.ndarray:
     """Predict where xy an object reappears, moved by the background and its own mean velocity."""
     place = before.centre.copy()
     height, width = flows.shape[2:4]

@@ -7,6 +7,8 @@ from moseg.tasks.saliency.foreground import foreground_probability
 from moseg.tasks.saliency.frame import FrameSaliency, estimate_saliency
 from moseg.tasks.saliency.grid import reduce_flow, reduce_frame, working_shape
 from moseg.tasks.saliency.logits import motion_logit, probability
+from moseg.tasks.saliency.motion_memory import motion_odds, remembered_logit
+from moseg.tasks.saliency.moves_now import moves_now
 from moseg.tasks.saliency.own_motion import own_motion_misfit
 
 __all__ = [
@@ -19,9 +21,12 @@ __all__ = [
     "foreground_probability",
     "memory_weight",
     "motion_logit",
+    "motion_odds",
+    "moves_now",
     "own_motion_misfit",
     "probability",
     "reduce_flow",
     "reduce_frame",
+    "remembered_logit",
     "working_shape",
 ]

@@ -13,6 +13,7 @@ def foreground_probability(
     colour: np.ndarray,
     usual_reliability: float,
     params: ForegroundParams,
+    remembered: np.ndarray | None = None,
 ) -> np.ndarray:
     """Add the logits of saliency and colour, less those for water, leaves and other textures that move.
 
@@ -30,6 +31,8 @@ def foreground_probability(
         Mean consistency of the flow of what moves in these frames. Only lower consistency is
         penalised, so that blurred limbs are kept.
     params : ForegroundParams
+    remembered : float32 (y, x), optional
+        Logit of the remembered odds of motion, which replaces that of the saliency where it is greater.
 
     Returns
     -------
@@ -39,8 +42,11 @@ def foreground_probability(
     floor = np.float32(params.reliability_floor)
     unreliable = np.minimum(np.log((floor + reliability) / (floor + np.float32(usual_reliability))), 0)
     deviates = np.log1p(np.expm1(misfit) / np.float32(params.misfit_tolerance**2))
+    motion = motion_logit(saliency, params.threshold, params.sharpness)
+    if remembered is not None:
+        motion = np.maximum(motion, remembered)
     return probability(
-        motion_logit(saliency, params.threshold, params.sharpness)
+        motion
         + np.float32(params.colour_weight) * colour
         + np.float32(params.reliability_weight) * unreliable
         - np.float32(params.misfit_weight) * deviates

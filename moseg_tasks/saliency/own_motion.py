@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+import cv2
 import numpy as np
 
 from moseg.schemas.parameters import OwnMotionParams
@@ -16,7 +17,8 @@ def own_motion_misfit(
 ) -> np.ndarray:
     """Measure the deviation of each pixel of a frame from the motion that most of the salient pixels follow.
 
-    A rigid object has a small misfit throughout. Water, spray and leaves move too, but not uniformly.
+    A rigid object has a small misfit throughout. Water, spray and leaves move too, but not uniformly. A salient region
+    that is apart from the others may be another object with a motion of its own: there, the smaller deviation counts.
 
     Parameters
     ----------
@@ -34,9 +36,10 @@ def own_motion_misfit(
     """
     deviation = None
     for flow in residual_flows:
-        motion = None if flow is None else _fit_own_motion(flow, weight, params)
+        motion = None if flow is None else _fit_own_motion(flow, weight, params, params.step)
         if motion is not None:
             left = vector_length(flow - affine_flow(motion, flow.shape[:2]))
+            left = _follow_regions(left, flow, weight, params)
             deviation = left if deviation is None else np.minimum(deviation, left)
     if deviation is None:
         return np.zeros(weight.shape, np.float32)
@@ -45,10 +48,34 @@ def own_motion_misfit(
     return np.log1p((deviation / np.float32(spread)) ** 2)
 
 
-def _fit_own_motion(flow: np.ndarray, weight: np.ndarray, params: OwnMotionParams) -> AffineMotion | None:
+def _follow_regions(left: np.ndarray, flow: np.ndarray, weight: np.ndarray, params: OwnMotionParams) -> np.ndarray:
+    """Return the deviation `left` float32 (y, x), in salient regions that are apart at most that from their own motion.
+
+    The spread by which deviations are divided stays that of all salient pixels, so that a region of water, whose
+    motion is not uniform, keeps a large misfit.
+    """
+    salient = (weight > params.salient_share * weight.max(initial=0)).astype(np.uint8)
+    count, regions, stats, _ = cv2.connectedComponentsWithStats(salient, connectivity=8)
+    if count <= 2:
+        return left
+    areas = stats[1:, cv2.CC_STAT_AREA]
+    largest = np.argsort(-areas, kind="stable")[: params.regions]
+    left = left.copy()
+    for region in largest[areas[largest] >= params.region_area * weight.size] + 1:
+        inside = regions == region
+        # Relative weights: a region is judged by itself, however much more salient another one is.
+        relative = np.where(inside, weight / weight[inside].max(), 0)
+        motion = _fit_own_motion(flow, relative, params, params.region_step)
+        if motion is not None:
+            own = vector_length(flow - affine_flow(motion, flow.shape[:2]))
+            left[inside] = np.minimum(left[inside], own[inside])
+    return left
+
+
+def _fit_own_motion(flow: np.ndarray, weight: np.ndarray, params: OwnMotionParams, step: int) -> AffineMotion | None:
     """Fit a weighted robust affine motion from the weighted median vector; None where too little is salient."""
     height, width = weight.shape
-    y, x = np.mgrid[params.step // 2 : height : params.step, params.step // 2 : width : params.step]
+    y, x = np.mgrid[step // 2 : height : step, step // 2 : width : step]
     given = weight[y, x].ravel().astype(np.float64)
     salient = given > params.salient_share * given.max(initial=0.0)
     given, points = given[salient], np.column_stack([x.ravel(), y.ravel()])[salient]

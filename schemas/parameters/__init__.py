@@ -19,8 +19,10 @@ from moseg.schemas.parameters.grounding_dino import GroundingDinoParams
 from moseg.schemas.parameters.identity import IdentityParams
 from moseg.schemas.parameters.instances import InstanceParams, SeedParams
 from moseg.schemas.parameters.linking import LinkingParams
+from moseg.schemas.parameters.motion_memory import MotionMemoryParams
 from moseg.schemas.parameters.motion_network import MotionNetworkParams
 from moseg.schemas.parameters.motion_proof import MotionProofParams
+from moseg.schemas.parameters.moves_now import MovesNowParams
 from moseg.schemas.parameters.network_training import NetworkTrainingParams
 from moseg.schemas.parameters.object_hypotheses import ObjectHypothesisParams
 from moseg.schemas.parameters.own_motion import OwnMotionParams
@@ -83,8 +85,10 @@ __all__ = [
     "KernelParams",
     "LinkingParams",
     "MotionCountParams",
+    "MotionMemoryParams",
     "MotionNetworkParams",
     "MotionProofParams",
+    "MovesNowParams",
     "NetworkTrainingParams",
     "ObjectHypothesisParams",
     "OwnMotionParams",

@@ -45,6 +45,12 @@ class AffinityParams(Frozen):
     quantile: Annotated[float, Unit.SHARE] = Field(
         0.5, ge=0, le=1, description="quantile over frame pairs of the distance between two objects"
     )
+    static_pairs: Annotated[int, Unit.COUNT] = Field(
+        16,
+        ge=2,
+        description="frame pairs in a row over which the quantile is taken for the support as static, of which the run "
+        "with the least support counts: an object that rests for long has moved",
+    )
 
 
 class HypothesisAffinityParams(Frozen):

@@ -15,7 +15,16 @@ class ComponentParams(Frozen):
         0.4, gt=0, le=1, description="share of outline on the frame's border at which a score is 0"
     )
     score_ratio: Annotated[float, Unit.SHARE] = Field(
-        0.1, ge=0, le=1, description="objects below this share of the best score are dropped"
+        0.1,
+        ge=0,
+        le=1,
+        description="objects below this share of the best score are dropped if not clear by themselves",
+    )
+    own_probability: Annotated[float, Unit.PROBABILITY] = Field(
+        0.8, ge=0, le=1, description="mean probability to move over its pixels from which an object is clear by itself"
+    )
+    own_frames: Annotated[int, Unit.FRAMES] = Field(
+        10, ge=1, description="frames, or the whole section if it is shorter, for which it must be visible"
     )
     min_area: Annotated[float, Unit.SHARE] = Field(
         0.0005, ge=0, le=1, description="minimal mean area over its frames, share of the frame"

@@ -69,6 +69,9 @@ class IdentityParams(Frozen):
     rejoin_gap: Annotated[int, Unit.FRAMES] = Field(
         10, ge=0, description="maximal number of frames of an occlusion, or of visibility on both sides of the occluder"
     )
+    return_gap: Annotated[int, Unit.FRAMES] = Field(
+        90, ge=0, description="maximal number of frames after which an object of the sequence is known again; 0: never"
+    )
     rejoin_frames: Annotated[int, Unit.FRAMES] = Field(
         3, ge=1, description="minimal number of frames of a component that is rejoined"
     )

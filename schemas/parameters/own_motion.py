@@ -39,4 +39,13 @@ class OwnMotionParams(Frozen):
     spread: Annotated[float, Unit.SHARE] = Field(
         0.75, gt=0, le=1, description="quantile of the residuals of salient pixels that is the spread"
     )
+    regions: Annotated[int, Unit.COUNT] = Field(
+        4, ge=0, description="salient regions apart from each other, largest first, that may have motions of their own"
+    )
+    region_area: Annotated[float, Unit.SHARE] = Field(
+        0.0005, ge=0, le=1, description="minimal area of such a region, share of the frame"
+    )
+    region_step: Annotated[int, Unit.PIXELS] = Field(
+        2, ge=1, description="spacing of the grid for the fit of such a region's motion, px"
+    )
     spread_floor: Annotated[float, Unit.PIXELS_PER_FRAME] = Field(0.1, gt=0, description="minimal spread, px/frame")

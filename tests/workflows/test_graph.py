@@ -9,8 +9,8 @@ from moseg.workflows.engine.execution import seeded_generator
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 from moseg.workflows.stages.registry import find_stage
 
-OBJECTS = {"components", "proposals", "linking", "tracks"}
-FOREGROUND = {"accumulation", "own_motion", "coherence", "appearance", "foreground"} | OBJECTS
+OBJECTS = {"sightings", "components", "proposals", "linking", "tracks"}
+FOREGROUND = {"motion_memory", "accumulation", "own_motion", "coherence", "appearance", "foreground"} | OBJECTS
 CUES = {"flow", "background", "saliency", "motion_network", "consistency"} | FOREGROUND
 END = {"clustering", "segmentation", "score"}
 TRAJS = {"fundamental", "fundamental_residual"}
@@ -92,13 +92,13 @@ def _tasks(refs):
         ({"motion_network__share": 0.3}, BEHIND | FOREGROUND),
         ({"accumulation__memory": 0.9}, BEHIND | FOREGROUND),
         ({"accumulation__reliability_floor": 0.2}, BEHIND | FOREGROUND),
-        ({"own_motion__spread": 0.5}, BEHIND | FOREGROUND - {"accumulation"}),
+        ({"own_motion__spread": 0.5}, BEHIND | FOREGROUND - {"accumulation", "motion_memory"}),
         ({"appearance__levels": 16}, BEHIND | OBJECTS | {"appearance", "foreground"}),
         ({"appearance__smoothing": 2.0}, BEHIND | OBJECTS | {"foreground"}),
         ({"foreground__threshold": 0.5}, BEHIND | FOREGROUND),
         ({"foreground__colour_weight": 0.5}, BEHIND | OBJECTS | {"foreground"}),
         ({"components__score_ratio": 0.2}, BEHIND | OBJECTS),
-        ({"refinement__radius": 2}, BEHIND | OBJECTS - {"components"}),
+        ({"refinement__radius": 2}, BEHIND | OBJECTS - {"components", "sightings"}),
         ({"flow__preset": "fast"}, TRAJS | FLOW_MODEL | CUES | {"affinity"} | END),
         ({"max_side": 640}, set()),
     ],

@@ -22,6 +22,9 @@ class MovingObject:
         Its share of the frame's pixels, 0..1, mean over those frames.
     tag : str or None
         What a network called it, where one did.
+    moving_frames : tuple of (int, int) or None
+        First and last frame of each run of frames in which it moves now; in its other frames it rests. None if this
+        is not known.
     static_support : mapping of str to float
         How well the background's motion explains the object, 0..1, under each motion model that has one (``trajs``,
         ``oc_depth`` …): ``exp(-d² / 2)``, with d the error of the background's model on the object beyond that of the
@@ -41,7 +44,14 @@ class MovingObject:
     num_frames: int
     mean_area_fraction: float
     tag: str | None = None
+    moving_frames: tuple[tuple[int, int], ...] | None = None
     static_support: Mapping[str, float] = field(default_factory=dict)
+
+    def moves_now(self, frame: int) -> bool | None:
+        """Return whether the object moves in a frame, counted from 0; None if this is not known."""
+        if self.moving_frames is None:
+            return None
+        return any(first <= frame <= last for first, last in self.moving_frames)
 
     @property
     def score(self) -> float | None:

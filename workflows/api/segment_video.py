@@ -198,7 +198,9 @@ def _read_variant(variant: Variant | str) -> Variant:
 def _describe_objects(store: ArtifactStore, stored: StoredSegmentation, fps: float) -> tuple[MovingObject, ...]:
     """Return the moving objects, each with its support for being static."""
     labels = stored.labels(store)
-    summary = summarise_sequence(stored.name, labels, fps, stored.num_motions, stored.motions, stored.tags)
+    summary = summarise_sequence(
+        stored.name, labels, fps, stored.num_motions, stored.motions, stored.tags, moves=stored.moves(store)
+    )
     supports = {view: store.read(ref, "static_support") for view, ref in stored.affinity_refs.items()}
     if stored.rigid_support is not None:
         supports["rigid"] = stored.rigid_support

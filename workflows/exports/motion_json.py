@@ -1,6 +1,7 @@
 """``motion.json``: what moves in a video, when and how large."""
 
 from collections.abc import Iterable, Mapping
+from itertools import repeat
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +33,9 @@ class ObjectSummary(Frozen):
         Its share of the frame's pixels, mean over those frames.
     tag : str or None
         Name that a network gave it, where one did.
+    moving_frames : tuple of (int, int) or None
+        First and last frame of each run of frames in which it moves now; in its other frames it rests. None if this
+        is not known: frames whose objects do not come from motion saliency are left open.
     """
 
     identity: int = Field(ge=1)
@@ -41,6 +45,7 @@ class ObjectSummary(Frozen):
     num_frames: int = Field(ge=1)
     mean_area_fraction: float = Field(gt=0, le=1)
     tag: str | None = None
+    moving_frames: tuple[tuple[int, int], ...] | None = None
 
 
 class SequenceSummary(Frozen):
@@ -82,6 +87,7 @@ def summarise_sequence(
     tags: Mapping[int, str] | None = None,
     frames: tuple[str, ...] | None = None,
     choices: tuple[StretchChoice, ...] = (),
+    moves: Iterable[np.ndarray | None] | None = None,
 ) -> SequenceSummary:
     """Follow each identity through a sequence's masks, one frame in memory at a time.
 
@@ -103,6 +109,8 @@ def summarise_sequence(
         File names of the frames, where they have any.
     choices : tuple of StretchChoice, optional
         Source of the proposals of each stretch, where it was chosen.
+    moves : iterable of int8 (identity,) or None, optional
+        Whether each identity moves in each frame: 1 moves, 0 rests, -1 unseen; None where that is not known.
 
     Raises
     ------
@@ -111,13 +119,18 @@ def summarise_sequence(
     """
     visible: dict[int, list[int]] = {}
     areas: dict[int, list[int]] = {}
+    moving: dict[int, list[int]] = {}
+    is_known = moves is not None
     shape, num_frames = None, 0
-    for index, frame in enumerate(labels):
+    for index, (frame, moves_now) in enumerate(zip(labels, repeat(None) if moves is None else moves, strict=False)):
         shape, num_frames = frame.shape, index + 1
         counts = np.bincount(frame.ravel())
         for identity in np.flatnonzero(counts[1:]) + 1:
             visible.setdefault(int(identity), []).append(index)
             areas.setdefault(int(identity), []).append(int(counts[identity]))
+            if moves_now is not None and moves_now[identity] == 1:
+                moving.setdefault(int(identity), []).append(index)
+        is_known = is_known and (moves_now is not None or not visible)
     if shape is None:
         raise InputError("no frame to summarise", where=name, got=0, expected="at least 1")
     height, width = shape
@@ -130,6 +143,7 @@ def summarise_sequence(
             num_frames=len(visible[identity]),
             mean_area_fraction=float(np.mean(areas[identity])) / (height * width),
             tag=(tags or {}).get(identity),
+            moving_frames=runs_of(moving.get(identity, [])) if is_known else None,
         )
         for identity in sorted(visible)
     )
@@ -144,6 +158,17 @@ def summarise_sequence(
         frames=frames,
         choices=choices,
     )
+
+
+def runs_of(frames: Iterable[int]) -> tuple[tuple[int, int], ...]:
+    """Return first and last of each run of consecutive numbers, which ascend."""
+    runs: list[tuple[int, int]] = []
+    for frame in frames:
+        if runs and frame == runs[-1][1] + 1:
+            runs[-1] = (runs[-1][0], frame)
+        else:
+            runs.append((frame, frame))
+    return tuple(runs)
 
 
 def frame_names(frames: FrameSource) -> tuple[str, ...] | None:

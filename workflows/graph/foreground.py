@@ -24,13 +24,12 @@ class Foreground:
     def components(self, index: int) -> str:
         """Return the reference of a section's objects, up to the end of the frames shared with the next section."""
         section = self._sections[index]
-        frames = range(section.start, section.proposal_stop)
         inputs = {
             "foreground": self.foregrounds(index),
             "frames": self._leaves.frames[section.start : section.proposal_stop],
-            "saliency": tuple(self._cues.saliency(frame) for frame in frames),
+            "saliency": self.saliency(section.start, section.proposal_stop),
         }
-        return self._nodes.add("components", inputs, num_frames=len(frames))
+        return self._nodes.add("components", inputs, num_frames=section.proposal_stop - section.start)
 
     def foregrounds(self, index: int) -> tuple[str, ...]:
         """Return the references of the foreground of all frames in which a section's objects are labelled."""
@@ -59,7 +58,11 @@ class Foreground:
             "centres": [self._centre(other) - self._sections[first].start for other in near],
             "own": index - first,
         }
-        inputs = {"appearance": tuple(self.appearance(other) for other in near), **self._accumulated(index)}
+        inputs = {
+            "appearance": tuple(self.appearance(other) for other in near),
+            **self._accumulated(index),
+            **self._both("motion_memory", self._remember, index),
+        }
         return self._nodes.add("foreground", inputs, **place)
 
     @cached_method
@@ -94,6 +97,11 @@ class Foreground:
             inputs["network"] = tuple(self._cues.motion_network(frame) for frame in range(section.start, section.stop))
         return self._nodes.add("accumulation", inputs, origin=origin)
 
+    def _remember(self, index: int, origin: str, carried: dict[str, str]) -> str:
+        inputs = {"saliency": self._saliency(index), "consistency": self._consistency(index), **carried}
+        inputs |= self._both("accumulation", self._accumulate, index)
+        return self._nodes.add("motion_memory", inputs, origin=origin)
+
     def _cohere(self, index: int, origin: str, carried: dict[str, str]) -> str:
         inputs = {"saliency": self._saliency(index), "own_motion": self._own_motion(index), **carried}
         return self._nodes.add("coherence", inputs, origin=origin)
@@ -105,10 +113,14 @@ class Foreground:
         inputs = {"saliency": tuple(self._cues.saliency(frame) for frame in range(first, last))}
         return self._nodes.add("consistency", inputs, first=section.start - first, last=section.stop - first)
 
+    def saliency(self, start: int, stop: int) -> tuple[str, ...]:
+        """Return the references of the saliency of frames in a row."""
+        return tuple(self._cues.saliency(frame) for frame in range(start, stop))
+
     @cached_method
     def _saliency(self, index: int) -> tuple[str, ...]:
         section = self._sections[index]
-        return tuple(self._cues.saliency(frame) for frame in range(section.start, section.stop))
+        return self.saliency(section.start, section.stop)
 
     def _centre(self, index: int) -> float:
         section = self._sections[index]

@@ -42,7 +42,23 @@ class Objects:
         if self._config.proposal_source not in MOTION_SOURCES:
             return self._nodes.add("linking", {"proposals": proposals})
         lengths = [section.stop - section.start for section in self._sections]
-        return self._nodes.add("linking", {"proposals": proposals}, lengths=lengths)
+        inputs = {"proposals": proposals}
+        seen = [index for index in range(len(self._sections)) if self.source_of(index) == "saliency"]
+        if not self._config.identity.return_gap:
+            seen = []
+        if seen:
+            inputs["sightings"] = tuple(self._sightings(index) for index in seen)
+        return self._nodes.add("linking", inputs, lengths=lengths, seen=seen)
+
+    def _sightings(self, index: int) -> str:
+        """Return the reference of where a section's objects of saliency begin and end."""
+        section = self._sections[index]
+        inputs = {
+            "components": self._foreground.components(index),
+            "frames": self._leaves.frames[section.start : section.proposal_stop],
+            "saliency": self._foreground.saliency(section.start, section.proposal_stop),
+        }
+        return self._nodes.add("sightings", inputs)
 
     def source_of(self, index: int) -> str:
         """Return the source of a section's proposals; saliency if it was left open and not chosen."""

@@ -68,6 +68,20 @@ class SequenceGraph:
             refs.append(self._nodes.add("segmentation", inputs, section=index, num_frames=num_frames))
         return tuple(refs)
 
+    def moves_now(self, variant: Variant) -> tuple[str | None, ...]:
+        """Return the references of whether objects move now, one a section; None where saliency is not read."""
+        num_frames, refs = len(self.leaves.frames), []
+        for index, (section, labels) in enumerate(zip(self._sections, self.segmentations(variant), strict=True)):
+            if self.objects.source_of(index) != "saliency":
+                refs.append(None)
+                continue
+            saliency = self.foreground.saliency(section.start, section.stop)
+            inputs = {"segmentation": labels, "linking": self.objects.linking(), "saliency": saliency}
+            start = min(section.start, 1)
+            place = {"start": start, "num_frames": start + min(num_frames, section.stop + 1) - section.start}
+            refs.append(self._nodes.add("moves_now", inputs, **place))
+        return tuple(refs)
+
     def clustering(self, variant: Variant) -> str | None:
         """Return the reference of the motion groups; None for the variant that keeps every proposal."""
         views = self._config.views(variant)

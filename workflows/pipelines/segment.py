@@ -1,7 +1,7 @@
 """Segmenting a user's own video: labels of every frame at the video's own size."""
 
 from collections.abc import Callable, Iterator
-from itertools import chain
+from itertools import chain, repeat
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -48,6 +48,8 @@ class StoredSegmentation(NamedTuple):
         Support of each of `rows` for being part of the rigid scene, NaN if open; None if the variant reads none.
     choices : tuple of StretchChoice
         Source of the proposals of each stretch, where it was left to the camera's motion.
+    moves_refs : tuple of references or None
+        Whether objects move now, one a section; None for a section where that is not known.
     """
 
     name: str
@@ -63,6 +65,7 @@ class StoredSegmentation(NamedTuple):
     residual_refs: dict[str, tuple[str, ...]]
     rigid_support: np.ndarray | None = None
     choices: tuple[StretchChoice, ...] = ()
+    moves_refs: tuple[str | None, ...] = ()
 
     @property
     def num_frames(self) -> int:
@@ -89,6 +92,14 @@ class StoredSegmentation(NamedTuple):
             for index in range(store.manifest(ref).array("labels").shape[0]):
                 labels = store.read_rows(ref, "labels", index, index + 1)[0]
                 yield resize_labels(labels, shape or self.shape)
+
+    def moves(self, store: ArtifactStore) -> Iterator[np.ndarray | None]:
+        """Yield whether objects move in each frame, int8 (identity,): 1, 0, or -1 if unseen; None if not known."""
+        for ref, labels in zip(self.moves_refs, self.label_refs, strict=True):
+            if ref is None:
+                yield from repeat(None, store.manifest(labels).array("labels").shape[0])
+            else:
+                yield from store.read(ref, "moves")
 
 
 def segment(
@@ -125,7 +136,7 @@ def segment(
         (leaves,) = ingest_sequences(session, [source], config, annotated=False)
         graphs[:] = [SequenceGraph(leaves, config)]
         clustering = graphs[0].clustering(variant)
-        sinks = graphs[0].segmentations(variant)
+        sinks = (*graphs[0].segmentations(variant), *filter(None, graphs[0].moves_now(variant)))
         if clustering is not None:
             affinities, residuals = _evidence(graphs[0], config, variant)
             sinks = (*sinks, clustering, *affinities.values(), *chain.from_iterable(residuals.values()))
@@ -155,6 +166,7 @@ def segment(
             residual_refs=residuals,
             rigid_support=read_rigid_support(session.store, graph.rigid_supports(variant)),
             choices=graph.leaves.choices,
+            moves_refs=graph.moves_now(variant),
         )
         return use(result)
 

@@ -79,6 +79,6 @@ def write_segmentation(
             write_overlay(overlay, progress.each("overlay", full_frames), result.labels(store), fps, style)
         labels = progress.each("summary", result.labels(store))
         found = result.num_motions, result.motions, result.tags
-        summary = summarise_sequence(result.name, labels, fps, *found, frames, result.choices)
+        summary = summarise_sequence(result.name, labels, fps, *found, frames, result.choices, result.moves(store))
         write_motion(folder / MOTION, summary)
     return summary

@@ -45,11 +45,11 @@ def _params(config: PipelineConfig, num_frames: int) -> dict:
     return {
         "num_frames": num_frames,
         "components": config.components.model_dump(mode="json"),
-        "identity": config.identity.model_dump(mode="json"),
+        "identity": config.identity.model_dump(mode="json", exclude={"return_gap"}),
     }
 
 
-SPACE_TIME = Task("components", "space-time", version=1, run=_run, params=_params)
+SPACE_TIME = Task("components", "space-time", version=2, run=_run, params=_params)
 
 STAGE = Stage(
     name="components",

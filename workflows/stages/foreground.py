@@ -15,7 +15,7 @@ from moseg.workflows.stages.video_network import EVIDENCE_PARAMS
 def _run(params, inputs, rng):
     from moseg.tasks.appearance import colour_ratio, pool_sections
     from moseg.tasks.half_floats import to_float16
-    from moseg.tasks.saliency import foreground_probability
+    from moseg.tasks.saliency import foreground_probability, remembered_logit
 
     appearance, foreground = (
         AppearanceParams.of_recipe(params["appearance"]),
@@ -36,10 +36,13 @@ def _run(params, inputs, rng):
 
     accumulated = mean_of_passes(inputs, "accumulation", "maps")
     misfits = mean_of_passes(inputs, "coherence", "misfit")
+    remembered = mean_of_passes(inputs, "motion_memory", "odds")
     probabilities = []
-    for t, (bins, maps, misfit) in enumerate(zip(sections[own].array("bins"), accumulated, misfits, strict=True)):
+    cues = zip(sections[own].array("bins"), accumulated, misfits, remembered, strict=True)
+    for t, (bins, maps, misfit, odds) in enumerate(cues):
         ratio, usual = _blend(look, centres, own, params["start"] + t)
-        moves = foreground_probability(maps[..., 1], maps[..., 2], misfit, ratio[bins], usual, foreground)
+        motion = maps[..., 1], maps[..., 2], misfit
+        moves = foreground_probability(*motion, ratio[bins], usual, foreground, remembered_logit(odds))
         probabilities.append(to_float16(moves))
     return Output({"foreground": np.stack(probabilities)})
 
@@ -98,7 +101,7 @@ def _network_params(config: PipelineConfig) -> dict:
     return {"video_network": config.video_network.model_dump(mode="json", include=EVIDENCE_PARAMS)}
 
 
-MOTION_AND_COLOUR = Task("foreground", "motion-and-colour", version=1, run=_run, params=_params)
+MOTION_AND_COLOUR = Task("foreground", "motion-and-colour", version=2, run=_run, params=_params)
 VIDEO_NETWORK = Task("foreground", "video-network", version=1, run=_run_video_network, params=_network_params)
 
 STAGE = Stage(
@@ -113,6 +116,8 @@ STAGE = Stage(
         "foreground": "the same by motion and colour, to which a network adds (video-network)",
         "video_network": "network of the stretch (video-network)",
         "frames": "frames of the section (video-network)",
+        "motion_memory_past": "odds of motion remembered from the past",
+        "motion_memory_future": "odds of motion remembered from the future",
     },
     arrays={"foreground": layout("float16", "frame y x", "probability")},
     tasks=(MOTION_AND_COLOUR, VIDEO_NETWORK),

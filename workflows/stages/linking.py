@@ -6,13 +6,20 @@ import numpy as np
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import MOTION_SOURCES, PipelineConfig
-from moseg.schemas.parameters import LinkingParams
+from moseg.schemas.parameters import IdentityParams, LinkingParams
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
+
+RETURN_PARAMS = frozenset(
+    {"min_area", "return_gap", "rejoin_growth", "rejoin_turn", "rejoin_drift"}
+    | {"rejoin_reach", "rejoin_stray", "rejoin_colour"}
+)
+"""Parameters of the identities by which an object is known again after a gap."""
 
 
 def _run_overlap(params, inputs, rng):
     from moseg.tasks.proposals.linking import count_overlaps, link_sections
+    from moseg.tasks.proposals.returning import Sightings, find_returns
 
     sections = inputs.all("proposals")
     num_objects = [section.shape("scores")[0] for section in sections]
@@ -26,7 +33,17 @@ def _run_overlap(params, inputs, rng):
         head = section1.rows("masks", 0, num_shared)
         overlaps.append(count_overlaps(tail, head, *num_objects[index : index + 2]))
     identity = link_sections(overlaps, num_objects, LinkingParams.of_recipe(params["linking"]))
+    if "sightings" in inputs:
+        seen = dict(zip(params["seen"], inputs.all("sightings"), strict=True))
+        read = [_read_sightings(seen.get(index), Sightings) for index in range(len(sections))]
+        starts = np.cumsum([0, *params["lengths"][:-1]]).tolist()
+        frame_area = next(iter(seen.values())).attributes["frame_area"]
+        identity = find_returns(identity, starts, read, frame_area, IdentityParams.of_recipe(params["identity"]))
     return Output({"identity": identity}, {"num_objects": int(identity.max(initial=0)) + 1})
+
+
+def _read_sightings(section, kind):
+    return None if section is None else kind(*(section.array(name) for name in kind._fields))
 
 
 def _run_given(params, inputs, rng):
@@ -43,17 +60,24 @@ def _run_given(params, inputs, rng):
     return Output({"identity": identity}, result)
 
 
-def _overlap_params(config: PipelineConfig, lengths: list[int]) -> dict:
-    return {"lengths": lengths, "linking": config.linking.model_dump(mode="json")}
+def _overlap_params(config: PipelineConfig, lengths: list[int], seen: list[int]) -> dict:
+    """Return the parameters of sections of these lengths, of which those with the indices `seen` have sightings."""
+    read = {"lengths": lengths, "linking": config.linking.model_dump(mode="json")}
+    if seen:
+        read |= {"seen": seen, "identity": config.identity.model_dump(mode="json", include=RETURN_PARAMS)}
+    return read
 
 
-BY_OVERLAP = Task("linking", "overlap", version=1, run=_run_overlap, params=_overlap_params)
+BY_OVERLAP = Task("linking", "overlap", version=2, run=_run_overlap, params=_overlap_params)
 BY_IDENTITY = Task("linking", "identity", version=1, run=_run_given)
 
 STAGE = Stage(
     name="linking",
     about="identities of the objects of all sections",
-    inputs={"proposals": "objects of every section"},
+    inputs={
+        "proposals": "objects of every section",
+        "sightings": "where they begin and end, of the sections whose objects come from saliency",
+    },
     arrays={"identity": layout("uint16", "section object", "object of the sequence, 0 = background")},
     tasks=(BY_OVERLAP, BY_IDENTITY),
     # Only proposals found by their motion have no identities of their own from one section to the next.

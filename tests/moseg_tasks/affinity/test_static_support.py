@@ -61,3 +61,10 @@ def test_one_bad_pair_does_not_decide():
     residuals = np.concatenate([one_object(0.25)] * 3)
     residuals[1, 0, 1] = 1e6
     assert static_support(residuals, PLAIN)[1] == pytest.approx(np.exp(-0.5))
+
+
+def test_an_object_that_rests_most_of_the_time_still_moves():
+    moving, resting = one_object(9.0), one_object(0.0)
+    residuals = np.concatenate([moving] * 14 + [resting] * 60)
+    assert static_support(residuals, DEFAULT)[1] < 0.1
+    assert static_support(np.concatenate([moving] * 4 + [resting] * 60), DEFAULT)[1] > 0.9

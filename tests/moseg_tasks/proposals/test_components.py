@@ -85,7 +85,7 @@ def test_a_strip_along_the_border_and_the_whole_frame_are_no_objects(strip):
 def test_objects_far_below_the_best_and_specks_are_dropped():
     foreground = empty()
     foreground[:, 5:25, 5:35] = 0.9
-    foreground[:, 30:34, 45:49] = 0.9
+    foreground[:, 30:34, 45:49] = 0.7
     assert count(foreground) == 1
     assert count(foreground, score_ratio=0.01) == 2
     assert count(foreground, score_ratio=0.01, min_area=0.01) == 1
@@ -161,3 +161,14 @@ def test_mirroring_the_frame_mirrors_the_objects():
     mirrored = find_components(foreground[:, :, ::-1], PARAMS)
     np.testing.assert_array_equal(mirrored.labels, plain.labels[:, :, ::-1])
     np.testing.assert_allclose(mirrored.scores, plain.scores)
+
+
+def test_a_small_sure_object_is_kept_beside_a_large_one_and_a_brief_or_unsure_one_is_not():
+    def beside(level: float, frames: int) -> int:
+        foreground = np.full((16, HEIGHT, WIDTH), 0.1, np.float32)
+        foreground[:, 5:35, 5:35] = 0.95
+        foreground[:frames, 10:14, 50:54] = level
+        return count(foreground)
+
+    assert beside(0.9, 16) == beside(0.9, 12) == 2
+    assert beside(0.9, 5) == beside(0.6, 16) == 1

@@ -132,3 +132,19 @@ def test_any_flow_and_weight_give_finite_misfits(height, width, seed, speed):
     misfit = own_motion_misfit((flows[0], flows[1]), weight, PARAMS)
     assert misfit.shape == (height, width) and np.isfinite(misfit).all() and (misfit >= 0).all()
     assert np.array_equal(flows, before[0]) and np.array_equal(weight, before[1])
+
+
+def test_a_region_apart_is_compared_with_its_own_motion_and_not_with_that_of_a_larger_one():
+    flow, weight = moved(0.0, 0.0, (2.0, 0.0)), weight_of_object()
+    small = (slice(6, 16), slice(100, 112))
+    flow[small], weight[small] = (-1.5, 0.5), 0.2
+    assert own_motion_misfit((None, flow), weight, PARAMS)[small].max() < 1
+    alone = PARAMS.model_copy(update={"regions": 0})
+    assert own_motion_misfit((None, flow), weight, alone)[small].min() > 5
+
+
+def test_a_region_apart_whose_motion_is_not_uniform_keeps_its_misfit():
+    flow, weight = moved(0.0, 0.0, (2.0, 0.0)), weight_of_object()
+    water = (slice(4, 20), slice(96, 124))
+    flow[water], weight[water] = noise(3, 2.0)[water], 1
+    assert np.median(own_motion_misfit((None, flow), weight, PARAMS)[water]) > 3

@@ -1,0 +1,102 @@
+"""Objects that rest, hide or are small, from frames to identities, on painted scenes with a moving camera."""
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+import pytest
+
+from moseg import segment_video
+
+HEIGHT, WIDTH = 120, 200
+RED, BLUE, DARK = ((150, 40, 30), (230, 90, 60)), ((40, 40, 120), (110, 90, 220)), ((30, 30, 60), (90, 90, 140))
+
+
+def paint(rng, height, width, colours, blur=1.5):
+    """A texture between two colours, float32 (height, width, 3)."""
+    low, high = (np.array(colour, np.float32) for colour in colours)
+    pattern = cv2.GaussianBlur(rng.standard_normal((height, width, 3)).astype(np.float32), (0, 0), blur)
+    return np.clip((low + high) / 2 + pattern / pattern.std() * (high - low) / 4, 0, 255)
+
+
+class Sprite(NamedTuple):
+    """An ellipse, or a box that never moves, of (width, height) whose centre is at path(frame) in the world."""
+
+    size: tuple[int, int]
+    path: object
+    colours: tuple
+    is_box: bool = False
+
+
+def render(sprites, num_frames, camera=0.5):
+    """Frames, and the label of each moving sprite, before a wall along which the camera moves; the last is nearest."""
+    rng = np.random.default_rng(3)
+    wall = paint(rng, HEIGHT + 20, WIDTH + 80, ((70, 90, 70), (150, 160, 140)), 2)
+    skins = [paint(rng, height, width, colours) for (width, height), _, colours, _ in sprites]
+    frames, labels = [], []
+    for t in range(num_frames):
+        image, label = _place(wall, -10 - camera * t, -10), np.zeros((HEIGHT, WIDTH), np.uint8)
+        for number, (sprite, skin) in enumerate(zip(sprites, skins, strict=True), start=1):
+            (width, height), (x, y) = sprite.size, sprite.path(t)
+            v, u = np.mgrid[:height, :width].astype(np.float32)
+            shape = np.hypot((2 * u + 1) / width - 1, (2 * v + 1) / height - 1) < 1
+            corner = x - width / 2 - camera * t, y - height / 2
+            cover = _place((shape | sprite.is_box).astype(np.float32), *corner)
+            image += (_place(skin, *corner, cv2.BORDER_REPLICATE) - image) * cover[..., None]
+            label[cover > 0.5] = 0 if sprite.is_box else number
+        noisy = image + rng.normal(0, 1, image.shape)
+        frames.append(np.clip(np.rint(noisy), 0, 255).astype(np.uint8))
+        labels.append(label)
+    return np.stack(frames), np.stack(labels)
+
+
+def _place(picture, x, y, border=cv2.BORDER_CONSTANT):
+    return cv2.warpAffine(picture, np.float32([[1, 0, x], [0, 1, y]]), (WIDTH, HEIGHT), borderMode=border)
+
+
+def overlap(found, true):
+    """Mean IoU over the frames in which something is true."""
+    shown = true.any(axis=(1, 2))
+    return ((found & true).sum((1, 2))[shown] / (found | true).sum((1, 2))[shown]).mean()
+
+
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory):
+    """An ellipse that moves for 14 of 50 frames and rests."""
+    frames, labels = render([Sprite((40, 34), lambda t: (40 + 3 * min(t, 14), 65), RED)], 50)
+    return segment_video(frames, store=tmp_path_factory.mktemp("stopped")), labels
+
+
+def test_what_was_seen_moving_stays_an_object_while_it_rests(stopped):
+    result, labels = stopped
+    (found,) = result.objects
+    assert (found.first_frame, found.last_frame) == (0, 49)
+    assert overlap(result.labels[30:] > 0, labels[30:] > 0) > 0.9
+
+
+def test_it_is_reported_in_which_frames_it_moves(stopped):
+    (found,) = stopped[0].objects
+    ((first, last),) = found.moving_frames
+    assert first == 0 and last in (13, 14, 15)
+    assert found.moves_now(5) and not found.moves_now(40)
+
+
+def test_an_object_that_hides_for_a_second_has_its_identity_back(tmp_path):
+    pillar = Sprite((76, 116), lambda t: (115, 60), DARK, is_box=True)
+    frames, labels = render([Sprite((30, 28), lambda t: (28 + 3.5 * t, 60), RED), pillar], 52)
+    hidden = np.flatnonzero(~labels.any(axis=(1, 2)))
+    result = segment_video(frames, store=tmp_path)
+    (found,) = result.objects
+    assert len(hidden) > 10 and found.first_frame < hidden[0] and found.last_frame > hidden[-1]
+    assert found.num_frames < 52 - len(hidden) / 2
+
+
+def test_a_small_object_is_found_beside_a_large_one_of_another_motion(tmp_path):
+    large = Sprite((110, 70), lambda t: (64 + 1.6 * t, 80), RED)
+    small = Sprite((26, 22), lambda t: (160 - 1.5 * t, 22), BLUE)
+    frames, labels = render([large, small], 20)
+    result = segment_video(frames, store=tmp_path)
+    assert len(result.objects) == 2 and {found.motion for found in result.objects} == {1, 2}
+    by_size = sorted(result.objects, key=lambda found: -found.mean_area_fraction)
+    for number, found in enumerate(by_size, start=1):
+        assert overlap(result.labels == found.identity, labels == number) > 0.8
