@@ -262,6 +262,26 @@ def _held_out() -> Rows:
     return [("data", "", "J", "Fu", "misclassified trajectories, percent"), *rows, clips]
 
 
+def _training_curve() -> Rows:
+    shown = (250, 500, 1000, 2000, 3000, 4000, 5000, 6000, 7000)
+    figures = {"loss": ":.3f", "J": "", "false_pixels": ""}
+    rows = ((f"{n:,}", *(f"{{motion-network/steps/{n}/{k}{form}}}" for k, form in figures.items())) for n in shown)
+    return [("step", "loss", "J, held-out scenes", "false pixels where nothing moves, percent"), *rows]
+
+
+def _parts_of_learning() -> Rows:
+    texts = {
+        "no-network": "`--set motion_network.use=never`",
+        "default": "default",
+        "no-video-network": "`--quality best --set video_network.use=never`",
+        "best": "`--quality best`",
+    }
+    return [
+        ("", "J", "Fu"),
+        *((text, f"{{davis-{name}/fused/J}}", f"{{davis-{name}/fused/F}}") for name, text in texts.items()),
+    ]
+
+
 def _peers() -> Rows:
     texts = {
         "moseg": "`moseg`, `--quality default`",
@@ -346,6 +366,8 @@ TABLES = {
     "trajectory-seeds": _other_seeds(),
     "held-out": _held_out(),
     "peers": _peers(),
+    "training-curve": _training_curve(),
+    "learning": _parts_of_learning(),
     "roads": _roads(),
     "road-clips": _road_clips(),
     "road-parts": _road_parts(),

@@ -11,7 +11,7 @@ from moseg.schemas.units import Unit
 class NetworkTrainingParams(Frozen):
     """Training by AdamW with a cosine schedule; the moving average of the weights is the result."""
 
-    scenes: Annotated[int, Unit.COUNT] = Field(9000, ge=1, description="rendered scenes to train on")
+    scenes: Annotated[int, Unit.COUNT] = Field(4200, ge=1, description="rendered scenes to train on")
     validation_scenes: Annotated[int, Unit.COUNT] = Field(500, ge=1, description="rendered scenes to validate on")
     textures: Annotated[int, Unit.COUNT] = Field(256, ge=1, description="painted textures of the scenes")
     steps: Annotated[int, Unit.COUNT] = Field(7000, ge=1, description="steps of the optimizer")
