@@ -17,7 +17,7 @@ class Outcome(NamedTuple):
     Attributes
     ----------
     centre : float
-        Logit that is evidence for neither side.
+        Logit midway between a balance of the classes and a balance of the labelled pixels.
     spread : float
         Standard deviation of its logit.
     growth : float
@@ -71,13 +71,13 @@ def refine_foreground(
         Of the network.
     outcome : Outcome
     params : VideoNetworkParams
-        Its `weight`, `limit` and `max_growth` are read.
+        Its `weight`, `caution`, `limit` and `max_growth` are read.
 
     Returns
     -------
     probability : float32 (y, x)
         0..1.
     """
-    standard = (logits - np.float32(outcome.centre)) / np.float32(outcome.spread)
+    standard = (logits - np.float32(params.caution * outcome.centre)) / np.float32(outcome.spread)
     evidence = np.clip(standard, -params.limit, params.limit)
     return probability(logit(foreground) + np.float32(network_weight(outcome, params)) * evidence)

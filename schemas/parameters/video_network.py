@@ -47,12 +47,12 @@ class VideoNetworkParams(Frozen):
         0.1, gt=0, description="percentile of the proof below which nothing is sure to move, and no network is trained"
     )
 
-    steps: Annotated[int, Unit.COUNT] = Field(150, ge=1, description="steps of training")
+    steps: Annotated[int, Unit.COUNT] = Field(120, ge=1, description="steps of training")
     crops: Annotated[int, Unit.COUNT] = Field(4, ge=1, description="crops of a step")
     crop_height: Annotated[int, Unit.PIXELS] = Field(160, ge=16, multiple_of=8, description="height of a crop, px")
     crop_width: Annotated[int, Unit.PIXELS] = Field(288, ge=16, multiple_of=8, description="width of a crop, px")
     learning_rate: Annotated[float, Unit.RATIO] = Field(
-        4e-3, gt=0, description="largest learning rate of the one-cycle schedule"
+        2e-3, gt=0, description="largest learning rate of the one-cycle schedule"
     )
     min_zoom: Annotated[float, Unit.RATIO] = Field(0.8, gt=0, description="smallest enlargement of a crop")
     max_zoom: Annotated[float, Unit.RATIO] = Field(1.5, gt=0, description="largest enlargement of a crop")
@@ -70,7 +70,10 @@ class VideoNetworkParams(Frozen):
         4, ge=1, description="spacing of the frames over which the trained network's output is measured"
     )
     weight: Annotated[float, Unit.RATIO] = Field(
-        0.7, ge=0, description="weight of the network's centred logit, in spreads, in that of the foreground"
+        0.7, ge=0, description="weight of the network's logit, in spreads, in that of the foreground"
+    )
+    caution: Annotated[float, Unit.SHARE] = Field(
+        0.5, ge=0, le=2, description="share of the measured centre that is subtracted from the network's logit"
     )
     limit: Annotated[float, Unit.RATIO] = Field(
         3.0, gt=0, description="largest logit that counts, in spreads from its centre"

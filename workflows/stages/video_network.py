@@ -11,7 +11,7 @@ from moseg.workflows.stages.task import Output, Task
 
 USE_PARAMS = frozenset({"use", "stretch_length"})
 """Parameters that only the graph reads."""
-EVIDENCE_PARAMS = frozenset({"weight", "limit", "max_growth"})
+EVIDENCE_PARAMS = frozenset({"weight", "caution", "limit", "max_growth"})
 """Parameters of what the trained network adds to the foreground."""
 
 

@@ -47,9 +47,9 @@ def test_the_weight_is_whole_up_to_the_tolerated_growth_and_shrinks_beyond():
 
 
 def test_a_logit_at_the_centre_changes_nothing_and_others_are_limited():
-    foreground, outcome = np.full((1, 4), 0.4, np.float32), Outcome(-1.0, 2.0, 1.0)
-    logits = np.float32([[-1, 1, 1e3, -1e3]])
-    refined = refine_foreground(foreground, logits, outcome, PARAMS)
+    foreground, outcome = np.full((1, 4), 0.4, np.float32), Outcome(2.0, 2.0, 1.0)
+    logits = np.float32([[1, 3, 1e3, -1e3]])
+    refined = refine_foreground(foreground, logits, outcome, PARAMS.model_copy(update={"caution": 0.5}))
     added = np.log(refined / (1 - refined)) - np.log(0.4 / 0.6)
     expected = PARAMS.weight * np.array([0, 1, PARAMS.limit, -PARAMS.limit])
     np.testing.assert_allclose(added[0], expected, atol=1e-4)
