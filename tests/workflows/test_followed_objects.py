@@ -50,6 +50,29 @@ def render(sprites, num_frames, camera=0.5):
     return np.stack(frames), np.stack(labels)
 
 
+def render_approach(num_frames=52, near=20):
+    """Frames and labels of a disc that comes near, fills the frame for more than twelve frames, and leaves again."""
+    rng = np.random.default_rng(3)
+    wall = paint(rng, HEIGHT + 20, WIDTH + 80, ((70, 90, 70), (150, 160, 140)), 2)
+    side = 400
+    skin, centre = paint(rng, side, side, RED, 6), (side - 1) / 2
+    v, u = np.mgrid[:side, :side]
+    disc = (np.hypot(u - centre, v - centre) < centre).astype(np.float32)
+    frames, labels = [], []
+    for t in range(num_frames):
+        diameter = 40 * np.exp(0.1 * min(t, near, num_frames - 1 - t))
+        drift = 1.5 * min(max(t - near, 0), num_frames - 2 * near - 1)
+        scale, corner = diameter / side, (92 + drift - diameter / 2, 60 - diameter / 2)
+        matrix = np.float32([[scale, 0, corner[0]], [0, scale, corner[1]]])
+        cover = cv2.warpAffine(disc, matrix, (WIDTH, HEIGHT))
+        surface = cv2.warpAffine(skin, matrix, (WIDTH, HEIGHT), borderMode=cv2.BORDER_REPLICATE)
+        image = _place(wall, -10 - 0.5 * t, -10)
+        image += (surface - image) * cover[..., None]
+        frames.append(np.clip(np.rint(image + rng.normal(0, 1, image.shape)), 0, 255).astype(np.uint8))
+        labels.append((cover > 0.5).astype(np.uint8))
+    return np.stack(frames), np.stack(labels)
+
+
 def _place(picture, x, y, border=cv2.BORDER_CONSTANT):
     return cv2.warpAffine(picture, np.float32([[1, 0, x], [0, 1, y]]), (WIDTH, HEIGHT), borderMode=border)
 
@@ -89,6 +112,14 @@ def test_an_object_that_hides_for_a_second_has_its_identity_back(tmp_path):
     (found,) = result.objects
     assert len(hidden) > 10 and found.first_frame < hidden[0] and found.last_frame > hidden[-1]
     assert found.num_frames < 52 - len(hidden) / 2
+
+
+def test_frames_that_an_object_fills_are_filled_from_those_before_and_after(tmp_path):
+    frames, labels = render_approach()
+    is_filled = labels.mean(axis=(1, 2)) > 0.95
+    result = segment_video(frames, store=tmp_path)
+    assert is_filled.sum() >= 12 and len(result.objects) == 1
+    assert overlap(result.labels[is_filled] > 0, labels[is_filled] > 0) > 0.8
 
 
 def test_a_small_object_is_found_beside_a_large_one_of_another_motion(tmp_path):

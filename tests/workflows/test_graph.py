@@ -19,13 +19,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "d041574332a07a1f",
-    "oc-depth": "aafa036fa4686148",
-    "oc": "41a4a5744d0d2a87",
-    "trajs": "9002215f3c81ea99",
-    "base": "38ed1dd5fe6e40c3",
+    "fused": "85332f9b2bfab3a7",
+    "oc-depth": "062bde32e1915b14",
+    "oc": "0e3294fd0538b1cc",
+    "trajs": "47c5fb93f982733c",
+    "base": "2492f405b328bb8c",
     "flow": "8978fb0e3d6f04db",
-    "tracks": "b60b29aa79f68b03",
+    "tracks": "e0c30037a3bef32f",
 }
 
 

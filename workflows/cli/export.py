@@ -10,7 +10,7 @@ from moseg.schemas.errors import InputError
 from moseg.workflows.cli.named_options import enumerate_names
 from moseg.workflows.plugins.registered import entries
 
-OWN_FORMATS = ("davis", "coco", "ytvis", "colmap", "nerfstudio", "instant-ngp", "dynaslam", "npz")
+OWN_FORMATS = ("davis", "coco", "ytvis", "colmap", "nerfstudio", "instant-ngp", "dynaslam", "npz", "csv")
 """As the registry of formats has them, whose import takes OpenCV: a help text needs none."""
 
 ExportsOption = Annotated[

@@ -47,6 +47,12 @@ class ObjectSummary(Frozen):
     tag: str | None = None
     moving_frames: tuple[tuple[int, int], ...] | None = None
 
+    def moves_now(self, frame: int) -> bool | None:
+        """Return whether the object moves in a frame, counted from 0; None if this is not known."""
+        if self.moving_frames is None:
+            return None
+        return any(first <= frame <= last for first, last in self.moving_frames)
+
 
 class SequenceSummary(Frozen):
     """One sequence: its frames, and its moving objects by identity.

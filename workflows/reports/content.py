@@ -40,7 +40,10 @@ class ScoreTable(NamedTuple):
 
 
 class ObjectRow(NamedTuple):
-    """One moving object: its colour in the overlay (``#rrggbb``), when it is seen and how large it is."""
+    """One moving object: its colour in the overlay (``#rrggbb``), when it is seen and moves, and how large it is.
+
+    `num_moving` is the number of frames in which it moves now; None where that is not known.
+    """
 
     identity: int
     colour: str
@@ -50,6 +53,7 @@ class ObjectRow(NamedTuple):
     num_frames: int
     mean_area_percent: float
     tag: str | None = None
+    num_moving: int | None = None
 
 
 class StageRow(NamedTuple):

@@ -1,7 +1,10 @@
 """Pictures, video and table of objects of a sequence in a report, gathered from a store without computing anything."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import chain
+
+import numpy as np
 
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
@@ -123,7 +126,8 @@ def _list_objects(view: SequenceView, variant: Variant, fps: float, missing: lis
     found = read_found_objects(view.store, view.graph, variant)
     labels = (view.labels(variant, frame) for frame in frames)
     name = view.graph.leaves.name
-    summary = summarise_sequence(name, labels, fps, found.num_motions, found.motions, found.tags)
+    moves = _read_moves(view, variant)
+    summary = summarise_sequence(name, labels, fps, found.num_motions, found.motions, found.tags, moves=moves)
     colours = all_colours()
     return tuple(
         ObjectRow(
@@ -135,9 +139,22 @@ def _list_objects(view: SequenceView, variant: Variant, fps: float, missing: lis
             num_frames=each.num_frames,
             mean_area_percent=100 * each.mean_area_fraction,
             tag=each.tag,
+            num_moving=_count(each.moving_frames),
         )
         for each in summary.objects
     )
+
+
+def _read_moves(view: SequenceView, variant: Variant) -> Iterator[np.ndarray] | None:
+    """Return whether objects move in each frame; None where a run did not ask for that, or not in all frames."""
+    refs = view.graph.moves_now(variant)
+    if None in refs or {*refs} - view.store.present({*refs}):
+        return None
+    return chain.from_iterable(view.store.read(ref, "moves") for ref in refs)
+
+
+def _count(runs: tuple[tuple[int, int], ...] | None) -> int | None:
+    return None if runs is None else sum(last - first + 1 for first, last in runs)
 
 
 def _encode_video(view: SequenceView, variant: Variant, fps: float, missing: list[Missing]) -> Video | None:

@@ -10,10 +10,11 @@ from moseg.workflows.exports.formats.davis import DAVIS
 from moseg.workflows.exports.formats.export_format import ExportFormat
 from moseg.workflows.exports.formats.ignore_masks import COLMAP, DYNASLAM, INSTANT_NGP, NERFSTUDIO
 from moseg.workflows.exports.formats.npz import NPZ
+from moseg.workflows.exports.formats.object_table import CSV
 from moseg.workflows.exports.motion_json import check_file_name
 from moseg.workflows.exports.saved_segmentation import SavedSegmentation
 
-FORMATS = {entry.name: entry for entry in (DAVIS, COCO, YTVIS, COLMAP, NERFSTUDIO, INSTANT_NGP, DYNASLAM, NPZ)}
+FORMATS = {entry.name: entry for entry in (DAVIS, COCO, YTVIS, COLMAP, NERFSTUDIO, INSTANT_NGP, DYNASLAM, NPZ, CSV)}
 
 
 def choose_formats(

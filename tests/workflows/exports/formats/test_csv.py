@@ -1,0 +1,53 @@
+"""The table of objects has a line for each object and frame, and says whether the object moves now."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from moseg.workflows.exports import summarise_sequence, write_motion
+from moseg.workflows.exports.formats.object_table import write_csv
+from moseg.workflows.exports.motion_json import runs_of
+from moseg.workflows.exports.saved_segmentation import open_segmentation
+from moseg.workflows.exports.write_masks import write_masks
+
+
+def save(folder, labels, moves=None):
+    write_masks(folder / "masks", iter(labels))
+    write_motion(folder / "motion.json", summarise_sequence("clip", labels, 24.0, 2, {1: 1}, moves=moves))
+    return open_segmentation(folder)
+
+
+def rows(saved, folder):
+    with (write_csv(saved, folder) / "objects.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.fixture
+def labels():
+    labels = np.zeros((4, 20, 30), np.uint16)
+    for t in (0, 1, 3):
+        labels[t, 5:9, 10 + t : 16 + t] = 1
+    return labels
+
+
+def test_a_line_says_where_an_object_is_and_whether_it_moves(tmp_path, labels):
+    moves = [np.array([-1, 1], np.int8), np.array([-1, 0], np.int8), np.array([-1, -1], np.int8)]
+    found = rows(save(tmp_path, labels, [*moves, moves[0]]), tmp_path)
+    assert [(row["frame"], row["moves_now"]) for row in found] == [("0", "1"), ("1", "0"), ("3", "1")]
+    assert {name: found[1][name] for name in ("identity", "left", "top", "right", "bottom", "pixels")} == {
+        "identity": "1",
+        "left": "11",
+        "top": "5",
+        "right": "16",
+        "bottom": "8",
+        "pixels": "24",
+    }
+
+
+def test_it_is_left_open_where_it_is_not_known(tmp_path, labels):
+    assert [row["moves_now"] for row in rows(save(tmp_path, labels), tmp_path)] == [""] * 3
+
+
+def test_runs_are_of_consecutive_frames():
+    assert runs_of([0, 1, 2, 5, 7, 8]) == ((0, 2), (5, 5), (7, 8)) and runs_of([]) == ()
