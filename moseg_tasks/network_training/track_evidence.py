@@ -58,7 +58,7 @@ def weigh_tracks(
     """
     shape = residuals[0].shape[1:3]
     drift = _drift(paths, residuals, params.noise)
-    epipolar = _epipolar(paths, shape, params, rng)
+    epipolar = _epipolar(paths, drift < params.moving, shape, params, rng)
     # Without a geometry the flow is all there is.
     epipolar = np.where(np.isfinite(epipolar), epipolar, drift)
     usable = paths.visible.sum(axis=1) >= min(_MIN_RUN, paths.visible.shape[1])
@@ -93,7 +93,9 @@ def _drift(paths: Paths, residuals: list[np.ndarray], least_noise: float) -> np.
     return length / _noise(length, max(least_noise / np.sqrt(num_frames), _MIN_RATE))
 
 
-def _epipolar(paths: Paths, shape: tuple[int, int], params: ClipParams, rng: np.random.Generator) -> np.ndarray:
+def _epipolar(
+    paths: Paths, among: np.ndarray, shape: tuple[int, int], params: ClipParams, rng: np.random.Generator
+) -> np.ndarray:
     """Return the median distance float64 (N,) from the background's geometry over pairs of frames, relative to its
     noise; NaN where there is none."""
     num_frames = paths.visible.shape[1]
@@ -102,10 +104,11 @@ def _epipolar(paths: Paths, shape: tuple[int, int], params: ClipParams, rng: np.
     for first in range(0, num_frames - gap, max(1, gap // 2)):
         seen = paths.visible[:, first] & paths.visible[:, first + gap]
         distance = np.full(len(seen), np.nan)
-        if seen.sum() >= _MIN_TRACKS:
+        fitted = among[seen]
+        if fitted.sum() >= _MIN_TRACKS:
             points = (paths.points[seen, first].astype(float), paths.points[seen, first + gap].astype(float))
-            one = np.zeros(len(points[0]), np.uint16)
-            fit = fit_fundamentals(*points, one, 1, FundamentalParams(), rng, shape)
+            one = np.zeros(fitted.sum(), np.uint16)
+            fit = fit_fundamentals(*(each[fitted] for each in points), one, 1, FundamentalParams(), rng, shape)
             if fit.valid[0]:
                 measure = homography_sampson_squared if fit.kind[0] == ModelKind.HOMOGRAPHY else sampson_squared
                 distance[seen] = np.sqrt(measure(fit.F, *points)[0])
