@@ -15,7 +15,7 @@ from torch.nn import functional
 from moseg.schemas.parameters import VideoTrainingParams
 from moseg.tasks.network_training.clips import Clip
 
-_SMOOTHING = 0.05  # the least probability that evidence leaves to the opposite
+_CERTAIN = 3.0  # logit of a track that is certain enough
 _MIN_WHOLE = 30  # tracks through the whole window for their rank to say something
 _NOISE = 7e-4  # of a track's coordinates, in longer sides of the frame: 0.3 px of the working grid
 _EPSILON = 1e-4
@@ -67,11 +67,15 @@ def track_logits(logit: Tensor, places: Tensor, seen: Tensor) -> Tensor:
 
 
 def _targets(tracks: Tensor, static: Tensor, moving: Tensor) -> Tensor:
-    """Return the cross-entropy of the tracks whose side is known; both sides count by the root of their size."""
+    """Return the cross-entropy of the tracks whose side is known; both sides count by the root of their size.
+
+    A track beyond `_CERTAIN` on its side has no gradient. Labels smoothed towards the opposite would: they pull most
+    static pixels, of which a trained network is more certain, back towards motion.
+    """
     total, parts = tracks.new_zeros(()), tracks.new_zeros(())
-    for certainty, target in ((static, _SMOOTHING), (moving, 1 - _SMOOTHING)):
+    for certainty, side in ((static, -1), (moving, 1)):
         size = certainty.sum()
-        entropy = functional.binary_cross_entropy_with_logits(tracks, torch.full_like(tracks, target), reduction="none")
+        entropy = functional.softplus(-(side * tracks).clamp(max=_CERTAIN))
         share = torch.sqrt(size / max(len(tracks), 1))
         total = total + share * (entropy * certainty).sum() / size.clamp(min=1e-6)
         parts = parts + share

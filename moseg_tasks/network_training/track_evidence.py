@@ -19,7 +19,7 @@ from moseg.tasks.saliency.background import MAD_TO_SIGMA
 
 _MIN_TRACKS = 30
 _MIN_RUN = 4  # frames of a track
-_MIN_RATE = 0.05  # px/frame: drift that is none, whatever the noise
+_MIN_RATE, _MAX_RATE = 0.05, 0.4  # px/frame: limits of the noise of drift
 
 
 class TrackEvidence(NamedTuple):
@@ -57,12 +57,15 @@ def weigh_tracks(
     rng : numpy.random.Generator
     """
     shape = residuals[0].shape[1:3]
-    drift = _drift(paths, residuals, params.noise)
-    epipolar = _epipolar(paths, shape, params, rng)
+    rate = _drift(paths, residuals)
+    noise = _noise(rate, max(params.noise / np.sqrt(len(residuals)), _MIN_RATE))
+    drift = rate / noise
+    epipolar = _epipolar(paths, drift < params.moving, shape, params, rng)
     # Without a geometry the flow is all there is.
     epipolar = np.where(np.isfinite(epipolar), epipolar, drift)
     usable = paths.visible.sum(axis=1) >= min(_MIN_RUN, paths.visible.shape[1])
-    static = usable * _below(drift, params.static) * _below(epipolar, params.static)
+    # Where the flow model leaves parallax to most tracks, its residuals say less of what is static, not more.
+    static = usable * _below(rate / min(noise, _MAX_RATE), params.static) * _below(epipolar, params.static)
     deviates = usable * _above(drift, params.moving) * _above(epipolar, params.moving)
     pairs, residual = _compare(paths, usable, max(shape), params)
     affinity = np.exp(-0.5 * (residual / params.alike) ** 2)
@@ -79,8 +82,8 @@ def weigh_tracks(
     )
 
 
-def _drift(paths: Paths, residuals: list[np.ndarray], least_noise: float) -> np.ndarray:
-    """Return the mean residual float64 (N,) along each track, relative to the noise of one."""
+def _drift(paths: Paths, residuals: list[np.ndarray]) -> np.ndarray:
+    """Return the length float64 (N,), px/frame, of the mean residual along each track."""
     num_tracks, num_frames = paths.visible.shape
     vectors = np.full((num_tracks, num_frames, 2, 2), np.nan)
     for frame, residual in enumerate(residuals):
@@ -89,11 +92,12 @@ def _drift(paths: Paths, residuals: list[np.ndarray], least_noise: float) -> np.
     vectors[~paths.visible] = np.nan
     known = np.isfinite(vectors).all(axis=-1)
     mean = np.where(known[..., None], vectors, 0).sum(axis=(1, 2)) / np.maximum(known.sum(axis=(1, 2)), 1)[:, None]
-    length = np.linalg.norm(mean, axis=1)
-    return length / _noise(length, max(least_noise / np.sqrt(num_frames), _MIN_RATE))
+    return np.linalg.norm(mean, axis=1)
 
 
-def _epipolar(paths: Paths, shape: tuple[int, int], params: ClipParams, rng: np.random.Generator) -> np.ndarray:
+def _epipolar(
+    paths: Paths, among: np.ndarray, shape: tuple[int, int], params: ClipParams, rng: np.random.Generator
+) -> np.ndarray:
     """Return the median distance float64 (N,) from the background's geometry over pairs of frames, relative to its
     noise; NaN where there is none."""
     num_frames = paths.visible.shape[1]
@@ -102,10 +106,11 @@ def _epipolar(paths: Paths, shape: tuple[int, int], params: ClipParams, rng: np.
     for first in range(0, num_frames - gap, max(1, gap // 2)):
         seen = paths.visible[:, first] & paths.visible[:, first + gap]
         distance = np.full(len(seen), np.nan)
-        if seen.sum() >= _MIN_TRACKS:
+        fitted = among[seen]
+        if fitted.sum() >= _MIN_TRACKS:
             points = (paths.points[seen, first].astype(float), paths.points[seen, first + gap].astype(float))
-            one = np.zeros(len(points[0]), np.uint16)
-            fit = fit_fundamentals(*points, one, 1, FundamentalParams(), rng, shape)
+            one = np.zeros(fitted.sum(), np.uint16)
+            fit = fit_fundamentals(*(each[fitted] for each in points), one, 1, FundamentalParams(), rng, shape)
             if fit.valid[0]:
                 measure = homography_sampson_squared if fit.kind[0] == ModelKind.HOMOGRAPHY else sampson_squared
                 distance[seen] = np.sqrt(measure(fit.F, *points)[0])

@@ -57,7 +57,7 @@ class VideoTrainingParams(Frozen):
     """Steps on clips of videos and on rendered scenes by turns, from a trained network."""
 
     steps: Annotated[int, Unit.COUNT] = Field(300, ge=1, description="steps of the optimizer")
-    rate: Annotated[float, Unit.RATIO] = Field(3e-4, gt=0, description="largest learning rate")
+    rate: Annotated[float, Unit.RATIO] = Field(2e-4, gt=0, description="largest learning rate")
     scenes: Annotated[int, Unit.COUNT] = Field(300, ge=1, description="rendered scenes that keep what was learned")
     textures: Annotated[int, Unit.COUNT] = Field(64, ge=1, description="painted textures of these scenes")
     batch: Annotated[int, Unit.COUNT] = Field(3, ge=1, description="rendered samples of a step, beside one clip")

@@ -29,6 +29,7 @@ def take_steps(
     folder: Path,
     settings: dict[str, Any],
     quiet: bool,
+    shows_start: bool = False,
 ) -> list[dict[str, float | None]]:
     """Train to the end, from the checkpoint in `folder` if there is one.
 
@@ -46,6 +47,8 @@ def take_steps(
         All that the result depends on, as in JSON: a checkpoint with others is refused.
     quiet : bool
         Whether no progress is shown.
+    shows_start : bool
+        Whether the curve begins with the scores before the first step.
 
     Returns
     -------
@@ -65,6 +68,8 @@ def take_steps(
     if found is not None:
         learner.load(found.learner)
         curve, losses = list(found.curve), list(found.losses)
+    elif shows_start:
+        curve.append({"step": 0, "loss": None, "rate": 0.0, **validate(), "seconds": 0.0})
     started = time.monotonic()
     with StageProgress({"steps": params.steps}, quiet, "steps") as progress:
         progress.advance("steps", learner.step)

@@ -78,7 +78,7 @@ def train_on_clips(
 
     settings = {"seed": seed, **settings, **params.model_dump(mode="json")}
     validate = partial(score_scenes, learner, held_out)
-    curve = take_steps(learner, own, loss_of_step, validate, folder, settings, quiet)
+    curve = take_steps(learner, own, loss_of_step, validate, folder, settings, quiet, shows_start=True)
     return write_result(learner.average, out, settings, curve)
 
 
