@@ -27,7 +27,16 @@ PAGES = (
     ROOT / "README.md",
     *(
         ROOT / "docs" / f"{name}.md"
-        for name in ("results", "weights_free", "trajectories", "models", "pipeline", "road_scenes", "peers", "learning")
+        for name in (
+            "results",
+            "weights_free",
+            "trajectories",
+            "models",
+            "pipeline",
+            "road_scenes",
+            "peers",
+            "learning",
+        )
     ),
 )
 NOT_MEASURED = "–"

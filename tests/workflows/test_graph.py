@@ -19,13 +19,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "85332f9b2bfab3a7",
-    "oc-depth": "062bde32e1915b14",
-    "oc": "0e3294fd0538b1cc",
-    "trajs": "47c5fb93f982733c",
-    "base": "2492f405b328bb8c",
+    "fused": "23cbad67fb71836d",
+    "oc-depth": "810b48eafa27b3f2",
+    "oc": "0e9e9769826f0416",
+    "trajs": "1311d475076f50c3",
+    "base": "d321d5f9a1e69892",
     "flow": "8978fb0e3d6f04db",
-    "tracks": "e0c30037a3bef32f",
+    "tracks": "28c66a7b6d33138f",
 }
 
 
