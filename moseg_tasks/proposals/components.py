@@ -71,7 +71,8 @@ def _score(
     """Return the scores float64 (count,) of components 1..count, and which are clear by themselves, bool (count,).
 
     The score is the sum of the probability over its pixels, times max(0, 1 - share of its outline on the frame's
-    border / `border_share`); 0 below the minimal mean area. A small object beside a large one has a low score, however
+    border / `border_share`), over the frames that it does not fill; 0 if it fills all, or below the minimal mean area.
+    A small object beside a large one has a low score, however
     sure it is: it is clear if its mean probability is high for long enough.
     """
     num_frames, height, width = labels.shape
@@ -89,9 +90,11 @@ def _score(
         area += counts
         duration += counts > 0
         inner = cv2.erode(inside.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) > 0
-        perimeter += np.bincount(label[inside & ~inner], minlength=count + 1)
-        border += np.bincount(label[inside & edge], minlength=count + 1)
-    share = border / np.maximum(perimeter, 1)
+        # The outline of what fills the frame is the border, whatever it is.
+        shows_outline = counts < params.full_frame * height * width
+        perimeter += shows_outline * np.bincount(label[inside & ~inner], minlength=count + 1)
+        border += shows_outline * np.bincount(label[inside & edge], minlength=count + 1)
+    share = np.where(perimeter > 0, border / np.maximum(perimeter, 1), 1)
     score = mass * np.clip(1 - share / params.border_share, 0, None)
     score[area < params.min_area * height * width * duration] = 0
     is_clear = mass >= params.own_probability * np.maximum(area, 1)

@@ -14,6 +14,12 @@ class ComponentParams(Frozen):
     border_share: Annotated[float, Unit.SHARE] = Field(
         0.4, gt=0, le=1, description="share of outline on the frame's border at which a score is 0"
     )
+    full_frame: Annotated[float, Unit.SHARE] = Field(
+        0.7,
+        gt=0,
+        le=1,
+        description="share of the frame from which an object fills it: its outline is then not counted",
+    )
     score_ratio: Annotated[float, Unit.SHARE] = Field(
         0.1,
         ge=0,

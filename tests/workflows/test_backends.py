@@ -37,7 +37,7 @@ def test_the_declaration_of_a_stage_is_consistent(stage):
     assert all(("weights" in stage.inputs) for task in stage.tasks if task.network is not None)
 
 
-BY_PLACE = ("score", "object_hypotheses", "rigid_support")
+BY_PLACE = ("score", "foreground", "object_hypotheses", "rigid_support")
 """Stages whose method follows from what the sequence has, the kind of motion model, or a section's proposals."""
 
 

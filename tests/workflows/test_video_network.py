@@ -24,7 +24,8 @@ SMALL = {
 
 def _leaves(num_frames):
     frames = tuple(f"frame/{digest_bytes('test', str(number).encode())}" for number in range(num_frames))
-    return SequenceLeaves(name="toy", shape=(48, 64), frames=frames)
+    weights = f"motion_weights/{digest_bytes('test', b'')}"
+    return SequenceLeaves(name="toy", shape=(48, 64), frames=frames, motion_weights=weights)
 
 
 def _recipes(num_frames, **network):
