@@ -49,13 +49,18 @@ def clip_losses(logit: Tensor, before: Tensor, clip: Clip, rank: int) -> ClipLos
         _targets(tracks, static, moving),
         _affinity(tracks, values["pairs"].long(), values["alike"], values["apart"], is_shown),
         _low_rank(torch.sigmoid(tracks), values["paths"], values["whole"].long(), rank),
-        functional.binary_cross_entropy_with_logits(logit, torch.sigmoid(before)),
+        keep_loss(logit, before),
     )
 
 
 def weighted_sum(losses: ClipLosses, params: VideoTrainingParams) -> Tensor:
     """Return the sum of the losses by the weights of `params`."""
     return sum(getattr(params, name) * loss for name, loss in losses._asdict().items())
+
+
+def keep_loss(logit: Tensor, before: Tensor) -> Tensor:
+    """Return the cross-entropy of logits with the probabilities of the network before; its gradient there is 0."""
+    return functional.binary_cross_entropy_with_logits(logit, torch.sigmoid(before))
 
 
 def track_logits(logit: Tensor, places: Tensor, seen: Tensor) -> Tensor:

@@ -65,7 +65,9 @@ class VideoTrainingParams(Frozen):
         0.98, ge=0, lt=1, description="share of the moving average that a step keeps"
     )
     interval: Annotated[int, Unit.COUNT] = Field(100, ge=1, description="steps between validations on rendered scenes")
-    replay: Annotated[float, Unit.RATIO] = Field(1.0, ge=0, description="weight of the loss of the rendered samples")
+    replay: Annotated[float, Unit.RATIO] = Field(
+        1.0, ge=0, description="weight of what the network said before of rendered samples"
+    )
     targets: Annotated[float, Unit.RATIO] = Field(1.0, ge=0, description="weight of the tracks that are static or move")
     affinity: Annotated[float, Unit.RATIO] = Field(0.5, ge=0, description="weight of the pairs of tracks")
     low_rank: Annotated[float, Unit.RATIO] = Field(0.5, ge=0, description="weight of the low rank of the tracks")

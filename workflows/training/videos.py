@@ -73,13 +73,29 @@ def train_on_clips(
 
     def loss_of_step(step: int) -> "Tensor":
         clip = read_clip(clips[np.random.default_rng([seed, step, 1]).integers(len(clips))])
-        replayed = learner.label_loss(draw_batch(shards, own, seed, step))
+        replayed = _keep_loss(learner.logits, before, draw_batch(shards, own, seed, step).channels, device)
         return params.replay * replayed + _clip_loss(learner.logits, before, clip, params, device)
 
     settings = {"seed": seed, **settings, **params.model_dump(mode="json")}
     validate = partial(score_scenes, learner, held_out)
     curve = take_steps(learner, own, loss_of_step, validate, folder, settings, quiet, shows_start=True)
     return write_result(learner.average, out, settings, curve)
+
+
+def _keep_loss(logits: "Callable[[Tensor], Tensor]", before: "MotionUNet", channels: np.ndarray, device) -> "Tensor":
+    """Return the cross-entropy with the network of the start on rendered samples float32 (sample, channel, y, x).
+
+    Their labels would train it on: at this rate and on so few scenes it gets worse, as measured.
+    """
+    import torch
+
+    from moseg.tasks.network_training.clip_loss import keep_loss
+    from moseg.tasks.network_training.learner import apply_network
+
+    rendered = torch.from_numpy(channels).to(device)
+    with torch.no_grad():
+        known = apply_network(before, rendered)
+    return keep_loss(logits(rendered), known)
 
 
 def _clip_loss(logits: "Callable[[Tensor], Tensor]", before: "MotionUNet", clip: "Clip", params, device) -> "Tensor":
