@@ -19,13 +19,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "23cbad67fb71836d",
-    "oc-depth": "810b48eafa27b3f2",
-    "oc": "0e9e9769826f0416",
-    "trajs": "1311d475076f50c3",
-    "base": "d321d5f9a1e69892",
+    "fused": "d69d5bc3028ca613",
+    "oc-depth": "e835632d15abd2a1",
+    "oc": "b34000ab630df31a",
+    "trajs": "698027635dfcb64a",
+    "base": "9c1395d22e8f4510",
     "flow": "8978fb0e3d6f04db",
-    "tracks": "28c66a7b6d33138f",
+    "tracks": "40105c5dd1e527c5",
 }
 
 

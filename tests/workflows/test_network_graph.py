@@ -16,8 +16,8 @@ BEHIND_FLOW = {"flow", "flow_model", "flow_residual"} | GROUPS
 BEHIND_DEPTH = {"depth", "flow_model", "flow_residual"} | GROUPS
 BEHIND_TRACKS = {"tracks", "fundamental", "fundamental_residual"} | GROUPS
 GOLDEN = {
-    "paper": "bf9e7c044c117fec",
-    "modern": "2d32f20e9b0de8d2",
+    "paper": "d81935e073868e1c",
+    "modern": "d89e741e9df95786",
 }
 
 
