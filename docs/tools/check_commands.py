@@ -44,6 +44,8 @@ NOT_RUN = (
         "writes the pages of the working copy; tests/docs/test_results.py compares them",
     ),
     (r"^make (setup|clean|docs-pictures)\b", "changes the working copy or its environment"),
+    (r"^(make|moseg) train\b", "trains for hours; tests/workflows/training runs it on tiny data"),
+    (r"motion_network\.weights=", "needs a network that a user trained; tests/workflows/training runs it"),
     (r"^moseg weights (fetch|verify)\b", "downloads, or reads, gigabytes of weights"),
     (r"(^| )(gs|az)://", "no server of Google or Azure to run it against"),
     (r" tls://", "needs certificates; tests/workflows/clusters runs it"),
