@@ -72,19 +72,17 @@ def track_logits(logit: Tensor, places: Tensor, seen: Tensor) -> Tensor:
 
 
 def _targets(tracks: Tensor, static: Tensor, moving: Tensor) -> Tensor:
-    """Return the cross-entropy of the tracks whose side is known; both sides count by the root of their size.
+    """Return the cross-entropy of the tracks whose side is known; every track counts alike.
 
     A track beyond `_CERTAIN` on its side has no gradient. Labels smoothed towards the opposite would: they pull most
-    static pixels, of which a trained network is more certain, back towards motion.
+    static pixels, of which a trained network is more certain, back towards motion. More weight of the rarer side
+    would too: next to an object there are no certain tracks, so that it grows.
     """
-    total, parts = tracks.new_zeros(()), tracks.new_zeros(())
-    for certainty, side in ((static, -1), (moving, 1)):
-        size = certainty.sum()
-        entropy = functional.softplus(-(side * tracks).clamp(max=_CERTAIN))
-        share = torch.sqrt(size / max(len(tracks), 1))
-        total = total + share * (entropy * certainty).sum() / size.clamp(min=1e-6)
-        parts = parts + share
-    return total / parts.clamp(min=1)
+    entropy = sum(
+        certainty * functional.softplus(-(side * tracks).clamp(max=_CERTAIN))
+        for certainty, side in ((static, -1), (moving, 1))
+    )
+    return entropy.sum() / (static + moving).sum().clamp(min=1)
 
 
 def _affinity(tracks: Tensor, pairs: Tensor, alike: Tensor, apart: Tensor, is_shown: Tensor) -> Tensor:

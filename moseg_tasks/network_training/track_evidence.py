@@ -19,6 +19,7 @@ from moseg.tasks.saliency.background import MAD_TO_SIGMA
 
 _MIN_TRACKS = 30
 _MIN_RUN = 4  # frames of a track
+_BESIDE = 9  # a track and those around it on the grid
 _MIN_RATE, _MAX_RATE = 0.05, 0.4  # px/frame: limits of the noise of drift
 
 
@@ -68,17 +69,21 @@ def weigh_tracks(
     static = usable * _below(rate / min(noise, _MAX_RATE), params.static) * _below(epipolar, params.static)
     deviates = usable * _above(drift, params.moving) * _above(epipolar, params.moving)
     pairs, residual = _compare(paths, usable, max(shape), params)
-    affinity = np.exp(-0.5 * (residual / params.alike) ** 2)
+    affinity = alike = np.exp(-0.5 * (residual / params.alike) ** 2)
     # A group is coherent if those that move alike deviate together.
     together = _sum_of_pairs(pairs, affinity * np.minimum(*deviates[pairs.T]), len(static))
     support = together / np.maximum(_sum_of_pairs(pairs, affinity, len(static)), 1)
     moving = deviates * np.clip(support / params.coherent, 0, 1)
+    # The flow of an object reaches a few px beyond its border: tracks there would make it grow.
+    inner = 1 - _reaches(paths, deviates, static)
+    moving, affinity = moving * inner, affinity * np.minimum(*inner[pairs.T])
+    deviates = deviates * inner
     # Static things of different depth differ too, but both fit the epipolar geometry.
-    certain = np.abs(static[pairs[:, 0]] * deviates[pairs[:, 1]] + deviates[pairs[:, 0]] * static[pairs[:, 1]])
+    certain = static[pairs[:, 0]] * deviates[pairs[:, 1]] + deviates[pairs[:, 0]] * static[pairs[:, 1]]
     return TrackEvidence(
         *(array.astype(np.float32) for array in (static, moving)),
         pairs.astype(np.int32),
-        *(array.astype(np.float32) for array in (affinity, (1 - affinity) * certain)),
+        *(array.astype(np.float32) for array in (affinity, (1 - alike) * certain)),
     )
 
 
@@ -158,6 +163,13 @@ def _compare(paths: Paths, usable: np.ndarray, side: int, params: ClipParams) ->
     stacked = np.array(residuals)
     known = np.isfinite(stacked).any(axis=0)
     return tracks[found[known]], np.nanmax(stacked[:, known], axis=0)
+
+
+def _reaches(paths: Paths, deviates: np.ndarray, static: np.ndarray) -> np.ndarray:
+    """Return how certain it is that a track deviates beside a static one, float64 (N,)."""
+    places = paths.points[:, int(np.argmax(paths.visible.sum(axis=0)))]
+    near = cKDTree(places).query(places, min(_BESIDE, len(places)))[1]
+    return deviates * static[near].reshape(len(places), -1).max(axis=1)
 
 
 def _sum_of_pairs(pairs: np.ndarray, values: np.ndarray, count: int) -> np.ndarray:

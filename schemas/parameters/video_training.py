@@ -56,11 +56,11 @@ class ClipParams(Frozen):
 class VideoTrainingParams(Frozen):
     """Steps on clips of videos and on rendered scenes by turns, from a trained network."""
 
-    steps: Annotated[int, Unit.COUNT] = Field(300, ge=1, description="steps of the optimizer")
-    rate: Annotated[float, Unit.RATIO] = Field(2e-4, gt=0, description="largest learning rate")
+    steps: Annotated[int, Unit.COUNT] = Field(200, ge=1, description="steps of the optimizer")
+    rate: Annotated[float, Unit.RATIO] = Field(1e-4, gt=0, description="largest learning rate")
     scenes: Annotated[int, Unit.COUNT] = Field(300, ge=1, description="rendered scenes that keep what was learned")
     textures: Annotated[int, Unit.COUNT] = Field(64, ge=1, description="painted textures of these scenes")
-    batch: Annotated[int, Unit.COUNT] = Field(3, ge=1, description="rendered samples of a step, beside one clip")
+    batch: Annotated[int, Unit.COUNT] = Field(2, ge=1, description="rendered samples of a step, beside one clip")
     average: Annotated[float, Unit.SHARE] = Field(
         0.98, ge=0, lt=1, description="share of the moving average that a step keeps"
     )
@@ -68,7 +68,9 @@ class VideoTrainingParams(Frozen):
     replay: Annotated[float, Unit.RATIO] = Field(
         1.0, ge=0, description="weight of what the network said before of rendered samples"
     )
-    targets: Annotated[float, Unit.RATIO] = Field(1.0, ge=0, description="weight of the tracks that are static or move")
+    targets: Annotated[float, Unit.RATIO] = Field(
+        0.25, ge=0, description="weight of the tracks that are static or move"
+    )
     affinity: Annotated[float, Unit.RATIO] = Field(0.5, ge=0, description="weight of the pairs of tracks")
     low_rank: Annotated[float, Unit.RATIO] = Field(0.5, ge=0, description="weight of the low rank of the tracks")
     rank: Annotated[int, Unit.COUNT] = Field(

@@ -27,7 +27,7 @@ def train(
         int | None, typer.Option("--scenes", help="Rendered scenes (default: 9000; with --videos 300).")
     ] = None,
     steps: Annotated[
-        int | None, typer.Option("--steps", help="Steps of the optimizer (default: 7000; with --videos 300).")
+        int | None, typer.Option("--steps", help="Steps of the optimizer (default: 7000; with --videos 200).")
     ] = None,
     settings: Annotated[
         list[str] | None,

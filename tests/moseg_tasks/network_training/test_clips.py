@@ -62,7 +62,8 @@ def test_points_follow_their_surface(frames, in_disc):
 
 def test_what_fits_both_views_is_static_and_the_coherent_rest_moves(clip, in_disc):
     assert (clip.static[~in_disc] > 0.5).mean() > 0.8 and clip.static[in_disc].max() < 0.5
-    assert (clip.moving[in_disc] > 0.5).mean() > 0.6 and (clip.moving[~in_disc] > 0.5).mean() < 0.02
+    # Those beside static ones are left open.
+    assert (clip.moving[in_disc] > 0.5).mean() > 0.15 and clip.moving[~in_disc].max() < 0.5
 
 
 def test_pairs_across_the_border_are_apart(clip, in_disc):
