@@ -1,5 +1,7 @@
 """Motion network: what a network trained on rendered scenes says of the motion of a frame."""
 
+import threading
+
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import SaliencyParams
@@ -31,8 +33,9 @@ def _run(params, inputs, rng):
         else:
             neighbours.append(None)
     channels = encode_motion(middle.image, *neighbours, saliency)
-    network = _network(inputs["network"])
-    return Output({"logit": to_float16(motion_network_logit(network, channels))})
+    with _IN_USE:
+        logit = motion_network_logit(_network(inputs["network"]), channels)
+    return Output({"logit": to_float16(logit)})
 
 
 class _Looked:
@@ -55,6 +58,8 @@ class _Looked:
 
 
 _READ = {}
+_IN_USE = threading.Lock()
+"""Lock for workers with several threads: OpenCV's networks hold the maps of one image at a time."""
 
 
 def _network(leaf):
