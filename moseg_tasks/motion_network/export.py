@@ -16,8 +16,8 @@ _IR_VERSION = 8
 def to_onnx(network: MotionUNet) -> bytes:
     """Return the network as an ONNX file: ``channels`` (1, channel, y, x) to ``logit`` (1, 1, y, x), float32.
 
-    Both sides of the input are multiples of `unet.STRIDE`. Built node by node, so that the same parameters give the
-    same bytes with any version of torch.
+    Both sides of the input are multiples of `inference.STRIDE`. Built node by node, so that the same parameters give
+    the same bytes with any version of torch.
     """
     graph = _Graph()
     x, seen = "channels", []

@@ -24,7 +24,7 @@ def read_network(onnx: bytes) -> cv2.dnn.Net:
         network.setInput(np.zeros((1, len(CHANNELS), STRIDE, STRIDE), np.float32))
         shape = network.forward().shape
     except cv2.error as error:
-        raise InputError("not a motion network", got=error.err, expected=expected) from error
+        raise InputError("not a motion network", got=error.err.strip().partition("\n")[0], expected=expected) from error
     if shape != (1, 1, STRIDE, STRIDE):
         raise InputError("not a motion network", got=f"output {shape}", expected=expected)
     return network

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import onnx
 import torch
+from google.protobuf.message import DecodeError
 from onnx import numpy_helper
 from torch import nn
 
@@ -23,23 +24,32 @@ def from_onnx(content: bytes) -> MotionUNet:
         The bytes are no ONNX file, or that of another network.
     """
     network = MotionUNet().eval()
+    layers, read = list(_convolutions(network)), _read_convolutions(content)
+    shapes = [tuple(layer.weight.shape) for layer, _ in layers]
+    if [weight.shape for weight, _ in read] != shapes or any(len(bias) != len(weight) for weight, bias in read):
+        raise _not_a_network(f"{len(read)} convolutions of other shapes or another number")
+    for (layer, norm), (weight, bias) in zip(layers, read, strict=True):
+        _fill(layer, norm, weight, bias)
+    return network
+
+
+def _read_convolutions(content: bytes) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return weight and bias of each convolution of an ONNX file; raises InputError."""
     try:
         graph = onnx.load_model_from_string(content).graph
         constants = {each.name: numpy_helper.to_array(each) for each in graph.initializer}
-        read = [[constants[name] for name in node.input[1:]] for node in graph.node if node.op_type == "Conv"]
-        for (layer, norm), (weight, bias) in zip(_convolutions(network), read, strict=True):
-            _fill(layer, norm, weight, bias)
-    # Protobuf's errors and those of damaged constants have no common class.
-    except Exception as error:
-        got = (str(error) or type(error).__name__).splitlines()[0]
-        raise InputError("not a motion network", got=got, expected="an ONNX file of `moseg train`") from error
-    return network
+        names = [tuple(node.input) for node in graph.node if node.op_type == "Conv"]
+        return [(constants[weight], constants[bias]) for _, weight, bias in names]
+    except (DecodeError, KeyError, TypeError, ValueError) as error:
+        raise _not_a_network((str(error) or type(error).__name__).splitlines()[0]) from error
+
+
+def _not_a_network(got: str) -> InputError:
+    return InputError("not a motion network", got=got, expected="an ONNX file of `moseg train`")
 
 
 @torch.no_grad()
 def _fill(layer: nn.Conv2d, norm: nn.BatchNorm2d | None, weight: np.ndarray, bias: np.ndarray) -> None:
-    if weight.shape != tuple(layer.weight.shape) or bias.shape != weight.shape[:1]:
-        raise ValueError(f"weights {weight.shape} where {tuple(layer.weight.shape)} are expected")
     layer.weight.copy_(torch.from_numpy(weight.copy()))
     if norm is None:
         layer.bias.copy_(torch.from_numpy(bias.copy()))

@@ -8,8 +8,6 @@ from moseg.tasks.motion_network.encoding import CHANNELS
 
 WIDTHS = (16, 32, 64, 96, 128)
 """Channels of each level; each level but the first has half the resolution of the one above it."""
-STRIDE = 2 ** (len(WIDTHS) - 1)
-"""Sides of the input are multiples of this."""
 DEEP = (3, 4)
 """Levels with two blocks on the way down."""
 

@@ -1,11 +1,13 @@
 """Checkpoint of a training: from it the same training goes on to the same result."""
 
 import json
+from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from moseg.schemas.errors import InputError
 from moseg.workflows.process.atomic_write import atomic_path, blame_output
+from moseg.workflows.sources.files import unreadable
 
 FILE = "checkpoint.pt"
 
@@ -50,7 +52,11 @@ def read_checkpoint(folder: Path, settings: dict[str, Any]) -> Checkpoint | None
     if not path.exists():
         return None
     try:
-        read = torch.load(path, map_location="cpu", weights_only=True)
+        content = path.read_bytes()
+    except OSError as error:
+        raise unreadable(str(path), error) from error
+    try:
+        read = torch.load(BytesIO(content), map_location="cpu", weights_only=True)
         own = json.loads(read.pop("settings"))
         checkpoint = Checkpoint(**read)
     # A damaged or foreign file raises errors without a common class: of pickle, zip and torch, and built-in ones.
