@@ -1,4 +1,4 @@
-"""What the motion network sees of a frame: deviations of its flow from the background's, free of scale."""
+"""Input of the motion network: deviations of a frame's flow from the background's, free of scale."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -38,7 +38,7 @@ _LIMIT = 8.0  # of every channel
 
 
 class Neighbour(NamedTuple):
-    """A frame beside the one looked at, on the working grid.
+    """Previous or next frame, on the working grid.
 
     Attributes
     ----------

@@ -14,7 +14,7 @@ BEGIN, END = 0, 1
 
 
 class Sightings(NamedTuple):
-    """How the objects 1.. of a section look where they begin and where they end; rows of unseen objects are zeros.
+    """Look of the objects 1.. of a section where they begin and where they end; rows of unseen objects are zeros.
 
     Attributes
     ----------

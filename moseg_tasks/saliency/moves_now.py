@@ -1,4 +1,4 @@
-"""Whether each object moves in a frame, or rests: its motion against the background, beyond the noise of the flow."""
+"""Motion or rest of each object in a frame: its motion against the background's, beyond the noise of the flow."""
 
 from collections.abc import Sequence
 

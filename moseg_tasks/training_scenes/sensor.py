@@ -1,4 +1,4 @@
-"""What a camera and a video file do to frames: brightness, contrast, blur, grain, compression."""
+"""Traces of the camera and of the video file in frames: brightness, contrast, blur, grain, compression."""
 
 import cv2
 import numpy as np

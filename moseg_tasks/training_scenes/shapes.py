@@ -25,7 +25,7 @@ class Part(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Where a thing is drawn: canvas (y, x), middle xy and half of its height, px."""
+    """Canvas (y, x) of a thing, its middle xy and half of its height, px."""
 
     canvas: tuple[int, int]
     middle: np.ndarray

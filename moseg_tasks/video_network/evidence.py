@@ -12,7 +12,7 @@ _MIN_SPREAD = 1e-3
 
 
 class Outcome(NamedTuple):
-    """What a trained network finds in the frames that it was trained on.
+    """Findings of a trained network in the frames that it was trained on.
 
     Attributes
     ----------

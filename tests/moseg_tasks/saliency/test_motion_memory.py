@@ -1,4 +1,4 @@
-"""What has clearly moved is remembered along the flow; a single false alarm is not."""
+"""Memory of clear motion along the flow, without memory of a single false alarm."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Whether an object moves in a frame is judged by its own motion against the background's, beyond noise."""
+"""Judgement of an object's motion in a frame: its own against the background's, beyond noise."""
 
 import numpy as np
 import pytest

@@ -1,19 +1,12 @@
 import numpy as np
 import pytest
+import torch
 
 from moseg.schemas.parameters import VideoNetworkParams
 from moseg.tasks.video_network import IGNORED, MOVING, STATIC
 from moseg.tasks.video_network.crops import draw_crop, lab_bytes, network_input
-
-torch = pytest.importorskip("torch")
-
-from moseg.tasks.video_network.network import (  # noqa: E402
-    build_network,
-    infer_logits,
-    pack_weights,
-    restore_network,
-)
-from moseg.tasks.video_network.training import train_network  # noqa: E402
+from moseg.tasks.video_network.network import build_network, infer_logits, pack_weights, restore_network
+from moseg.tasks.video_network.training import train_network
 
 SHAPE = (45, 61)
 PARAMS = VideoNetworkParams(steps=30, crops=2, crop_height=32, crop_width=48, learning_rate=1e-2)
