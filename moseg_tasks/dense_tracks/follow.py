@@ -1,4 +1,4 @@
-"""Lucas-Kanade from one frame to the next from two starts, of which the one that leads back better is taken."""
+"""Lucas-Kanade from one frame to the next, from a second start where the first does not lead back."""
 
 import cv2
 import numpy as np
@@ -22,7 +22,8 @@ def follow_both_ways(
     """Track points from frame 0 to frame 1 and return each point's better result of two.
 
     One starts from the dense flow: it finds small objects that move fast, which coarse levels of a pyramid do not show.
-    The other starts from a coarse pyramid: it recovers where the dense flow is smoothed over an outline.
+    The other starts from a coarse pyramid: it recovers where the dense flow is smoothed over an outline. It is tried
+    where the first does not lead back to within `params.doubtful`.
 
     Parameters
     ----------
@@ -50,12 +51,16 @@ def follow_both_ways(
     levels = params.guided_levels
     guided = _follow(gray0, gray1, points, points + _sample(flow_forward, points), levels, params)
     back = _follow(gray1, gray0, guided[0], guided[0] + _sample(flow_backward, guided[0]), levels, params)
-    guided_error = _closing_error(points, guided, back)
-    free = _follow(gray0, gray1, points, None, params.pyramid_levels, params)
-    back = _follow(gray1, gray0, free[0], None, params.pyramid_levels, params)
-    free_error = _closing_error(points, free, back)
-    is_free = free_error < guided_error
-    return np.where(is_free[:, None], free[0], guided[0]), np.where(is_free, free_error, guided_error)
+    found, error = guided[0], _closing_error(points, guided, back)
+    doubtful = np.flatnonzero(error > params.doubtful)
+    if len(doubtful):
+        start = points[doubtful]
+        free = _follow(gray0, gray1, start, None, params.pyramid_levels, params)
+        back = _follow(gray1, gray0, free[0], None, params.pyramid_levels, params)
+        free_error = _closing_error(start, free, back)
+        better = free_error < error[doubtful]
+        found[doubtful[better]], error[doubtful[better]] = free[0][better], free_error[better]
+    return found, error
 
 
 def _follow(gray0, gray1, points, start, levels: int, params: DenseTrackParams) -> tuple[np.ndarray, np.ndarray]:

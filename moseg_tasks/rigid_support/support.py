@@ -23,7 +23,8 @@ def support_of_evidence(evidence: ObjectEvidence, params: RigidSupportParams, se
     sensitivity : float
         Divisor of the evidence that a moving object needs.
     """
-    is_known = evidence.num_observations >= params.min_observations / sensitivity
+    # Neighbouring pairs see nearly the same: what is skipped would have counted as much as what is read.
+    is_known = params.step * evidence.num_observations >= params.min_observations / sensitivity
     moves = is_known & (evidence.test > params.max_test / sensitivity)
     stands_free = is_known & (evidence.num_contour >= params.min_contour) & (evidence.attached < params.min_attached)
     support = np.where(moves, 0.0, np.where(stands_free, np.nan, 1.0))

@@ -45,8 +45,9 @@ def estimate_rigidity(
     visible: np.ndarray,
     params: RigidityParams,
     depth_of: Callable[[int], np.ndarray] | None = None,
+    step: int = 1,
 ) -> Rigidity:
-    """Measure how far each track deviates from a rigid scene seen by a moving camera, over all pairs of some gaps.
+    """Measure how far each track deviates from a rigid scene seen by a moving camera, over pairs of some gaps.
 
     Parameters
     ----------
@@ -59,6 +60,8 @@ def estimate_rigidity(
     depth_of : function, optional
         From a frame's index to its relative inverse depth float32 (y, x), up to scale and shift; not finite where
         unknown.
+    step : int, optional
+        Frames between the first frames of the pairs that are read.
 
     Returns
     -------
@@ -68,7 +71,7 @@ def estimate_rigidity(
     focal = choose_focal(points, visible, images[0].shape, params)
     pairs, seen_in, evidence = [], [], []
     for gap in params.gaps:
-        for start in range(len(images) - gap):
+        for start in range(0, len(images) - gap, step):
             seen = np.flatnonzero(visible[:, start] & visible[:, start + gap])
             points0, points1 = (points[seen, frame].astype(np.float64) for frame in (start, start + gap))
             inverse_depth = None if depth_of is None else depth_of(start)

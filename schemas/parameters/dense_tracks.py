@@ -41,4 +41,10 @@ class DenseTrackParams(Frozen):
     forward_backward: Annotated[float, Unit.PIXELS] = Field(
         0.7, gt=0, description="maximal forward-backward error of a tracked point, px"
     )
+    doubtful: Annotated[float, Unit.PIXELS] = Field(
+        0.1,
+        ge=0,
+        description="forward-backward error of a point tracked from the dense flow from which it is tracked without it"
+        " too, px",
+    )
     min_frames: Annotated[int, Unit.FRAMES] = Field(3, ge=2, description="tracks shorter than this are dropped, frames")

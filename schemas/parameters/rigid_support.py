@@ -16,6 +16,12 @@ class RigidSupportParams(Frozen):
         description="where objects are compared with a rigid scene: where they come from dense tracks, and in stretches"
         " whose depth shows by parallax, with --proposals auto (auto), in the whole video (always) or nowhere (never)",
     )
+    step: Annotated[int, Unit.FRAMES] = Field(
+        4,
+        ge=1,
+        description="frames between the first frames of the pairs that compare objects of saliency with a rigid scene;"
+        " objects of dense tracks are compared in all pairs",
+    )
     max_test: Annotated[float, Unit.RATIO] = Field(
         0.6,
         ge=-1,
@@ -25,7 +31,8 @@ class RigidSupportParams(Frozen):
     min_observations: Annotated[int, Unit.COUNT] = Field(
         12,
         ge=1,
-        description="observations of an object's tracks over frame pairs, below which nothing shows that it moves",
+        description="observations of an object's tracks over frame pairs, those skipped by `step` included, below which"
+        " nothing shows that it moves",
     )
     contour_distance: Annotated[float, Unit.PIXELS] = Field(
         14.0, gt=0, description="largest distance of tracks inside and outside an object whose depth is compared, px"

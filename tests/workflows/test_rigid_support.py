@@ -133,11 +133,18 @@ def test_the_comparison_reads_the_tracks_of_the_sections_window():
             "proposals": graph.objects.proposals(index),
             "linking": graph.objects.linking(),
             "dense_tracks": window.dense_tracks(index),
-            "rigidity": window.rigidity(index),
+            "rigidity": window.rigidity(index, PipelineConfig().rigid_support.step),
         }
         assert recipe.params["start"] == window.first_row(index)
     # The window of the last section begins before it.
     assert _supports(graph)[2].params["start"] == 2
+
+
+def test_objects_of_dense_tracks_are_compared_in_all_pairs_whatever_the_step_of_other_objects():
+    recipes = [_graph(rigid_support={"step": step}).objects.track_proposals.rigidity(0) for step in (1, 3)]
+    assert recipes[0] == recipes[1]
+    graph = _graph(*DEEP, rigid_support={"step": 3})
+    assert {graph.recipes[recipe.inputs["rigidity"]].params["step"] for recipe in _supports(graph)} == {3}
 
 
 def test_where_objects_are_compared_is_in_no_key():

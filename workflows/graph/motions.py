@@ -72,7 +72,10 @@ class Motions:
         inputs = {"proposals": objects.proposals(index), "linking": objects.linking()}
         if objects.source_of(index) == "tracks":
             return self._nodes.add("rigid_support", inputs, "tracks", section=index)
-        inputs |= {"dense_tracks": window.dense_tracks(index), "rigidity": window.rigidity(index)}
+        inputs |= {
+            "dense_tracks": window.dense_tracks(index),
+            "rigidity": window.rigidity(index, self._config.rigid_support.step),
+        }
         return self._nodes.add("rigid_support", inputs, "masks", section=index, start=window.first_row(index))
 
     def _pairs(self, gap: int) -> Iterator[tuple[int, int, int]]:

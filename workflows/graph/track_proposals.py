@@ -48,13 +48,13 @@ class TrackProposals:
         return self._nodes.add("dense_tracks", inputs)
 
     @cached_method
-    def rigidity(self, index: int) -> str:
-        """Return the reference of the deviation of these tracks from a rigid scene."""
+    def rigidity(self, index: int, step: int = 1) -> str:
+        """Return the reference of the deviation of these tracks from a rigid scene, in pairs `step` frames apart."""
         first, last = self.window(index)
         inputs = {"dense_tracks": self.dense_tracks(index), "frames": self._leaves.frames[first:last]}
         if self._config.depth.method != "none":
             inputs["depth"] = tuple(self._cues.depth(frame) for frame in range(first, last))
-        return self._nodes.add("rigidity", inputs)
+        return self._nodes.add("rigidity", inputs, step=step)
 
     @cached_method
     def objects(self, index: int) -> str:

@@ -24,7 +24,7 @@ def _params(config: PipelineConfig) -> dict:
     return config.dense_tracks.model_dump(mode="json")
 
 
-LUCAS_KANADE = Task("dense_tracks", "lucas-kanade", version=1, run=_run, params=_params)
+LUCAS_KANADE = Task("dense_tracks", "lucas-kanade", version=2, run=_run, params=_params)
 
 STAGE = Stage(
     name="dense_tracks",

@@ -25,7 +25,9 @@ def _run(params, inputs, rng):
         return depths[frame].cached("inverse_depth")
 
     depth_of = inverse_depth if depths else None
-    result = estimate_rigidity(frames, points, visible, RigidityParams.of_recipe(params), depth_of)
+    step = params.get("step", 1)
+    rigidity = {name: value for name, value in params.items() if name != "step"}
+    result = estimate_rigidity(frames, points, visible, RigidityParams.of_recipe(rigidity), depth_of, step)
     arrays = {name: getattr(result, name) for name in ("pairs", *TRACK_EVIDENCE)}
     return Output(arrays, {"focal": result.focal, "cameras": [_camera(pair) for pair in result.evidence]})
 
@@ -59,9 +61,10 @@ def _camera(pair) -> dict:
     }
 
 
-def _params(config: PipelineConfig) -> dict:
+def _params(config: PipelineConfig, step: int = 1) -> dict:
     has_depth = config.depth.method != "none"
-    return config.rigidity.model_dump(mode="json", exclude=set() if has_depth else DEPTH_PARAMS)
+    params = config.rigidity.model_dump(mode="json", exclude=set() if has_depth else DEPTH_PARAMS)
+    return params if step == 1 else {**params, "step": step}
 
 
 EPIPOLAR = Task("rigidity", "epipolar", version=1, run=_run, params=_params)

@@ -76,6 +76,16 @@ def test_a_small_fast_object_is_followed_from_the_dense_flow():
     assert num_fast(no_flows) < num_fast(flows)
 
 
+def test_a_point_whose_dense_flow_is_wrong_is_found_without_it():
+    frames, flows = moving(3)
+    wrong = [(forward + 25, backward - 25) for forward, backward in flows]
+    found, lost = (
+        track_densely(frames, wrong, PARAMS.model_copy(update={"doubtful": doubtful})).visible[:, :2].all(axis=1).sum()
+        for doubtful in (PARAMS.doubtful, 1e4)
+    )
+    assert found > 200 > 5 * lost
+
+
 def test_points_of_a_frame_are_apart_and_bounded_in_number():
     gray = texture(HEIGHT, WIDTH)
     taken = new_corners(gray, np.zeros((0, 2), np.float32), PARAMS)[:40]

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from moseg.schemas.parameters import RigidityParams, RigidSupportParams
 from moseg.tasks.rigid_support import ObjectEvidence, combine_sections, measure_objects, support_of_evidence
 
-PARAMS = RigidSupportParams()
+PARAMS = RigidSupportParams(step=1)
 NEAR, WALL = 25.0, 40.0
 ATTACHED = {"num_contour": 30.0, "attached": 1.0}
 FREE = {"num_contour": 30.0, "attached": 0.1}
@@ -57,6 +57,12 @@ def test_an_object_of_few_tracks_is_static(passage):
     assert support_of(passage(NEAR, test=1.5, spacing=45.0)) == 1
     assert judge(PARAMS.min_observations - 1, test=3.0, **FREE) == 1
     assert judge(PARAMS.min_observations, test=3.0, **FREE) == 0
+
+
+def test_observations_in_pairs_that_are_skipped_count_as_much_as_those_that_are_read():
+    few = PARAMS.min_observations // 3
+    assert judge(few, test=3.0, **FREE) == 1
+    assert judge(few, test=3.0, step=3, **FREE) == 0
 
 
 def test_the_largest_test_of_a_static_object_is_a_parameter():

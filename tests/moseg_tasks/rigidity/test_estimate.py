@@ -137,3 +137,11 @@ def test_tracks_of_any_motion_give_finite_evidence(motion):
     found = estimate_rigidity(frames, points, np.ones(points.shape[:2], bool), PARAMS)
     for name in TRACK_EVIDENCE:
         assert np.isfinite(getattr(found, name)).all()
+
+
+def test_with_a_step_the_evidence_of_the_pairs_that_are_read_is_the_same():
+    rendered, tracks, every = drive("crossing")
+    some = estimate_rigidity(rendered.images, *tracks, PARAMS, step=2)
+    is_read = every.pairs[:, 0] % 2 == 0
+    np.testing.assert_array_equal(some.pairs, every.pairs[is_read])
+    np.testing.assert_array_equal(some.strict_test, every.strict_test[is_read])
