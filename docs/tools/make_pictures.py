@@ -22,6 +22,7 @@ from moseg.workflows.exports.overlay_style import OverlayMode, OverlayStyle
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.leaves import ingest_sequences
 from moseg.workflows.reports.matrices import clustering_params, fused_kernel
+from moseg.workflows.stages.flow import full_flow
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
 STRIP = {"strong-parallax": 8, "two-motions": 12, "nonrigid": 8}
@@ -47,7 +48,8 @@ class Column(NamedTuple):
 def strip_columns(store: ArtifactStore, graph: SequenceGraph, config: PipelineConfig, frame: int) -> list[Column]:
     """Return the columns from the frame to the moving objects."""
     image = store.read(graph.leaves.frames[frame], "image")
-    flow = store.read(graph.frame_cues.flow(frame, frame + 1), "flow").astype(np.float32)
+    ref = graph.frame_cues.flow(frame, frame + 1)
+    flow = full_flow(store.read(ref, "flow"), store.attributes(ref))
     saliency = store.read(graph.frame_cues.saliency(frame), "saliency").astype(np.float32)
     return [
         Column("frame", image),

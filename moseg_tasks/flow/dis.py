@@ -6,6 +6,7 @@ import numpy as np
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import FlowParams
 from moseg.tasks.check_frame import check_frame
+from moseg.tasks.flow.flow_grid import enlarge_flow
 
 _PRESETS = {
     "ultrafast": cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST,
@@ -13,14 +14,14 @@ _PRESETS = {
     "medium": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
     "fine": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
 }
-# An 8 px patch on the presets' finest level, a quarter of full size. Below it OpenCV raises, returns NaN or crashes.
-_MIN_SIDE = 32
+_FINEST = {"ultrafast": 2, "fast": 2, "medium": 1, "fine": 0}
+"""Finest level of each preset's pyramid; each level has half the resolution of the one before."""
+# Of the grid at which the search ends. On a smaller one OpenCV raises, returns NaN or crashes.
+_MIN_SIDE = 12
 
 
 def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> np.ndarray:
     """Estimate the flow that maps each pixel of `image0` to its position in `image1`.
-
-    Frames with a side under 32 px are extended by replicating their border, and the flow is cropped.
 
     Parameters
     ----------
@@ -32,7 +33,33 @@ def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) ->
     Returns
     -------
     flow : float32 (y, x, 2)
-        xy displacement, px/frame.
+        xy displacement, px/frame: that of `search_flow`, enlarged.
+
+    Raises
+    ------
+    InputError
+        As `search_flow`.
+    """
+    return enlarge_flow(search_flow(image0, image1, params), image0.shape[:2])
+
+
+def search_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> np.ndarray:
+    """Estimate the flow on the grid at which the search ends: of full, half or a quarter of the frames' size.
+
+    Between the vectors of this grid OpenCV interpolates, as `enlarge_flow` does. Frames for which this grid
+    has a side under 12 px are extended by replicating their border, and the flow is enlarged and cropped.
+
+    Parameters
+    ----------
+    image0, image1 : uint8 (y, x, 3)
+        RGB frames of one size.
+    params : FlowParams
+        `preset` is the trade of speed for accuracy.
+
+    Returns
+    -------
+    flow : float32 (grid y, grid x, 2)
+        xy displacement, px/frame of the frames.
 
     Raises
     ------
@@ -49,16 +76,26 @@ def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) ->
         raise InputError("frames of a pair differ in size", got=image1.shape[:2], expected=image0.shape[:2])
     height, width = image0.shape[:2]
     search = cv2.DISOpticalFlow_create(_PRESETS[params.preset])
-    if params.preset == "fine":
-        # The other presets end at half or a quarter of full size and enlarge the flow.
-        search.setFinestScale(0)
-    flow = search.calc(_searchable_gray(image0), _searchable_gray(image1), None)
-    return np.ascontiguousarray(flow[:height, :width])
+    search.setFinestScale(0)
+    level = _FINEST[params.preset]
+    gray0, gray1 = _searchable_gray(image0, level), _searchable_gray(image1, level)
+    flow = search.calc(_reduced(gray0, level), _reduced(gray1, level), None) * np.float32(2**level)
+    if gray0.shape == (height, width):
+        return flow
+    return np.ascontiguousarray(enlarge_flow(flow, gray0.shape)[:height, :width])
 
 
-def _searchable_gray(image: np.ndarray) -> np.ndarray:
-    """Convert to grey levels, extended below and to the right to the smallest side that DIS can search."""
+def _reduced(gray: np.ndarray, level: int) -> np.ndarray:
+    """Return a grey image at a level of the pyramid, as DIS reduces it."""
+    height, width = gray.shape
+    size = (width >> level, height >> level)
+    return cv2.resize(gray, size, interpolation=cv2.INTER_AREA) if level else gray
+
+
+def _searchable_gray(image: np.ndarray, level: int) -> np.ndarray:
+    """Convert to grey levels, extended below and to the right to the smallest side that DIS can search at a level."""
     height, width = image.shape[:2]
     gray = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
-    below, right = max(_MIN_SIDE - height, 0), max(_MIN_SIDE - width, 0)
+    side = _MIN_SIDE << level
+    below, right = max(side - height, 0), max(side - width, 0)
     return cv2.copyMakeBorder(gray, 0, below, 0, right, cv2.BORDER_REPLICATE) if below or right else gray

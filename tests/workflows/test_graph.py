@@ -19,13 +19,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "d69d5bc3028ca613",
-    "oc-depth": "e835632d15abd2a1",
-    "oc": "b34000ab630df31a",
-    "trajs": "698027635dfcb64a",
-    "base": "9c1395d22e8f4510",
-    "flow": "8978fb0e3d6f04db",
-    "tracks": "40105c5dd1e527c5",
+    "fused": "c96482b43fdddc56",
+    "oc-depth": "4c4b8a162cb3cb3f",
+    "oc": "a88afb1657367acb",
+    "trajs": "ac32034618d924cd",
+    "base": "3443afcdeff87f06",
+    "flow": "fe62e0ff51765d53",
+    "tracks": "e0b7869f4d1785f1",
 }
 
 

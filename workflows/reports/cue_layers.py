@@ -19,6 +19,7 @@ from moseg.workflows.graph import GIVEN_SOURCES
 from moseg.workflows.reports.content import Layer, LayerKind, Picture
 from moseg.workflows.reports.layers import PlannedLayer, SequenceView, encode_opaque, encode_transparent
 from moseg.workflows.sources.resize import shrink_to
+from moseg.workflows.stages.flow import full_flow
 
 WHEEL_SIDE = 96
 BAR_SHAPE = (24, 220)
@@ -110,7 +111,8 @@ def _make_residual_flow(view: SequenceView, name: str) -> Layer:
 
 
 def _read_flow(view: SequenceView, frame: int) -> np.ndarray:
-    return view.store.read(view.graph.frame_cues.flow(frame, frame + 1), "flow")
+    ref = view.graph.frame_cues.flow(frame, frame + 1)
+    return full_flow(view.store.read(ref, "flow"), view.store.attributes(ref))
 
 
 def _draw_flows(view: SequenceView, name: str, what: str, read: Callable[[int], np.ndarray]) -> Layer:

@@ -2,6 +2,7 @@
 
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import SaliencyParams
+from moseg.workflows.stages.flow import read_flow
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -25,7 +26,7 @@ def _run(params, inputs, rng):
 
     saliency_params = SaliencyParams.of_recipe(params)
     # Given flow has gaps where its files hold no value, but every pixel of a map needs flow.
-    flows = [fill_unknown(pair.array("flow")) for pair in inputs.all("flows")]
+    flows = [fill_unknown(read_flow(pair)) for pair in inputs.all("flows")]
     reduced = [reduce_flow(flow, working_shape(flow.shape[:2], saliency_params.working_side)) for flow in flows]
     return Output({}, choose_background(reduced, saliency_params)._asdict())
 

@@ -3,6 +3,7 @@
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import DenseTrackParams
+from moseg.workflows.stages.flow import read_flow
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -14,7 +15,7 @@ def _run(params, inputs, rng):
     frames = (frame.cached("image") for frame in inputs.all("frames"))
     forward, backward = (inputs.all(role) for role in ("flow_forward", "flow_backward"))
     flows = (
-        (fill_unknown(to_next.array("flow")), fill_unknown(to_previous.array("flow")))
+        (fill_unknown(read_flow(to_next)), fill_unknown(read_flow(to_previous)))
         for to_next, to_previous in zip(forward, backward, strict=True)
     )
     return Output(track_densely(frames, flows, DenseTrackParams.of_recipe(params))._asdict())

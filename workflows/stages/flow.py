@@ -5,16 +5,35 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import FlowParams, RaftParams
+from moseg.workflows.stages.inputs import ArtifactView
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import OPENCV, Backend, Choice, Stage
 from moseg.workflows.stages.task import Network, Output, Task
 
+SIZE = "frame_size"
+"""Attribute of a flow on a coarser grid than its frames: their height and width, px."""
+
 
 def _run_dis(params, inputs, rng):
-    from moseg.tasks.flow.dis import estimate_flow
+    from moseg.tasks.flow.dis import search_flow
 
     image0, image1 = (inputs[role].cached("image") for role in ("frame0", "frame1"))
-    return Output({"flow": estimate_flow(image0, image1, FlowParams.of_recipe(params))})
+    flow, size = search_flow(image0, image1, FlowParams.of_recipe(params)), image0.shape[:2]
+    return Output({"flow": flow}, {} if flow.shape[:2] == size else {SIZE: list(size)})
+
+
+def full_flow(flow: np.ndarray, attributes: dict) -> np.ndarray:
+    """Return the flow of an artifact's array and attributes at its frames' size, float32 (y, x, 2), px/frame."""
+    if SIZE not in attributes:
+        return flow
+    from moseg.tasks.flow.flow_grid import enlarge_flow
+
+    return enlarge_flow(flow, tuple(attributes[SIZE]))
+
+
+def read_flow(view: ArtifactView) -> np.ndarray:
+    """Return the flow of a view's artifact at its frames' size, float32 (y, x, 2), px/frame."""
+    return full_flow(view.cached("flow"), view.attributes)
 
 
 def _dis_params(config: PipelineConfig) -> dict:
@@ -35,7 +54,7 @@ def _raft_params(config: PipelineConfig) -> dict:
     return {"raft": config.raft.model_dump(mode="json", exclude={"weights"})}
 
 
-DIS = Task("flow", "dis", version=1, run=_run_dis, params=_dis_params, is_cheap=True)
+DIS = Task("flow", "dis", version=2, run=_run_dis, params=_dis_params, is_cheap=True)
 RAFT = Task(
     "flow",
     "raft",
@@ -49,7 +68,7 @@ STAGE = Stage(
     name="flow",
     about="optical flow of a frame pair",
     inputs={"frame0": "frame that the flow starts in", "frame1": "its neighbour", "weights": "of the network"},
-    arrays={"flow": layout("float32", "y x uv", "px/frame")},
+    arrays={"flow": layout("float32", "y x uv", "px/frame; of the frames' size, or on a coarser grid")},
     tasks=(DIS, RAFT),
     method=lambda config: config.flow.method,
     choices=(

@@ -8,6 +8,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import FlowModelParams
+from moseg.workflows.stages.flow import read_flow
 from moseg.workflows.stages.model_codes import flow_model_of, model_params
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
@@ -20,7 +21,7 @@ def read_pairs(params, inputs, fit_params: FlowModelParams):
     flows = inputs.all("flow")
     depths = inputs.all("depth") if "depth" in inputs else [None] * len(flows)
     for mask, flow, depth in zip(masks[: len(flows)], flows, depths, strict=True):
-        vectors = flow.cached("flow")
+        vectors = read_flow(flow)
         read = (slice(None, None, fit_params.step),) * 2
         if not np.isfinite(vectors[read]).all():
             # Given flow may cover few pixels, and subsampling could leave out exactly those.

@@ -8,6 +8,7 @@ from moseg.schemas.arrays import layout
 from moseg.schemas.configs import MOTION_SOURCES, PipelineConfig
 from moseg.schemas.parameters import DeaotParams, RefinementParams, Sam2Params, TrackMaskParams, TrackSurfaceParams
 from moseg.workflows.stages.components import join_rows
+from moseg.workflows.stages.flow import read_flow
 from moseg.workflows.stages.moving_tracks import tracks_of
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
@@ -71,8 +72,8 @@ def _run_tracks(params, inputs, rng):
 def _flows_to_next(inputs) -> Iterator[np.ndarray]:
     """Yield the flow of each frame to the next one; of the last frame, the reverse of the flow to the one before it."""
     for flow in inputs.all("flow_next"):
-        yield flow.array("flow")
-    yield -inputs["flow_previous"].array("flow")
+        yield read_flow(flow)
+    yield -read_flow(inputs["flow_previous"])
 
 
 def _run_given(params, inputs, rng):

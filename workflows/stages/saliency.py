@@ -4,6 +4,7 @@ from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import SaliencyParams
 from moseg.workflows.stages.background import SELECTION_PARAMS
+from moseg.workflows.stages.flow import read_flow
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -16,7 +17,7 @@ def _run(params, inputs, rng):
         return inputs[role].cached("image") if role in inputs else None
 
     def flow(role):
-        return fill_unknown(inputs[role].array("flow")) if role in inputs else None
+        return fill_unknown(read_flow(inputs[role])) if role in inputs else None
 
     background = (BackgroundChoice(**inputs["background"].attributes),) if "background" in inputs else ()
     result = estimate_saliency(

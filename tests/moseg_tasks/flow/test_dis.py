@@ -5,8 +5,16 @@ import pytest
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import FlowParams
 from moseg.tasks.flow import estimate_flow
+from moseg.tasks.flow.dis import search_flow
 
 MEDIUM = FlowParams(preset="medium")
+LEVELS = {
+    "ultrafast": (2, cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST),
+    "fast": (2, cv2.DISOPTICAL_FLOW_PRESET_FAST),
+    "medium": (1, cv2.DISOPTICAL_FLOW_PRESET_MEDIUM),
+    "fine": (0, cv2.DISOPTICAL_FLOW_PRESET_MEDIUM),
+}
+"""Finest level of each preset's pyramid, and OpenCV's preset."""
 
 
 def texture(shape: tuple[int, int], seed: int = 0) -> np.ndarray:
@@ -14,6 +22,19 @@ def texture(shape: tuple[int, int], seed: int = 0) -> np.ndarray:
     noise = np.random.default_rng(seed).integers(0, 256, (*shape, 3), np.uint8)
     smooth = cv2.GaussianBlur(noise, (0, 0), 2.0).astype(np.float32)
     return np.clip((smooth - 127) * 5 + 127, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("preset", ["ultrafast", "fast", "medium", "fine"])
+@pytest.mark.parametrize("shape", [(120, 160), (101, 133)])
+def test_the_flow_is_that_of_opencv_whatever_grid_it_is_searched_on(preset, shape):
+    image0, image1 = (texture((140, 180))[start:][: shape[0], : shape[1]] for start in (5, 8))
+    level, opencv = LEVELS[preset]
+    search = cv2.DISOpticalFlow_create(opencv)
+    search.setFinestScale(level)
+    expected = search.calc(*(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY) for image in (image0, image1)), None)
+    params = FlowParams(preset=preset)
+    np.testing.assert_allclose(estimate_flow(image0, image1, params), expected, atol=1e-4)
+    assert search_flow(image0, image1, params).shape == (shape[0] >> level, shape[1] >> level, 2)
 
 
 @pytest.mark.parametrize("preset", ["ultrafast", "fast", "medium"])
