@@ -5,6 +5,7 @@ import os
 from moseg.schemas.spelling import unknown_name
 from moseg.workflows.datasets.dataset import Dataset, DatasetLayout
 from moseg.workflows.datasets.folder import FOLDER
+from moseg.workflows.datasets.hopkins import HOPKINS12, HOPKINS155, MTPV62
 from moseg.workflows.datasets.kt3dmoseg import KT3DINSMOSEG, KT3DMOSEG
 from moseg.workflows.datasets.selection import find_root, select_sequences
 from moseg.workflows.datasets.still import STILL
@@ -13,7 +14,19 @@ from moseg.workflows.datasets.two_trees import DAVIS16, DAVIS_MOVING, YTVOS_MOVI
 
 DATASETS: dict[str, DatasetLayout] = {
     layout.name: layout
-    for layout in (SYNTHETIC, DAVIS_MOVING, DAVIS16, YTVOS_MOVING, KT3DINSMOSEG, KT3DMOSEG, STILL, FOLDER)
+    for layout in (
+        SYNTHETIC,
+        DAVIS_MOVING,
+        DAVIS16,
+        YTVOS_MOVING,
+        KT3DINSMOSEG,
+        KT3DMOSEG,
+        HOPKINS155,
+        HOPKINS12,
+        MTPV62,
+        STILL,
+        FOLDER,
+    )
 }
 
 
