@@ -106,7 +106,7 @@ KT3DINSMOSEG = Kt3dInsMoSeg()
 KT3DMOSEG = LabelledTracks(
     name="kt3dmoseg",
     official=tuple(CLIPS.split()),
-    suffix=TRACKS_SUFFIX,
+    suffixes=(TRACKS_SUFFIX,),
     tree=f"<clip>{TRACKS_SUFFIX}, each {STRUCT_LAYOUT}",
     source="the folder Data of https://github.com/alex-xun-xu/MultiViewMoSeg",
 )

@@ -3,7 +3,7 @@
 import os
 
 from moseg.schemas.spelling import unknown_name
-from moseg.workflows.datasets.dataset import Dataset, DatasetLayout
+from moseg.workflows.datasets.dataset import Dataset, DatasetLayout, TrajectoryLayout
 from moseg.workflows.datasets.folder import FOLDER
 from moseg.workflows.datasets.hopkins import HOPKINS12, HOPKINS155, MTPV62
 from moseg.workflows.datasets.kt3dmoseg import KT3DINSMOSEG, KT3DMOSEG
@@ -28,6 +28,11 @@ DATASETS: dict[str, DatasetLayout] = {
         FOLDER,
     )
 }
+
+
+def list_trajectory_datasets() -> tuple[str, ...]:
+    """Return the names of the data sets of labelled trajectories without images."""
+    return tuple(name for name, layout in DATASETS.items() if isinstance(layout, TrajectoryLayout))
 
 
 def open_dataset(
