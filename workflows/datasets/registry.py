@@ -12,21 +12,10 @@ from moseg.workflows.datasets.still import STILL
 from moseg.workflows.datasets.synthetic import SYNTHETIC
 from moseg.workflows.datasets.two_trees import DAVIS16, DAVIS_MOVING, YTVOS_MOVING
 
+_TRACKS = (KT3DMOSEG, HOPKINS155, HOPKINS12, MTPV62)
 DATASETS: dict[str, DatasetLayout] = {
     layout.name: layout
-    for layout in (
-        SYNTHETIC,
-        DAVIS_MOVING,
-        DAVIS16,
-        YTVOS_MOVING,
-        KT3DINSMOSEG,
-        KT3DMOSEG,
-        HOPKINS155,
-        HOPKINS12,
-        MTPV62,
-        STILL,
-        FOLDER,
-    )
+    for layout in (SYNTHETIC, DAVIS_MOVING, DAVIS16, YTVOS_MOVING, KT3DINSMOSEG, *_TRACKS, STILL, FOLDER)
 }
 
 
