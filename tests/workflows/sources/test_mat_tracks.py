@@ -161,8 +161,9 @@ def test_other_files_are_refused(bad, message):
 
 
 @pytest.mark.parametrize("compress", [False, True])
-def test_damaged_bytes_are_read_or_refused(compress):
-    sound = content(compress=compress)
+@pytest.mark.parametrize("make", [content, hopkins])
+def test_damaged_bytes_are_read_or_refused(make, compress):
+    sound = make(compress=compress)
     rng = np.random.default_rng(3)
     refused = 0
     for _ in range(2000):

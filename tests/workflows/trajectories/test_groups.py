@@ -4,10 +4,14 @@ import json
 
 import numpy as np
 import pytest
+from pydantic import TypeAdapter
 from scipy.io import loadmat, savemat
 
+from moseg.schemas.recipes import leaf_recipe
+from moseg.schemas.sequence_groups import SequenceGroup
 from moseg.store import open_store
 from moseg.tasks.metrics import clustering_error
+from moseg.workflows.graph import TrajectoryLeaves
 from moseg.workflows.reports.published_groups import PUBLISHED_GROUPS
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
@@ -101,14 +105,14 @@ def test_a_trajectory_without_a_label_is_neither_scored_nor_a_motion(moseg, mtpv
     assert (score["num_motions"], score["num_motions_true"]) == (2, 2)
     assert list(row["groups"]) == ["complete data", "missing data", "all"]
     store = open_store("store")
-    all_labels = {
-        len(labels): labels for ref in store.refs("trajectory_labels") for labels in [store.read(ref, "labels")]
-    }
-    (labels,) = [labels for labels in all_labels.values() if (labels == 0).any()] or [None]
-    assert labels is not None and np.count_nonzero(labels == 0) == 17
+    stored = (store.read(ref, "labels") for ref in store.refs("trajectory_labels"))
+    (labels,) = [labels for labels in stored if (labels == 0).any()]
+    assert np.count_nonzero(labels == 0) == 17
     found = [store.read(ref, "motion") for ref in store.refs("trajectory_clustering")]
     errors = [clustering_error(motion[labels > 0], labels[labels > 0]) for motion in found]
-    assert score["error"] in [pytest.approx(error) for error in errors]
+    assert len(found) == 2 and score["error"] in [pytest.approx(error) for error in errors]
+    # As if 0 were a motion, a quarter of the trajectories would be wrong.
+    assert score["error"] < 15 < clustering_error(found[0], labels)
 
 
 def test_hidden_points_stay_hidden_and_others_are_visible(moseg, mtpv):
@@ -116,6 +120,14 @@ def test_hidden_points_stay_hidden_and_others_are_visible(moseg, mtpv):
     store = open_store("store")
     shares = sorted(store.read(ref, "visible").mean() for ref in store.refs("trajectories"))
     assert 0.5 < shares[0] < 0.8 and shares[1] == 1
+
+
+def test_the_log_of_a_run_without_groups_is_read():
+    refs = [leaf_recipe(kind, "1" * 64).ref for kind in ("trajectories", "trajectory_labels")]
+    fields = {"name": "arm", "trajectories": refs[0], "labels": refs[1], "num_motions": 2}
+    assert TypeAdapter(TrajectoryLeaves).validate_python(fields).groups == ()
+    fields["groups"] = [["traffic", 5, 38]]
+    assert TypeAdapter(TrajectoryLeaves).validate_python(fields).groups == (SequenceGroup("traffic", 5, 38),)
 
 
 def test_a_plan_of_a_finished_run_computes_nothing(moseg, hopkins):
