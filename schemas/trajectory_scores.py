@@ -1,12 +1,13 @@
 """Scores of clips of labelled trajectories and the report of their evaluation, as written to JSON."""
 
 import statistics
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from pydantic import Field
 
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.scores import StoreUse
+from moseg.schemas.sequence_groups import SequenceGroup
 
 
 class TrajectoryScore(Frozen):
@@ -16,11 +17,11 @@ class TrajectoryScore(Frozen):
     ----------
     error : float
         Trajectories outside the group of their motion, under the best one-to-one matching of groups and motions, in
-        percent.
+        percent of those that have a label.
     num_motions : int, or float
         Number of groups found; the mean if seeds are averaged.
     num_motions_true : int
-        Number of labels in the ground truth.
+        Number of labels in the ground truth; 0, which is no label, does not count.
     spread : float or None
         Sample standard deviation of the error over seeds, if several were requested; not in the JSON.
     """
@@ -39,6 +40,21 @@ class TrajectoryMean(Frozen):
     num_motions_correct: float
 
 
+class GroupMean(TrajectoryMean):
+    """Figures over the clips of one group.
+
+    Attributes
+    ----------
+    num_sequences : int
+        Clips that were scored.
+    num_published : int
+        Clips that the group has in the published benchmark.
+    """
+
+    num_sequences: int
+    num_published: int
+
+
 class SeedMean(Frozen):
     """Figures of one seed over all clips."""
 
@@ -53,6 +69,8 @@ class TrajectoryRow(Frozen):
     ----------
     sequences, mean : scores
         Each figure is the mean over seeds if several were requested.
+    groups : dict of str to GroupMean, or None
+        Figures of each group of clips that papers report, if the data set has groups; means over seeds too.
     seeds : tuple of SeedMean, or None
         Figures of each seed.
     spread : float or None
@@ -62,6 +80,7 @@ class TrajectoryRow(Frozen):
     variant: str
     sequences: dict[str, TrajectoryScore]
     mean: TrajectoryMean
+    groups: dict[str, GroupMean] | None = None
     seeds: tuple[SeedMean, ...] | None = None
     spread: float | None = None
 
@@ -94,23 +113,50 @@ def average_seeds(variant: str, by_seed: dict[int, dict[str, TrajectoryScore]]) 
     return TrajectoryRow(
         variant=variant,
         sequences={name: _average_score(scores) for name, scores in per_clip.items()},
-        mean=TrajectoryMean(
-            **{
-                field: statistics.fmean(getattr(mean, field) for mean in means.values())
-                for field in TrajectoryMean.model_fields
-            }
-        ),
+        mean=_average_means(list(means.values())),
         seeds=tuple(SeedMean(seed=seed, mean=mean) for seed, mean in means.items()),
         spread=_spread([mean.error for mean in means.values()]),
     )
 
 
-def average_row(variant: str, by_seed: dict[int | None, dict[str, TrajectoryScore]]) -> TrajectoryRow:
-    """Return a variant's row from the scores of the clips by seed; a run without seeds has the key None."""
+def average_row(
+    variant: str,
+    by_seed: dict[int | None, dict[str, TrajectoryScore]],
+    groups: Mapping[str, Sequence[SequenceGroup]] | None = None,
+) -> TrajectoryRow:
+    """Return a variant's row from the scores of the clips by seed; a run without seeds has the key None.
+
+    `groups` gives the groups of each clip.
+    """
+    means = _average_groups(by_seed, groups or {}) or None
     if None not in by_seed:
-        return average_seeds(variant, by_seed)
+        return average_seeds(variant, by_seed).model_copy(update={"groups": means})
     scores = by_seed[None]
-    return TrajectoryRow(variant=variant, sequences=scores, mean=average_clips(list(scores.values())))
+    return TrajectoryRow(variant=variant, sequences=scores, mean=average_clips(list(scores.values())), groups=means)
+
+
+def _average_groups(
+    by_seed: dict[int | None, dict[str, TrajectoryScore]], groups: Mapping[str, Sequence[SequenceGroup]]
+) -> dict[str, GroupMean]:
+    """Return the figures of each group that has a scored clip, in the order of the groups."""
+    members: dict[SequenceGroup, list[str]] = {}
+    for clip in next(iter(by_seed.values())):
+        for group in groups.get(clip, ()):
+            members.setdefault(group, []).append(clip)
+    means = {}
+    for group in sorted(members, key=lambda group: group.place):
+        clips = members[group]
+        mean = _average_means([average_clips([scores[clip] for clip in clips]) for scores in by_seed.values()])
+        counts = {"num_sequences": len(clips), "num_published": group.num_published}
+        means[group.name] = GroupMean(**mean.model_dump(), **counts)
+    return means
+
+
+def _average_means(means: Sequence[TrajectoryMean]) -> TrajectoryMean:
+    """Return the mean of each figure over seeds."""
+    return TrajectoryMean(
+        **{field: statistics.fmean(getattr(mean, field) for mean in means) for field in TrajectoryMean.model_fields}
+    )
 
 
 def _average_score(scores: Sequence[TrajectoryScore]) -> TrajectoryScore:

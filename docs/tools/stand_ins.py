@@ -21,6 +21,12 @@ STILL = "parked-cars,picture-00000,davis-blackswan,rendered-street"
 MOST_TRACKS = 120
 DAVIS = ("blackswan", "bmx-trees", "car-shadow", "cows", "dog", "drift-straight", "parkour", "soapbox")
 CLIPS = ("Seq005_Clip01", "Seq009_Clip01")
+TRACKS = {
+    "kt3dmoseg": CLIPS,
+    "hopkins12": ("oc1R2RC_g12_Tracks/oc1R2RC_g12",),
+    "mtpv62": ("Hopkins50_cars4_Tracks/Hopkins50_cars4", "MTPV_data_Boat_Tracks/MTPV_data_Boat"),
+}
+"""Files of trajectories below the root of each data set, without their common end."""
 SEED_RUN = ("eval", "--dataset", "synthetic", "--sequences", SCENE, "--variant", "fused", "--quiet")
 
 
@@ -75,16 +81,20 @@ def _write_data(data: Path, scene: RenderedScene, masks: np.ndarray) -> None:
     _write_images(youtube / "JPEGImages" / "0a49f5265b", scene.images, ".jpg")
     _write_masks(youtube / "Annotations" / "0a49f5265b", masks, step=5)
     (youtube / "moving_val.txt").write_text("0a49f5265b\n", encoding="utf-8")
-    (data / "kt3dmoseg").mkdir()
+    for name, paths in TRACKS.items():
+        for path in paths:
+            _write_trajectories(data / name / f"{path}_Tracks.mat", scene)
+    for name in ("1R2RC_g12", "cars4"):
+        _write_trajectories(data / "hopkins155" / name / f"{name}_truth.mat", scene)
     for name in CLIPS:
         _write_images(data / "kt3dinsmoseg" / name / "images", scene.images, ".png")
         _write_masks(data / "kt3dinsmoseg" / name / "masks", masks)
-        _write_trajectories(data / "kt3dmoseg" / f"{name}_Tracks.mat", scene)
     _write_images(data / "still" / "parked-cars" / "frames", scene.images, ".jpg")
     _write_images(data / "still" / "stills", scene.images[:1], ".jpg")
     _write_images(data / "folder" / "garden" / "frames", scene.images, ".jpg")
     _write_masks(data / "folder" / "garden" / "masks", masks)
     other_names = {"DAVIS": "davis16", "KT3DMoSeg": "kt3dmoseg", "KT3DInsMoSeg": "kt3dinsmoseg"}
+    other_names |= {"Hopkins155": "hopkins155", "Hopkins12": "hopkins12", "MTPV62": "mtpv62"}
     other_names |= {"DAVIS-2017": "davis-moving", "YouTube-VOS": "ytvos-moving", "videos": "folder"}
     for other, name in other_names.items():
         (data / other).symlink_to(name, target_is_directory=True)
@@ -111,7 +121,7 @@ def _write_arrays(folder: Path, arrays: np.ndarray) -> None:
 
 
 def _write_trajectories(path: Path, scene: RenderedScene) -> None:
-    """Write points that every frame shows, labelled by their motion from 1 on."""
+    """Write points that every frame shows, labelled by their motion from 1 on, in the layout that the name tells."""
     x, y = np.rint(scene.points[:, 0]).astype(int).T
     shown = scene.visible.all(axis=1)
     motion = scene.moving[0][np.clip(y, 0, scene.moving.shape[1] - 1), np.clip(x, 0, scene.moving.shape[2] - 1)]
@@ -119,5 +129,10 @@ def _write_trajectories(path: Path, scene: RenderedScene) -> None:
     chosen = np.concatenate([np.flatnonzero(labels == label)[:MOST_TRACKS] for label in range(labels.max() + 1)])
     points = scene.points[shown][chosen].transpose(2, 0, 1).astype(np.float64)
     homogeneous = np.concatenate([points, np.ones_like(points[:1])])
-    fields = {"ySparse": homogeneous, "visibleSparse": np.ones(points.shape[1:]), "GtLabel": labels[chosen] + 1.0}
-    savemat(path, {"Data": fields})
+    motions = labels[chosen] + 1.0
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if path.name.endswith("_truth.mat"):
+        savemat(path, {"y": homogeneous, "s": motions})
+    else:
+        fields = {"ySparse": homogeneous, "visibleSparse": np.ones(points.shape[1:]), "GtLabel": motions}
+        savemat(path, {"Data": fields})

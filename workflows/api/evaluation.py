@@ -17,7 +17,7 @@ from moseg.workflows.api.run_settings import RunSettings
 from moseg.workflows.config.notes import evaluation_notes, trajectory_notes
 from moseg.workflows.config.pipeline_choices import PipelineChoices
 from moseg.workflows.config.trajectory_choices import TrajectoryChoices
-from moseg.workflows.datasets import DATASETS, Dataset, SequenceSource, open_dataset
+from moseg.workflows.datasets import DATASETS, Dataset, SequenceSource, list_trajectory_datasets, open_dataset
 from moseg.workflows.datasets.given_folders import with_given_folders
 from moseg.workflows.engine.session import StageUse
 from moseg.workflows.exports import check_writable, write_text
@@ -102,7 +102,7 @@ def run_evaluation(
     dataset = data.open(config.max_side)
     if dataset.has_frames:
         chosen, seeds = read_variants(variants, Variant, dataset.name), None
-        trajectories.refuse(dataset.name)
+        trajectories.refuse(dataset.name, list_trajectory_datasets())
         sources = open_sequences(dataset, config, choices)
         absent = tuple(f"{name} is not on disk" for name in dataset.absent)
         notes = (*evaluation_notes(config, chosen, option), *absent)
@@ -155,7 +155,7 @@ def run_plan(
         opened = EmptyStore()
     weights = open_weights(os.environ, offline=True, allow_non_commercial=True)
     if dataset.has_frames:
-        trajectories.refuse(dataset.name)
+        trajectories.refuse(dataset.name, list_trajectory_datasets())
         chosen = read_variants(variants, Variant, dataset.name)
         sources = open_sequences(dataset, config, choices)
         stages, num_open = plan_evaluation(opened, sources, config, chosen, weights)

@@ -27,7 +27,7 @@ DEFAULT_VARIANTS = [VariantName.FUSED]
 class TrajectoryOptions:
     """Views and seeds, of labelled trajectories only."""
 
-    PANEL: ClassVar[str] = "Labelled trajectories (kt3dmoseg)"
+    PANEL: ClassVar[str] = "Labelled trajectories (kt3dmoseg, hopkins155, hopkins12, mtpv62)"
 
     views: Annotated[
         str | None,
@@ -67,6 +67,7 @@ def evaluate(
     moseg eval --dataset synthetic
     moseg eval --dataset davis16 --root DAVIS --variant fused --json fused.json
     moseg eval --dataset kt3dmoseg --motions gt --seeds 5
+    moseg eval --dataset hopkins155 --root Hopkins155 --motions gt
     moseg eval --config my-config.yaml --sequences dog,blackswan --dataset davis16
     """
     from moseg.workflows.api.evaluation import run_evaluation

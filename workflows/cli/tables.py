@@ -7,6 +7,7 @@ from rich.table import Table
 
 from moseg.schemas.scores import AnyReport, AnyScore, EvaluationRow, GroundTruth, StillRow
 from moseg.schemas.trajectory_scores import TrajectoryReport, TrajectoryRow
+from moseg.workflows.reports.published_groups import PUBLISHED_GROUPS, RERUN_NOTE
 from moseg.workflows.reports.published_scores import (
     ONE_MOTION_ERROR,
     PAPER_COLUMNS,
@@ -33,6 +34,7 @@ def print_report(report: Report) -> None:
     out = _open(report)
     for row in report.rows:
         out.print(_clip_table(report, row) if isinstance(report, TrajectoryReport) else _sequence_table(report, row))
+    _print_groups(out, report)
     _print_published(out, report)
     out.print(_use(report), highlight=False)
 
@@ -52,6 +54,7 @@ def print_ablation(report: Report) -> None:
         for row in report.rows:
             table.add_row(row.variant, *_cells(row.mean, report.over))
     out.print(table)
+    _print_groups(out, report)
     _print_published(out, report)
 
 
@@ -104,9 +107,43 @@ def _clip_table(report: TrajectoryReport, row: TrajectoryRow) -> Table:
     return table
 
 
+def _print_groups(out: Console, report: Report) -> None:
+    """Print mean and median error of each group of clips, where the data set has groups.
+
+    A single variant has its share of clips with the right number of motions too.
+    """
+    if not isinstance(report, TrajectoryReport) or report.rows[0].groups is None:
+        return
+    title = f"{report.dataset}, mean / median error % by group"
+    is_single = len(report.rows) == 1
+    heads = (*(row.variant for row in report.rows), *(("right number %",) if is_single else ()))
+    table = _table(title, "group", "clips", *heads)
+    for name, group in report.rows[0].groups.items():
+        errors = [(row.groups[name].error, row.groups[name].median_error) for row in report.rows]
+        right = (f"{group.num_motions_correct:.0f}",) if is_single else ()
+        table.add_row(name, f"{group.num_sequences} of {group.num_published}", *map(_format_error, errors), *right)
+    out.print(table)
+
+
+def _format_error(error: tuple[float, float | None] | None) -> str:
+    """Return mean and median as text; an empty one where nothing is reported."""
+    if error is None:
+        return ""
+    mean, median = error
+    return f"{mean:.2f}" if median is None else f"{mean:.2f} / {median:.2f}"
+
+
 def _print_published(out: Console, report: Report) -> None:
     """Print what is published on a data set, marked as not measured here; beside scores over points, as over pixels."""
-    if isinstance(report, TrajectoryReport):
+    if report.dataset in PUBLISHED_GROUPS:
+        published = PUBLISHED_GROUPS[report.dataset]
+        title = "as published for all clips of a group, number of motions given (not measured here)"
+        table = _table(title, "mean / median error %", *published.methods)
+        for name, errors in published.rows.items():
+            table.add_row(name, *map(_format_error, errors))
+        table.caption = RERUN_NOTE
+        out.print(table)
+    elif report.dataset == "kt3dmoseg":
         title = f"as published for all {PUBLISHED_CLIPS} clips, number of motions given (not measured here)"
         table = _table(title, "Xu, Cheong, Li, CVPR 2018", "error %")
         for method, (low, high) in PUBLISHED_ERRORS.items():

@@ -1,6 +1,6 @@
 """Choices of evaluations on labelled trajectories, and which of the others have no meaning there."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from moseg.schemas.configs import PipelineConfig
@@ -36,12 +36,13 @@ class TrajectoryChoices:
         """Seeds to average over; None where a single run is asked for."""
         return None if self.seeds is None else range(self.seeds)
 
-    def refuse(self, dataset: str) -> None:
-        """Raise InputError where one is given for a data set of frames."""
+    def refuse(self, dataset: str, expected: Iterable[str]) -> None:
+        """Raise InputError where one is given for a data set of frames; `expected` names those of trajectories."""
         for name in ("views", "seed", "seeds"):
             if getattr(self, name) is not None:
                 where, got = f"--{name}", f"data set {dataset}"
-                raise InputError("an option of labelled trajectories", where=where, got=got, expected="kt3dmoseg")
+                known = " or ".join(expected)
+                raise InputError("an option of labelled trajectories", where=where, got=got, expected=known)
 
     def apply(self, choices: PipelineChoices, config: PipelineConfig, dataset: str) -> PipelineConfig:
         """Return the configuration with these choices; raises InputError where another choice needs images."""

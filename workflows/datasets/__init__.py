@@ -2,7 +2,7 @@
 
 from moseg.workflows.datasets.dataset import Dataset, SequenceSource, TrajectorySource, find_ground_truth
 from moseg.workflows.datasets.overview import DatasetRow, describe_dataset, describe_datasets
-from moseg.workflows.datasets.registry import DATASETS, open_dataset
+from moseg.workflows.datasets.registry import DATASETS, list_trajectory_datasets, open_dataset
 
 __all__ = [
     "DATASETS",
@@ -13,5 +13,6 @@ __all__ = [
     "describe_dataset",
     "describe_datasets",
     "find_ground_truth",
+    "list_trajectory_datasets",
     "open_dataset",
 ]

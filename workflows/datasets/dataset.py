@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.scores import GroundTruth
+from moseg.schemas.sequence_groups import SequenceGroup
 from moseg.schemas.spelling import unknown_name
 
 if TYPE_CHECKING:
@@ -65,11 +66,12 @@ class SequenceSource(NamedTuple):
 
 
 class TrajectorySource(NamedTuple):
-    """Sources of a clip without images: its trajectories and their labels."""
+    """Sources of a clip without images: its trajectories, their labels, and the groups that papers count it in."""
 
     name: str
     trajectories: "TrajectoryFile"
     labels: "TrajectoryLabels"
+    groups: tuple[SequenceGroup, ...] = ()
 
 
 class DatasetLayout(Protocol):
@@ -172,7 +174,8 @@ class Dataset:
         """Return the sources of one of `names`; raise InputError for another name or a data set of frames."""
         self._check_name(name)
         if not isinstance(self.layout, TrajectoryLayout):
-            raise InputError("no labelled trajectories", where=f"data set {self.name}", expected="kt3dmoseg")
+            expected = "a data set of labelled trajectories"
+            raise InputError("no labelled trajectories", where=f"data set {self.name}", expected=expected)
         return self.layout.open_trajectories(self.root, name)
 
     def _check_name(self, name: str) -> None:

@@ -9,14 +9,13 @@ from dataclasses import dataclass
 
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows import sources
-from moseg.workflows.datasets.dataset import SequenceSource, TrajectorySource
+from moseg.workflows.datasets.dataset import SequenceSource
+from moseg.workflows.datasets.labelled_tracks import STRUCT_LAYOUT, TRACKS_SUFFIX, LabelledTracks
 from moseg.workflows.datasets.sequence_folders import annotated_sequence, find_frames, holds_images, list_sequences
-from moseg.workflows.sources.files import natural_key, unreadable
+from moseg.workflows.sources.files import unreadable
 
 FRAME_FOLDERS = ("images", "image_02/data", "image_02", "frames")
 """Folders of a clip's frames, of which the first that exists is used; ``image_02/data`` is KITTI raw's."""
-TRACKS_SUFFIX = "_Tracks.mat"
-"""Suffix of a clip's labelled trajectories; letter case does not matter, as it varies in the release."""
 CLIPS = """
 Seq005_Clip01 Seq005_Clip02 Seq009_Clip01 Seq009_Clip02 Seq009_Clip03 Seq011_Clip01 Seq013_Clip01 Seq013_Clip02
 Seq020_Clip01 Seq028_Clip01 Seq028_Clip02 Seq028_clip03 Seq037_Clip01 Seq038_Clip01 Seq038_Clip02 Seq045_Clip01
@@ -103,34 +102,11 @@ def _tracks_in(folder: str) -> dict[str, str]:
     return {name.casefold(): os.path.join(folder, name) for name in names if name.casefold().endswith(suffix)}
 
 
-@dataclass(frozen=True)
-class Kt3dMoSeg:
-    """A file ``<root>/<clip>_Tracks.mat`` for each clip."""
-
-    name: str = "kt3dmoseg"
-    needs_root: bool = True
-    official: tuple[str, ...] = tuple(CLIPS.split())
-    list_name: None = None
-    ground_truth: str = "the motion of every trajectory, the background's among them"
-    tree: str = (
-        "<clip>_Tracks.mat, each a struct Data with ySparse (3, N, F) homogeneous xy in px, visibleSparse (N, F) and"
-        " GtLabel (N)"
-    )
-    source: str = "the folder Data of https://github.com/alex-xun-xu/MultiViewMoSeg"
-
-    def on_disk(self, root: str) -> tuple[str, ...]:
-        """Return the clips with trajectories."""
-        try:
-            files = [name for name in os.listdir(root) if name.endswith(TRACKS_SUFFIX) and not name.startswith(".")]
-        except OSError as error:
-            raise unreadable(root, error) from error
-        return tuple(name.removesuffix(TRACKS_SUFFIX) for name in sorted(files, key=natural_key))
-
-    def open_trajectories(self, root: str, name: str) -> TrajectorySource:
-        """Return the sources of one clip."""
-        path = os.path.join(root, name + TRACKS_SUFFIX)
-        return TrajectorySource(name, sources.TrajectoryFile(path), sources.TrajectoryLabels(path))
-
-
 KT3DINSMOSEG = Kt3dInsMoSeg()
-KT3DMOSEG = Kt3dMoSeg()
+KT3DMOSEG = LabelledTracks(
+    name="kt3dmoseg",
+    official=tuple(CLIPS.split()),
+    suffixes=(TRACKS_SUFFIX,),
+    tree=f"<clip>{TRACKS_SUFFIX}, each {STRUCT_LAYOUT}",
+    source="the folder Data of https://github.com/alex-xun-xu/MultiViewMoSeg",
+)

@@ -3,18 +3,25 @@
 import os
 
 from moseg.schemas.spelling import unknown_name
-from moseg.workflows.datasets.dataset import Dataset, DatasetLayout
+from moseg.workflows.datasets.dataset import Dataset, DatasetLayout, TrajectoryLayout
 from moseg.workflows.datasets.folder import FOLDER
+from moseg.workflows.datasets.hopkins import HOPKINS12, HOPKINS155, MTPV62
 from moseg.workflows.datasets.kt3dmoseg import KT3DINSMOSEG, KT3DMOSEG
 from moseg.workflows.datasets.selection import find_root, select_sequences
 from moseg.workflows.datasets.still import STILL
 from moseg.workflows.datasets.synthetic import SYNTHETIC
 from moseg.workflows.datasets.two_trees import DAVIS16, DAVIS_MOVING, YTVOS_MOVING
 
+_TRACKS = (KT3DMOSEG, HOPKINS155, HOPKINS12, MTPV62)
 DATASETS: dict[str, DatasetLayout] = {
     layout.name: layout
-    for layout in (SYNTHETIC, DAVIS_MOVING, DAVIS16, YTVOS_MOVING, KT3DINSMOSEG, KT3DMOSEG, STILL, FOLDER)
+    for layout in (SYNTHETIC, DAVIS_MOVING, DAVIS16, YTVOS_MOVING, KT3DINSMOSEG, *_TRACKS, STILL, FOLDER)
 }
+
+
+def list_trajectory_datasets() -> tuple[str, ...]:
+    """Return the names of the data sets of labelled trajectories without images."""
+    return tuple(name for name, layout in DATASETS.items() if isinstance(layout, TrajectoryLayout))
 
 
 def open_dataset(

@@ -122,8 +122,9 @@ def _labelled_points(leaf: LeafWriter, source) -> dict:
 
 
 def _labels(leaf: LeafWriter, source) -> dict:
+    """Store one leaf for the labels of trajectories; 0 is no label and does not count as one."""
     labels = source.read()
-    return {"leaves": [leaf({"labels": labels}, {})], "labels": np.unique(labels).tolist()}
+    return {"leaves": [leaf({"labels": labels}, {})], "labels": np.unique(labels[labels > 0]).tolist()}
 
 
 def _put_leaf(store: ArtifactStore, kind: str, arrays: dict[str, np.ndarray], attributes: dict) -> str:

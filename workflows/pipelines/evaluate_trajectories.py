@@ -77,7 +77,7 @@ def evaluate_trajectories(
         by_seed = {
             seed: {source.name: by_ref[refs[seed, variant, source.name]] for source in sources} for seed in configs
         }
-        rows.append(average_row(variant.value, by_seed))
+        rows.append(average_row(variant.value, by_seed, {source.name: source.groups for source in sources}))
     return TrajectoryReport(
         dataset=dataset, rows=tuple(rows), store=session.use(), seconds=session.seconds, notes=purpose.notes
     )

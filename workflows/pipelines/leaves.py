@@ -137,4 +137,5 @@ def make_trajectory_leaves(source: TrajectorySource, trajectories: dict, labels:
         trajectories=trajectories["leaves"][0],
         labels=labels["leaves"][0],
         num_motions=len(labels["labels"]),
+        groups=source.groups,
     )

@@ -31,6 +31,8 @@ MOTION_COLOURS = np.array(
 hide; beyond eight motions colours repeat."""
 _TAILS = f"Tails reach back {TAIL_FRAMES} frames."
 RIGHT_COLOUR, WRONG_COLOUR = (150, 150, 150), ERROR_COLOURS["false positive"]
+UNLABELLED_COLOUR = (80, 80, 80)
+"""Of trajectories without a label, which are not scored."""
 
 
 def gather_clip_pictures(
@@ -91,14 +93,17 @@ def clip_extent(points: np.ndarray, visible: np.ndarray) -> tuple[int, int]:
 
 
 def match_groups(predicted: np.ndarray, truth: np.ndarray) -> dict[int, int]:
-    """Return the label of each matched group, by the matching that `clustering_error` scores; integers (N,) both."""
+    """Return the label of each matched group, by the matching that is scored; integers (N,) both.
+
+    A trajectory of label 0 has no label and does not count.
+    """
     # Here, because other reports and evaluations do not need SciPy.
     from scipy.optimize import linear_sum_assignment
 
     # `clustering_error` returns only a count. Sharing the matching would change the code that is in the keys of scores;
     # a test compares the two.
-    groups, group_index = np.unique(predicted, return_inverse=True)
-    labels, label_index = np.unique(truth, return_inverse=True)
+    groups, group_index = np.unique(predicted[truth > 0], return_inverse=True)
+    labels, label_index = np.unique(truth[truth > 0], return_inverse=True)
     shared = np.zeros((len(groups), len(labels)), np.int64)
     np.add.at(shared, (group_index, label_index), 1)
     rows, columns = linear_sum_assignment(shared, maximize=True)
@@ -124,7 +129,7 @@ class _Clip:
 
     def make_motions(self, variant: TrajectoryVariant, is_shown: bool) -> Layer:
         labels, groups = self._labels(), self._groups(variant)
-        places = {label: place for place, label in enumerate(np.unique(labels).tolist())}
+        places = {label: place for place, label in enumerate(np.unique(labels[labels > 0]).tolist())}
         matched = match_groups(groups, labels)
         entries, colours = [], np.zeros((len(groups), 3), np.uint8)
         num_extra = 0
@@ -145,20 +150,25 @@ class _Clip:
 
     def make_truth(self) -> Layer:
         labels = self._labels()
-        names, places = np.unique(labels, return_inverse=True)
+        names = np.unique(labels[labels > 0])
         legend = tuple(_describe(place, f"label {name}", labels == name) for place, name in enumerate(names.tolist()))
-        colours = MOTION_COLOURS[places % len(MOTION_COLOURS)]
+        colours = MOTION_COLOURS[np.searchsorted(names, labels) % len(MOTION_COLOURS)]
+        colours[labels == 0] = UNLABELLED_COLOUR
+        legend += _describe_unlabelled(labels)
         return self._draw("ground truth", colours, legend, f"Trajectories by their true motion. {_TAILS}")
 
     def make_errors(self, variant: TrajectoryVariant) -> Layer:
         labels, groups = self._labels(), self._groups(variant)
         matched = match_groups(groups, labels)
         wrong = np.array([matched.get(group) for group in groups.tolist()], dtype=object) != labels
-        wrong = wrong.astype(bool)
+        scored = labels > 0
+        wrong = wrong.astype(bool) & scored
         colours = np.where(wrong[:, None], np.array(WRONG_COLOUR, np.uint8), np.array(RIGHT_COLOUR, np.uint8))
+        colours[~scored] = UNLABELLED_COLOUR
         legend = (
-            LegendEntry(as_hex(RIGHT_COLOUR), f"right: {_count(~wrong)}"),
+            LegendEntry(as_hex(RIGHT_COLOUR), f"right: {_count(scored & ~wrong)}"),
             LegendEntry(as_hex(WRONG_COLOUR), f"wrong: {_count(wrong)}"),
+            *_describe_unlabelled(labels),
         )
         description = "Trajectories outside the group of their label, under the best matching of groups and labels."
         order = np.argsort(wrong, kind="stable")
@@ -188,6 +198,13 @@ class _Clip:
 
 def _describe(place: int, meaning: str, members: np.ndarray) -> LegendEntry:
     return LegendEntry(as_hex(MOTION_COLOURS[place % len(MOTION_COLOURS)]), f"{meaning}: {_count(members)}")
+
+
+def _describe_unlabelled(labels: np.ndarray) -> tuple[LegendEntry, ...]:
+    """Return the entry of the trajectories that are not scored, if there are any."""
+    unlabelled = labels == 0
+    meaning = f"no label, not scored: {_count(unlabelled)}"
+    return (LegendEntry(as_hex(UNLABELLED_COLOUR), meaning),) if unlabelled.any() else ()
 
 
 def _count(members: np.ndarray) -> str:

@@ -113,7 +113,9 @@ def _gather_clips(
             for seed, score in scores.items():
                 by_seed[seed][leaves.name] = score
         panels.gather(store, next(iter(graphs.values())))
-    known = tuple(average_row(variant.value, by_seed) for variant, by_seed in rows.items() if all(by_seed.values()))
+    groups = {leaves.name: leaves.groups for leaves, _ in subject.sequences}
+    complete = {variant: by_seed for variant, by_seed in rows.items() if all(by_seed.values())}
+    known = tuple(average_row(variant.value, by_seed, groups) for variant, by_seed in complete.items())
     tables = clip_tables(subject.dataset, known) if known else ()
     num_all = len(subject.sequences) * len(subject.variants)
     return tables, _note_absent(num_absent, num_all, why_absent, "the means are of the others")

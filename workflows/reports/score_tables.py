@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from moseg.schemas.scores import AnyScore, GroundTruth, mean_score
 from moseg.schemas.trajectory_scores import TrajectoryRow
 from moseg.workflows.reports.content import Better, ScoreTable
+from moseg.workflows.reports.published_groups import PUBLISHED_GROUPS, RERUN_NOTE
 from moseg.workflows.reports.published_scores import (
     ONE_MOTION_ERROR,
     PAPER_COLUMNS,
@@ -65,9 +66,12 @@ def _measured(title: str, columns: tuple[str, ...], rows: tuple, over: GroundTru
 
 
 def clip_tables(dataset: str, rows: tuple[TrajectoryRow, ...]) -> tuple[ScoreTable, ...]:
-    """Return the same of labelled trajectories, whose score is an error: the less, the better."""
+    """Return the same of labelled trajectories, whose score is an error: the less, the better.
+
+    Errors by group of clips, where the data set has groups, have a row for each variant and each published method.
+    """
     tables = [_variant_table(dataset, rows)] if len(rows) > 1 else []
-    return (*tables, *(_clip_table(dataset, row) for row in rows), _published_table(dataset))
+    return (*tables, *(_clip_table(dataset, row) for row in rows), *_group_tables(dataset, rows), *_published(dataset))
 
 
 def _paper_tables(dataset: str, over: GroundTruth) -> tuple[ScoreTable, ...]:
@@ -122,11 +126,42 @@ def _clip_table(dataset: str, row: TrajectoryRow) -> ScoreTable:
     )
 
 
-def _published_table(dataset: str) -> ScoreTable:
+def _group_tables(dataset: str, rows: tuple[TrajectoryRow, ...]) -> tuple[ScoreTable, ...]:
+    """Return mean and median errors by group: measured ones, with published ones below where there are any."""
+    if not rows or rows[0].groups is None:
+        return ()
+    groups = rows[0].groups
+    heads = tuple(f"{name} ({group.num_sequences} of {group.num_published})" for name, group in groups.items())
+    styles = {"better": (Better.LESS,) * len(groups), "decimals": (2,) * len(groups)}
+    tables = []
+    for place, (what, field) in enumerate((("mean error %", "error"), ("median error %", "median_error"))):
+        columns = (what, *heads)
+        measured = tuple(
+            (row.variant, tuple(getattr(row.groups[name], field) if name in row.groups else None for name in groups))
+            for row in rows
+        )
+        tables.append(ScoreTable(f"{dataset}, {what} by group", columns, measured, **styles))
+        if dataset in PUBLISHED_GROUPS:
+            published = PUBLISHED_GROUPS[dataset]
+            cells = tuple(
+                (method, tuple(error and error[place] for error in published.errors_of(method, groups)))
+                for method in published.methods
+            )
+            title = (
+                f"{dataset}, {what} as published for all sequences of a group, number of motions given. {RERUN_NOTE}"
+            )
+            tables.append(ScoreTable(title, columns, cells, is_published=True, **styles))
+    return tuple(tables)
+
+
+def _published(dataset: str) -> tuple[ScoreTable, ...]:
+    """Return what papers report for all clips of KT3DMoSeg."""
+    if dataset != "kt3dmoseg":
+        return ()
     rows = [*PUBLISHED_ERRORS.items(), ("everything one motion", (ONE_MOTION_ERROR, ONE_MOTION_ERROR))]
     title = f"{dataset}, as published for all {PUBLISHED_CLIPS} clips, number of motions given"
     columns = ("method (Xu, Cheong, Li, CVPR 2018)", "least error %", "largest error %")
-    return ScoreTable(title, columns, tuple(rows), is_published=True, better=(Better.LESS, Better.LESS))
+    return (ScoreTable(title, columns, tuple(rows), is_published=True, better=(Better.LESS, Better.LESS)),)
 
 
 def _if(has_column: bool, cell):

@@ -1,4 +1,4 @@
-"""Structs of numbers from the bytes of MATLAB files of version 5 to 7.2.
+"""Variables and structs of numbers from the bytes of MATLAB files of version 5 to 7.2.
 
 They are not read by ``scipy.io.loadmat``, because it trusts the lengths in a damaged file until the process dies. Here
 every length is compared with the bytes that are there, and any damage is an InputError that names the file.
@@ -10,7 +10,8 @@ The MathWorks, "MAT-File Format": the Level 5 format.
 
 import math
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
@@ -72,20 +73,41 @@ def read_struct(content: bytes, name: str, path: str) -> dict[str, np.ndarray | 
     InputError
         The file is not of these versions, or damaged.
     """
+    with _naming_damage(path):
+        for matrix, order in _variables(content, path):
+            if matrix.name == name:
+                return _fields(matrix, order) if _is_single_struct(matrix) else None
+    return None
+
+
+def read_variables(content: bytes, names: Sequence[str], path: str) -> dict[str, np.ndarray | None]:
+    """Return the variables of these names that the file has; see `read_struct` for their values and what it raises."""
+    found = {}
+    with _naming_damage(path):
+        for matrix, order in _variables(content, path):
+            if matrix.name in names and matrix.name not in found:
+                found[matrix.name] = _values(matrix, order)
+    return found
+
+
+@contextmanager
+def _naming_damage(path: str) -> Iterator[None]:
+    """Raise InputError that names the file for any damage found inside."""
+    try:
+        yield
+    except (_DamagedError, zlib.error) as error:
+        raise InputError("damaged", where=path, got=error, expected=_EXPECTED) from error
+
+
+def _variables(content: bytes, path: str) -> Iterator[tuple[_Matrix, str]]:
+    """Yield the variables of a file, up to their values, and the file's byte order."""
     order = _BYTE_ORDERS.get(content[_HEADER_BYTES - 2 : _HEADER_BYTES])
     if order is None or content[_HEADER_BYTES - 4 : _HEADER_BYTES - 2] not in (b"\x00\x01", b"\x01\x00"):
         raise InputError("not MATLAB's", where=path, got=f"{len(content)} bytes", expected=_EXPECTED)
     max_bytes = max(_ALWAYS_ALLOWED_BYTES, _MAX_EXPANSION * len(content))
-    try:
-        for element in _elements(memoryview(content)[_HEADER_BYTES:], order, max_bytes):
-            if element.kind != _MATRIX:
-                continue
-            matrix = _open_matrix(element, order)
-            if matrix.name == name:
-                return _fields(matrix, order) if _is_single_struct(matrix) else None
-    except (_DamagedError, zlib.error) as error:
-        raise InputError("damaged", where=path, got=error, expected=_EXPECTED) from error
-    return None
+    for element in _elements(memoryview(content)[_HEADER_BYTES:], order, max_bytes):
+        if element.kind == _MATRIX:
+            yield _open_matrix(element, order), order
 
 
 def _elements(data: memoryview, order: str, max_bytes: int = 0) -> Iterator[_Element]:
@@ -150,7 +172,11 @@ def _array(element: _Element, order: str) -> np.ndarray | None:
     """Return the real numbers of a field; None if it holds anything else."""
     if element.kind != _MATRIX:
         raise _DamagedError(f"a field of type {element.kind}")
-    matrix = _open_matrix(element, order)
+    return _values(_open_matrix(element, order), order)
+
+
+def _values(matrix: _Matrix, order: str) -> np.ndarray | None:
+    """Return the real numbers of a variable; None if it holds anything else."""
     if matrix.kind not in _NUMBER_CLASSES or matrix.is_complex:
         return None
     values = _numbers(_next(matrix.values), order)

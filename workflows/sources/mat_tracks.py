@@ -1,9 +1,17 @@
-"""Labelled trajectories from the bytes of a MATLAB file, as KT3DMoSeg (Xu et al. 2018) publishes them.
+"""Labelled trajectories from the bytes of a MATLAB file, in the two layouts in which benchmarks publish them.
 
-A file ``<clip>_Tracks.mat`` holds one struct ``Data``. Three of its fields are read: ``ySparse`` (3, N, F), homogeneous
-xy in px; ``visibleSparse`` (N, F); and ``GtLabel`` (N), the motion of each trajectory, counted from 1. In the release
-pixels are counted from 0 with their centres at integers, as everywhere here: visible coordinates of 1242x375 px frames
-span -0.5 to 1241.2 and -0.5 to 374.4, and points start at multiples of 4.
+KT3DMoSeg (Xu et al. 2018) has one struct ``Data``. Three of its fields are read: ``ySparse`` (3, N, F), homogeneous xy
+in px; ``visibleSparse`` (N, F), without which everything is visible; and ``GtLabel`` (N), the motion of each
+trajectory, counted from 1, or 0 for an outlier, which has no label. MTPV62 (Li et al. 2013) and Hopkins12 are
+distributed in this layout too.
+
+Hopkins155 (Tron and Vidal 2007) has variables instead, of which three are read: ``y`` (3, N, F), homogeneous xy in px;
+``s`` (N), the labels; and ``m`` (N, F), the visibility, which only the additional sequences with missing data have.
+``x`` is ``y`` multiplied by the inverse of the calibration matrix ``K``.
+
+In KT3DMoSeg's release pixels are counted from 0 with their centres at integers, as everywhere here: visible coordinates
+of 1242x375 px frames span -0.5 to 1241.2 and -0.5 to 374.4, and points start at multiples of 4. Hopkins155 counts
+pixels from 1, as MATLAB does. Its points are not shifted, because there are no frames to which they would have to fit.
 """
 
 from typing import NamedTuple
@@ -11,15 +19,16 @@ from typing import NamedTuple
 import numpy as np
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.sources.mat_file import read_struct
+from moseg.workflows.sources.mat_file import read_struct, read_variables
 
 STRUCT = "Data"
-FIELDS = ("ySparse", "visibleSparse", "GtLabel")
+POINTS, VISIBLE, LABELS = "ySparse", "visibleSparse", "GtLabel"
+HOPKINS_POINTS, HOPKINS_VISIBLE, HOPKINS_LABELS = "y", "m", "s"
 MAX_COORDINATE = 1e6
 """Largest coordinate of a point of an image, px."""
 MAX_LABEL = np.iinfo(np.uint16).max
 
-_LAYOUT = "a struct Data with ySparse (3, N, F), visibleSparse (N, F) and GtLabel (N)"
+_LAYOUT = "a struct Data with ySparse (3, N, F), visibleSparse (N, F) and GtLabel (N), or y (3, N, F) and s (N)"
 
 
 class MatTracks(NamedTuple):
@@ -31,7 +40,7 @@ class MatTracks(NamedTuple):
         xy, px of the original frames, pixel centres at integers; 0 where not visible.
     visible : bool (N, F)
     labels : int64 (N,)
-        Motion of each trajectory, 1 or more.
+        Motion of each trajectory, 1 or more; 0 where it has no label.
     """
 
     points: np.ndarray
@@ -53,25 +62,30 @@ def decode_mat_tracks(content: bytes, path: str) -> MatTracks:
     ------
     InputError
         Not a MATLAB file of version 5 to 7.2 or a damaged one, other variables or shapes, no trajectory, visible points
-        that are not finite, a visibility that is neither 0 nor 1, or labels that are not whole numbers of 1 to 65535.
+        that are not finite, a visibility that is neither 0 nor 1, or labels that are not whole numbers of 0 to 65535 or
+        are all 0.
 
     References
     ----------
     Xu, Cheong, Li, "Motion Segmentation by Exploiting Complementary Geometric Models", CVPR 2018.
+    Tron, Vidal, "A benchmark for the comparison of 3-D motion segmentation algorithms", CVPR 2007.
     """
-    homogeneous, seen, labels = _fields(content, path).values()
+    names, homogeneous, seen, labels = _read_arrays(content, path)
     labels = labels.reshape(-1)
     shape = homogeneous.shape[1:]
     if homogeneous.ndim != 3 or len(homogeneous) != 3 or seen.shape != shape or labels.shape != shape[:1]:
-        got = f"ySparse {homogeneous.shape}, visibleSparse {seen.shape}, GtLabel {labels.shape}"
+        shapes = (homogeneous.shape, seen.shape, labels.shape)
+        got = ", ".join(f"{name} {size}" for name, size in zip(names, shapes, strict=True))
         raise InputError("not labelled trajectories", where=path, got=got, expected=_LAYOUT)
     if not seen.size:
-        raise InputError("no labelled trajectories", where=path, got=f"ySparse {homogeneous.shape}")
+        raise InputError("no labelled trajectories", where=path, got=f"{names[0]} {homogeneous.shape}")
     if not np.isin(seen, (0, 1)).all():
-        raise InputError("visibility that is neither 0 nor 1", where=f"visibleSparse of {path}")
-    if not (np.isfinite(labels) & (labels == np.floor(labels)) & (labels >= 1) & (labels <= MAX_LABEL)).all():
-        expected = f"whole numbers of 1 to {MAX_LABEL}"
-        raise InputError("unusable labels", where=f"GtLabel of {path}", got=np.unique(labels)[:8], expected=expected)
+        raise InputError("visibility that is neither 0 nor 1", where=f"{names[1]} of {path}")
+    if not (np.isfinite(labels) & (labels == np.floor(labels)) & (labels >= 0) & (labels <= MAX_LABEL)).all():
+        expected = f"whole numbers of 0 (no label) to {MAX_LABEL}"
+        raise InputError("unusable labels", where=f"{names[2]} of {path}", got=np.unique(labels)[:8], expected=expected)
+    if not labels.any():
+        raise InputError("no labelled trajectories", where=f"{names[2]} of {path}", got="0 for all")
     visible = seen.astype(bool)
     points = np.zeros((*shape, 2))
     with np.errstate(all="ignore"):
@@ -84,14 +98,21 @@ def decode_mat_tracks(content: bytes, path: str) -> MatTracks:
     return MatTracks(points, visible, labels.astype(np.int64))
 
 
-def _fields(content: bytes, path: str) -> dict[str, np.ndarray]:
-    """Return the struct's fields that are read, float64, by name."""
+def _read_arrays(content: bytes, path: str) -> tuple[tuple[str, str, str], np.ndarray, np.ndarray, np.ndarray]:
+    """Return the names of points, visibility and labels in the file, and their values, float64."""
     data = read_struct(content, STRUCT, path)
-    missing = FIELDS if data is None else [name for name in FIELDS if name not in data]
+    names = (POINTS, VISIBLE, LABELS)
+    if data is None:
+        names = (HOPKINS_POINTS, HOPKINS_VISIBLE, HOPKINS_LABELS)
+        data = read_variables(content, names, path)
+    points_name, visible_name, labels_name = names
+    missing = [name for name in (points_name, labels_name) if name not in data]
     if missing:
-        got = f"no struct {STRUCT}" if data is None else f"no {', '.join(missing)}"
+        got = f"no {', '.join(missing)}" if data else f"no struct {STRUCT}"
         raise InputError("not labelled trajectories", where=path, got=got, expected=_LAYOUT)
-    for name in FIELDS:
-        if data[name] is None:
+    for name in names:
+        if name in data and data[name] is None:
             raise InputError("not real numbers", where=f"{name} of {path}", expected=_LAYOUT)
-    return {name: data[name].astype(np.float64) for name in FIELDS}
+    points, labels = data[points_name].astype(np.float64), data[labels_name].astype(np.float64)
+    visible = data[visible_name].astype(np.float64) if visible_name in data else np.ones(points.shape[1:])
+    return names, points, visible, labels

@@ -31,7 +31,7 @@ class TrajectoryFile:
     Attributes
     ----------
     path : str
-        ``<clip>_Tracks.mat`` of KT3DMoSeg; see `decode_mat_tracks`.
+        ``<clip>_Tracks.mat`` of KT3DMoSeg, or ``<sequence>_truth.mat`` of Hopkins155; see `decode_mat_tracks`.
     """
 
     path: str
@@ -51,7 +51,7 @@ class TrajectoryFile:
 
 @dataclass(frozen=True)
 class TrajectoryLabels:
-    """Labels of all trajectories: every value that occurs is one motion."""
+    """Labels of all trajectories: every value that occurs is one motion, except 0, which is no label."""
 
     path: str
 
@@ -72,7 +72,7 @@ class LabelledPoints(NamedTuple):
     points : float64 (N, F, 2)
         xy, px of frames of `size`, pixel centres at integers; 0 where not visible.
     visible : bool (N, F)
-        Visible, and inside the frame.
+        Visible, labelled, and inside the frame.
     labels : uint16 (N,)
         0 = static, else the file's label of what moves on its own.
     size : (int, int)
@@ -124,6 +124,7 @@ class LabelledPointFile:
             got, expected = f"{points.shape[1]} frames", f"{self.num_frames}, as many as the clip has images"
             raise InputError("trajectories of other frames", where=self.path, got=got, expected=expected)
         height, width = self.size
+        visible = visible & (labels > 0)[:, None]
         inside = visible & ((points >= -0.5) & (points < (width - 0.5, height - 0.5))).all(axis=-1)
         if np.count_nonzero(inside) <= _MIN_INSIDE * np.count_nonzero(visible):
             raise InputError(

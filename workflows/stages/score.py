@@ -67,8 +67,11 @@ def _run_trajectories(params, inputs, rng):
     from moseg.tasks.metrics import clustering_error
 
     labels = inputs["labels"].array("labels")
+    # A trajectory without a label takes part in the clustering, because nothing in it says so. It is not scored.
+    labelled = labels > 0
+    labels = labels[labelled]
     score = TrajectoryScore(
-        error=clustering_error(inputs["clustering"].array("motion"), labels),
+        error=clustering_error(inputs["clustering"].array("motion")[labelled], labels),
         num_motions=inputs["clustering"].attributes["num_motions"],
         num_motions_true=len(set(labels.tolist())),
     )

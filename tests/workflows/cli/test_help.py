@@ -90,7 +90,13 @@ def test_long_lists_of_options_stand_under_headings(moseg, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     text = moseg("eval", "--help").out
     headings = re.findall(r"^╭─ (.*?) ─+╮$", text, re.MULTILINE)
-    assert headings == ["Options", "Data", "Pipeline", "Labelled trajectories (kt3dmoseg)", "Run and cluster"]
+    assert headings == [
+        "Options",
+        "Data",
+        "Pipeline",
+        "Labelled trajectories (kt3dmoseg, hopkins155, hopkins12, mtpv62)",
+        "Run and cluster",
+    ]
     # Only a few stand apart.
     options = text[text.index("─ Options") : text.index("─ Data")]
     assert options.count("--") < 12

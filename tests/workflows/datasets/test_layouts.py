@@ -127,7 +127,8 @@ def test_sources_and_data_sets_can_be_sent_to_workers(davis):
 
 def test_official_lists_have_their_published_sizes():
     sizes = {name: len(layout.official) for name, layout in DATASETS.items() if layout.official and layout.needs_root}
-    assert sizes == {"davis16": 20, "davis-moving": 22, "kt3dinsmoseg": 22, "kt3dmoseg": 22}
+    frames = {"davis16": 20, "davis-moving": 22, "kt3dinsmoseg": 22}
+    assert sizes == {**frames, "kt3dmoseg": 22, "hopkins155": 156, "hopkins12": 12, "mtpv62": 62}
     assert all(len(set(layout.official)) == len(layout.official) for layout in DATASETS.values() if layout.official)
 
 

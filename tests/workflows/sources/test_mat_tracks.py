@@ -52,6 +52,64 @@ def test_homogeneous_coordinates_have_no_scale_and_the_hidden_no_value():
     np.testing.assert_allclose(found, np.where(VISIBLE[..., None], POINTS, 0))
 
 
+def test_without_a_visibility_everything_is_visible():
+    file = io.BytesIO()
+    shown = {"ySparse": DATA["ySparse"] + (DATA["ySparse"][2:] == 0), "GtLabel": DATA["GtLabel"]}
+    savemat(file, {"Data": shown})
+    points, visible, _ = decode_mat_tracks(file.getvalue(), "a.mat")
+    assert visible.all()
+    np.testing.assert_array_equal(points, shown["ySparse"][:2].transpose(1, 2, 0))
+
+
+def test_a_trajectory_may_have_no_label():
+    found = decode_mat_tracks(content(**changed("GtLabel", 1, 0)), "a.mat")
+    np.testing.assert_array_equal(found.labels, [1, 0, 3, 1, 2, 2, 1])
+    np.testing.assert_array_equal(found.visible, VISIBLE)
+
+
+def hopkins(compress=False, **changes):
+    """Return the bytes of a file as Hopkins155 has them: y in px, x before the calibration matrix K."""
+    y = np.concatenate([POINTS, np.ones((NUM_TRACKS, NUM_FRAMES, 1))], -1).transpose(2, 0, 1)
+    calibration = np.array([[32.0, 0, 16], [0, 32, 12], [0, 0, 1]])
+    variables = {"K": calibration, "x": np.linalg.solve(calibration, y.reshape(3, -1)).reshape(y.shape), "y": y}
+    variables |= {"s": LABELS.astype(np.uint8)[:, None], "width": 32, "points": NUM_TRACKS, **changes}
+    file = io.BytesIO()
+    savemat(file, {name: value for name, value in variables.items() if value is not None}, do_compression=compress)
+    return file.getvalue()
+
+
+@pytest.mark.parametrize("compress", [False, True])
+def test_hopkins_has_variables_in_px_and_everything_visible(compress):
+    points, visible, labels = decode_mat_tracks(hopkins(compress), "a.mat")
+    np.testing.assert_allclose(points, POINTS)
+    np.testing.assert_array_equal(labels, LABELS)
+    assert visible.all() and visible.shape == (NUM_TRACKS, NUM_FRAMES)
+
+
+def test_hopkins_with_missing_data_has_a_mask():
+    points, visible, _ = decode_mat_tracks(hopkins(m=VISIBLE.astype(np.uint8)), "a.mat")
+    np.testing.assert_array_equal(visible, VISIBLE)
+    np.testing.assert_allclose(points, np.where(VISIBLE[..., None], POINTS, 0))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"s": None}, "got no s;"),
+        ({"y": None}, "got no y;"),
+        ({"s": LABELS[1:]}, r"got y \(3, 7, 5\), m \(7, 5\), s \(6,\)"),
+        ({"s": "cars"}, "not real numbers in s of a.mat"),
+        ({"s": np.zeros(NUM_TRACKS)}, "no labelled trajectories in s of a.mat"),
+        ({"y": np.zeros((2, NUM_TRACKS, NUM_FRAMES))}, r"y \(2, 7, 5\)"),
+        ({"m": VISIBLE.T}, r"m \(5, 7\)"),
+        ({"m": 2 * VISIBLE}, "visibility that is neither 0 nor 1 in m of a.mat"),
+    ],
+)
+def test_other_variables_are_refused(changes, message):
+    with pytest.raises(InputError, match=message):
+        decode_mat_tracks(hopkins(**changes), "a.mat")
+
+
 SEEN = tuple(np.argwhere(VISIBLE)[0])
 
 
@@ -68,7 +126,8 @@ SEEN = tuple(np.argwhere(VISIBLE)[0])
         (changed("ySparse", (2, *SEEN), 0), "third coordinate of 0"),
         (changed("visibleSparse", (0, 0), 2), "visibility .* visibleSparse of a.mat"),
         (changed("visibleSparse", (0, 0), np.nan), "visibility .* visibleSparse of a.mat"),
-        (changed("GtLabel", 0, 0), "labels in GtLabel of a.mat; .*expected whole numbers of 1 to 65535"),
+        (changed("GtLabel", 0, -1), "labels in GtLabel of a.mat; .*expected whole numbers of 0 .* to 65535"),
+        (changed("GtLabel", slice(None), 0), "no labelled trajectories in GtLabel of a.mat; got 0 for all"),
         (changed("GtLabel", 0, 1.5), "unusable labels"),
         (changed("GtLabel", 0, 65536), "unusable labels"),
         (changed("GtLabel", 0, np.nan), "unusable labels"),
@@ -87,7 +146,7 @@ def test_other_values_are_refused(changes, message):
     [
         (content(variable="Tracks"), "not labelled trajectories in a.mat; got no struct Data"),
         (content(data=np.ones(3)), "got no struct Data"),
-        (content(data={"ySparse": np.ones(3)}), "got no visibleSparse, GtLabel"),
+        (content(data={"ySparse": np.ones(3)}), "got no GtLabel"),
         (content(data=np.zeros((1, 2), [(name, object) for name in DATA])), "got no struct Data"),
         (b"", "not MATLAB's in a.mat; got 0 bytes"),
         (b"text" * 100, "not MATLAB's"),
@@ -102,8 +161,9 @@ def test_other_files_are_refused(bad, message):
 
 
 @pytest.mark.parametrize("compress", [False, True])
-def test_damaged_bytes_are_read_or_refused(compress):
-    sound = content(compress=compress)
+@pytest.mark.parametrize("make", [content, hopkins])
+def test_damaged_bytes_are_read_or_refused(make, compress):
+    sound = make(compress=compress)
     rng = np.random.default_rng(3)
     refused = 0
     for _ in range(2000):
