@@ -33,7 +33,7 @@ def fill_in_formats(option: TyperOption) -> None:
 def export(
     folder: Annotated[str, typer.Argument(help="What `moseg segment --out` left: masks/ and motion.json.")],
     to: Annotated[list[str] | None, typer.Option("--to", help="Format: {formats}; may be repeated.")] = None,
-    out: Annotated[str | None, typer.Option("--out", help="Folder to write in (default: the same).")] = None,
+    out: Annotated[str | None, typer.Option("--out", "-o", help="Folder to write in (default: the same).")] = None,
     images: Annotated[
         str | None,
         typer.Option(

@@ -89,7 +89,7 @@ def segment(
     run: RunOptions,
     drawing: OverlayOptions,
     out: Annotated[
-        str, typer.Option("--out", help="Folder for masks/, overlay.mp4 and motion.json.", metavar="FOLDER")
+        str, typer.Option("--out", "-o", help="Folder for masks/, overlay.mp4 and motion.json.", metavar="FOLDER")
     ] = "out",
     variant: VariantOption = Variant.FUSED,
     fps: Annotated[
