@@ -1,9 +1,10 @@
 """Frames from a video file."""
 
+import math
 import os
 import struct
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import av
 import numpy as np
@@ -42,14 +43,18 @@ class VideoFile:
     path : str
     max_side : int
         Frames whose longer side exceeds it are area-resized to it, px.
+    numbers : tuple of int, optional
+        Frames to read, ascending, counted from 0; all where None.
     """
 
     path: str
     max_side: int
+    numbers: tuple[int, ...] | None = None
 
     def fingerprint(self) -> str:
         """Return the digest of the file's bytes and the decode parameters."""
-        return digest_json("source", ["video", DECODING_VERSION, self.max_side, digest_file(self.path)])
+        chosen = [] if self.numbers is None else [self.numbers]
+        return digest_json("source", ["video", DECODING_VERSION, self.max_side, digest_file(self.path), *chosen])
 
     def read(self) -> Iterator[np.ndarray]:
         """Yield each frame as uint8 (y, x, 3) RGB, upright.
@@ -60,7 +65,7 @@ class VideoFile:
             Not a video, no frame in it, or a video that cannot be decoded to its end: no frame is lost unreported.
         """
         size = None
-        for number, frame in enumerate(self._decode()):
+        for number, frame in self._decode_chosen():
             image = _to_array(frame)
             size = size or image.shape[:2]
             if image.shape[:2] != size:
@@ -83,11 +88,38 @@ class VideoFile:
 
     def num_frames(self) -> int:
         """Return the number of frames that decode; the count in a file's header may be wrong, so all are decoded."""
-        return sum(1 for _ in self._decode())
+        return sum(1 for _ in self._decode()) if self.numbers is None else len(self.numbers)
+
+    def times(self) -> Iterator[float]:
+        """Yield the time of each frame of the file since the first one, s: by its time stamp, or else by the rate.
+
+        NaN where the file has neither.
+        """
+        origin, fps = None, self.describe().fps or math.nan
+        for number, frame in enumerate(self._decode()):
+            if number == 0:
+                origin = frame.time
+            yield number / fps if frame.time is None or origin is None else frame.time - origin
+
+    def choose(self, numbers: tuple[int, ...]) -> "VideoFile":
+        """Return the source of these frames alone."""
+        return replace(self, numbers=numbers)
 
     def chunks(self, size: int) -> tuple["VideoFile", ...]:
         """Return the source itself: a video decodes from its beginning."""
         return (self,)
+
+    def _decode_chosen(self) -> Iterator[tuple[int, av.VideoFrame]]:
+        """Yield frames with their numbers; nothing is decoded after the last one that is read."""
+        frames = enumerate(self._decode())
+        if self.numbers is None:
+            yield from frames
+            return
+        for wanted in self.numbers:
+            found = next((each for each in frames if each[0] == wanted), None)
+            if found is None:
+                raise InputError("no such frame", where=self.path, got=wanted)
+            yield found
 
     def _decode(self) -> Iterator[av.VideoFrame]:
         number = 0
