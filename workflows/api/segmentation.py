@@ -11,18 +11,19 @@ from moseg.schemas.scores import StoreUse
 from moseg.store import ArtifactStore
 from moseg.workflows.api.run_settings import RunSettings
 from moseg.workflows.api.video_source import VideoLike, open_video
-from moseg.workflows.config.frame_range import WHOLE, FrameRange
+from moseg.workflows.config.frame_range import WHOLE, FrameRange, Position
 from moseg.workflows.config.frame_rate import choose_fps
 from moseg.workflows.config.notes import motions_note
 from moseg.workflows.config.pipeline_choices import PipelineChoices, refuse_ground_truth
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.datasets.given_folders import with_given_folders
 from moseg.workflows.exports.formats import check_exports, choose_formats, export
+from moseg.workflows.exports.formats.reconstruction_sets import choose_kept, choose_sets
 from moseg.workflows.exports.frame_origin import FrameOrigin
 from moseg.workflows.exports.motion_json import SequenceSummary
 from moseg.workflows.exports.outputs import MASKS, MOTION, OVERLAY, check_outputs, check_same_video, mask_name
 from moseg.workflows.exports.overlay_style import OverlayStyle
-from moseg.workflows.exports.saved_segmentation import open_segmentation
+from moseg.workflows.exports.saved_segmentation import open_segmentation, required_origin
 from moseg.workflows.pipelines.purpose import Purpose
 from moseg.workflows.pipelines.segment import StoredSegmentation, segment
 from moseg.workflows.pipelines.write_segmentation import write_segmentation
@@ -158,6 +159,12 @@ class Outputs:
         What the folder was given by.
     num_frames : int, optional
         How many there are, if that is known without decoding.
+    sets : iterable of str
+        Programs for which frames and masks are written as one set.
+    step : Position, optional
+        Which of the frames a set has: each n-th, or one in so many seconds; all where None.
+    fps : float, optional
+        Frames per second of images, for a step in seconds.
 
     Raises
     ------
@@ -177,18 +184,29 @@ class Outputs:
         dilation: int | None = None,
         argument: str = "--out",
         num_frames: int | None = None,
+        sets: Iterable[str] = (),
+        step: Position | None = None,
+        fps: float | None = None,
     ):
         if has_full_size and origin.path is None:
             got, expected = "frames that were given as arrays", "the size analysed"
             raise InputError("no overlay of the video's own size", where="--overlay-size", got=got, expected=expected)
         self._folder, self._origin, self._style, self._dilation = Path(folder), origin, style, dilation
         self._has_full_size = has_full_size
-        self._formats = choose_formats(exports, dilation, origin.names)
+        self._sets = choose_sets(sets)
+        dilation_of_formats = None if self._sets and not exports else dilation
+        self._formats = choose_formats(exports, dilation_of_formats, origin.names)
+        for entry in (*self._formats, *self._sets):
+            if entry.needs_frames:
+                required_origin(origin, entry.name)
         check_outputs(folder, origin.path, style is not None, argument)
         check_same_video(folder, origin, name, argument)
-        if self._formats:
+        if self._formats or self._sets:
             names = origin.names or tuple(map(mask_name, range(num_frames or origin.frames.num_frames())))
             check_exports(self._formats, self._folder, as_unicode(name), names)
+            self._kept = choose_kept(origin, len(names), step, fps)
+            thinned = names if self._kept is None else tuple(names[index] for index in self._kept)
+            check_exports(self._sets, self._folder, as_unicode(name), thinned)
 
     def write(
         self, store: ArtifactStore, stored: StoredSegmentation, fps: float, quiet: bool = True
@@ -206,6 +224,9 @@ class Outputs:
 
     def export(self) -> tuple[Path, ...]:
         """Write the other formats, after `write`, and return their paths."""
-        if not self._formats:
+        if not self._formats and not self._sets:
             return ()
-        return export(open_segmentation(self._folder), self._formats, self._folder, self._dilation)
+        saved = open_segmentation(self._folder, origin=self._origin)
+        written = export(saved, self._formats, self._folder, self._dilation)
+        thinned = saved if self._kept is None else saved.thin(self._kept)
+        return (*written, *export(thinned, self._sets, self._folder, self._dilation))

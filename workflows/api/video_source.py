@@ -29,15 +29,21 @@ def open_video(
     `fps` is the rate of frames without times of their own. InputError is raised where it cannot be read as a video.
     """
     if isinstance(video, str | os.PathLike):
-        path = os.fsdecode(video)
-        if not path.strip():
-            raise InputError("no video named", got=repr(path), expected="a video file, or a folder of frames")
+        path = named_video(video)
         frames = choose_frames(open_frames(path, max_side), chosen, fps)
         yield SequenceSource(name or Path(path).resolve().stem, frames)
         return
     _check(video)
     with spool_frames(_choose(video, chosen, fps), max_side) as frames:
         yield SequenceSource(name or "frames", frames)
+
+
+def named_video(video: str | os.PathLike) -> str:
+    """Return the path of a video; raises InputError if it is blank."""
+    path = os.fsdecode(video)
+    if not path.strip():
+        raise InputError("no video named", got=repr(path), expected="a video file, or a folder of frames")
+    return path
 
 
 def choose_frames(

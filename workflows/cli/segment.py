@@ -8,7 +8,7 @@ import typer
 
 from moseg.schemas.configs import Variant
 from moseg.schemas.errors import InputError
-from moseg.workflows.cli.export import ExportsOption
+from moseg.workflows.cli.export import ExportsOption, SetsOption, read_set_step
 from moseg.workflows.cli.option_groups import with_option_groups
 from moseg.workflows.cli.options import ReportOption, RunOptions, VariantOption
 from moseg.workflows.cli.pipeline_options import PipelineOptions
@@ -146,6 +146,15 @@ def segment(
     ] = "out",
     variant: VariantOption = Variant.FUSED,
     exports: ExportsOption = None,
+    sets: SetsOption = None,
+    sets_every: Annotated[
+        str | None,
+        typer.Option(
+            "--for-every",
+            help="Of the frames, only each n-th (10) or one in so many seconds (0.5s) in the set of --for.",
+            metavar="STEP",
+        ),
+    ] = None,
     page: ReportOption = None,
 ) -> None:
     """Write masks of what moves on its own in your video: OUT/masks/*.png, OUT/overlay.mp4, OUT/motion.json.
@@ -154,10 +163,11 @@ def segment(
     --------
     moseg segment holiday.mp4 --out holiday
     moseg segment holiday.mp4 --out holiday --start 0:10 --end 0:20
-    moseg segment clips/ more.mp4 --out results
-    moseg segment frames/ --out holiday --quality best --workers 2
+    moseg segment clips/ more.mp4 --out all
+    moseg segment frames/ --out walk --quality best --workers 2
     moseg segment holiday.mp4 --preset paper --device cuda
     moseg segment holiday.mp4 --overlay cutout --side-by-side --export coco
+    moseg segment holiday.mp4 --out holiday --for colmap --for-every 0.5s
     """
     from moseg.workflows.api.segmentation import Outputs, open_source, run_segmentation
     from moseg.workflows.api.video_inputs import find_videos, opened
@@ -168,11 +178,22 @@ def segment(
     # Wrong options are an error of the call, and not of each video.
     choices.read()
     choose_formats(exports or ())
+    step = read_set_step(sets, sets_every, "--for-every")
 
     def segment_one(video, folder: str) -> None:
         with opened(video) as path, open_source(path, choices, video.name, chosen, frames.fps) as (source, config):
             origin = FrameOrigin(path, source.frames)
-            outputs = Outputs(folder, origin, style, source.name, drawing.overlay_size == "video", exports or ())
+            outputs = Outputs(
+                folder,
+                origin,
+                style,
+                source.name,
+                drawing.overlay_size == "video",
+                exports or (),
+                sets=sets or (),
+                step=step,
+                fps=frames.fps,
+            )
 
             def write(store, stored, rate):
                 return outputs.write(store, stored, rate, run.quiet)

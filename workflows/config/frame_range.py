@@ -46,6 +46,14 @@ def read_position(text: str | int, where: str, expected: str = POSITIONS) -> Pos
     raise InputError("neither a frame nor a time", where=where, got=repr(text), expected=expected)
 
 
+def read_step(text: str | int, where: str) -> Position:
+    """Return a distance between frames; raises InputError where it is neither a number nor a time, or is 0."""
+    step = read_position(text, where, STEPS)
+    if step.value <= 0:
+        raise InputError("no step", where=where, got=repr(text), expected=f"{STEPS} above 0")
+    return step
+
+
 @dataclass(frozen=True)
 class FrameRange:
     """The frames from `start` to `end`, which is left out, and of these only each that is `every` further.
@@ -135,9 +143,7 @@ def read_frame_range(
     """
     first = None if start is None else read_position(start, "--start")
     last = None if end is None else read_position(end, "--end")
-    step = None if every is None else read_position(every, "--every", STEPS)
-    if step is not None and step.value <= 0:
-        raise InputError("no step", where="--every", got=repr(every), expected=f"{STEPS} above 0")
+    step = None if every is None else read_step(every, "--every")
     earliest = first or Position(0, last is not None and last.is_time)
     if last is not None and last.is_time == earliest.is_time and last.value <= earliest.value:
         raise InputError("no frame chosen", where="--end", got=repr(end), expected="an end after the start")

@@ -55,6 +55,20 @@ class FrameOrigin:
             return digest_bytes("origin", _head(path), str(Path(path).stat().st_size).encode())
         return None
 
+    def choose(self, kept: tuple[int, ...] | None) -> "FrameOrigin":
+        """Return the origin of some of the frames, counted among those of this one; of all where None."""
+        if kept is None:
+            return self
+        numbers = kept if self.numbers is None else tuple(self.numbers[index] for index in kept)
+        return replace(self, frames=self.frames.choose(numbers))
+
+    def times(self, fps: float) -> tuple[float, ...]:
+        """Return the time of each frame since the first one of the video, s; images follow each other at `fps`."""
+        if not isinstance(self.frames, VideoFile):
+            return tuple(index / fps for index in range(self.frames.num_frames()))
+        times = tuple(self.frames.times())
+        return times if self.numbers is None else tuple(times[number] for number in self.numbers)
+
     def read_full(self) -> Iterator[np.ndarray]:
         """Yield each frame at its own size, uint8 (y, x, 3) RGB.
 
