@@ -13,6 +13,7 @@ from moseg.workflows.api.spooled_frames import spool_frames
 from moseg.workflows.config.frame_range import WHOLE, FrameRange, Seen
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.sources import ImageFiles, VideoFile, open_frames
+from moseg.workflows.sources.number_gaps import gap_notes
 
 VideoLike = str | os.PathLike | np.ndarray | Iterable[np.ndarray]
 """Path of a video file or of a folder of frames; array uint8 (frame, y, x, 3) RGB or (frame, y, x) grey; or frames one
@@ -30,12 +31,20 @@ def open_video(
     """
     if isinstance(video, str | os.PathLike):
         path = named_video(video)
-        frames = choose_frames(open_frames(path, max_side), chosen, fps)
-        yield SequenceSource(name or Path(path).resolve().stem, frames)
+        whole = open_frames(path, max_side)
+        frames = choose_frames(whole, chosen, fps)
+        notes = _gap_notes(whole, frames) if isinstance(whole, ImageFiles) else ()
+        yield SequenceSource(name or Path(path).resolve().stem, frames, notes=notes)
         return
     _check(video)
     with spool_frames(_choose(video, chosen, fps), max_side) as frames:
         yield SequenceSource(name or "frames", frames)
+
+
+def _gap_notes(whole: ImageFiles, chosen: ImageFiles) -> tuple[str, ...]:
+    """Return notes on frames that are missing between the first and the last chosen one."""
+    start, stop = whole.paths.index(chosen.paths[0]), whole.paths.index(chosen.paths[-1]) + 1
+    return gap_notes(whole.paths[start:stop])
 
 
 def named_video(video: str | os.PathLike) -> str:

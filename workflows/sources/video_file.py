@@ -19,7 +19,7 @@ from moseg.workflows.sources.files import digest_file
 from moseg.workflows.sources.frames import FrameDescription
 from moseg.workflows.sources.pillow_image import MAX_PIXELS
 from moseg.workflows.sources.resize import shrink_to, working_size
-from moseg.workflows.sources.truncation import missing_bytes
+from moseg.workflows.sources.truncation import bytes_without_index, missing_bytes
 
 DECODING_VERSION = 1
 """Raised when `VideoFile.read` starts to yield other pixels for the same bytes."""
@@ -28,6 +28,7 @@ NOT_VIDEOS = frozenset(("tty", "hls", "dash", "concat", "sdp", "rtp", "rtsp", "i
 METADATA_ERRORS = "replace"
 """Handling of titles and comments that are not UTF-8: many programs write Latin-1."""
 VIDEOS = "a video file, or a folder of images"
+WITH_INDEX = "the whole file: without its index (moov) no frame can be decoded"
 REPAIR = "an intact video (ffmpeg -i IN OUT.mp4 re-encodes what can be read)"
 
 
@@ -167,12 +168,25 @@ def _open(path: str) -> InputContainer:
     except av.ArgumentError as error:
         raise InputError("not a video", where=path, got="text or a playlist", expected=VIDEOS) from error
     except av.FFmpegError as error:
+        _check_index(path)
         raise InputError("not a video", where=path, got=error.strerror, expected=VIDEOS) from error
+
+
+def _check_index(path: str) -> None:
+    """Raise InputError if a file that cannot be opened, or has no stream, is a video that lacks its index."""
+    missing = bytes_without_index(path)
+    if missing:
+        got = f"no index, and at least {missing} bytes less"
+        raise InputError("video is cut short", where=path, got=got, expected=WITH_INDEX)
+    if missing == 0:
+        got = "a recording that did not end, or a part of a file"
+        raise InputError("video without an index", where=path, got=got, expected=WITH_INDEX)
 
 
 def _video_stream(container: InputContainer, path: str) -> VideoStream:
     stream = container.streams.best("video")
     if stream is None or stream.disposition & Disposition.attached_pic:
+        _check_index(path)
         got = ", ".join(sorted({other.type for other in container.streams})) or "nothing"
         raise InputError("no video stream", where=path, got=got)
     if stream.codec_context is None:

@@ -181,3 +181,14 @@ def test_a_file_may_be_named_as_a_pattern_or_a_dash(segment_all, clips, monkeypa
     assert segment_all("take[1].mp4").code == 0
     assert segment_all("./-", options=("--out", "other")).code == 0
     assert json.loads(Path("other/motion.json").read_text())["name"] == "-"
+
+
+def test_missing_frames_are_named_after_the_run(segment_all, write_folder, frames):
+    folder = write_folder("frames", [*frames, *frames])
+    for number in (2, 3, 7):
+        (folder / f"{number:05d}.png").unlink()
+    ran = segment_all(folder)
+    assert (ran.code, ran.err) == (0, "")
+    assert ran.out.splitlines()[1].startswith(f"note: frames 2-3, 7 missing in {folder}")
+    assert "note:" not in segment_all(folder, options=("--end", "2")).out
+    assert "note: frame 7 missing" in segment_all(folder, options=("--start", "2", "--every", "2")).out
