@@ -250,7 +250,7 @@ def test_commands_are_found_in_blocks_comments_and_text():
         "moseg eval --set raft.weights=pips",
         "moseg eval --workers two",
         "moseg segment --out there",
-        "moseg segment a.mp4 b.mp4",
+        "moseg export one two",
         "moseg weights fetch raft-huge",
         "moseg weights fetch --preset papers",
         "--workres 2",

@@ -38,7 +38,7 @@ FILES = (
 )
 EDITOR = "docs/editor"
 """Links to the folders, through which a checkout is imported without installation."""
-FRONT = "api/moseg/__init__.py"
+FRONT = ("api/moseg/__init__.py", "api/moseg/__main__.py")
 PAGE_SUFFIXES = (".html", ".css", ".js", ".onnx", ".json")
 
 
@@ -105,7 +105,7 @@ def _expected_names() -> set[str]:
 
 def test_the_wheel_holds_every_module_and_every_part_of_a_page(wheel):
     assert _expected_names() - wheel.names == set()
-    assert "moseg/__init__.py" in wheel.names
+    assert {"moseg/__init__.py", "moseg/__main__.py"} <= wheel.names
 
 
 def test_the_wheel_holds_nothing_else(wheel):

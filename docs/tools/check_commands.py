@@ -67,6 +67,10 @@ WORDS = {
     "DAVIS": "data/DAVIS",
     "VIDEO": "clip.mp4",
     "/data": "{folder}/data",
+    "0:10": "0:00",
+    "0:20": "0:00.5",
+    "240": "1",
+    "480": "6",
     "stage.name=value": "sections.length=30",
 }
 """Replacements of words of a command."""

@@ -33,13 +33,16 @@ SEED_RUN = ("eval", "--dataset", "synthetic", "--sequences", SCENE, "--variant",
 def write_stand_ins(folder: Path, moseg: Path) -> None:
     """Write all stand-ins below a folder.
 
-    ``clip.mp4``, ``frames/`` (also as ``holiday-frames/``), ``masks/``, ``flow/``, ``depth/``, ``tracks/`` and
-    ``results/`` belong to one video; ``data/`` holds the data sets, ``weights/`` tiny checkpoints, ``store/`` a store
-    with one run.
+    ``clip.mp4`` (also in ``clips/``), ``frames/`` (also as ``holiday-frames/``), ``masks/``, ``flow/``, ``depth/``,
+    ``tracks/`` and ``results/`` belong to one video; ``data/`` holds the data sets, ``weights/`` tiny checkpoints,
+    ``store/`` a store with one run.
     """
     scene = render_scene(SCENES[SCENE].model_copy(update={"num_frames": NUM_FRAMES}))
     masks = scene.moving.astype(np.uint8)
     write_video(folder / "clip.mp4", scene.images)
+    (folder / "clips").mkdir()
+    for name in ("one.mp4", "two.mov"):
+        write_video(folder / "clips" / name, scene.images)
     _write_images(folder / "frames", scene.images, ".png")
     (folder / "holiday-frames").symlink_to("frames", target_is_directory=True)
     _write_masks(folder / "masks", masks)

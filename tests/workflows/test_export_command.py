@@ -66,7 +66,7 @@ def test_the_summary_names_the_frames_of_a_folder_and_keeps_its_keys(squares_out
     summary = json.loads((squares_out / "motion.json").read_text())
     assert summary["frames"] == [f"{number:05d}.png" for number in range(10)]
     described = {"name", "num_frames", "width", "height", "fps", "num_motions", "objects", "frames", "choices"}
-    assert summary.keys() == described
+    assert summary.keys() == described | {"video", "numbers"}
 
 
 def test_the_overlay_has_the_style_asked_for(squares_out):
@@ -124,7 +124,7 @@ def test_names_of_frames_and_sequence_can_be_given(out, moseg, tmp_path):
         ("export OUT --to colmap --dilate -1", ("--dilate",)),
         ("export OUT --to coco --images nowhere", ("does not exist in nowhere",)),
         ("export OUT --to npz --name a/b", ("not a name of a sequence in --name",)),
-        ("segment . --export coca", ("no images",)),
+        ("segment . --variant base", ("no images",)),
         ("segment OUT/masks --export coca", ("unknown export format 'coca'",)),
         ("segment OUT/masks --overlay nothing", ("--overlay",)),
         (
@@ -184,3 +184,72 @@ def test_the_overlay_at_full_size_and_none_and_what_a_killed_run_left(squares, s
 def test_the_command_line_offers_every_style_of_overlay():
     offered = get_args(get_args(get_type_hints(OverlayOptions, include_extras=True)["overlay"])[0])
     assert offered == (*(mode.value for mode in OverlayMode), "none")
+
+
+@pytest.fixture
+def frames(squares_out):
+    """Return the folder of the frames of the squares."""
+    return squares_out.parent / "Größe 1" / "squares"
+
+
+def test_frames_and_masks_for_a_program_are_one_set(out, frames, moseg):
+    ran = moseg("export", out, "--for", "colmap", "--for", "nerfstudio", "--video", frames, "--every", "4")
+    assert (ran.code, ran.err) == (0, "")
+    assert ran.out == f"3 frames: {out / 'for-colmap'}, {out / 'for-nerfstudio'}\n"
+    images = {path.name for path in (out / "for-colmap" / "images").iterdir()}
+    assert images == {"00000.png", "00004.png", "00008.png"}
+    assert {path.name for path in (out / "for-colmap" / "masks").iterdir()} == {f"{name}.png" for name in images}
+    names = [{path.name for path in (out / "for-nerfstudio" / kind).iterdir()} for kind in ("images", "masks")]
+    assert names == [{f"frame_{index:05d}.png" for index in (1, 2, 3)}] * 2
+
+
+def test_a_set_is_written_by_segment_too_and_thinned_by_time(squares, frames, store_of_squares, moseg, tmp_path):
+    given = ("--proposals", f"folder:{squares / 'squares' / 'masks'}", "--store", store_of_squares, "--fps", 10)
+    sets = ("--for", "colmap", "--for-every", "0.3s", "--export", "matte")
+    ran = moseg("segment", frames, *given, *OPTIONS, *sets, "-o", tmp_path / "set")
+    assert (ran.code, ran.err) == (0, "")
+    images = sorted(path.name for path in (tmp_path / "set" / "for-colmap" / "images").iterdir())
+    assert images == ["00000.png", "00003.png", "00006.png", "00009.png"]
+    assert len(list((tmp_path / "set" / "masks").iterdir())) == 10
+    with av.open(str(tmp_path / "set" / "matte.mp4")) as container:
+        assert sum(1 for _ in container.decode(video=0)) == 10
+
+
+@pytest.fixture
+def store_of_squares(squares_out):
+    return squares_out.parent / "store"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ("export OUT --for colmap", ("a format that needs the frames in colmap", "--video VIDEO")),
+        ("export OUT --to prores", ("a format that needs the frames in prores", "--video VIDEO")),
+        ("export OUT --for colmpa --video FRAMES", ("'colmpa'", "did you mean 'colmap'")),
+        ("export OUT --for colmap --video OUT/masks", ("another video in --video", "'squares'")),
+        ("export OUT --for colmap --video FRAMES --every 4.5", ("neither a frame nor a time in --every",)),
+        ("export OUT --to coco --every 4", ("an option without effect in --every", "--for PROGRAM")),
+        ("export OUT --for colmap --video gone.mp4", ("file does not exist", "gone.mp4")),
+        ("segment FRAMES --for-every 4", ("an option without effect in --for-every",)),
+        ("segment FRAMES --for colmpa", ("did you mean 'colmap'",)),
+    ],
+)
+def test_a_set_that_cannot_be_written_is_one_line(out, frames, moseg, arguments, words):
+    words_of = [word.replace("OUT", str(out)).replace("FRAMES", str(frames)) for word in arguments.split()]
+    before = sorted(out.rglob("*"))
+    ran = moseg(*words_of)
+    assert (ran.code, ran.out) == (2, "")
+    (line,) = ran.err.splitlines()
+    assert all(word in line for word in words), line
+    assert sorted(out.rglob("*")) == before
+
+
+def test_a_cut_out_is_made_of_the_video_that_was_segmented(out, frames, moseg):
+    ran = moseg("export", out, "--to", "prores", "--video", frames)
+    assert (ran.code, ran.err) == (0, "")
+    with av.open(str(out / "cutout.mov")) as container:
+        shown = [frame.to_ndarray(format="rgba") for frame in container.decode(video=0)]
+    masks = _masks(out / "masks")
+    np.testing.assert_array_equal(np.stack(shown)[..., 3] > 127, masks > 0)
+    first = np.asarray(Image.open(frames / "00000.png").convert("RGB")).astype(int)
+    assert np.abs(shown[0][..., :3] - first).mean() < 6

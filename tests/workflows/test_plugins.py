@@ -145,7 +145,7 @@ def test_an_installed_package_is_found_by_every_command(run_with):
     assert "nova-set" in datasets[1]
     assert refused[0] == 2 and "'folder' or 'farneback'" in refused[2]
     assert "farneback" in shown[1]
-    assert "or nova-mean" in evaluation[1] and "csv or count" in export[1]
+    assert "or nova-mean" in evaluation[1] and "webm or count" in export[1]
 
 
 def test_a_method_and_a_model_are_computed_and_their_code_is_part_of_the_keys(run_with, site, squares, tmp_path):

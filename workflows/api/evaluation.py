@@ -26,6 +26,7 @@ from moseg.workflows.pipelines.evaluate_trajectories import evaluate_trajectorie
 from moseg.workflows.pipelines.plan_evaluation import EmptyStore, plan_evaluation, plan_trajectories
 from moseg.workflows.pipelines.purpose import Purpose
 from moseg.workflows.plugins.loading import load_plugins
+from moseg.workflows.reports.equal_rows import equality_notes
 from moseg.workflows.reports.run_report import RunReport
 from moseg.workflows.reports.score_tables import clip_tables, score_tables
 from moseg.workflows.stages.needed_weights import needed_items
@@ -122,6 +123,9 @@ def run_evaluation(
             report = evaluate_trajectories(session, dataset.name, sources, config, chosen, seeds, purpose, panels)
         if shown is not None:
             shown.note_facts(session)
+    if not isinstance(report, TrajectoryReport):
+        notes = (*notes, *equality_notes({row.variant: row.sequences for row in report.rows}))
+        report = report.model_copy(update={"notes": notes})
     if json is not None:
         write_report_json(json, report)
     if shown is None:

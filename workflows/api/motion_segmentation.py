@@ -28,6 +28,7 @@ from moseg.workflows.api.segmentation import Outputs
 from moseg.workflows.api.strip import draw_strip, spread_frames
 from moseg.workflows.exports import OverlayStyle
 from moseg.workflows.exports.draw_overlay import draw_overlay
+from moseg.workflows.exports.frame_origin import FrameOrigin
 from moseg.workflows.exports.overlay_style import DEFAULT_STYLE
 from moseg.workflows.pipelines.segment import StoredSegmentation
 
@@ -69,8 +70,7 @@ class MotionSegmentation:
     store_use: StoreUse
     _store: ArtifactStore
     _stored: StoredSegmentation
-    _frame_names: tuple[str, ...] | None = None
-    _video: str | None = None
+    _origin: FrameOrigin
     notes: tuple[str, ...] = ()
 
     @cached_property
@@ -228,15 +228,14 @@ class MotionSegmentation:
             check_min(0, dilation=dilation)
         outputs = Outputs(
             os.fsdecode(folder),
-            self._video,
+            self._origin,
             style,
             self.name,
-            self._frame_names,
-            lambda: self.num_frames,
             overlay_size == "video",
             read_names("exports", exports),
             dilation,
             "folder",
+            self.num_frames,
         )
         outputs.write(self._store, self._stored, self.fps)
         return (*outputs.paths, *outputs.export())

@@ -18,9 +18,10 @@ from moseg.workflows.api.process_settings import kept_process_settings
 from moseg.workflows.api.run_settings import read_run_settings
 from moseg.workflows.api.segmentation import open_source, run_segmentation
 from moseg.workflows.api.video_source import VideoLike
+from moseg.workflows.config.frame_range import read_frame_range
 from moseg.workflows.config.pipeline_choices import ConfigLike
 from moseg.workflows.exports import summarise_sequence
-from moseg.workflows.exports.motion_json import frame_names
+from moseg.workflows.exports.frame_origin import FrameOrigin
 from moseg.workflows.pipelines.segment import StoredSegmentation
 
 
@@ -39,6 +40,9 @@ def segment_video(
     depth: str | os.PathLike | None = None,
     flow: str | os.PathLike | None = None,
     tracks: str | os.PathLike | None = None,
+    start: int | str | None = None,
+    end: int | str | None = None,
+    every: int | str | None = None,
     fps: float | None = None,
     report: str | os.PathLike | None = None,
     name: str | None = None,
@@ -84,8 +88,12 @@ def segment_video(
     proposals, depth, flow, tracks : path, optional
         Your own masks, inverse depth, flow or point tracks in place of a backend: folders as `moseg segment
         --proposals folder:PATH` and its like read them.
+    start, end, every : int or str, optional
+        First frame that is read; the one before which reading ends; and the distance between frames: a number of
+        frames, ``'4.5s'``, or a timecode such as ``'0:04.5'``. By default all frames are read.
     fps : float, optional
-        Frames per second of the results, 0.1 to 1000; by default the video's own, 24 for frames without a rate.
+        Frames per second, 0.1 to 1000; by default the video's own, 24 for frames without a rate. Results of every n-th
+        frame have an n-th of it.
     report : path, optional
         Also write a page that shows the result and how it came about, as `moseg segment --report` does.
     name : str, optional
@@ -161,15 +169,14 @@ def segment_video(
     )
     page = None if report is None else os.fsdecode(report)
     path = os.path.abspath(os.fsdecode(video)) if isinstance(video, str | os.PathLike) else None
-    with kept_process_settings(), open_source(video, choices, name) as (source, config):
-        read = partial(_read, frame_names(source.frames), path)
-        done = run_segmentation(source, config, variant, run, read, fps, page, "motions")
+    chosen = read_frame_range(start, end, every)
+    with kept_process_settings(), open_source(video, choices, name, chosen, fps) as (source, config):
+        read = partial(_read, FrameOrigin(path, source.frames))
+        done = run_segmentation(source, config, variant, run, read, fps, page, "motions", chosen)
     return replace(done.value, store_use=done.use, notes=done.notes)
 
 
-def _read(
-    frames: tuple[str, ...] | None, video: str | None, store: ArtifactStore, stored: StoredSegmentation, fps: float
-) -> MotionSegmentation:
+def _read(origin: FrameOrigin, store: ArtifactStore, stored: StoredSegmentation, fps: float) -> MotionSegmentation:
     """Return the result; its use of the store is not known yet."""
     return MotionSegmentation(
         name=stored.name,
@@ -182,8 +189,7 @@ def _read(
         store_use=StoreUse(computed=0, reused=0),
         _store=store,
         _stored=stored,
-        _frame_names=frames,
-        _video=video,
+        _origin=origin,
     )
 
 

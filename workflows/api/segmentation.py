@@ -11,32 +11,49 @@ from moseg.schemas.scores import StoreUse
 from moseg.store import ArtifactStore
 from moseg.workflows.api.run_settings import RunSettings
 from moseg.workflows.api.video_source import VideoLike, open_video
+from moseg.workflows.config.frame_range import WHOLE, FrameRange, Position
 from moseg.workflows.config.frame_rate import choose_fps
 from moseg.workflows.config.notes import motions_note
 from moseg.workflows.config.pipeline_choices import PipelineChoices, refuse_ground_truth
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.datasets.given_folders import with_given_folders
 from moseg.workflows.exports.formats import check_exports, choose_formats, export
+from moseg.workflows.exports.formats.reconstruction_sets import choose_kept, choose_sets
+from moseg.workflows.exports.frame_origin import FrameOrigin
 from moseg.workflows.exports.motion_json import SequenceSummary
-from moseg.workflows.exports.outputs import MASKS, MOTION, OVERLAY, check_outputs, mask_name
+from moseg.workflows.exports.outputs import MASKS, MOTION, OVERLAY, check_outputs, check_same_video, mask_name
 from moseg.workflows.exports.overlay_style import OverlayStyle
-from moseg.workflows.exports.saved_segmentation import open_segmentation
+from moseg.workflows.exports.saved_segmentation import open_segmentation, required_origin
 from moseg.workflows.pipelines.purpose import Purpose
 from moseg.workflows.pipelines.segment import StoredSegmentation, segment
 from moseg.workflows.pipelines.write_segmentation import write_segmentation
 from moseg.workflows.plugins.loading import load_plugins
 from moseg.workflows.reports.run_report import RunReport
 from moseg.workflows.runlog.events import as_unicode
-from moseg.workflows.sources import open_frames
 
 Value = TypeVar("Value")
 
 
 @contextmanager
 def open_source(
-    video: VideoLike, choices: PipelineChoices, name: str | None = None
+    video: VideoLike,
+    choices: PipelineChoices,
+    name: str | None = None,
+    chosen: FrameRange = WHOLE,
+    fps: float | None = None,
 ) -> Iterator[tuple[SequenceSource, PipelineConfig]]:
     """Open the user's own video for the block, with the configuration for it.
+
+    Parameters
+    ----------
+    video : path, array or iterable of arrays
+    choices : PipelineChoices
+    name : str, optional
+        Of the video; by default after the file.
+    chosen : FrameRange
+        Frames that are read.
+    fps : float, optional
+        Frames per second of the whole, where they have no times of their own.
 
     Raises
     ------
@@ -46,7 +63,7 @@ def open_source(
     load_plugins()
     config = choices.read()
     refuse_ground_truth(config)
-    with open_video(video, name, config.max_side) as source:
+    with open_video(video, name, config.max_side, chosen, fps) as source:
         yield with_given_folders(source, choices.folders, config.max_side), config
 
 
@@ -81,6 +98,7 @@ def run_segmentation(
     fps: float | None = None,
     page: str | None = None,
     option: str = "--motions",
+    chosen: FrameRange = WHOLE,
 ) -> Segmented[Value]:
     """Segment the user's own video.
 
@@ -94,14 +112,16 @@ def run_segmentation(
         File to write a page about the run to.
     option : str
         What the number of motions is given by, for notes.
+    chosen : FrameRange
+        Frames that `source` has of the whole, so that thinned ones play as fast.
 
     Raises
     ------
     InputError
         The video cannot be read, or the page cannot be written.
     """
-    notes = motions_note(config, option)
-    rate = choose_fps(fps, source.frames.describe().fps)
+    notes = (*source.notes, *motions_note(config, option))
+    rate = chosen.thinned_rate(choose_fps(fps, source.frames.describe().fps))
     shown = None if page is None else RunReport(page, source.name, config, [variant], [source.name])
     purpose, panels = Purpose("segment", notes, rate), None if shown is None else shown.panels
     with run.open() as session:
@@ -123,16 +143,12 @@ class Outputs:
     ----------
     folder : str
         Created where it is absent.
-    video : str or None
-        Path of the video or of the folder of frames, where they came from one.
+    origin : FrameOrigin
+        Where the frames come from.
     style : OverlayStyle or None
         Of the overlay; where None there is none.
     name : str
         Of the video.
-    frames : tuple of str or None
-        File names of the frames, where they came from a folder.
-    num_frames : function
-        Returns how many frames there are; called where there are exports and no `frames`.
     has_full_size : bool
         Whether the overlay has the video's own size, for which the video is decoded again.
     exports : iterable of str
@@ -141,44 +157,64 @@ class Outputs:
         How far the formats that ignore what moves widen its masks, px.
     argument : str
         What the folder was given by.
+    num_frames : int, optional
+        How many there are, if that is known without decoding.
+    sets : iterable of str
+        Programs for which frames and masks are written as one set.
+    step : Position, optional
+        Which of the frames a set has: each n-th, or one in so many seconds; all where None.
+    fps : float, optional
+        Frames per second of images, for a step in seconds.
 
     Raises
     ------
     InputError
-        The folder cannot be written; a file would be replaced that is not ours, or the video itself; there is no such
-        format, or it cannot hold these frames.
+        The folder cannot be written; a file would be replaced that is not ours, or the video itself; it has the results
+        of another video; there is no such format, or it cannot hold these frames.
     """
 
     def __init__(
         self,
         folder: str,
-        video: str | None,
+        origin: FrameOrigin,
         style: OverlayStyle | None,
         name: str,
-        frames: tuple[str, ...] | None,
-        num_frames: Callable[[], int],
         has_full_size: bool = False,
         exports: Iterable[str] = (),
         dilation: int | None = None,
         argument: str = "--out",
+        num_frames: int | None = None,
+        sets: Iterable[str] = (),
+        step: Position | None = None,
+        fps: float | None = None,
     ):
-        if has_full_size and video is None:
+        if has_full_size and origin.path is None:
             got, expected = "frames that were given as arrays", "the size analysed"
             raise InputError("no overlay of the video's own size", where="--overlay-size", got=got, expected=expected)
-        self._video = video if has_full_size else None
-        self._formats = choose_formats(exports, dilation, frames)
-        check_outputs(folder, video, style is not None, argument)
-        self._folder, self._style, self._frames, self._dilation = Path(folder), style, frames, dilation
-        if self._formats:
-            names = frames or tuple(mask_name(index) for index in range(num_frames()))
+        self._folder, self._origin, self._style, self._dilation = Path(folder), origin, style, dilation
+        self._has_full_size = has_full_size
+        self._sets = choose_sets(sets)
+        dilation_of_formats = None if self._sets and not exports else dilation
+        self._formats = choose_formats(exports, dilation_of_formats, origin.names)
+        for entry in (*self._formats, *self._sets):
+            if entry.needs_frames:
+                required_origin(origin, entry.name)
+        check_outputs(folder, origin.path, style is not None, argument)
+        check_same_video(folder, origin, name, argument)
+        if self._formats or self._sets:
+            names = origin.names or tuple(map(mask_name, range(num_frames or origin.frames.num_frames())))
             check_exports(self._formats, self._folder, as_unicode(name), names)
+            self._kept = choose_kept(origin, len(names), step, fps)
+            thinned = names if self._kept is None else tuple(names[index] for index in self._kept)
+            check_exports(self._sets, self._folder, as_unicode(name), thinned)
 
     def write(
         self, store: ArtifactStore, stored: StoredSegmentation, fps: float, quiet: bool = True
     ) -> SequenceSummary:
         """Write masks, overlay and summary, and return what the summary holds; see `write_segmentation`."""
-        full = None if self._video is None else open_frames(self._video, max(stored.shape)).read()
-        return write_segmentation(self._folder, store, stored, fps, self._style, full, self._frames, quiet)
+        return write_segmentation(
+            self._folder, store, stored, fps, self._style, self._origin, self._has_full_size, quiet
+        )
 
     @property
     def paths(self) -> tuple[Path, ...]:
@@ -188,6 +224,9 @@ class Outputs:
 
     def export(self) -> tuple[Path, ...]:
         """Write the other formats, after `write`, and return their paths."""
-        if not self._formats:
+        if not self._formats and not self._sets:
             return ()
-        return export(open_segmentation(self._folder), self._formats, self._folder, self._dilation)
+        saved = open_segmentation(self._folder, origin=self._origin)
+        written = export(saved, self._formats, self._folder, self._dilation)
+        thinned = saved if self._kept is None else saved.thin(self._kept)
+        return (*written, *export(thinned, self._sets, self._folder, self._dilation))

@@ -15,7 +15,7 @@ from moseg.workflows.cli import backends, contact_sheet, evaluate, export, repor
 from moseg.workflows.cli.config import config_app
 from moseg.workflows.cli.datasets import datasets_app
 from moseg.workflows.cli.entry import EXIT_FAULT, EXIT_INTERRUPTED, INTERRUPTED
-from moseg.workflows.cli.help_texts import with_readable_help
+from moseg.workflows.cli.help_texts import HELP_NAMES, with_readable_help
 from moseg.workflows.cli.store import store_app
 from moseg.workflows.cli.usage_errors import describe_usage_error
 from moseg.workflows.cli.weights import weights_app
@@ -25,7 +25,9 @@ EXIT_BAD_INPUT = 2
 FULL = (errno.ENOSPC, errno.EDQUOT)
 """Errors of a full disk other than the store's: standard output may lead to one."""
 
-app = typer.Typer(name="moseg", pretty_exceptions_enable=False)
+app = typer.Typer(
+    name="moseg", pretty_exceptions_enable=False, context_settings={"help_option_names": list(HELP_NAMES)}
+)
 app.command("segment")(segment.segment)
 app.command("export")(export.export)
 app.command("eval")(evaluate.evaluate)

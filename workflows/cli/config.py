@@ -55,7 +55,7 @@ def show(
 def dump(
     pipeline: PipelineOptions,
     out: Annotated[
-        str | None, typer.Option("--out", help="File to write (default: standard output).", metavar="FILE")
+        str | None, typer.Option("--out", "-o", help="File to write (default: standard output).", metavar="FILE")
     ] = None,
     changed: Annotated[bool, typer.Option("--changed", help="Only what differs from the defaults.")] = False,
 ) -> None:

@@ -16,7 +16,7 @@ def contact_sheet(
     pipeline: PipelineOptions,
     run: RunOptions,
     out: Annotated[
-        str, typer.Option("--out", help="Folder for one PNG a sequence.", metavar="FOLDER")
+        str, typer.Option("--out", "-o", help="Folder for one PNG a sequence.", metavar="FOLDER")
     ] = "contact-sheets",
     variant: VariantOption = Variant.FUSED,
     frames: Annotated[

@@ -11,6 +11,9 @@ from typer.core import TyperCommand, TyperGroup, TyperOption
 from moseg.workflows.cli.export import fill_in_formats
 from moseg.workflows.cli.named_options import fill_in_choices
 
+HELP_NAMES = ("-h", "--help")
+"""Options that show the help of a command."""
+
 _EXAMPLES = re.compile(r"\n*^Examples\n-+\n(.*)\Z", re.MULTILINE | re.DOTALL)
 
 _KIND = re.compile(r"<(?:list\[)?(int|float|str)\b")
@@ -39,7 +42,7 @@ def _tidy(command: TyperGroup | TyperCommand) -> None:
         command.epilog = "\n".join(["[bold]Examples:[/bold]", *map(escape, lines)])
     # The lines of a docstring may be longer than a terminal's: joined, they are broken only once.
     command.help = "\n\n".join(" ".join(paragraph.split()) for paragraph in text.split("\n\n"))
-    context = typer.Context(command)
+    context = typer.Context(command, help_option_names=list(HELP_NAMES))
     for parameter in (*command.params, command.get_help_option(context)):
         if isinstance(parameter, TyperOption):
             fill_in_choices(parameter)

@@ -1,5 +1,6 @@
 """`moseg segment`."""
 
+import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
@@ -7,13 +8,15 @@ import typer
 
 from moseg.schemas.configs import Variant
 from moseg.schemas.errors import InputError
-from moseg.workflows.cli.export import ExportsOption
+from moseg.workflows.cli.export import ExportsOption, SetsOption, read_set_step
 from moseg.workflows.cli.option_groups import with_option_groups
 from moseg.workflows.cli.options import ReportOption, RunOptions, VariantOption
 from moseg.workflows.cli.pipeline_options import PipelineOptions
+from moseg.workflows.config.frame_range import FrameRange, read_frame_range
 from moseg.workflows.config.frame_rate import MAX_FPS, MIN_FPS, check_fps
 
 if TYPE_CHECKING:
+    from moseg.workflows.api.segmentation import Segmented
     from moseg.workflows.exports import OverlayStyle
 
 
@@ -82,26 +85,76 @@ class OverlayOptions:
         )
 
 
-@with_option_groups
-def segment(
-    video: Annotated[str, typer.Argument(help="A video file, or a folder of frames.")],
-    pipeline: PipelineOptions,
-    run: RunOptions,
-    drawing: OverlayOptions,
-    out: Annotated[
-        str, typer.Option("--out", help="Folder for masks/, overlay.mp4 and motion.json.", metavar="FOLDER")
-    ] = "out",
-    variant: VariantOption = Variant.FUSED,
+@dataclass(frozen=True)
+class FrameOptions:
+    """Which frames of the video are read."""
+
+    PANEL: ClassVar[str] = "Frames"
+
+    start: Annotated[
+        str | None,
+        typer.Option(
+            "--start",
+            help="First frame: a number from 0 (120), seconds (4.5s) or a timecode (0:04.5).",
+            metavar="TIME",
+        ),
+    ] = None
+    end: Annotated[
+        str | None, typer.Option("--end", help="The frame before which to end, given likewise.", metavar="TIME")
+    ] = None
+    every: Annotated[
+        str | None,
+        typer.Option("--every", help="Only each n-th frame (5), or one in so many seconds (0.5s).", metavar="STEP"),
+    ] = None
     fps: Annotated[
         float | None,
         typer.Option(
             "--fps",
             min=MIN_FPS,
             max=MAX_FPS,
-            help="Frames per second of overlay.mp4 and motion.json (default: the video's own; 24 for a folder).",
+            help="Frames per second of the video (default: its own; 24 for a folder).",
+        ),
+    ] = None
+
+    def read(self) -> FrameRange:
+        """Return the frames that these options choose; raises InputError where one cannot be read."""
+        if self.fps is not None:
+            check_fps(self.fps, "--fps")
+        return read_frame_range(self.start, self.end, self.every)
+
+
+@with_option_groups
+def segment(
+    videos: Annotated[
+        list[str],
+        typer.Argument(
+            help="Video files, folders of frames, folders of videos, or - for standard input.", metavar="VIDEO…"
+        ),
+    ],
+    frames: FrameOptions,
+    pipeline: PipelineOptions,
+    run: RunOptions,
+    drawing: OverlayOptions,
+    out: Annotated[
+        str,
+        typer.Option(
+            "--out",
+            "-o",
+            help="Folder for masks/, overlay.mp4 and motion.json; several videos each have one of their name in it.",
+            metavar="FOLDER",
+        ),
+    ] = "out",
+    variant: VariantOption = Variant.FUSED,
+    exports: ExportsOption = None,
+    sets: SetsOption = None,
+    sets_every: Annotated[
+        str | None,
+        typer.Option(
+            "--for-every",
+            help="Of the frames, only each n-th (10) or one in so many seconds (0.5s) in the set of --for.",
+            metavar="STEP",
         ),
     ] = None,
-    exports: ExportsOption = None,
     page: ReportOption = None,
 ) -> None:
     """Write masks of what moves on its own in your video: OUT/masks/*.png, OUT/overlay.mp4, OUT/motion.json.
@@ -109,31 +162,69 @@ def segment(
     Examples
     --------
     moseg segment holiday.mp4 --out holiday
-    moseg segment frames/ --out holiday --quality best --workers 2
+    moseg segment holiday.mp4 --out holiday --start 0:10 --end 0:20
+    moseg segment clips/ more.mp4 --out all
+    moseg segment frames/ --out walk --quality best --workers 2
     moseg segment holiday.mp4 --preset paper --device cuda
     moseg segment holiday.mp4 --overlay cutout --side-by-side --export coco
+    moseg segment holiday.mp4 --out holiday --for colmap --for-every 0.5s
     """
     from moseg.workflows.api.segmentation import Outputs, open_source, run_segmentation
-    from moseg.workflows.exports.motion_json import frame_names
+    from moseg.workflows.api.video_inputs import find_videos, opened
+    from moseg.workflows.exports.formats import choose_formats
+    from moseg.workflows.exports.frame_origin import FrameOrigin
 
-    if fps is not None:
-        check_fps(fps, "--fps")
-    style = drawing.read()
-    with open_source(video, pipeline.choices()) as (source, config):
-        frames, has_full_size = source.frames, drawing.overlay_size == "video"
-        outputs = Outputs(
-            out, video, style, source.name, frame_names(frames), frames.num_frames, has_full_size, exports or ()
-        )
+    chosen, style, choices = frames.read(), drawing.read(), pipeline.choices()
+    # Wrong options are an error of the call, and not of each video.
+    choices.read()
+    choose_formats(exports or ())
+    step = read_set_step(sets, sets_every, "--for-every")
 
-        def write(store, stored, rate):
-            return outputs.write(store, stored, rate, run.quiet)
+    def segment_one(video, folder: str) -> None:
+        with opened(video) as path, open_source(path, choices, video.name, chosen, frames.fps) as (source, config):
+            origin = FrameOrigin(path, source.frames)
+            outputs = Outputs(
+                folder,
+                origin,
+                style,
+                source.name,
+                drawing.overlay_size == "video",
+                exports or (),
+                sets=sets or (),
+                step=step,
+                fps=frames.fps,
+            )
 
-        done = run_segmentation(source, config, variant, run.settings(), write, fps, page)
-    exported = outputs.export()
+            def write(store, stored, rate):
+                return outputs.write(store, stored, rate, run.quiet)
+
+            done = run_segmentation(source, config, variant, run.settings(), write, frames.fps, page, chosen=chosen)
+            exported = outputs.export()
+        _print_outcome(done, [*(f"{folder}/{path.name}" for path in outputs.paths), *map(str, exported)])
+
+    found = find_videos(videos)
+    if page is not None and len(found) > 1:
+        raise InputError("one page for several videos", where="--report", got=f"{len(found)} videos", expected="one")
+    failed = []
+    for video in found:
+        if not video.is_one_of_several:
+            segment_one(video, out)
+            continue
+        try:
+            segment_one(video, f"{out}/{video.name}")
+        except InputError as error:
+            # The others need not wait for one that cannot be read.
+            print(f"moseg: {error}", file=sys.stderr)
+            failed.append(video.path)
+    if failed:
+        got = ", ".join(failed)
+        raise InputError(f"{len(failed)} of {len(found)} videos not segmented", got=got, expected="see above")
+
+
+def _print_outcome(done: "Segmented", written: list[str]) -> None:
     count = len(done.value.objects)
-    written = ", ".join((*(f"{out}/{path.name}" for path in outputs.paths), *map(str, exported)))
     print(
-        f"{count} moving object{'' if count == 1 else 's'} in {done.value.num_frames} frames: {written}"
+        f"{count} moving object{'' if count == 1 else 's'} in {done.value.num_frames} frames: {', '.join(written)}"
         f" ({done.use.computed} artifacts computed, {done.use.reused} reused, {done.seconds:.1f} s)"
     )
     for note in done.notes:

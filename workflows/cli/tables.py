@@ -15,7 +15,7 @@ from moseg.workflows.reports.published_scores import (
     PUBLISHED_CLIPS,
     PUBLISHED_ERRORS,
 )
-from moseg.workflows.reports.score_tables import score_columns, score_decimals
+from moseg.workflows.reports.score_tables import score_columns, score_decimals, share_rows
 
 if TYPE_CHECKING:
     from moseg.workflows.api.evaluation import Evaluated, Planned
@@ -32,7 +32,7 @@ def console() -> Console:
 def print_report(report: Report) -> None:
     """Print scores per sequence and mean for every variant, and what is published on the data set."""
     out = _open(report)
-    for row in report.rows:
+    for row in share_rows(report.rows):
         out.print(_clip_table(report, row) if isinstance(report, TrajectoryReport) else _sequence_table(report, row))
     _print_groups(out, report)
     _print_published(out, report)
@@ -46,12 +46,12 @@ def print_ablation(report: Report) -> None:
     if isinstance(report, TrajectoryReport):
         title, has_spread = f"{report.dataset}, {num_sequences} clips", report.rows[0].spread is not None
         table = _table(title, "variant", "mean error %", "median", "right number %", has_spread=has_spread)
-        for row in report.rows:
+        for row in share_rows(report.rows):
             figures = (row.mean.error, row.mean.median_error, row.mean.num_motions_correct)
             table.add_row(row.variant, *(f"{figure:.1f}" for figure in figures), *_spread_cell(row.spread))
     else:
         table = _score_table(f"{report.dataset}, mean of {num_sequences} sequences", "variant", report.over)
-        for row in report.rows:
+        for row in share_rows(report.rows):
             table.add_row(row.variant, *_cells(row.mean, report.over))
     out.print(table)
     _print_groups(out, report)

@@ -14,7 +14,7 @@ _PANEL = "Videos without labels"
 
 def train(
     out: Annotated[
-        str, typer.Option("--out", help="ONNX file to write; its recipe lies beside it.", metavar="FILE")
+        str, typer.Option("--out", "-o", help="ONNX file to write; its recipe lies beside it.", metavar="FILE")
     ] = "motion_network.onnx",
     folder: Annotated[
         str,

@@ -1,6 +1,8 @@
 """Errors in the use of the command line, as one line that says how to go on."""
 
+import os
 import re
+import shlex
 from typing import Any
 
 from typer.core import TyperGroup
@@ -8,6 +10,7 @@ from typer.core import TyperGroup
 from moseg.schemas.spelling import closest
 from moseg.workflows.cli.help_texts import examples_of
 
+_NO_SUCH_COMMAND = re.compile(r"No such command (?P<quote>['\"])(?P<name>.*?)(?P=quote)(?:\. Did you mean .*)?$")
 _NOT_ONE_OF = re.compile(r"'([^']*)' is not one of (.*)$")
 
 
@@ -33,12 +36,20 @@ def describe_usage_error(error: Any) -> str:
 
 
 def _about_commands(message: str, group: TyperGroup) -> str:
-    named = re.match(r"No such command '([^']*)'", message)
+    named = _NO_SUCH_COMMAND.match(message)
     if named is None:
         return f"{message}: {', '.join(group.commands)}" if message == "Missing command" else message
-    close = closest(named[1], group.commands)
+    name = named["name"]
+    close = closest(name, group.commands)
+    if close is None and "segment" in group.commands and _may_be_a_video(name):
+        return f"no such command {name!r}: did you mean `moseg segment {shlex.quote(name)}`?"
     hint = f": did you mean {close!r}?" if close else f"; one of {', '.join(group.commands)}"
-    return f"no such command {named[1]!r}{hint}"
+    return f"no such command {name!r}{hint}"
+
+
+def _may_be_a_video(text: str) -> bool:
+    """Return whether a word is a path that exists, or has a place or a suffix as names of commands have not."""
+    return os.path.exists(text) or any(character in text for character in "/.*")
 
 
 def _options(context: Any) -> list[str]:

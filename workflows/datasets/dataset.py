@@ -48,6 +48,8 @@ class SequenceSource(NamedTuple):
         Label of `objects` that is no object.
     depth, flow_forward, flow_backward, tracks : source or None
         Given cues.
+    notes : tuple of str
+        What must be known about the frames to read a result rightly.
     """
 
     name: str
@@ -63,6 +65,7 @@ class SequenceSource(NamedTuple):
     flow_forward: "SceneFlow | FlowFiles | None" = None
     flow_backward: "SceneFlow | FlowFiles | None" = None
     tracks: "SceneTracks | TrackFile | None" = None
+    notes: tuple[str, ...] = ()
 
 
 class TrajectorySource(NamedTuple):

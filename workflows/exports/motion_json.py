@@ -71,6 +71,10 @@ class SequenceSummary(Frozen):
         File names of the frames, one each, where they came from a folder; None for a video.
     choices : tuple of StretchChoice
         Where the proposals of each stretch come from, if that was left to the camera's motion, and why.
+    video : str or None
+        Digest by which the video, or the folder of frames, is known again; None for arrays.
+    numbers : tuple of int or None
+        Numbers of the frames in the video, counted from 0, one each; None if all were read, or if they have names.
     """
 
     name: str
@@ -82,6 +86,8 @@ class SequenceSummary(Frozen):
     objects: tuple[ObjectSummary, ...]
     frames: tuple[str, ...] | None = None
     choices: tuple[StretchChoice, ...] = ()
+    video: str | None = None
+    numbers: tuple[int, ...] | None = None
 
 
 def summarise_sequence(

@@ -5,9 +5,12 @@ import re
 from pathlib import Path
 
 from moseg.schemas.errors import InputError
+from moseg.workflows.exports.frame_origin import FrameOrigin
+from moseg.workflows.exports.motion_json import read_motion
 from moseg.workflows.exports.ownership import OwnedFile, is_own_mask, is_own_overlay, is_own_summary
 from moseg.workflows.exports.write_text import check_folder, check_writable
 from moseg.workflows.process.atomic_write import blame_output
+from moseg.workflows.runlog.events import as_unicode
 
 MASKS, OVERLAY, MOTION = "masks", "overlay.mp4", "motion.json"
 OWN_MASK = re.compile(r"\d{5,}\.png")
@@ -59,3 +62,36 @@ def check_outputs(folder: str, video: str | None, has_overlay: bool = True, argu
     if has_overlay:
         OwnedFile(outputs / OVERLAY, is_own_overlay).check()
     OwnedFile(outputs / MOTION, is_own_summary).check()
+
+
+def check_same_video(folder: str, origin: FrameOrigin, name: str, argument: str = "--out") -> None:
+    """Check that the results in a folder, if there are any, are those of the same video.
+
+    Parameters
+    ----------
+    folder : str
+        One that `check_outputs` has let pass.
+    origin : FrameOrigin
+        Its `identity` is that of the results; results or frames without one are known by `name`.
+    name : str
+        Of the video.
+    argument : str
+        Option or argument that names the folder.
+
+    Raises
+    ------
+    InputError
+        They are those of another video, or the video cannot be read.
+    """
+    summary = Path(folder) / MOTION
+    if not summary.exists():
+        return
+    earlier, name = read_motion(summary), as_unicode(name)
+    has_identities = earlier.video is not None and origin.identity is not None
+    if earlier.video == origin.identity if has_identities else earlier.name == name:
+        return
+    # What is not a video at all is reported as such.
+    origin.frames.describe()
+    got = f"those of {earlier.name!r}" if earlier.name != name else f"those of another video called {name!r}"
+    expected = f"another {argument}, or an empty folder"
+    raise InputError("the results of another video", where=folder, got=got, expected=expected)

@@ -23,6 +23,8 @@ class OwnedFolder:
     folder : Path
     names : iterable of str
         Files that will be written.
+    listing : Path, optional
+        File of their names; by default `LISTING` beside them.
 
     Raises
     ------
@@ -30,8 +32,9 @@ class OwnedFolder:
         A file of such a name lies there that no export wrote, two frames share a name, or the folder cannot be written.
     """
 
-    def __init__(self, folder: Path, names: Iterable[str]):
+    def __init__(self, folder: Path, names: Iterable[str], listing: Path | None = None):
         self.folder, self.names = Path(folder), tuple(names)
+        self._listing = listing or self.folder / LISTING
 
     def check(self) -> frozenset[str]:
         """Check that the folder can be written, without writing, and return the names that an earlier export wrote."""
@@ -60,10 +63,10 @@ class OwnedFolder:
         self._swept.__exit__(kind, error, trace)
 
     def _list(self, names: set[str]) -> None:
-        write_text(self.folder / LISTING, json.dumps(sorted(names), ensure_ascii=False, indent=0) + "\n")
+        write_text(self._listing, json.dumps(sorted(names), ensure_ascii=False, indent=0) + "\n")
 
     def _listed(self) -> frozenset[str]:
-        path = self.folder / LISTING
+        path = self._listing
         try:
             names = json.loads(path.read_text(encoding="utf-8"))
         except FileNotFoundError:

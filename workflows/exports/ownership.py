@@ -63,10 +63,12 @@ def is_own_mask(path: Path) -> bool:
 
 
 def is_own_overlay(path: Path) -> bool:
-    """Return whether a video bears the mark."""
+    """Return whether a video (mp4, mov, webm) bears the mark."""
     try:
-        with av.open(f"file:{path}", format="mp4", metadata_errors=METADATA_ERRORS) as container:
-            return container.metadata.get("comment") == MARK
+        demuxer = "matroska" if path.suffix == ".webm" else "mp4"
+        with av.open(f"file:{path}", format=demuxer, metadata_errors=METADATA_ERRORS) as container:
+            # Matroska writes the names of its tags in capitals.
+            return MARK in (container.metadata.get("comment"), container.metadata.get("COMMENT"))
     except (av.FFmpegError, OSError, ValueError):
         return False
 

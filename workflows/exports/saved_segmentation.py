@@ -1,14 +1,17 @@
 """Output of `moseg segment` in a folder: the masks of every frame and the summary of its motions."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
 
 from moseg.schemas.errors import InputError, MissingInputError
+from moseg.workflows.exports.frame_origin import FrameOrigin
 from moseg.workflows.exports.motion_json import SequenceSummary, check_file_name, read_motion
 from moseg.workflows.exports.outputs import MASKS, MOTION, mask_name
+from moseg.workflows.sources import VideoFile
 from moseg.workflows.sources.files import IMAGE_SUFFIXES, list_files, read_bytes
 from moseg.workflows.sources.mask_files import decode_mask
 from moseg.workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
@@ -29,11 +32,17 @@ class SavedSegmentation:
     summary : SequenceSummary
     names : tuple of str
         File names of the frames, one each; those of a video are ``00000.png`` and so on.
+    origin : FrameOrigin or None
+        Where the frames come from, if formats with frames are to be written.
+    kept : tuple of int or None
+        Which of the frames `names`, `labels` and `frames` give, ascending, counted from 0; all where None.
     """
 
     folder: Path
     summary: SequenceSummary
     names: tuple[str, ...]
+    origin: FrameOrigin | None = None
+    kept: tuple[int, ...] | None = None
 
     @property
     def stems(self) -> tuple[str, ...]:
@@ -49,7 +58,8 @@ class SavedSegmentation:
             A mask cannot be read, or contains an object that the summary does not name.
         """
         known = {entry.identity for entry in self.summary.objects}
-        for path in _mask_paths(self.folder, self.summary.num_frames):
+        for index in range(self.summary.num_frames) if self.kept is None else self.kept:
+            path = self.folder / MASKS / mask_name(index)
             labels = decode_mask(read_bytes(str(path)), str(path), "instance")
             unknown = {*list_identities(labels)} - known
             if unknown:
@@ -57,8 +67,58 @@ class SavedSegmentation:
                 raise InputError("mask of an unknown object", where=path, got=got, expected=expected)
             yield labels
 
+    def frames(self) -> Iterator[np.ndarray]:
+        """Yield each frame at its own size, uint8 (y, x, 3) RGB.
 
-def open_segmentation(folder: Path, images: Path | None = None, name: str | None = None) -> SavedSegmentation:
+        Raises
+        ------
+        InputError
+            There is no video to read them from, or it is not the one that was segmented.
+        """
+        origin = required_origin(self.origin)
+        size = (self.summary.height, self.summary.width)
+        for image in origin.choose(self.kept).read_full():
+            if image.shape[:2] != size:
+                got, expected = (f"{shape[1]}x{shape[0]} px" for shape in (image.shape, size))
+                raise InputError(
+                    "frame of the wrong size", where=origin.path, got=got, expected=f"{expected}, as in {MOTION}"
+                )
+            yield image
+
+    def pairs(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """Yield each frame with its labels; raises InputError if their numbers differ."""
+        for image, labels in zip_longest(self.frames(), self.labels()):
+            if image is None or labels is None:
+                raise InputError("masks and frames differ in number", where=required_origin(self.origin).path)
+            yield image, labels
+
+    def from_video(self, origin: FrameOrigin) -> "SavedSegmentation":
+        """Return the segmentation with the frames of a video or a folder, whose number must be the same."""
+        if not isinstance(origin.frames, VideoFile) and origin.frames.num_frames() != self.summary.num_frames:
+            got = f"{origin.frames.num_frames()} frames"
+            raise InputError(
+                "masks and frames differ in number", where=origin.path, got=got, expected=self.summary.num_frames
+            )
+        return replace(self, origin=origin)
+
+    def thin(self, kept: tuple[int, ...]) -> "SavedSegmentation":
+        """Return the segmentation with these frames alone."""
+        return replace(self, names=tuple(self.names[index] for index in kept), kept=kept)
+
+
+def required_origin(origin: FrameOrigin | None, where: object = None) -> FrameOrigin:
+    """Return where frames come from; raises InputError if that is not known, or they were given as arrays."""
+    if origin is None or origin.path is None:
+        got, expected = "masks alone", "--video VIDEO"
+        if origin is not None:
+            got, expected = "frames that were given as arrays", "a video file, or a folder of frames"
+        raise InputError("a format that needs the frames", where=where, got=got, expected=expected)
+    return origin
+
+
+def open_segmentation(
+    folder: Path, images: Path | None = None, name: str | None = None, origin: FrameOrigin | None = None
+) -> SavedSegmentation:
     """Open the output of `moseg segment`, and check that all masks are present and of the right size.
 
     Parameters
@@ -68,6 +128,8 @@ def open_segmentation(folder: Path, images: Path | None = None, name: str | None
         Folder of the frames, whose names replace those in ``motion.json``.
     name : str, optional
         Name of the sequence in place of the one in ``motion.json``.
+    origin : FrameOrigin, optional
+        Where the frames come from.
 
     Raises
     ------
@@ -99,7 +161,8 @@ def open_segmentation(folder: Path, images: Path | None = None, name: str | None
         if not path.is_file():
             raise MissingInputError("missing mask", where=path, expected=f"{summary.num_frames} masks, as in {MOTION}")
         _check_size(path, summary, "mask")
-    return SavedSegmentation(folder, summary, frames or tuple(map(mask_name, range(summary.num_frames))))
+    names = frames or tuple(map(mask_name, range(summary.num_frames)))
+    return SavedSegmentation(folder, summary, names, origin)
 
 
 def list_identities(labels: np.ndarray) -> list[int]:

@@ -1,32 +1,22 @@
 """Video with its moving objects drawn in: H.264 in MP4, which browsers play."""
 
-import math
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from itertools import zip_longest
 from pathlib import Path
 
-import av
 import numpy as np
-from av.video.reformatter import ColorRange, Colorspace
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.config.frame_rate import MAX_FPS
 from moseg.workflows.exports.draw_overlay import draw_overlay
+from moseg.workflows.exports.encode_video import Encoding, encode_video
 from moseg.workflows.exports.overlay_style import DEFAULT_STYLE, OverlayStyle
-from moseg.workflows.exports.ownership import MARK
-from moseg.workflows.process.atomic_write import atomic_path, blame_output
 from moseg.workflows.sources.resize import resize_labels, shrink_to, working_size
 
-_ENCODER = "libx264"
 VISUALLY_LOSSLESS = 18
 """Constant rate factor of x264, whose scale runs from 0, lossless, to 51; its authors call 18 visually lossless."""
-# ITU-T H.273: 1 is BT.709 for the primaries, the transfer function and the matrix.
-_BT709 = 1
-# Denominator of the NTSC rates, 30000/1001 frames per second and its kin.
-_LARGEST_DENOMINATOR = 1001
-_SLOWEST = Fraction(1, _LARGEST_DENOMINATOR)
+H264 = Encoding("H.264", "libx264", "mp4", "yuv420p", muxer_options={"movflags": "+faststart"})
 
 
 def write_overlay(
@@ -68,37 +58,8 @@ def write_overlay(
     InputError
         Where there is no frame, numbers or sizes differ, or the file cannot be written.
     """
-    if not 0 < fps < math.inf:
-        raise InputError("impossible frame rate", where=path, got=fps, expected="frames per second above 0")
-    if _ENCODER not in av.codecs_available:
-        raise InputError("no H.264 encoder", where=f"PyAV {av.__version__}", expected=f"a build with {_ENCODER}")
-    num_frames = 0
-    with atomic_path(path) as temporary:
-        with blame_output(path, av.FFmpegError):
-            container = av.open(str(temporary), "w", format="mp4", options={"movflags": "+faststart"})
-            container.metadata["comment"] = MARK
-        with container:
-            for image, mask in zip_longest(frames, labels):
-                _check_pair(image, mask, path, num_frames)
-                if max_side is not None:
-                    size = working_size(mask.shape, max_side)
-                    image, mask = shrink_to(image, size), resize_labels(mask, size)
-                drawn = _pad_to_even(draw_overlay(image, mask, style))
-                if not num_frames:
-                    stream = _add_stream(container, drawn.shape, fps, crf)
-                frame = av.VideoFrame.from_ndarray(drawn, format="rgb24")
-                frame = frame.reformat(
-                    format="yuv420p", dst_colorspace=Colorspace.ITU709, dst_color_range=ColorRange.MPEG
-                )
-                with blame_output(path, av.FFmpegError):
-                    container.mux(stream.encode(frame))
-                num_frames += 1
-            if not num_frames:
-                raise InputError("no frame to write", where=path, got=0, expected="at least 1")
-            with blame_output(path, av.FFmpegError):
-                container.mux(stream.encode(None))
-                container.close()
-    return num_frames
+    drawn = _draw(frames, labels, path, style, max_side)
+    return encode_video(path, drawn, fps, H264._replace(options={"crf": str(crf)}))
 
 
 def encode_overlay(
@@ -114,19 +75,15 @@ def encode_overlay(
         return path.read_bytes()
 
 
-def _add_stream(container: av.container.OutputContainer, shape: tuple[int, ...], fps: float | Fraction, crf: int):
-    rate = max(_SLOWEST, min(Fraction(fps), Fraction(MAX_FPS))).limit_denominator(_LARGEST_DENOMINATOR)
-    stream = container.add_stream(_ENCODER, rate=rate, options={"crf": str(crf)})
-    stream.height, stream.width = shape[:2]
-    stream.pix_fmt = "yuv420p"
-    codec = stream.codec_context
-    codec.color_primaries = codec.color_trc = codec.colorspace = _BT709
-    codec.color_range = ColorRange.MPEG
-    return stream
-
-
-def _pad_to_even(image: np.ndarray) -> np.ndarray:
-    return np.pad(image, ((0, image.shape[0] % 2), (0, image.shape[1] % 2), (0, 0)), mode="edge")
+def _draw(
+    frames: Iterable[np.ndarray], labels: Iterable[np.ndarray], path: Path, style: OverlayStyle, max_side: int | None
+) -> Iterator[np.ndarray]:
+    for index, (image, mask) in enumerate(zip_longest(frames, labels)):
+        _check_pair(image, mask, path, index)
+        if max_side is not None:
+            size = working_size(mask.shape, max_side)
+            image, mask = shrink_to(image, size), resize_labels(mask, size)
+        yield draw_overlay(image, mask, style)
 
 
 def _check_pair(image: np.ndarray | None, mask: np.ndarray | None, path: Path, index: int) -> None:

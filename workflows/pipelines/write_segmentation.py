@@ -1,11 +1,9 @@
 """The files that `moseg segment` writes: masks, overlay video and summary of the motions of one video."""
 
-from collections.abc import Iterable
 from pathlib import Path
 
-import numpy as np
-
 from moseg.store import ArtifactStore
+from moseg.workflows.exports.frame_origin import FrameOrigin
 from moseg.workflows.exports.motion_json import SequenceSummary, summarise_sequence, write_motion
 from moseg.workflows.exports.outputs import MASKS, MOTION, OVERLAY
 from moseg.workflows.exports.overlay_style import DEFAULT_STYLE, OverlayStyle
@@ -23,8 +21,8 @@ def write_segmentation(
     result: StoredSegmentation,
     fps: float,
     style: OverlayStyle | None = DEFAULT_STYLE,
-    full_frames: Iterable[np.ndarray] | None = None,
-    frames: tuple[str, ...] | None = None,
+    origin: FrameOrigin | None = None,
+    has_full_size: bool = False,
     quiet: bool = True,
 ) -> SequenceSummary:
     """Write ``masks/00000.png`` … and ``motion.json`` at the video's own size, and ``overlay.mp4``.
@@ -42,10 +40,11 @@ def write_segmentation(
         Frames per second.
     style : OverlayStyle, optional
         Of the overlay; where None there is none, and one that an earlier run left is removed.
-    full_frames : iterable of uint8 (y, x, rgb), optional
-        Frames at the video's own size for the overlay, which is drawn at the size analysed where None.
-    frames : tuple of str, optional
-        File names of the frames, where they came from a folder.
+    origin : FrameOrigin, optional
+        Where the frames come from, for the summary.
+    has_full_size : bool
+        Whether the overlay has the video's own size, for which the frames of `origin` are read again, or the size
+        analysed.
     quiet : bool
         No progress on standard error.
 
@@ -72,13 +71,16 @@ def write_segmentation(
             with blame_output(overlay):
                 if overlay.exists() and is_own_overlay(overlay):
                     overlay.unlink()
-        elif full_frames is None:
+        elif not has_full_size:
             shown = progress.each("overlay", result.frames(store))
             write_overlay(overlay, shown, result.labels(store, result.analysed_shape), fps, style)
         else:
-            write_overlay(overlay, progress.each("overlay", full_frames), result.labels(store), fps, style)
+            write_overlay(overlay, progress.each("overlay", origin.read_full()), result.labels(store), fps, style)
         labels = progress.each("summary", result.labels(store))
         found = result.num_motions, result.motions, result.tags
-        summary = summarise_sequence(result.name, labels, fps, *found, frames, result.choices, result.moves(store))
+        names = None if origin is None else origin.names
+        summary = summarise_sequence(result.name, labels, fps, *found, names, result.choices, result.moves(store))
+        if origin is not None:
+            summary = summary.model_copy(update={"video": origin.identity, "numbers": origin.numbers})
         write_motion(folder / MOTION, summary)
     return summary

@@ -12,6 +12,7 @@ from moseg.store import ArtifactStore
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves, TrajectoryGraph
 from moseg.workflows.process.progress import PATIENCE_SEC, StageProgress
 from moseg.workflows.reports.content import ReportPage, ScoreTable
+from moseg.workflows.reports.equal_rows import equality_notes
 from moseg.workflows.reports.facts import facts_of_log
 from moseg.workflows.reports.missing import WhyAbsent
 from moseg.workflows.reports.panels import NUM_FRAMES, Panels, choose_shown
@@ -93,7 +94,8 @@ def _gather_frames(
         return (), ()
     found = [score for by_name in scores.values() for score in by_name.values()]
     tables = score_tables(subject.dataset, _over(subject.sequences[0].leaves), scores)
-    return tables, _note_absent(found.count(None), len(found), why_absent, "their cells and the means are empty")
+    absent = _note_absent(found.count(None), len(found), why_absent, "their cells and the means are empty")
+    return tables, (*equality_notes(scores), *absent)
 
 
 def _gather_clips(

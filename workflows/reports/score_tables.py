@@ -1,10 +1,12 @@
 """Score tables: what was measured over frames or trajectories, and what papers report of the same data set."""
 
 from collections.abc import Mapping, Sequence
+from typing import TypeVar
 
-from moseg.schemas.scores import AnyScore, GroundTruth, mean_score
+from moseg.schemas.scores import AnyScore, EvaluationRow, GroundTruth, StillRow, mean_score
 from moseg.schemas.trajectory_scores import TrajectoryRow
 from moseg.workflows.reports.content import Better, ScoreTable
+from moseg.workflows.reports.equal_rows import group_equal, name_group
 from moseg.workflows.reports.published_groups import PUBLISHED_GROUPS, RERUN_NOTE
 from moseg.workflows.reports.published_scores import (
     ONE_MOTION_ERROR,
@@ -16,6 +18,7 @@ from moseg.workflows.reports.published_scores import (
 
 Scores = Mapping[str, Mapping[str, AnyScore | None]]
 """By variant and sequence; None where a score is not in the store."""
+AnyRow = TypeVar("AnyRow", EvaluationRow, StillRow, TrajectoryRow)
 _COLUMNS = {
     "Pu": "P",
     "Ru": "R",
@@ -41,16 +44,20 @@ def score_decimals(over: GroundTruth) -> int:
 
 
 def score_tables(dataset: str, over: GroundTruth, scores: Scores) -> tuple[ScoreTable, ...]:
-    """Return means of the variants where there are several, every sequence of each variant, and the paper's rows."""
+    """Return means of the variants where there are several, every sequence of each variant, and the paper's rows.
+
+    Variants with the same scores share their rows.
+    """
     named = f"{dataset}, over points" if over == "points" else dataset
     columns = score_columns(over)
+    groups = {name_group(names): by_name for names, by_name in group_equal(scores).items()}
     tables = []
     if len(scores) > 1:
         title = f"{named}, mean of {_count(len(next(iter(scores.values()))), 'sequence')}"
-        rows = tuple((variant, _mean(list(by_name.values()), over)) for variant, by_name in scores.items())
+        rows = tuple((variant, _mean(list(by_name.values()), over)) for variant, by_name in groups.items())
         tables.append(_measured(title, ("variant", *columns), rows, over))
         tables.extend(_paper_tables(dataset, over))
-    for variant, by_name in scores.items():
+    for variant, by_name in groups.items():
         rows = tuple((name, _cells(score, over)) for name, score in by_name.items())
         rows += (("mean", _mean(list(by_name.values()), over)),)
         tables.append(_measured(f"{named}, {variant}", ("sequence", *columns), rows, over))
@@ -70,8 +77,16 @@ def clip_tables(dataset: str, rows: tuple[TrajectoryRow, ...]) -> tuple[ScoreTab
 
     Errors by group of clips, where the data set has groups, have a row for each variant and each published method.
     """
-    tables = [_variant_table(dataset, rows)] if len(rows) > 1 else []
-    return (*tables, *(_clip_table(dataset, row) for row in rows), *_group_tables(dataset, rows), *_published(dataset))
+    shown = share_rows(rows)
+    tables = [_variant_table(dataset, shown)] if len(rows) > 1 else []
+    clips = (_clip_table(dataset, row) for row in shown)
+    return (*tables, *clips, *_group_tables(dataset, shown), *_published(dataset))
+
+
+def share_rows(rows: Sequence[AnyRow]) -> tuple[AnyRow, ...]:
+    """Return the rows of variants, with one row for those whose scores are the same."""
+    unnamed = {row.variant: row.model_copy(update={"variant": ""}) for row in rows}
+    return tuple(row.model_copy(update={"variant": name_group(names)}) for names, row in group_equal(unnamed).items())
 
 
 def _paper_tables(dataset: str, over: GroundTruth) -> tuple[ScoreTable, ...]:

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -39,11 +39,14 @@ class ImageFiles:
         Frames whose longer side exceeds it are area-resized to it, px.
     size : (int, int), optional
         Original (height, width) that every image must have; the first image's where None.
+    folder_start : str, optional
+        Path of the first image of the folder, of which these are some; the first of these where None.
     """
 
     paths: tuple[str, ...]
     max_side: int
     size: tuple[int, int] | None = None
+    folder_start: str | None = None
 
     def __post_init__(self):
         if not self.paths:
@@ -76,6 +79,15 @@ class ImageFiles:
     def num_frames(self) -> int:
         """Return the number of files."""
         return len(self.paths)
+
+    def choose(self, numbers: tuple[int, ...]) -> "ImageFiles":
+        """Return the source of these frames alone, counted from 0."""
+        return replace(self, paths=tuple(self.paths[number] for number in numbers), folder_start=self.first_path)
+
+    @property
+    def first_path(self) -> str:
+        """Path of the first image of the folder."""
+        return self.folder_start or self.paths[0]
 
     def chunks(self, size: int) -> tuple["ImageFiles", ...]:
         """Return runs of at most `size` images, which must have the size of the first image of all."""

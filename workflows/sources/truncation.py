@@ -5,10 +5,15 @@ Decoders do not report this: a Matroska file cut in half decodes without an erro
 
 import os
 import struct
+from collections.abc import Iterator
 from typing import BinaryIO
 
 EBML_HEADER = 0x1A45DFA3
 MATROSKA_SEGMENT = 0x18538067
+
+
+_MEDIA_BOXES = (b"ftyp", b"moov", b"mdat", b"wide", b"free", b"skip")
+"""Kinds of box with which ISO base media begin."""
 
 
 def missing_bytes(path: str) -> int:
@@ -19,16 +24,37 @@ def missing_bytes(path: str) -> int:
     """
     length = os.path.getsize(path)
     with open(path, "rb") as file:
-        if file.read(8)[4:] in (b"ftyp", b"moov", b"mdat", b"wide", b"free", b"skip"):
+        if file.read(8)[4:] in _MEDIA_BOXES:
             end = _media_data_end(file, length)
         else:
             end = _segment_end(file, length)
     return max(0, end - length)
 
 
+def bytes_without_index(path: str) -> int | None:
+    """Return the bytes that are missing at least if ISO base media have no whole index (``moov``), else None.
+
+    The index of most recordings is written last: it is absent if the recording did not end, or the file was cut short.
+    It is 0 if no box is cut.
+    """
+    length = os.path.getsize(path)
+    with open(path, "rb") as file:
+        if file.read(8)[4:] not in _MEDIA_BOXES:
+            return None
+        boxes = list(_boxes(file, length))
+    if any(kind == b"moov" and end <= length for kind, end in boxes):
+        return None
+    return max(0, max(end for _, end in boxes) - length)
+
+
 def _media_data_end(file: BinaryIO, length: int) -> int:
     """Return the position at which the last box of samples, or of a fragment's index, should end."""
-    position = end = 0
+    return max((end for kind, end in _boxes(file, length) if kind in (b"mdat", b"moof")), default=0)
+
+
+def _boxes(file: BinaryIO, length: int) -> Iterator[tuple[bytes, int]]:
+    """Yield kind and end of each box at the top of ISO base media; the last end may be beyond that of the file."""
+    position = 0
     while position + 8 <= length:
         file.seek(position)
         size, kind = struct.unpack(">I4s", file.read(8))
@@ -37,11 +63,10 @@ def _media_data_end(file: BinaryIO, length: int) -> int:
             size = int.from_bytes(large, "big") if len(large) == 8 else 0
         if size < 8:
             # 0 means "to the end of the file"; 2..7 are invalid.
-            break
+            yield kind, position
+            return
         position += size
-        if kind in (b"mdat", b"moof"):
-            end = position
-    return end
+        yield kind, position
 
 
 def _segment_end(file: BinaryIO, length: int) -> int:

@@ -1,9 +1,10 @@
 """Frames from a video file."""
 
+import math
 import os
 import struct
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import av
 import numpy as np
@@ -18,7 +19,7 @@ from moseg.workflows.sources.files import digest_file
 from moseg.workflows.sources.frames import FrameDescription
 from moseg.workflows.sources.pillow_image import MAX_PIXELS
 from moseg.workflows.sources.resize import shrink_to, working_size
-from moseg.workflows.sources.truncation import missing_bytes
+from moseg.workflows.sources.truncation import bytes_without_index, missing_bytes
 
 DECODING_VERSION = 1
 """Raised when `VideoFile.read` starts to yield other pixels for the same bytes."""
@@ -27,6 +28,7 @@ NOT_VIDEOS = frozenset(("tty", "hls", "dash", "concat", "sdp", "rtp", "rtsp", "i
 METADATA_ERRORS = "replace"
 """Handling of titles and comments that are not UTF-8: many programs write Latin-1."""
 VIDEOS = "a video file, or a folder of images"
+WITH_INDEX = "the whole file: without its index (moov) no frame can be decoded"
 REPAIR = "an intact video (ffmpeg -i IN OUT.mp4 re-encodes what can be read)"
 
 
@@ -42,14 +44,18 @@ class VideoFile:
     path : str
     max_side : int
         Frames whose longer side exceeds it are area-resized to it, px.
+    numbers : tuple of int, optional
+        Frames to read, ascending, counted from 0; all where None.
     """
 
     path: str
     max_side: int
+    numbers: tuple[int, ...] | None = None
 
     def fingerprint(self) -> str:
         """Return the digest of the file's bytes and the decode parameters."""
-        return digest_json("source", ["video", DECODING_VERSION, self.max_side, digest_file(self.path)])
+        chosen = [] if self.numbers is None else [self.numbers]
+        return digest_json("source", ["video", DECODING_VERSION, self.max_side, digest_file(self.path), *chosen])
 
     def read(self) -> Iterator[np.ndarray]:
         """Yield each frame as uint8 (y, x, 3) RGB, upright.
@@ -60,7 +66,7 @@ class VideoFile:
             Not a video, no frame in it, or a video that cannot be decoded to its end: no frame is lost unreported.
         """
         size = None
-        for number, frame in enumerate(self._decode()):
+        for number, frame in self._decode_chosen():
             image = _to_array(frame)
             size = size or image.shape[:2]
             if image.shape[:2] != size:
@@ -83,11 +89,38 @@ class VideoFile:
 
     def num_frames(self) -> int:
         """Return the number of frames that decode; the count in a file's header may be wrong, so all are decoded."""
-        return sum(1 for _ in self._decode())
+        return sum(1 for _ in self._decode()) if self.numbers is None else len(self.numbers)
+
+    def times(self) -> Iterator[float]:
+        """Yield the time of each frame of the file since the first one, s: by its time stamp, or else by the rate.
+
+        NaN where the file has neither.
+        """
+        origin, fps = None, self.describe().fps or math.nan
+        for number, frame in enumerate(self._decode()):
+            if number == 0:
+                origin = frame.time
+            yield number / fps if frame.time is None or origin is None else frame.time - origin
+
+    def choose(self, numbers: tuple[int, ...]) -> "VideoFile":
+        """Return the source of these frames alone."""
+        return replace(self, numbers=numbers)
 
     def chunks(self, size: int) -> tuple["VideoFile", ...]:
         """Return the source itself: a video decodes from its beginning."""
         return (self,)
+
+    def _decode_chosen(self) -> Iterator[tuple[int, av.VideoFrame]]:
+        """Yield frames with their numbers; nothing is decoded after the last one that is read."""
+        frames = enumerate(self._decode())
+        if self.numbers is None:
+            yield from frames
+            return
+        for wanted in self.numbers:
+            found = next((each for each in frames if each[0] == wanted), None)
+            if found is None:
+                raise InputError("no such frame", where=self.path, got=wanted)
+            yield found
 
     def _decode(self) -> Iterator[av.VideoFrame]:
         number = 0
@@ -135,12 +168,25 @@ def _open(path: str) -> InputContainer:
     except av.ArgumentError as error:
         raise InputError("not a video", where=path, got="text or a playlist", expected=VIDEOS) from error
     except av.FFmpegError as error:
+        _check_index(path)
         raise InputError("not a video", where=path, got=error.strerror, expected=VIDEOS) from error
+
+
+def _check_index(path: str) -> None:
+    """Raise InputError if a file that cannot be opened, or has no stream, is a video that lacks its index."""
+    missing = bytes_without_index(path)
+    if missing:
+        got = f"no index, and at least {missing} bytes less"
+        raise InputError("video is cut short", where=path, got=got, expected=WITH_INDEX)
+    if missing == 0:
+        got = "a recording that did not end, or a part of a file"
+        raise InputError("video without an index", where=path, got=got, expected=WITH_INDEX)
 
 
 def _video_stream(container: InputContainer, path: str) -> VideoStream:
     stream = container.streams.best("video")
     if stream is None or stream.disposition & Disposition.attached_pic:
+        _check_index(path)
         got = ", ".join(sorted({other.type for other in container.streams})) or "nothing"
         raise InputError("no video stream", where=path, got=got)
     if stream.codec_context is None:

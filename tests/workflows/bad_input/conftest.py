@@ -2,6 +2,7 @@
 included."""
 
 import os
+import shutil
 from pathlib import Path
 from typing import NamedTuple
 
@@ -150,6 +151,8 @@ def masks_of(segment, tmp_path):
     """Segments what must be accepted without a word on standard error; returns the masks, uint16 (frame, y, x)."""
 
     def call(video, *options):
+        # The folder of one video is not that of another.
+        shutil.rmtree(tmp_path / "out", ignore_errors=True)
         ran = segment(video, *options)
         assert (ran.code, ran.err) == (0, "")
         paths = sorted((tmp_path / "out" / "masks").iterdir())

@@ -1,5 +1,7 @@
 """A name that is almost right: one line says which was meant."""
 
+from pathlib import Path
+
 import pytest
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
@@ -85,3 +87,25 @@ def test_what_is_missing_is_shown_by_an_example(moseg, arguments, example):
     assert "issing" in line
     assert example in line
     assert f"moseg {arguments} --help" in line
+
+
+@pytest.mark.parametrize(
+    ("word", "meant"),
+    [
+        ("holiday.mp4", "moseg segment holiday.mp4"),
+        ("my frames/", "moseg segment 'my frames/'"),
+        ("clips/*.mov", "moseg segment 'clips/*.mov'"),
+        ("it's.webm", "moseg segment 'it'\"'\"'s.webm'"),
+    ],
+)
+def test_a_video_without_a_command_is_to_be_segmented(moseg, word, meant):
+    ran = moseg(word)
+    assert (ran.code, ran.out) == (2, "")
+    (line,) = ran.err.splitlines()
+    assert f"did you mean `{meant}`?" in line
+
+
+def test_a_folder_that_exists_is_a_video_whatever_its_name(moseg):
+    Path("recordings").mkdir()
+    assert "moseg segment recordings" in moseg("recordings").err
+    assert "did you mean" not in moseg("frobnicate").err

@@ -2,6 +2,8 @@
 
 import importlib.util
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -122,3 +124,21 @@ def test_the_version_is_one_line(moseg):
     ran = moseg("--version")
     assert (ran.code, ran.err) == (0, "")
     assert re.fullmatch(r"moseg \d+\.\d+\S*\n", ran.out)
+
+
+@pytest.mark.parametrize("path", PATHS, ids=" ".join)
+def test_the_short_option_shows_the_same_help(moseg, path):
+    assert moseg(*path, "-h") == moseg(*path, "--help")
+
+
+def test_every_output_has_the_short_option_too():
+    for path in PATHS:
+        options = [parameter.opts for parameter in _find(path).params if "--out" in parameter.opts]
+        assert all("-o" in names for names in options), " ".join(path)
+
+
+def test_the_module_is_the_command(tmp_path):
+    command = [sys.executable, "-m", "moseg", "--version"]
+    ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert re.fullmatch(r"moseg \d+\.\d+\S*\n", ran.stdout)

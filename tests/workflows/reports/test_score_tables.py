@@ -4,6 +4,7 @@ from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.scores import SequenceScore, StillScore
 from moseg.schemas.trajectory_scores import GroupMean, TrajectoryMean, TrajectoryRow, TrajectoryScore
 from moseg.workflows.reports.content import Better
+from moseg.workflows.reports.equal_rows import equality_notes
 from moseg.workflows.reports.facts import parameter_rows
 from moseg.workflows.reports.published_scores import PAPER_ROWS, PUBLISHED_ERRORS
 from moseg.workflows.reports.score_tables import clip_tables, score_tables
@@ -49,8 +50,8 @@ def test_a_mean_over_incomplete_scores_is_empty():
     assert None not in base.rows[-1][1]
 
 
-def _row(variant, spread=None):
-    scores = {"clip": TrajectoryScore(error=12.5, num_motions=3, num_motions_true=2, spread=spread)}
+def _row(variant, spread=None, num_motions=3):
+    scores = {"clip": TrajectoryScore(error=12.5, num_motions=num_motions, num_motions_true=2, spread=spread)}
     return TrajectoryRow(
         variant=variant,
         sequences=scores,
@@ -60,7 +61,7 @@ def _row(variant, spread=None):
 
 
 def test_smaller_errors_are_better():
-    means, fused, trajs, published = clip_tables("kt3dmoseg", (_row("fused"), _row("trajs")))
+    means, fused, trajs, published = clip_tables("kt3dmoseg", (_row("fused"), _row("trajs", num_motions=4)))
     assert means.columns == ("variant", "mean error %", "median", "right number %")
     assert means.better == (Better.LESS, Better.LESS, Better.MORE)
     assert fused.rows[0] == ("clip", (12.5, 3, 2)) and trajs.better == (Better.LESS, None, None)
@@ -122,3 +123,47 @@ def test_where_nothing_moves_less_is_better_and_small_percentages_are_legible():
     assert table.columns == ("sequence", "false pixels %", "false frames %")
     assert table.rows == (("street", (0.03, 4.0)), ("mean", (0.03, 4.0)))
     assert table.better == (Better.LESS, Better.LESS) and table.decimals == (2, 2)
+
+
+def test_variants_with_the_same_scores_share_their_rows():
+    other = SCORE.model_copy(update={"P": 3.0})
+    alike, scores = {"a": SCORE, "b": other}, {}
+    for variant in ("fused", "oc-depth", "oc", "trajs", "base"):
+        scores[variant] = dict(alike)
+    means, sequences = score_tables("folder", "pixels", scores)
+    assert [name for name, _ in means.rows] == ["fused, oc-depth, oc, trajs, base"]
+    assert sequences.title == "folder, fused, oc-depth, oc, trajs, base"
+    scores["oc"] = {"a": SCORE, "b": SCORE}
+    means, *sequences = score_tables("folder", "pixels", scores)
+    assert [name for name, _ in means.rows] == ["fused, oc-depth, trajs, base", "oc"]
+    assert len(sequences) == 2
+
+
+def test_missing_scores_are_equal_to_none():
+    means, *sequences = score_tables("folder", "pixels", {"fused": {"a": None}, "base": {"a": None}})
+    assert len(means.rows) == len(sequences) == 2
+    assert equality_notes({"fused": {"a": None}, "base": {"a": None}}) == ()
+
+
+def test_a_note_says_that_the_proposals_alone_decide():
+    other = SCORE.model_copy(update={"P": 3.0})
+    names = [f"clip{index}" for index in range(4)]
+    alike = {variant: dict.fromkeys(names, SCORE) for variant in ("fused", "oc", "base")}
+    (note,) = equality_notes(alike)
+    assert note.startswith("fused, oc and base score the same on every sequence: the proposals alone decide")
+    (note,) = equality_notes(alike | {"oc": alike["oc"] | {"clip2": other}})
+    assert note == (
+        "the variants differ on 1 of 4 sequences (clip2); on the others the proposals alone decide what moves"
+    )
+    mostly = dict.fromkeys(names[:3], other) | {"clip3": SCORE}
+    assert equality_notes(alike | {"oc": mostly}) == ()
+    assert equality_notes({"fused": alike["fused"]}) == ()
+    # Without `base` it is only known that the others agree.
+    (note,) = equality_notes({name: alike[name] for name in ("fused", "oc")})
+    assert "proposals" not in note and "motion models agree" in note
+
+
+def test_clips_with_the_same_errors_share_their_rows_too():
+    means, clips, published = clip_tables("kt3dmoseg", (_row("fused"), _row("trajs")))
+    assert [name for name, _ in means.rows] == ["fused, trajs"]
+    assert clips.title.startswith("kt3dmoseg, fused, trajs (") and published.is_published

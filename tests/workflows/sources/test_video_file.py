@@ -8,7 +8,7 @@ import pytest
 
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.sources import VideoFile, video_file
-from moseg.workflows.sources.truncation import missing_bytes
+from moseg.workflows.sources.truncation import bytes_without_index, missing_bytes
 
 
 @pytest.fixture
@@ -90,6 +90,56 @@ def test_a_truncated_video_is_refused(tmp_path, write_video, moving, suffix, kep
         list(VideoFile(str(path), 1000).read())
 
 
+@pytest.fixture
+def with_index_at_the_end(tmp_path, moving):
+    """Return the bytes of an mp4 whose index is its last box, and where that begins."""
+    path = tmp_path / "whole.mp4"
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=25)
+        stream.height, stream.width, stream.pix_fmt = *moving[0].shape[:2], "yuv420p"
+        for image in moving:
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(image, format="rgb24")))
+        container.mux(stream.encode(None))
+    content = path.read_bytes()
+    return content, content.index(b"moov") - 4
+
+
+@pytest.mark.parametrize("part", [0.3, 0.9])
+def test_a_video_that_lost_its_index_is_cut_short_and_no_unknown_format(tmp_path, with_index_at_the_end, part):
+    content, index = with_index_at_the_end
+    path = tmp_path / "a.mp4"
+    path.write_bytes(content[: int(part * index)])
+    missing = index - int(part * index)
+    with pytest.raises(InputError, match=rf"cut short in .*a.mp4; got no index, and at least {missing} bytes less"):
+        list(VideoFile(str(path), 1000).read())
+    # Within the index itself.
+    path.write_bytes(content[: index + 40])
+    with pytest.raises(InputError, match=rf"; got no index, and at least {len(content) - index - 40} bytes less"):
+        list(VideoFile(str(path), 1000).read())
+
+
+def test_a_recording_that_did_not_end_has_no_index(tmp_path, with_index_at_the_end):
+    content, index = with_index_at_the_end
+    path = tmp_path / "a.mp4"
+    path.write_bytes(content[:index])
+    message = r"video without an index in .*a.mp4; got a recording that did not end.*; expected the whole file"
+    with pytest.raises(InputError, match=message):
+        list(VideoFile(str(path), 1000).read())
+    # A camera writes the length of the samples when the recording ends.
+    start = content.index(b"mdat") - 4
+    path.write_bytes(content[:start] + bytes(4) + content[start + 4 : index - 100])
+    with pytest.raises(InputError, match=message):
+        list(VideoFile(str(path), 1000).read())
+
+
+def test_what_is_no_media_file_has_no_index_to_lose(tmp_path):
+    path = tmp_path / "a.mp4"
+    path.write_bytes(b"<html>" * 100)
+    assert bytes_without_index(str(path)) is None
+    with pytest.raises(InputError, match="not a video"):
+        list(VideoFile(str(path), 1000).read())
+
+
 def test_a_header_longer_than_any_file_counts_as_missing_bytes(tmp_path, write_video, moving):
     path = tmp_path / "a.mkv"
     write_video(path, moving)
@@ -104,7 +154,7 @@ def test_a_video_whose_header_was_never_written_is_refused(tmp_path, write_video
     write_video(path, moving)
     content = path.read_bytes()
     path.write_bytes(content[:32] + content[content.index(b"mdat") - 4 :])
-    with pytest.raises(InputError, match=r"not a video in .*a\.mp4"):
+    with pytest.raises(InputError, match=r"video without an index in .*a\.mp4"):
         list(VideoFile(str(path), 1000).read())
 
 

@@ -33,6 +33,10 @@ class ExportFormat(NamedTuple):
         Of the frames' file names; raises InputError where the format cannot hold them.
     last_identity : int, optional
         The largest identity that it can hold.
+    needs_frames : bool
+        Whether it has the frames themselves in it.
+    check_encoder : callable, optional
+        Raises InputError where the encoder that it needs is missing.
     """
 
     name: str
@@ -42,3 +46,5 @@ class ExportFormat(NamedTuple):
     is_dilated: bool = False
     check_names: Callable[[tuple[str, ...]], None] | None = None
     last_identity: int | None = None
+    needs_frames: bool = False
+    check_encoder: Callable[[], None] | None = None

@@ -1,4 +1,4 @@
-"""Masks of what a reconstruction of the static scene must ignore: the moving objects, a little dilated."""
+"""Grey masks of what moves: for reconstructions, which must ignore it, a little dilated, and for editors."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -69,7 +69,7 @@ def check_png_names(names: tuple[str, ...]) -> None:
             raise InputError("not a PNG file", where="dynaslam", got=name, expected="frames whose names end in .png")
 
 
-def _ignore_format(
+def mask_format(
     name: str,
     description: str,
     mask_name: Callable[[str], str],
@@ -91,7 +91,7 @@ def _ignore_format(
     return ExportFormat(name, description, write, target, True, check_names)
 
 
-COLMAP = _ignore_format(
+COLMAP = mask_format(
     "colmap",
     "colmap/<frame file>.png, black where it moves: COLMAP's --ImageReader.mask_path",
     lambda frame: f"{frame}.png",
@@ -99,7 +99,7 @@ COLMAP = _ignore_format(
 )
 """COLMAP's documentation, "Frequently Asked Questions", section "Mask image regions"."""
 
-NERFSTUDIO = _ignore_format(
+NERFSTUDIO = mask_format(
     "nerfstudio",
     "nerfstudio/<frame>.png, black where it moves: mask_path of transforms.json",
     lambda frame: f"{Path(frame).stem}.png",
@@ -107,7 +107,7 @@ NERFSTUDIO = _ignore_format(
 )
 """nerfstudio's documentation, "Data conventions", section "Masks"."""
 
-INSTANT_NGP = _ignore_format(
+INSTANT_NGP = mask_format(
     "instant-ngp",
     "instant-ngp/dynamic_mask_<frame>.png, white where it moves: beside instant-ngp's images",
     lambda frame: f"dynamic_mask_{Path(frame).stem}.png",
@@ -115,7 +115,7 @@ INSTANT_NGP = _ignore_format(
 )
 """instant-ngp's README, "How to mask away NeRF training pixels (e.g. for dynamic object removal)?"."""
 
-DYNASLAM = _ignore_format(
+DYNASLAM = mask_format(
     "dynaslam",
     "dynaslam/<frame file>, 1 where it moves: PATH_TO_MASKS of DynaSLAM",
     lambda frame: frame,
@@ -125,3 +125,12 @@ DYNASLAM = _ignore_format(
 )
 """Bescos et al., "DynaSLAM: Tracking, Mapping and Inpainting in Dynamic Scenes", RA-L 2018; PATH_TO_MASKS in its
 README. DynaSLAM dilates masks itself."""
+
+BINARY = mask_format(
+    "binary",
+    "binary/<frame>.png, white where it moves, else black: editors, scripts",
+    lambda frame: f"{Path(frame).stem}.png",
+    Polarity(255, 0),
+    0,
+)
+"""One mask for all that moves."""

@@ -7,14 +7,18 @@ from moseg.schemas.errors import InputError
 from moseg.schemas.spelling import unknown_name
 from moseg.workflows.exports.formats.annotations import COCO, YTVIS
 from moseg.workflows.exports.formats.davis import DAVIS
+from moseg.workflows.exports.formats.editor_videos import MATTE, PRORES, WEBM
 from moseg.workflows.exports.formats.export_format import ExportFormat
-from moseg.workflows.exports.formats.ignore_masks import COLMAP, DYNASLAM, INSTANT_NGP, NERFSTUDIO
+from moseg.workflows.exports.formats.ignore_masks import BINARY, COLMAP, DYNASLAM, INSTANT_NGP, NERFSTUDIO
 from moseg.workflows.exports.formats.npz import NPZ
 from moseg.workflows.exports.formats.object_table import CSV
 from moseg.workflows.exports.motion_json import check_file_name
-from moseg.workflows.exports.saved_segmentation import SavedSegmentation
+from moseg.workflows.exports.saved_segmentation import SavedSegmentation, required_origin
 
-FORMATS = {entry.name: entry for entry in (DAVIS, COCO, YTVIS, COLMAP, NERFSTUDIO, INSTANT_NGP, DYNASLAM, NPZ, CSV)}
+FORMATS = {
+    entry.name: entry
+    for entry in (DAVIS, COCO, YTVIS, COLMAP, NERFSTUDIO, INSTANT_NGP, DYNASLAM, NPZ, CSV, BINARY, MATTE, PRORES, WEBM)
+}
 
 
 def choose_formats(
@@ -33,7 +37,8 @@ def choose_formats(
     Raises
     ------
     InputError
-        No format has the name, none is dilated where a dilation is given, or one does not accept the frames' names.
+        No format has the name, none is dilated where a dilation is given, one does not accept the frames' names, or its
+        encoder is missing.
     """
     names = tuple(dict.fromkeys(names))
     for name in names:
@@ -47,6 +52,8 @@ def choose_formats(
     for entry in chosen:
         if frames is not None and entry.check_names is not None:
             entry.check_names(frames)
+        if entry.check_encoder is not None:
+            entry.check_encoder()
     return chosen
 
 
@@ -69,6 +76,8 @@ def export(
     check_exports(formats, folder, saved.summary.name, saved.names)
     last = max((entry.identity for entry in saved.summary.objects), default=0)
     for entry in formats:
+        if entry.needs_frames:
+            required_origin(saved.origin, entry.name)
         if entry.last_identity is not None and last > entry.last_identity:
             expected = f"at most {entry.last_identity}"
             raise InputError("too many objects for a palette", where=entry.name, got=last, expected=expected)

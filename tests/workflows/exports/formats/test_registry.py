@@ -5,10 +5,14 @@ import uuid
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli.export import OWN_FORMATS
 from moseg.workflows.exports.formats import FORMATS, check_exports, choose_formats, export
+from moseg.workflows.exports.formats.reconstruction_sets import SETS
+from moseg.workflows.exports.frame_origin import FrameOrigin
+from moseg.workflows.sources import ImageFiles
 
 FOLDERS = {"davis": "davis/dog walk", "colmap": "colmap", "nerfstudio": "nerfstudio", "instant-ngp": "instant-ngp"}
 
@@ -22,13 +26,20 @@ def test_the_command_line_names_every_format():
 
 
 def test_every_format_writes_into_another_folder_and_none_disturbs_another(write_saved, tmp_path):
-    saved = write_saved(frames=tuple(f"{index}.png" for index in range(4)))
+    frames = tuple(f"{index}.png" for index in range(4))
+    saved = write_saved(frames=frames)
+    (tmp_path / "frames").mkdir()
+    paths = tuple(str(tmp_path / "frames" / name) for name in frames)
+    for path in paths:
+        Image.new("RGB", (saved.summary.width, saved.summary.height)).save(path)
+    saved = saved.from_video(FrameOrigin(str(tmp_path / "frames"), ImageFiles(paths, 1000)))
+    formats = [*FORMATS.values(), *SETS.values()]
     for _ in range(2):
-        written = export(saved, FORMATS.values(), tmp_path / "there")
-        assert len({*written}) == len(FORMATS)
+        written = export(saved, formats, tmp_path / "there")
+        assert len({*written}) == len(formats)
         assert all(path.exists() for path in written)
     assert visible(saved.folder) == ["masks", "motion.json"]
-    assert len(visible(tmp_path / "there")) == len(FORMATS)
+    assert len(visible(tmp_path / "there")) == len(formats)
 
 
 @pytest.mark.parametrize(
