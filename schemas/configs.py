@@ -15,6 +15,7 @@ from moseg.schemas.parameters import (
     CandidateParams,
     ClusteringParams,
     ComponentParams,
+    ConfidenceParams,
     DeaotParams,
     DenseTrackParams,
     DepthAnythingParams,
@@ -146,6 +147,7 @@ class PipelineConfig(Frozen):
     track_masks: TrackMaskParams = TrackMaskParams()
     track_surfaces: TrackSurfaceParams = TrackSurfaceParams()
     moves_now: MovesNowParams = MovesNowParams()
+    confidence: ConfidenceParams = ConfidenceParams()
     linking: LinkingParams = LinkingParams()
     rigid_support: RigidSupportParams = RigidSupportParams()
     tracks: TrackParams = TrackParams()

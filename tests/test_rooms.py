@@ -19,6 +19,7 @@ ROOMS = tuple(PACKAGES)
 SCIENCE = {
     "PIL",
     "cv2",
+    "google",  # protobuf, whose errors onnx raises
     "kmedoids",
     "numpy",
     "onnx",

@@ -21,7 +21,7 @@ ALLOWED = {
         *("datasets", "engine", "exports", "graph", "predictions", "process", "reports", "results", "runlog"),
         *("sources", "stages", "weights"),
     },
-    "training": {"exports", "process"},
+    "training": {"exports", "process", "sources"},
     "reports": {"config", "engine", "exports", "graph", "process", "results", "runlog", "sources"},
     "results": {"exports", "graph", "sources"},
     "exports": {"config", "process", "runlog", "sources"},

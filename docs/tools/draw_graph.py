@@ -36,7 +36,7 @@ PARTS = {
         *("fundamental", "fundamental_residual", "flow_model", "flow_residual", "affinity"),
         *("rigid_support", "clustering"),
     ),
-    "results": ("segmentation", "moves_now", "score"),
+    "results": ("segmentation", "moves_now", "confidence", "score"),
 }
 """Stages by part; the part sets the colour of a box."""
 UNITS = {

@@ -36,6 +36,7 @@ PAGES = (
             "road_scenes",
             "peers",
             "learning",
+            "exports",
         )
     ),
 )

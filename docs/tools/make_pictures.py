@@ -13,6 +13,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
+from moseg.tasks.flow.flow_grid import full_flow
 from moseg.workflows.datasets import open_dataset
 from moseg.workflows.engine.session import open_session
 from moseg.workflows.exports.colour_maps import colour_soft_map
@@ -22,7 +23,6 @@ from moseg.workflows.exports.overlay_style import OverlayMode, OverlayStyle
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.leaves import ingest_sequences
 from moseg.workflows.reports.matrices import clustering_params, fused_kernel
-from moseg.workflows.stages.flow import full_flow
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
 STRIP = {"strong-parallax": 8, "two-motions": 12, "nonrigid": 8}

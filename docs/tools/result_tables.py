@@ -282,6 +282,15 @@ def _parts_of_learning() -> Rows:
     ]
 
 
+def _confidence() -> Rows:
+    cells = [
+        [f"{{confidence/{name}/curve/{index}/{key}}}" for name in ("sure", "complete") for key in ("expected", "true")]
+        for index in range(1, 9)
+    ]
+    head = ("`sure`, percent", "precision, percent", "`complete`, percent", "recall, percent")
+    return [head, *map(tuple, cells)]
+
+
 def _peers() -> Rows:
     texts = {
         "moseg": "`moseg`, `--quality default`",
@@ -365,6 +374,7 @@ TABLES = {
     "trajectory-counts": _counts(),
     "trajectory-seeds": _other_seeds(),
     "held-out": _held_out(),
+    "confidence": _confidence(),
     "peers": _peers(),
     "training-curve": _training_curve(),
     "learning": _parts_of_learning(),

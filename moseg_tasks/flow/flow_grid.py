@@ -3,6 +3,14 @@
 import cv2
 import numpy as np
 
+SIZE = "frame_size"
+"""Attribute of a stored flow on a coarser grid than its frames: their height and width, px."""
+
+
+def full_flow(flow: np.ndarray, attributes: dict) -> np.ndarray:
+    """Return a stored flow at its frames' size, float32 (y, x, 2), px/frame, from its array and attributes."""
+    return enlarge_flow(flow, tuple(attributes[SIZE])) if SIZE in attributes else flow
+
 
 def enlarge_flow(flow: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
     """Interpolate a flow between the vectors of its grid, bilinear.

@@ -5,6 +5,7 @@ from moseg.schemas.parameters.affinity import AffinityParams, HypothesisAffinity
 from moseg.schemas.parameters.appearance import AppearanceParams
 from moseg.schemas.parameters.clustering import ClusteringParams, MotionCountParams
 from moseg.schemas.parameters.components import ComponentParams
+from moseg.schemas.parameters.confidence import ConfidenceParams
 from moseg.schemas.parameters.deaot import DeaotParams
 from moseg.schemas.parameters.dense_tracks import DenseTrackParams
 from moseg.schemas.parameters.depth import DepthParams
@@ -66,6 +67,7 @@ __all__ = [
     "ClipParams",
     "ClusteringParams",
     "ComponentParams",
+    "ConfidenceParams",
     "DeaotParams",
     "DenseTrackParams",
     "DepthAnythingParams",

@@ -102,6 +102,18 @@ def test_it_is_reported_in_which_frames_it_moves(stopped):
     ((first, last),) = found.moving_frames
     assert first == 0 and last in (13, 14, 15)
     assert found.moves_now(5) and not found.moves_now(40)
+    (line,) = stopped[0].look_at
+    assert line.startswith("object 1 stops: it rests in frames 1") and line.endswith("to 49")
+
+
+def test_an_object_that_is_found_whole_is_sure_and_complete_in_each_frame(stopped):
+    result, labels = stopped
+    (found,) = result.objects
+    assert found.per_frame.frame == tuple(range(50))
+    assert 0.8 < found.sure <= 1 and 0.8 < found.complete <= 1
+    assert len(found.per_frame.sure) == len(found.per_frame.complete) == 50
+    truth = (labels > 0).mean(axis=(1, 2))
+    np.testing.assert_allclose(found.per_frame.area_fraction, truth, rtol=0.25)
 
 
 def test_an_object_that_hides_for_a_second_has_its_identity_back(tmp_path):

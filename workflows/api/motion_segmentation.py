@@ -58,6 +58,8 @@ class MotionSegmentation:
         Artifacts that the call computed, and those that it found in the store.
     notes : tuple of str
         What must be known to read the result rightly; mostly empty.
+    look_at : tuple of str
+        Objects that are worth a look, in words: they shrink at once, rest, or are doubtful or incomplete.
     """
 
     name: str
@@ -72,6 +74,7 @@ class MotionSegmentation:
     _stored: StoredSegmentation
     _origin: FrameOrigin
     notes: tuple[str, ...] = ()
+    look_at: tuple[str, ...] = ()
 
     @cached_property
     def labels(self) -> np.ndarray:

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from moseg.workflows.exports.motion_json import FrameFigures
+
 
 @dataclass(frozen=True)
 class MovingObject:
@@ -25,6 +27,11 @@ class MovingObject:
     moving_frames : tuple of (int, int) or None
         First and last frame of each run of frames in which it moves now; in its other frames it rests. None if this
         is not known.
+    sure, complete : float or None
+        Expected precision of its masks (share that moves on its own) and recall (share of the object that they cover),
+        0..1, means over its frames; None if this is not known. They are calibrated on scenes with ground truth.
+    per_frame : FrameFigures or None
+        Its frames, with its share of the frame's pixels and these figures in each, as columns.
     static_support : mapping of str to float
         How well the background's motion explains the object, 0..1, under each motion model that has one (``trajs``,
         ``oc_depth`` …): ``exp(-d² / 2)``, with d the error of the background's model on the object beyond that of the
@@ -45,6 +52,9 @@ class MovingObject:
     mean_area_fraction: float
     tag: str | None = None
     moving_frames: tuple[tuple[int, int], ...] | None = None
+    sure: float | None = None
+    complete: float | None = None
+    per_frame: FrameFigures | None = None
     static_support: Mapping[str, float] = field(default_factory=dict)
 
     def moves_now(self, frame: int) -> bool | None:

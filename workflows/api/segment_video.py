@@ -178,6 +178,7 @@ def segment_video(
 
 def _read(origin: FrameOrigin, store: ArtifactStore, stored: StoredSegmentation, fps: float) -> MotionSegmentation:
     """Return the result; its use of the store is not known yet."""
+    objects, look_at = _describe_objects(store, stored, fps)
     return MotionSegmentation(
         name=stored.name,
         shape=stored.shape,
@@ -185,7 +186,8 @@ def _read(origin: FrameOrigin, store: ArtifactStore, stored: StoredSegmentation,
         fps=fps,
         num_frames=stored.num_frames,
         num_motions=stored.num_motions,
-        objects=_describe_objects(store, stored, fps),
+        objects=objects,
+        look_at=look_at,
         store_use=StoreUse(computed=0, reused=0),
         _store=store,
         _stored=stored,
@@ -201,19 +203,28 @@ def _read_variant(variant: Variant | str) -> Variant:
         raise InputError("no such variant", where="variant", got=repr(variant), expected=expected) from error
 
 
-def _describe_objects(store: ArtifactStore, stored: StoredSegmentation, fps: float) -> tuple[MovingObject, ...]:
-    """Return the moving objects, each with its support for being static."""
+def _describe_objects(
+    store: ArtifactStore, stored: StoredSegmentation, fps: float
+) -> tuple[tuple[MovingObject, ...], tuple[str, ...]]:
+    """Return the moving objects, each with its support for being static, and what is worth a look."""
     labels = stored.labels(store)
     summary = summarise_sequence(
-        stored.name, labels, fps, stored.num_motions, stored.motions, stored.tags, moves=stored.moves(store)
+        stored.name,
+        labels,
+        fps,
+        stored.num_motions,
+        stored.motions,
+        stored.tags,
+        moves=stored.moves(store),
+        confidences=stored.confidences(store),
     )
     supports = {view: store.read(ref, "static_support") for view, ref in stored.affinity_refs.items()}
     if stored.rigid_support is not None:
         supports["rigid"] = stored.rigid_support
     row_of = {identity: row for row, identity in enumerate(stored.rows)}
-    return tuple(
+    objects = tuple(
         MovingObject(
-            **each.model_dump(),
+            **dict(each),
             static_support={
                 view: float(support[row_of[each.identity]])
                 for view, support in supports.items()
@@ -222,3 +233,4 @@ def _describe_objects(store: ArtifactStore, stored: StoredSegmentation, fps: flo
         )
         for each in summary.objects
     )
+    return objects, summary.look_at

@@ -229,5 +229,7 @@ def _print_outcome(done: "Segmented", written: list[str]) -> None:
     )
     for note in done.notes:
         print(f"note: {note}")
+    for doubt in done.value.look_at:
+        print(f"look at: {doubt}")
     if done.page is not None:
         print(done.page)

@@ -1,9 +1,10 @@
 """Files that commands write: masks, an overlay video, a summary of the motions, contact sheets, exports."""
 
 from moseg.workflows.exports.draw_overlay import draw_labels
-from moseg.workflows.exports.motion_json import ObjectSummary, SequenceSummary, summarise_sequence, write_motion
+from moseg.workflows.exports.motion_json import ObjectSummary, SequenceSummary, write_motion
 from moseg.workflows.exports.overlay_style import OverlayMode, OverlayStyle
 from moseg.workflows.exports.palette import davis_palette, identity_colours
+from moseg.workflows.exports.summarise import summarise_sequence
 from moseg.workflows.exports.write_masks import write_masks
 from moseg.workflows.exports.write_overlay import encode_overlay, write_overlay
 from moseg.workflows.exports.write_text import check_folder, check_writable, write_text

@@ -1,19 +1,35 @@
 """``motion.json``: what moves in a video, when and how large."""
 
-from collections.abc import Iterable, Mapping
-from itertools import repeat
 from pathlib import Path
 
-import numpy as np
 from pydantic import Field, ValidationError
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.stretch_choice import StretchChoice
 from moseg.workflows.exports.write_text import write_text
-from moseg.workflows.runlog.events import as_unicode
 from moseg.workflows.sources import FrameSource, ImageFiles
 from moseg.workflows.sources.files import read_bytes
+
+
+class FrameFigures(Frozen):
+    """Figures of one object in each frame that shows it, as columns of one length.
+
+    Attributes
+    ----------
+    frame : tuple of int
+        Counted from 0.
+    area_fraction : tuple of float
+        Share of the frame's pixels.
+    sure, complete : tuple of float, or None
+        Expected precision of its mask (share that moves on its own) and recall (share of the object that it covers),
+        0..1; None if this is not known, and in a frame whose mask is smaller than a pixel of the working grid.
+    """
+
+    frame: tuple[int, ...]
+    area_fraction: tuple[float, ...]
+    sure: tuple[float | None, ...] | None = None
+    complete: tuple[float | None, ...] | None = None
 
 
 class ObjectSummary(Frozen):
@@ -36,6 +52,10 @@ class ObjectSummary(Frozen):
     moving_frames : tuple of (int, int) or None
         First and last frame of each run of frames in which it moves now; in its other frames it rests. None if this
         is not known: frames whose objects do not come from motion saliency are left open.
+    sure, complete : float or None
+        Means of the figures of the same name over its frames; None if they are not known, as `moving_frames`.
+    per_frame : FrameFigures or None
+        None in files of earlier versions.
     """
 
     identity: int = Field(ge=1)
@@ -46,6 +66,9 @@ class ObjectSummary(Frozen):
     mean_area_fraction: float = Field(gt=0, le=1)
     tag: str | None = None
     moving_frames: tuple[tuple[int, int], ...] | None = None
+    sure: float | None = Field(None, ge=0, le=1)
+    complete: float | None = Field(None, ge=0, le=1)
+    per_frame: FrameFigures | None = None
 
     def moves_now(self, frame: int) -> bool | None:
         """Return whether the object moves in a frame, counted from 0; None if this is not known."""
@@ -75,6 +98,8 @@ class SequenceSummary(Frozen):
         Digest by which the video, or the folder of frames, is known again; None for arrays.
     numbers : tuple of int or None
         Numbers of the frames in the video, counted from 0, one each; None if all were read, or if they have names.
+    look_at : tuple of str
+        What is worth a look, in words; see `find_doubts`.
     """
 
     name: str
@@ -88,99 +113,7 @@ class SequenceSummary(Frozen):
     choices: tuple[StretchChoice, ...] = ()
     video: str | None = None
     numbers: tuple[int, ...] | None = None
-
-
-def summarise_sequence(
-    name: str,
-    labels: Iterable[np.ndarray],
-    fps: float,
-    num_motions: int,
-    motions: Mapping[int, int],
-    tags: Mapping[int, str] | None = None,
-    frames: tuple[str, ...] | None = None,
-    choices: tuple[StretchChoice, ...] = (),
-    moves: Iterable[np.ndarray | None] | None = None,
-) -> SequenceSummary:
-    """Follow each identity through a sequence's masks, one frame in memory at a time.
-
-    Parameters
-    ----------
-    name : str
-        Bytes that are not UTF-8, as a folder's name may have, are escaped: JSON cannot hold them.
-    labels : iterable of uint16 (y, x)
-        0 = static.
-    fps : float
-        Frames per second.
-    num_motions : int
-        Motion groups of the sequence, the background's included.
-    motions : mapping of int to int
-        Motion group of each identity that occurs.
-    tags : mapping of int to str, optional
-        Names of the identities, where they have any.
-    frames : tuple of str, optional
-        File names of the frames, where they have any.
-    choices : tuple of StretchChoice, optional
-        Source of the proposals of each stretch, where it was chosen.
-    moves : iterable of int8 (identity,) or None, optional
-        Whether each identity moves in each frame: 1 moves, 0 rests, -1 unseen; None where that is not known.
-
-    Raises
-    ------
-    InputError
-        Where there is no frame.
-    """
-    visible: dict[int, list[int]] = {}
-    areas: dict[int, list[int]] = {}
-    moving: dict[int, list[int]] = {}
-    is_known = moves is not None
-    shape, num_frames = None, 0
-    for index, (frame, moves_now) in enumerate(zip(labels, repeat(None) if moves is None else moves, strict=False)):
-        shape, num_frames = frame.shape, index + 1
-        counts = np.bincount(frame.ravel())
-        for identity in np.flatnonzero(counts[1:]) + 1:
-            visible.setdefault(int(identity), []).append(index)
-            areas.setdefault(int(identity), []).append(int(counts[identity]))
-            if moves_now is not None and moves_now[identity] == 1:
-                moving.setdefault(int(identity), []).append(index)
-        is_known = is_known and (moves_now is not None or not visible)
-    if shape is None:
-        raise InputError("no frame to summarise", where=name, got=0, expected="at least 1")
-    height, width = shape
-    objects = tuple(
-        ObjectSummary(
-            identity=identity,
-            motion=motions[identity],
-            first_frame=visible[identity][0],
-            last_frame=visible[identity][-1],
-            num_frames=len(visible[identity]),
-            mean_area_fraction=float(np.mean(areas[identity])) / (height * width),
-            tag=(tags or {}).get(identity),
-            moving_frames=runs_of(moving.get(identity, [])) if is_known else None,
-        )
-        for identity in sorted(visible)
-    )
-    return SequenceSummary(
-        name=as_unicode(name),
-        num_frames=num_frames,
-        width=width,
-        height=height,
-        fps=fps,
-        num_motions=num_motions,
-        objects=objects,
-        frames=frames,
-        choices=choices,
-    )
-
-
-def runs_of(frames: Iterable[int]) -> tuple[tuple[int, int], ...]:
-    """Return first and last of each run of consecutive numbers, which ascend."""
-    runs: list[tuple[int, int]] = []
-    for frame in frames:
-        if runs and frame == runs[-1][1] + 1:
-            runs[-1] = (runs[-1][0], frame)
-        else:
-            runs.append((frame, frame))
-    return tuple(runs)
+    look_at: tuple[str, ...] = ()
 
 
 def frame_names(frames: FrameSource) -> tuple[str, ...] | None:

@@ -82,6 +82,18 @@ class SequenceGraph:
             refs.append(self._nodes.add("moves_now", inputs, **place))
         return tuple(refs)
 
+    def confidences(self, variant: Variant) -> tuple[str | None, ...]:
+        """Return the references of how sure and complete objects are, one a section; None without a foreground."""
+        refs = []
+        for index, labels in enumerate(self.segmentations(variant)):
+            if self.objects.source_of(index) != "saliency":
+                refs.append(None)
+                continue
+            foreground = self.foreground.foreground(index)
+            inputs = {"segmentation": labels, "linking": self.objects.linking(), "foreground": foreground}
+            refs.append(self._nodes.add("confidence", inputs))
+        return tuple(refs)
+
     def clustering(self, variant: Variant) -> str | None:
         """Return the reference of the motion groups; None for the variant that keeps every proposal."""
         views = self._config.views(variant)

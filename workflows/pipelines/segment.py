@@ -48,8 +48,9 @@ class StoredSegmentation(NamedTuple):
         Support of each of `rows` for being part of the rigid scene, NaN if open; None if the variant reads none.
     choices : tuple of StretchChoice
         Source of the proposals of each stretch, where it was left to the camera's motion.
-    moves_refs : tuple of references or None
-        Whether objects move now, one a section; None for a section where that is not known.
+    moves_refs, confidence_refs : tuple of references or None
+        Whether objects move now, and how sure and complete they are, one a section; None for a section where that is
+        not known.
     """
 
     name: str
@@ -66,6 +67,7 @@ class StoredSegmentation(NamedTuple):
     rigid_support: np.ndarray | None = None
     choices: tuple[StretchChoice, ...] = ()
     moves_refs: tuple[str | None, ...] = ()
+    confidence_refs: tuple[str | None, ...] = ()
 
     @property
     def num_frames(self) -> int:
@@ -95,11 +97,21 @@ class StoredSegmentation(NamedTuple):
 
     def moves(self, store: ArtifactStore) -> Iterator[np.ndarray | None]:
         """Yield whether objects move in each frame, int8 (identity,): 1, 0, or -1 if unseen; None if not known."""
-        for ref, labels in zip(self.moves_refs, self.label_refs, strict=True):
+        yield from self._by_frame(store, self.moves_refs, "moves")
+
+    def confidences(self, store: ArtifactStore) -> Iterator[tuple[np.ndarray, np.ndarray] | None]:
+        """Yield expected precision and recall of objects in each frame, float64 (identity,), NaN if unseen; or None."""
+        sure, complete = (self._by_frame(store, self.confidence_refs, name) for name in ("sure", "complete"))
+        for both in zip(sure, complete, strict=True):
+            yield None if both[0] is None else both
+
+    def _by_frame(self, store: ArtifactStore, refs: tuple[str | None, ...], name: str) -> Iterator[np.ndarray | None]:
+        """Yield the rows of an array of all sections, None for the frames of a section without a reference."""
+        for ref, labels in zip(refs, self.label_refs, strict=True):
             if ref is None:
                 yield from repeat(None, store.manifest(labels).array("labels").shape[0])
             else:
-                yield from store.read(ref, "moves")
+                yield from store.read(ref, name)
 
 
 def segment(
@@ -136,7 +148,8 @@ def segment(
         (leaves,) = ingest_sequences(session, [source], config, annotated=False)
         graphs[:] = [SequenceGraph(leaves, config)]
         clustering = graphs[0].clustering(variant)
-        sinks = (*graphs[0].segmentations(variant), *filter(None, graphs[0].moves_now(variant)))
+        beside = (*graphs[0].moves_now(variant), *graphs[0].confidences(variant))
+        sinks = (*graphs[0].segmentations(variant), *filter(None, beside))
         if clustering is not None:
             affinities, residuals = _evidence(graphs[0], config, variant)
             sinks = (*sinks, clustering, *affinities.values(), *chain.from_iterable(residuals.values()))
@@ -167,6 +180,7 @@ def segment(
             rigid_support=read_rigid_support(session.store, graph.rigid_supports(variant)),
             choices=graph.leaves.choices,
             moves_refs=graph.moves_now(variant),
+            confidence_refs=graph.confidences(variant),
         )
         return use(result)
 

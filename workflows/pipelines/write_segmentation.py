@@ -4,10 +4,11 @@ from pathlib import Path
 
 from moseg.store import ArtifactStore
 from moseg.workflows.exports.frame_origin import FrameOrigin
-from moseg.workflows.exports.motion_json import SequenceSummary, summarise_sequence, write_motion
+from moseg.workflows.exports.motion_json import SequenceSummary, write_motion
 from moseg.workflows.exports.outputs import MASKS, MOTION, OVERLAY
 from moseg.workflows.exports.overlay_style import DEFAULT_STYLE, OverlayStyle
 from moseg.workflows.exports.ownership import is_own_overlay
+from moseg.workflows.exports.summarise import summarise_sequence
 from moseg.workflows.exports.write_masks import write_masks
 from moseg.workflows.exports.write_overlay import write_overlay
 from moseg.workflows.pipelines.segment import StoredSegmentation
@@ -79,7 +80,8 @@ def write_segmentation(
         labels = progress.each("summary", result.labels(store))
         found = result.num_motions, result.motions, result.tags
         names = None if origin is None else origin.names
-        summary = summarise_sequence(result.name, labels, fps, *found, names, result.choices, result.moves(store))
+        beside = result.choices, result.moves(store), result.confidences(store)
+        summary = summarise_sequence(result.name, labels, fps, *found, names, *beside)
         if origin is not None:
             summary = summary.model_copy(update={"video": origin.identity, "numbers": origin.numbers})
         write_motion(folder / MOTION, summary)

@@ -7,6 +7,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from moseg.schemas.configs import MOTION_SOURCES, Variant
+from moseg.tasks.flow.flow_grid import full_flow
 from moseg.workflows.exports.colour_maps import (
     DEPTH_COLOURS,
     SOFT_COLOURS,
@@ -19,7 +20,6 @@ from moseg.workflows.graph import GIVEN_SOURCES
 from moseg.workflows.reports.content import Layer, LayerKind, Picture
 from moseg.workflows.reports.layers import PlannedLayer, SequenceView, encode_opaque, encode_transparent
 from moseg.workflows.sources.resize import shrink_to
-from moseg.workflows.stages.flow import full_flow
 
 WHEEL_SIDE = 96
 BAR_SHAPE = (24, 220)

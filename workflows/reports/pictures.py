@@ -8,7 +8,7 @@ import numpy as np
 
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
-from moseg.workflows.exports.motion_json import summarise_sequence
+from moseg.workflows.exports.summarise import summarise_sequence
 from moseg.workflows.exports.write_overlay import encode_overlay
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.reports.content import ObjectRow, SequencePanel, Video

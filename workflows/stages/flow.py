@@ -10,29 +10,20 @@ from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import OPENCV, Backend, Choice, Stage
 from moseg.workflows.stages.task import Network, Output, Task
 
-SIZE = "frame_size"
-"""Attribute of a flow on a coarser grid than its frames: their height and width, px."""
-
 
 def _run_dis(params, inputs, rng):
     from moseg.tasks.flow.dis import search_flow
+    from moseg.tasks.flow.flow_grid import SIZE
 
     image0, image1 = (inputs[role].cached("image") for role in ("frame0", "frame1"))
     flow, size = search_flow(image0, image1, FlowParams.of_recipe(params)), image0.shape[:2]
     return Output({"flow": flow}, {} if flow.shape[:2] == size else {SIZE: list(size)})
 
 
-def full_flow(flow: np.ndarray, attributes: dict) -> np.ndarray:
-    """Return the flow of an artifact's array and attributes at its frames' size, float32 (y, x, 2), px/frame."""
-    if SIZE not in attributes:
-        return flow
-    from moseg.tasks.flow.flow_grid import enlarge_flow
-
-    return enlarge_flow(flow, tuple(attributes[SIZE]))
-
-
 def read_flow(view: ArtifactView) -> np.ndarray:
     """Return the flow of a view's artifact at its frames' size, float32 (y, x, 2), px/frame."""
+    from moseg.tasks.flow.flow_grid import full_flow
+
     return full_flow(view.cached("flow"), view.attributes)
 
 

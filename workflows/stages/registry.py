@@ -15,6 +15,7 @@ from moseg.workflows.stages import (
     clustering,
     coherence,
     components,
+    confidence,
     consistency,
     dense_tracks,
     depth,
@@ -67,7 +68,7 @@ STAGES: dict[str, Stage] = {
         *(dense_tracks, rigidity, moving_tracks, track_surfaces, track_groups, track_objects),
         *(sightings, proposals, linking, rigid_support),
         *(depth, tracks, fundamental, fundamental_residual, flow_model, flow_residual, object_hypotheses),
-        *(affinity, clustering, segmentation, moves_now),
+        *(affinity, clustering, segmentation, moves_now, confidence),
         *(hypotheses, hypothesis_residual, kernel, trajectory_clustering),
         score,
     )

@@ -39,6 +39,28 @@ def test_file_holds_the_summary(tmp_path, labels):
     assert [entry.name for entry in (tmp_path / "new").iterdir()] == ["motion.json"]
 
 
+def test_each_frame_of_an_object_has_its_area_and_how_sure_and_complete_it_is(tmp_path, labels):
+    confidences = [(np.full(6, 0.9), np.full(6, 0.8)) for _ in labels]
+    confidences[3] = (np.full(6, 0.7), np.full(6, np.nan))
+    summary = summarise_sequence("dog", labels, 25, 2, {2: 1, 5: 1}, confidences=confidences)
+    second = summary.objects[0]
+    assert second.per_frame.model_dump() == {
+        "frame": (1, 3),
+        "area_fraction": (0.1, 0.1),
+        "sure": (0.9, 0.7),
+        "complete": (0.8, None),
+    }
+    assert second.sure == pytest.approx(0.8) and second.complete == 0.8
+    write_motion(tmp_path / "motion.json", summary)
+    assert read_motion(tmp_path / "motion.json") == summary
+
+
+def test_where_confidence_is_not_known_in_all_frames_it_is_left_open(labels):
+    some = [None, None, (np.ones(6), np.ones(6)), (np.ones(6), np.ones(6))]
+    found = summarise_sequence("dog", labels, 25, 2, {2: 1, 5: 1}, confidences=some).objects[0]
+    assert found.sure is None and found.per_frame.sure is None and found.per_frame.frame == (1, 3)
+
+
 def test_frames_of_a_folder_are_named_and_those_of_a_video_are_not(tmp_path):
     images = ImageFiles((str(tmp_path / "größe 1.png"), str(tmp_path / "犬.jpg")), 100)
     assert frame_names(images) == ("größe 1.png", "犬.jpg")

@@ -5,17 +5,19 @@ from pathlib import Path
 import numpy as np
 
 from moseg.workflows.exports.formats.export_format import ExportFormat
+from moseg.workflows.exports.motion_json import FrameFigures
 from moseg.workflows.exports.owned_folder import OwnedFolder
 from moseg.workflows.exports.saved_segmentation import SavedSegmentation, list_identities
 from moseg.workflows.exports.write_text import write_text
 
-COLUMNS = "frame,file,identity,motion,left,top,right,bottom,pixels,moves_now"
+COLUMNS = "frame,file,identity,motion,left,top,right,bottom,pixels,moves_now,sure,complete"
 
 
 def write_csv(saved: SavedSegmentation, folder: Path, dilation: int | None = None) -> Path:
     """Write ``objects/objects.csv``: a line for each object and frame.
 
-    The box holds its outermost pixels; `moves_now` is 1 if it moves, 0 if it rests, and empty if that is not known.
+    The box holds its outermost pixels; `moves_now` is 1 if it moves, 0 if it rests; `sure` and `complete` are the
+    expected precision and recall of its mask. They are empty if they are not known.
     """
     of_identity = {entry.identity: entry for entry in saved.summary.objects}
     lines = [COLUMNS]
@@ -25,10 +27,18 @@ def write_csv(saved: SavedSegmentation, folder: Path, dilation: int | None = Non
             y, x = np.nonzero(labels == identity)
             box = f"{x.min()},{y.min()},{x.max()},{y.max()},{len(x)}"
             moves = "" if entry.moving_frames is None else int(entry.moves_now(frame))
-            lines.append(f"{frame},{_quoted(name)},{identity},{entry.motion},{box},{moves}")
+            confidence = ",".join(_confidence(entry.per_frame, column, frame) for column in ("sure", "complete"))
+            lines.append(f"{frame},{_quoted(name)},{identity},{entry.motion},{box},{moves},{confidence}")
     with csv_folder(folder, saved.summary.name, saved.names) as target:
         write_text(target.folder / "objects.csv", "\n".join(lines) + "\n")
     return target.folder
+
+
+def _confidence(figures: FrameFigures | None, column: str, frame: int) -> str:
+    """Return a figure of a frame; empty if it is not known."""
+    values = None if figures is None else getattr(figures, column)
+    value = None if values is None or frame not in figures.frame else values[figures.frame.index(frame)]
+    return "" if value is None else str(value)
 
 
 def csv_folder(folder: Path, sequence: str, names: tuple[str, ...]) -> OwnedFolder:

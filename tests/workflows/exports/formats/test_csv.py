@@ -7,14 +7,15 @@ import pytest
 
 from moseg.workflows.exports import summarise_sequence, write_motion
 from moseg.workflows.exports.formats.object_table import write_csv
-from moseg.workflows.exports.motion_json import runs_of
 from moseg.workflows.exports.saved_segmentation import open_segmentation
+from moseg.workflows.exports.summarise import runs_of
 from moseg.workflows.exports.write_masks import write_masks
 
 
-def save(folder, labels, moves=None):
+def save(folder, labels, moves=None, confidences=None):
     write_masks(folder / "masks", iter(labels))
-    write_motion(folder / "motion.json", summarise_sequence("clip", labels, 24.0, 2, {1: 1}, moves=moves))
+    summary = summarise_sequence("clip", labels, 24.0, 2, {1: 1}, moves=moves, confidences=confidences)
+    write_motion(folder / "motion.json", summary)
     return open_segmentation(folder)
 
 
@@ -45,8 +46,15 @@ def test_a_line_says_where_an_object_is_and_whether_it_moves(tmp_path, labels):
     }
 
 
+def test_a_line_says_how_sure_and_how_complete_its_mask_is(tmp_path, labels):
+    confidences = [(np.array([np.nan, 0.9 - 0.1 * t]), np.array([np.nan, 0.5])) for t in range(4)]
+    found = rows(save(tmp_path, labels, confidences=confidences), tmp_path)
+    assert [(row["sure"], row["complete"]) for row in found] == [("0.9", "0.5"), ("0.8", "0.5"), ("0.6", "0.5")]
+
+
 def test_it_is_left_open_where_it_is_not_known(tmp_path, labels):
-    assert [row["moves_now"] for row in rows(save(tmp_path, labels), tmp_path)] == [""] * 3
+    for row in rows(save(tmp_path, labels), tmp_path):
+        assert {row[name] for name in ("moves_now", "sure", "complete")} == {""}
 
 
 def test_runs_are_of_consecutive_frames():

@@ -1,0 +1,77 @@
+"""Evidence of the foreground for masks, and the estimates that are made of it."""
+
+import numpy as np
+import pytest
+
+from moseg.schemas.parameters import ConfidenceParams
+from moseg.tasks.confidence import MaskEvidence, estimate_confidence, kept_area, mask_evidence
+
+PARAMS = ConfidenceParams(prior=0)
+SHAPE = (60, 80)
+
+
+def scene():
+    """Return labels with an object of 20 x 20 px, and a probability to move of 0.9 in it."""
+    labels, foreground = np.zeros(SHAPE, np.uint16), np.zeros(SHAPE, np.float32)
+    labels[20:40, 30:50] = 1
+    foreground[labels == 1] = 0.9
+    return labels, foreground
+
+
+def test_a_mask_that_holds_all_that_moves_encloses_everything():
+    evidence = mask_evidence(*scene(), 2, PARAMS)
+    np.testing.assert_allclose(evidence.inside, [np.nan, 0.9], rtol=1e-6)
+    np.testing.assert_allclose(evidence.enclosed, [np.nan, 1.0])
+
+
+def test_a_part_that_moves_beside_the_mask_is_missing_unless_it_is_far():
+    labels, foreground = scene()
+    near, far = foreground.copy(), foreground.copy()
+    near[20:40, 50:55] = 0.9
+    far[20:40, 70:75] = 0.9
+    assert mask_evidence(labels, near, 2, PARAMS).enclosed[1] == pytest.approx(20 / 25, rel=1e-3)
+    assert mask_evidence(labels, far, 2, PARAMS).enclosed[1] == 1
+
+
+def test_another_object_beside_the_mask_is_not_a_part_of_it():
+    labels, foreground = scene()
+    labels[20:40, 50:55], foreground[20:40, 50:55] = 2, 0.9
+    assert mask_evidence(labels, foreground, 4, PARAMS).enclosed[1] == 1
+    assert np.isnan(mask_evidence(labels, foreground, 4, PARAMS).inside[3])
+
+
+@pytest.mark.parametrize("corner", [np.s_[:5, :5], np.s_[-5:, -5:]])
+def test_an_object_at_the_frames_corner_is_measured_too(corner):
+    labels, foreground = np.zeros(SHAPE, np.uint16), np.full(SHAPE, 0.5, np.float32)
+    labels[corner] = 1
+    evidence = mask_evidence(labels, foreground, 2, PARAMS)
+    assert evidence.inside[1] == 0.5 and 0.3 < evidence.enclosed[1] < 0.9
+
+
+def test_estimates_grow_with_the_evidence_and_are_open_without():
+    shares = np.array([np.nan, 0.0, 0.5, 0.9, 1.0])
+    confidence = estimate_confidence(MaskEvidence(shares, shares), PARAMS)
+    for values in confidence:
+        assert np.isnan(values[0]) and (np.diff(values[1:]) > 0).all()
+        assert values[1] < 0.05 and values[4] > 0.99
+
+
+def test_without_a_curve_the_evidence_is_the_estimate():
+    plain = ConfidenceParams(sure_offset=0, sure_slope=1, complete_offset=0, complete_slope=1)
+    shares = np.array([0.1, 0.5, 0.9])
+    np.testing.assert_allclose(estimate_confidence(MaskEvidence(shares, shares), plain), [shares, shares])
+
+
+def test_an_area_that_halves_is_half_kept_and_one_frame_does_not_count():
+    areas = np.r_[np.full(20, 100), np.full(20, 50)]
+    kept = kept_area(areas)
+    np.testing.assert_array_equal(kept[:20], 1)
+    np.testing.assert_array_equal(kept[20:], 0.5)
+    areas = np.full(40, 100)
+    areas[10] = 300
+    np.testing.assert_array_equal(kept_area(areas), 1)
+
+
+def test_a_slow_loss_over_seconds_is_kept():
+    areas = np.linspace(100, 10, 400)
+    assert kept_area(areas)[:300].min() > 0.8

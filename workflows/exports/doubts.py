@@ -1,0 +1,114 @@
+"""What is worth a look in a result: objects that shrink at once, rest, or are doubtful or incomplete."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from moseg.workflows.exports.followed_object import FollowedObject
+
+MOST = 3
+"""Doubts that are told; the figures of all objects are in the summary."""
+MIN_FRAMES = 5
+"""Frames in a row below which a doubt is not told."""
+SHRUNK = 0.55
+"""Share of its largest area shortly before below which an object has shrunk."""
+INCOMPLETE = 0.7
+"""Expected recall below which a mask is incomplete."""
+DOUBTFUL = 0.7
+"""Expected precision below which a mask is doubtful."""
+
+
+def find_doubts(
+    objects: Sequence[FollowedObject], size: int, num_frames: int, has_moves: bool, has_confidence: bool
+) -> tuple[str, ...]:
+    """Return what is worth a look, each in one line with the option that may help, the largest objects first.
+
+    Parameters
+    ----------
+    objects : sequence of FollowedObject
+    size : int
+        Pixels of a frame.
+    num_frames : int
+    has_moves, has_confidence : bool
+        Whether it is known in all frames when objects move, and how sure and complete they are.
+    """
+    doubts = []
+    for each in sorted(objects, key=lambda each: -sum(each.areas)):
+        doubt = _shrinks(each, size, num_frames, has_moves)
+        if doubt is None and has_confidence:
+            doubt = _is_incomplete(each) or _is_doubtful(each)
+        if doubt is None and has_moves:
+            doubt = _rests(each)
+        if doubt is not None:
+            doubts.append(f"object {each.identity} {doubt}")
+    more = len(doubts) - MOST
+    return (*doubts[:MOST], *([f"{more} more objects; see per_frame in motion.json"] if more > 0 else []))
+
+
+def _shrinks(each: FollowedObject, size: int, num_frames: int, has_moves: bool) -> str | None:
+    """Return the doubt about an object that loses much of its area within a second, inside the frame."""
+    from moseg.tasks.confidence import kept_area
+
+    areas, inside = np.zeros(num_frames, np.int64), np.zeros(num_frames, bool)
+    areas[each.frames], inside[each.frames] = each.areas, ~np.array(each.at_border)
+    kept = kept_area(areas)
+    run = _first_run(np.flatnonzero(inside & (kept < SHRUNK)))
+    if run is None:
+        return None
+    first, last = run
+    before = areas[first] / kept[first] / size
+    what = "it may have stopped" if has_moves and first not in each.moving else "a part of it may have stopped"
+    told = f"{100 * before:.2g} to {100 * areas[first] / size:.2g} % of the frame"
+    return (
+        f"loses half its area from frame {first} ({told}): {what}; look at frames {first} to {last}, try --quality best"
+    )
+
+
+def _is_incomplete(each: FollowedObject) -> str | None:
+    run = _first_run(_frames_below(each, each.complete, INCOMPLETE))
+    if run is None:
+        return None
+    covered = _mean(each, each.complete, run)
+    where = f"in frames {run[0]} to {run[1]}"
+    return f"is probably incomplete {where}: about {covered} % of it is covered; try --quality best"
+
+
+def _is_doubtful(each: FollowedObject) -> str | None:
+    run = _first_run(_frames_below(each, each.sure, DOUBTFUL))
+    if run is None:
+        return None
+    return (
+        f"is doubtful in frames {run[0]} to {run[1]}: about {_mean(each, each.sure, run)} % of its mask moves;"
+        " try --sensitivity 0.5"
+    )
+
+
+def _rests(each: FollowedObject) -> str | None:
+    run = _first_run(sorted({*each.frames} - {*each.moving}))
+    if run is None:
+        return None
+    return f"stops: it rests in frames {run[0]} to {run[1]}"
+
+
+def _frames_below(each: FollowedObject, values: Sequence[float | None], limit: float) -> list[int]:
+    return [frame for frame, value in zip(each.frames, values, strict=True) if value is not None and value < limit]
+
+
+def _mean(each: FollowedObject, values: Sequence[float | None], run: tuple[int, int]) -> int:
+    """Return the mean of the values in a run of frames, per cent."""
+    known = [value for frame, value in zip(each.frames, values, strict=True) if run[0] <= frame <= run[1]]
+    return round(100 * float(np.mean([value for value in known if value is not None])))
+
+
+def _first_run(frames: Iterable[int]) -> tuple[int, int] | None:
+    """Return first and last of the first run of `MIN_FRAMES` or more consecutive numbers; None without one."""
+    first = last = None
+    for frame in frames:
+        frame = int(frame)
+        if last is not None and frame == last + 1:
+            last = frame
+            continue
+        if last is not None and last - first + 1 >= MIN_FRAMES:
+            break
+        first = last = frame
+    return (first, last) if last is not None and last - first + 1 >= MIN_FRAMES else None
