@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+import time
 from collections import Counter
 from pathlib import Path
 
@@ -29,6 +30,24 @@ def wait(store, recipes, log):
 
 execution._execute_batch = wait
 main()
+"""
+# Is told in the process that waits for its workers, after some work.
+WAITS_FOR_WORKERS = """
+from pathlib import Path
+from moseg.workflows.cluster import submission_window
+from moseg.workflows.cli import main
+from moseg.workflows.engine.session import Session
+
+run = Session._run
+
+def touch(self, plan):
+    if any(ref.startswith("affinity") for ref in plan.compute):
+        Path("waits").touch()
+    return run(self, plan)
+
+if __name__ == "__main__":
+    Session._run = touch
+    main()
 """
 HIDE, SHOW = "\x1b[?25l", "\x1b[?25h"
 COLOUR = re.compile(r"\x1b\[3[0-9]m|\x1b\[9[0-9]m")
@@ -80,6 +99,45 @@ def test_ctrl_c_gives_the_terminal_back_and_the_next_run_goes_on(in_terminal, ev
     computed, reused = map(int, re.search(r"(\d+) artifacts computed, (\d+) reused", again.out).groups())
     assert reused > 0
     assert computed > 0
+
+
+@pytest.mark.parametrize("workers", [0, 1])
+def test_sigterm_ends_a_run_as_ctrl_c_does(evaluated, moseg, workers):
+    words = [sys.executable, "-c", WAITS_FOR_THE_KEY if not workers else WAITS_FOR_WORKERS, *evaluated.arguments]
+    words += ["--workers", str(workers)]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 600
+    while not Path("waits").exists() and process.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.02)
+    process.terminate()
+    out, err = process.communicate(timeout=600)
+    assert (process.returncode, out) == (143, ""), err
+    assert err.splitlines() == [
+        "moseg: terminated; what was finished is kept, the same command goes on from there",
+    ]
+    assert "interrupted" in moseg("status", "latest").out
+    again = moseg(*evaluated.arguments)
+    assert again.code == 0
+    assert int(re.search(r"(\d+) reused", again.out)[1]) > 0
+
+
+def test_sigterm_while_workers_start_comes_at_the_end(monkeypatch):
+    import signal
+
+    from moseg.workflows.process.interrupts import defer_interrupts
+
+    ends, done = [], []
+    previous = signal.signal(signal.SIGTERM, lambda number, frame: ends.append(number))
+    try:
+        with defer_interrupts():
+            signal.raise_signal(signal.SIGTERM)
+            assert not ends
+            done.append(True)
+        assert (ends, done) == ([signal.SIGTERM], [True])
+        signal.raise_signal(signal.SIGTERM)
+        assert len(ends) == 2
+    finally:
+        signal.signal(signal.SIGTERM, previous)
 
 
 def test_ctrl_c_while_the_program_starts_is_one_line(in_terminal, tmp_path):
