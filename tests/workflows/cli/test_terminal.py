@@ -31,10 +31,9 @@ def wait(store, recipes, log):
 execution._execute_batch = wait
 main()
 """
-# Is told in the process that waits for its workers, after some work.
+# The process that waits for its workers is ended, after some work.
 WAITS_FOR_WORKERS = """
 from pathlib import Path
-from moseg.workflows.cluster import submission_window
 from moseg.workflows.cli import main
 from moseg.workflows.engine.session import Session
 
@@ -66,7 +65,7 @@ def test_bars_fit_the_terminal_and_leave_it_as_it_was(in_terminal, evaluated):
     assert COLOUR.search(ran.raw)
     bars = _bars(ran.text)
     assert {len(line) for line in bars} <= {79, 80}
-    assert re.match(r" +verified ━+ (\d+)/\1 +0:00:\d\d 0:00:00$", bars[-1])
+    assert re.match(r"artifacts: verified ━+ (\d+)/\1 +00:00$", bars[-1])
 
 
 def test_colours_and_bars_can_be_refused(in_terminal, evaluated):
@@ -76,10 +75,22 @@ def test_colours_and_bars_can_be_refused(in_terminal, evaluated):
     assert not COLOUR.search(plain.raw)
     dumb = in_terminal(*verify, env={"TERM": "dumb"})
     assert "\x1b" not in dumb.raw
-    assert re.search(r"(\d+)/\1 artifacts in \d+ s \(", dumb.text)
     quiet = in_terminal(*verify, "--quiet")
     assert re.fullmatch(r"\d+ artifacts, 0 bad\s+", quiet.raw)
     assert plain.code == dumb.code == quiet.code == 0
+
+
+def test_each_stage_has_a_bar_by_verbose_alone(in_terminal, evaluated):
+    command = [word for word in evaluated.arguments if word != "--quiet"]
+    shown = in_terminal(*command, "--verbose")
+    assert shown.code == 0
+    assert {"flow", "tracks", "score", "artifacts"} <= {line.split()[0] for line in _bars(shown.text)}
+    calm = in_terminal(*command, "--store", "another")
+    assert calm.code == 0
+    bars = _bars(calm.text)
+    assert bars and not any(line.startswith(" ") for line in bars)
+    refused = in_terminal(*command, "--verbose", "--quiet")
+    assert refused.code == 2 and "two opposite options in --verbose" in refused.text
 
 
 def test_ctrl_c_gives_the_terminal_back_and_the_next_run_goes_on(in_terminal, evaluated, moseg):
@@ -87,12 +98,15 @@ def test_ctrl_c_gives_the_terminal_back_and_the_next_run_goes_on(in_terminal, ev
     ran = in_terminal(*command, interrupt=lambda text: Path("waits").exists(), program=WAITS_FOR_THE_KEY)
     assert ran.code == 130
     assert ran.raw.count(HIDE) == ran.raw.count(SHOW)
-    assert ran.text.rstrip().splitlines()[-1].startswith("moseg: interrupted; what was finished is kept")
+    # The bar is wiped, and the line stands in its place.
+    last = re.split(r"\x1b\[\d*[A-K]", ran.text.rstrip())[-1]
+    assert last.startswith("moseg: interrupted; what was finished is kept") and "\n" not in last
     assert "Traceback" not in ran.text
     bars = _bars(ran.text)
     assert Counter(map(len, bars)).most_common(1)[0][0] in (79, 80)
-    # Each stage, and all of them.
-    assert {"flow", "tracks", "score", "artifacts"} <= {line.split()[0] for line in bars}
+    # One bar at a time, which names the stage at work.
+    assert {"flow", "tracks"} <= {found[1] for line in bars if (found := re.match(r"artifacts: (\w+)", line))}
+    assert any(line.endswith(" left") for line in bars)
     assert set(open_store(".moseg/store", create=False).refs())
     again = moseg(*evaluated.arguments)
     assert again.code == 0
