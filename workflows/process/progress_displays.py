@@ -83,9 +83,11 @@ class _OneBar:
     """One bar for all stages, with the one at work; it leaves nothing behind."""
 
     def __init__(self, console: Console, totals: Mapping[str, int], what: str):
-        self._totals, self._what = totals, what
+        self._labels = {stage: _label(what, stage, totals) for stage in totals}
+        # Of one width, so that the bar stays where it is.
+        width = max(map(len, self._labels.values()))
         self._bar = Progress(
-            TextColumn("{task.description}", markup=False),
+            TextColumn(f"{{task.description:<{width}}}", markup=False),
             BarColumn(bar_width=None),
             MofNCompleteColumn(),
             _Left(compact=True),
@@ -93,12 +95,11 @@ class _OneBar:
             expand=True,
             transient=True,
         )
-        self._row = self._bar.add_task(_label(what, next(iter(totals)), totals), total=sum(totals.values()))
+        self._row = self._bar.add_task(next(iter(self._labels.values())), total=sum(totals.values()))
         self._bar.start()
 
     def update(self, stage: str, done: Mapping[str, int]) -> None:
-        label = _label(self._what, stage, self._totals)
-        self._bar.update(self._row, description=label, completed=sum(done.values()))
+        self._bar.update(self._row, description=self._labels.get(stage, ""), completed=sum(done.values()))
 
     def close(self, done: Mapping[str, int], is_finished: bool) -> None:
         self._bar.stop()
