@@ -4,6 +4,7 @@ import sys
 import time
 from collections.abc import Mapping
 from html import escape
+from importlib import import_module
 from typing import Any, Protocol
 
 from rich.console import Console
@@ -217,8 +218,8 @@ def _notebook() -> Any:
     # A shell on a terminal has no kernel.
     if getattr(shell, "kernel", None) is None:
         return None
-    from IPython.display import display
-
+    # The package of the notebook that runs this, and no requirement of ours.
+    display = import_module("IPython.display").display
     return lambda content: display(content, display_id=True)
 
 
