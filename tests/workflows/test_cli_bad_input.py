@@ -46,7 +46,7 @@ def _assert_bad_input(ran, *words):
         ("eval --store ftp://host/store", "ftp://"),
         ("plan --variant all", "--variant"),
         ("ablate --dataset sintetic", "sintetic"),
-        ("segment", "video"),
+        ("segment", "VIDEO"),
         ("segment nowhere.mp4", "nowhere.mp4"),
         ("segment . --motions gt", "--motions"),
         ("segment . --set clustering.motions=gt", "no ground truth of your own video"),

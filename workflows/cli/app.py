@@ -14,7 +14,7 @@ from moseg.schemas.errors import ClusterError, InputError, StoreError
 from moseg.workflows.cli import backends, contact_sheet, evaluate, export, report, segment, status, train
 from moseg.workflows.cli.config import config_app
 from moseg.workflows.cli.datasets import datasets_app
-from moseg.workflows.cli.entry import EXIT_FAULT, EXIT_INTERRUPTED, INTERRUPTED
+from moseg.workflows.cli.entry import EXIT_FAULT, EXIT_INTERRUPTED, report_interruption
 from moseg.workflows.cli.help_texts import HELP_NAMES, with_readable_help
 from moseg.workflows.cli.store import store_app
 from moseg.workflows.cli.usage_errors import describe_usage_error
@@ -76,7 +76,7 @@ def build_command() -> Any:
 
 
 def run(arguments: list[str]) -> int:
-    """Run `moseg` and return its exit code: 0 done, 2 bad use or input, 1 a fault, 130 interrupted."""
+    """Run `moseg` and return its exit code: 0 done, 2 bad use or input, 1 a fault, 130 or 143 interrupted."""
     try:
         load_plugins()
         command = build_command()
@@ -95,8 +95,7 @@ def run(arguments: list[str]) -> int:
         print(f"moseg: {error}", file=sys.stderr)
         return EXIT_FAULT
     except KeyboardInterrupt:
-        print(INTERRUPTED, file=sys.stderr)
-        return EXIT_INTERRUPTED
+        return report_interruption()
     except Exception as error:
         if isinstance(error, OSError) and error.errno in FULL:
             print(f"moseg: nothing more can be written: {error.strerror}", file=sys.stderr)

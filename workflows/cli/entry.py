@@ -3,25 +3,48 @@
 import os
 import signal
 import sys
+import threading
 
-EXIT_FAULT, EXIT_INTERRUPTED = 1, 130
-INTERRUPTED = "moseg: interrupted; what was finished is kept, the same command goes on from there"
+EXIT_FAULT, EXIT_INTERRUPTED, EXIT_TERMINATED = 1, 130, 143
+_KEPT = "what was finished is kept, the same command goes on from there"
+
+
+class _Terminated(KeyboardInterrupt):
+    """An interruption by SIGTERM: a batch system, a container or `kill` ends a run as Ctrl-C does."""
+
+
+_received: list[int] = []
+"""Signals that ended this process, the first one first."""
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run `moseg`: exit code 0 when done, 2 for bad use or input, 1 for a fault, 130 when interrupted."""
+    """Run `moseg`: exit code 0 when done, 2 for bad use or input, 1 for a fault, 130 or 143 when interrupted."""
+    if os.name == "posix" and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, _terminate)
     try:
         # Inside the block, because it takes a while and may be interrupted.
         from moseg.workflows.cli.app import run
 
         code = run(sys.argv[1:] if arguments is None else arguments)
     except KeyboardInterrupt:
-        print(INTERRUPTED, file=sys.stderr)
-        code = EXIT_INTERRUPTED
-    if code == EXIT_INTERRUPTED and os.name == "posix":
+        code = report_interruption()
+    if code in (EXIT_INTERRUPTED, EXIT_TERMINATED) and os.name == "posix":
         # Only threads and processes that end by themselves are left: a second interruption must not print their traces.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
     sys.exit(_flush(code))
+
+
+def report_interruption() -> int:
+    """Print the line that ends an interrupted command, and return its exit code."""
+    is_terminated = bool(_received)
+    print(f"moseg: {'terminated' if is_terminated else 'interrupted'}; {_KEPT}", file=sys.stderr)
+    return EXIT_TERMINATED if is_terminated else EXIT_INTERRUPTED
+
+
+def _terminate(number: int, frame: object) -> None:
+    _received.append(number)
+    raise _Terminated
 
 
 def _flush(code: int) -> int:

@@ -145,12 +145,20 @@ class RunOptions:
     ] = False
     non_commercial: NonCommercialOption = False
     quiet: QuietOption = False
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="Progress of each stage for itself, in logs every 15 s.")
+    ] = False
 
     def settings(self) -> "RunSettings":
         """Return the settings that these options make."""
         from moseg.workflows.api.run_settings import RunSettings
+        from moseg.workflows.process.progress import show_details
 
-        return RunSettings(**asdict(self))
+        if self.quiet and self.verbose:
+            raise InputError("two opposite options", where="--verbose", got="--quiet too", expected="one of them")
+        settings = asdict(self)
+        show_details(settings.pop("verbose"))
+        return RunSettings(**settings)
 
 
 def sequence_names(text: str | None) -> tuple[str, ...] | None:

@@ -1,4 +1,4 @@
-"""Progress of long work on standard error: bars on a terminal, plain lines elsewhere, nothing if quiet."""
+"""Progress of long work on standard error: a bar, few plain lines in a log, nothing if quiet."""
 
 import sys
 import threading
@@ -8,31 +8,25 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from typing import TypeVar
 
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    SpinnerColumn,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-PLAIN_FIRST_SEC = 2.0
-PLAIN_INTERVAL_SEC = 15.0
+from moseg.workflows.process.progress_displays import Display, bars_console, open_display
+
 PATIENCE_SEC = 1.0
 """Work that is usually short shows no bar before this time."""
 
 Item = TypeVar("Item")
 
 
-def bars_console() -> Console | None:
-    """Return the terminal to draw bars on, or None if standard error is not one that can redraw a line."""
-    if sys.stderr is None or not sys.stderr.isatty():
-        return None
-    console = Console(stderr=True)
-    return None if console.is_dumb_terminal else console
+class _Details:
+    """Whether each stage is shown for itself, for all progress of this process."""
+
+    is_shown = False
+
+
+def show_details(is_shown: bool) -> None:
+    """Show each stage for itself from now on (``--verbose``), or one bar for all of them."""
+    _Details.is_shown = is_shown
 
 
 class StageProgress(AbstractContextManager):
@@ -47,21 +41,26 @@ class StageProgress(AbstractContextManager):
         Name of the items.
     patience_sec : float
         Time before which nothing is shown.
+    is_detailed : bool
+        Whether a log gets a line in regular intervals even without ``--verbose``: work of one stage that takes hours.
     """
 
     def __init__(
-        self, totals: Mapping[str, int], quiet: bool = False, what: str = "artifacts", patience_sec: float = 0.0
+        self,
+        totals: Mapping[str, int],
+        quiet: bool = False,
+        what: str = "artifacts",
+        patience_sec: float = 0.0,
+        is_detailed: bool = False,
     ):
         self._totals = {stage: total for stage, total in totals.items() if total}
         self._done: Counter[str] = Counter()
         self._quiet = quiet or not self._totals
         self._what = what
         self._patience_sec = patience_sec
-        self._bars: Progress | None = None
+        self._is_detailed = is_detailed
+        self._display: Display | None = None
         self._started = time.monotonic()
-        # So that the first line comes soon.
-        self._last = self._started + PLAIN_FIRST_SEC - PLAIN_INTERVAL_SEC
-        self._is_shown = False
 
     def __enter__(self) -> "StageProgress":
         if not self._patience_sec:
@@ -71,16 +70,10 @@ class StageProgress(AbstractContextManager):
     def advance(self, stage: str, count: int = 1) -> None:
         """Count further finished items of `stage`."""
         self._done[stage] += count
-        if self._quiet or (not self._is_shown and time.monotonic() - self._started < self._patience_sec):
-            return
-        self._show()
-        if self._bars is not None:
-            for name in (stage, ""):
-                if name in self._rows:
-                    self._bars.update(self._rows[name], completed=self._done[name] if name else self._done.total())
-        elif time.monotonic() - self._last >= PLAIN_INTERVAL_SEC:
-            self._last = time.monotonic()
-            self._print()
+        if self._display is None and time.monotonic() - self._started >= self._patience_sec:
+            self._show()
+        if self._display is not None:
+            self._display.update(stage, self._done)
 
     def each(self, stage: str, items: Iterable[Item]) -> Iterator[Item]:
         """Yield the items; each counts as finished when the next is drawn."""
@@ -89,44 +82,13 @@ class StageProgress(AbstractContextManager):
             self.advance(stage)
 
     def __exit__(self, kind, *exception) -> None:
-        if self._bars is not None:
-            self._bars.stop()
-        elif self._is_shown and kind is None:
-            self._print()
+        if self._display is not None:
+            self._display.close(self._done, kind is None)
 
     def _show(self) -> None:
-        if self._quiet or self._is_shown:
-            return
-        self._is_shown = True
-        console = bars_console()
-        if console is None:
-            return
-        self._bars = Progress(
-            TextColumn("{task.description:>20.20}", markup=False),
-            BarColumn(bar_width=None),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
-            TimeRemainingColumn(),
-            console=console,
-            expand=True,
-        )
-        totals = dict(self._totals)
-        if len(totals) > 1:
-            totals[""] = sum(totals.values())
-        done = {**self._done, "": self._done.total()}
-        self._rows = {
-            stage: self._bars.add_task(stage or self._what, total=total, completed=done.get(stage, 0))
-            for stage, total in totals.items()
-        }
-        self._bars.start()
-
-    def _print(self) -> None:
-        done, total = self._done.total(), sum(self._totals.values())
-        stages = ", ".join(f"{stage} {self._done[stage]}/{count}" for stage, count in self._totals.items())
-        elapsed = time.monotonic() - self._started
-        remaining = f", about {elapsed / done * (total - done):.0f} s left" if 0 < done < total else ""
-        line = f"{done}/{total} {self._what} in {elapsed:.0f} s{remaining} ({stages})"
-        print(line, file=sys.stderr, flush=True)
+        if not self._quiet:
+            is_detailed = _Details.is_shown or self._is_detailed
+            self._display = open_display(self._totals, self._what, self._started, is_detailed)
 
 
 class Waiting(AbstractContextManager):

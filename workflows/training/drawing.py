@@ -37,7 +37,7 @@ def draw_shards(shards: Sequence[Shard], workers: int, quiet: bool) -> None:
     """
     missing = [shard for shard in shards if not shard.is_complete()]
     num_samples = sum(shard.num_samples for shard in shards)
-    with StageProgress({"scenes": num_samples if missing else 0}, quiet, "scenes") as progress:
+    with StageProgress({"scenes": num_samples if missing else 0}, quiet, "scenes", is_detailed=True) as progress:
         progress.advance("scenes", num_samples - sum(shard.num_samples for shard in missing))
         if min(workers, len(missing)) > 1:
             _draw_in_processes(missing, min(workers, len(missing)), progress)

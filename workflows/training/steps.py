@@ -71,7 +71,7 @@ def take_steps(
     elif shows_start:
         curve.append({"step": 0, "loss": None, "rate": 0.0, **validate(), "seconds": 0.0})
     started = time.monotonic()
-    with StageProgress({"steps": params.steps}, quiet, "steps") as progress:
+    with StageProgress({"steps": params.steps}, quiet, "steps", is_detailed=True) as progress:
         progress.advance("steps", learner.step)
         while learner.step < params.steps:
             step = learner.step

@@ -6,7 +6,7 @@ from contextlib import AbstractContextManager
 
 from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TimeRemainingColumn, TransferSpeedColumn
 
-from moseg.workflows.process.progress import bars_console
+from moseg.workflows.process.progress_displays import bars_console
 
 PLAIN_INTERVAL_SEC = 15.0
 

@@ -79,7 +79,8 @@ def test_it_runs_under_a_running_event_loop(segmented, pixels, tmp_path, config)
     assert labels.any() and "<img" in html
 
 
-def test_standard_output_stays_empty_and_progress_can_be_silent(pixels, tmp_path, capsys, config):
+def test_standard_output_stays_empty_and_progress_can_be_silent(pixels, tmp_path, capsys, config, monkeypatch):
+    monkeypatch.setattr("moseg.workflows.process.progress_displays.PLAIN_FIRST_SEC", 0)
     segment_video(pixels[:3], config, store=tmp_path / "store")
     told = capsys.readouterr()
     assert told.out == "" and "artifacts" in told.err

@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+import time
 from collections import Counter
 from pathlib import Path
 
@@ -30,6 +31,23 @@ def wait(store, recipes, log):
 execution._execute_batch = wait
 main()
 """
+# The process that waits for its workers is ended, after some work.
+WAITS_FOR_WORKERS = """
+from pathlib import Path
+from moseg.workflows.cli import main
+from moseg.workflows.engine.session import Session
+
+run = Session._run
+
+def touch(self, plan):
+    if any(ref.startswith("affinity") for ref in plan.compute):
+        Path("waits").touch()
+    return run(self, plan)
+
+if __name__ == "__main__":
+    Session._run = touch
+    main()
+"""
 HIDE, SHOW = "\x1b[?25l", "\x1b[?25h"
 COLOUR = re.compile(r"\x1b\[3[0-9]m|\x1b\[9[0-9]m")
 
@@ -47,7 +65,7 @@ def test_bars_fit_the_terminal_and_leave_it_as_it_was(in_terminal, evaluated):
     assert COLOUR.search(ran.raw)
     bars = _bars(ran.text)
     assert {len(line) for line in bars} <= {79, 80}
-    assert re.match(r" +verified ━+ (\d+)/\1 +0:00:\d\d 0:00:00$", bars[-1])
+    assert re.match(r"artifacts: verified ━+ (\d+)/\1 +00:00$", bars[-1])
 
 
 def test_colours_and_bars_can_be_refused(in_terminal, evaluated):
@@ -57,10 +75,22 @@ def test_colours_and_bars_can_be_refused(in_terminal, evaluated):
     assert not COLOUR.search(plain.raw)
     dumb = in_terminal(*verify, env={"TERM": "dumb"})
     assert "\x1b" not in dumb.raw
-    assert re.search(r"(\d+)/\1 artifacts in \d+ s \(", dumb.text)
     quiet = in_terminal(*verify, "--quiet")
     assert re.fullmatch(r"\d+ artifacts, 0 bad\s+", quiet.raw)
     assert plain.code == dumb.code == quiet.code == 0
+
+
+def test_each_stage_has_a_bar_by_verbose_alone(in_terminal, evaluated):
+    command = [word for word in evaluated.arguments if word != "--quiet"]
+    shown = in_terminal(*command, "--verbose")
+    assert shown.code == 0
+    assert {"flow", "tracks", "score", "artifacts"} <= {line.split()[0] for line in _bars(shown.text)}
+    calm = in_terminal(*command, "--store", "another")
+    assert calm.code == 0
+    bars = _bars(calm.text)
+    assert bars and not any(line.startswith(" ") for line in bars)
+    refused = in_terminal(*command, "--verbose", "--quiet")
+    assert refused.code == 2 and "two opposite options in --verbose" in refused.text
 
 
 def test_ctrl_c_gives_the_terminal_back_and_the_next_run_goes_on(in_terminal, evaluated, moseg):
@@ -68,18 +98,61 @@ def test_ctrl_c_gives_the_terminal_back_and_the_next_run_goes_on(in_terminal, ev
     ran = in_terminal(*command, interrupt=lambda text: Path("waits").exists(), program=WAITS_FOR_THE_KEY)
     assert ran.code == 130
     assert ran.raw.count(HIDE) == ran.raw.count(SHOW)
-    assert ran.text.rstrip().splitlines()[-1].startswith("moseg: interrupted; what was finished is kept")
+    # The bar is wiped, and the line stands in its place.
+    last = re.split(r"\x1b\[\d*[A-K]", ran.text.rstrip())[-1]
+    assert last.startswith("moseg: interrupted; what was finished is kept") and "\n" not in last
     assert "Traceback" not in ran.text
     bars = _bars(ran.text)
     assert Counter(map(len, bars)).most_common(1)[0][0] in (79, 80)
-    # Each stage, and all of them.
-    assert {"flow", "tracks", "score", "artifacts"} <= {line.split()[0] for line in bars}
+    # One bar at a time, which names the stage at work.
+    # Some stages are done before they are drawn.
+    assert len({found[1] for line in bars if (found := re.match(r"artifacts: (\w+)", line))}) > 1
+    assert any(line.endswith(" left") for line in bars)
     assert set(open_store(".moseg/store", create=False).refs())
     again = moseg(*evaluated.arguments)
     assert again.code == 0
     computed, reused = map(int, re.search(r"(\d+) artifacts computed, (\d+) reused", again.out).groups())
     assert reused > 0
     assert computed > 0
+
+
+@pytest.mark.parametrize("workers", [0, 1])
+def test_sigterm_ends_a_run_as_ctrl_c_does(evaluated, moseg, workers):
+    words = [sys.executable, "-c", WAITS_FOR_THE_KEY if not workers else WAITS_FOR_WORKERS, *evaluated.arguments]
+    words += ["--workers", str(workers)]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 600
+    while not Path("waits").exists() and process.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.02)
+    process.terminate()
+    out, err = process.communicate(timeout=600)
+    assert (process.returncode, out) == (143, ""), err
+    assert err.splitlines() == [
+        "moseg: terminated; what was finished is kept, the same command goes on from there",
+    ]
+    assert "interrupted" in moseg("status", "latest").out
+    again = moseg(*evaluated.arguments)
+    assert again.code == 0
+    assert int(re.search(r"(\d+) reused", again.out)[1]) > 0
+
+
+def test_sigterm_while_workers_start_comes_at_the_end(monkeypatch):
+    import signal
+
+    from moseg.workflows.process.interrupts import defer_interrupts
+
+    ends, done = [], []
+    previous = signal.signal(signal.SIGTERM, lambda number, frame: ends.append(number))
+    try:
+        with defer_interrupts():
+            signal.raise_signal(signal.SIGTERM)
+            assert not ends
+            done.append(True)
+        assert (ends, done) == ([signal.SIGTERM], [True])
+        signal.raise_signal(signal.SIGTERM)
+        assert len(ends) == 2
+    finally:
+        signal.signal(signal.SIGTERM, previous)
 
 
 def test_ctrl_c_while_the_program_starts_is_one_line(in_terminal, tmp_path):
