@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Protocol
 
 from moseg.store.outcomes import PutOutcome
+from moseg.store.packing import Range
 from moseg.store.protocol import ArtifactStore
 
 
@@ -67,6 +68,16 @@ class Backend(ArtifactStore, ManifestSource, Protocol):
         """Return the content of files; `payload` is the place that the manifest names.
 
         Raises CorruptArtifactError if a file is lost and MissingArtifactError if the artifact has vanished.
+        """
+
+    @abstractmethod
+    def read_ranges(
+        self, ref: str, payload: str, path: str, nbytes: int, ranges: Mapping[str, Range]
+    ) -> dict[str, bytes]:
+        """Return parts of one file, by name; a part that lies beyond its end is shorter than asked for.
+
+        Raises like `read_files`, and CorruptArtifactError if the file does not have `nbytes` and that is known without
+        another request.
         """
 
     @abstractmethod
