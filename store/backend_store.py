@@ -34,6 +34,7 @@ class BackendStore(Backend):
     import_artifact = copying.import_artifact
     remove = collection.remove
     gc = collection.collect
+    release = collection.release
     pin = pins.pin
     unpin = pins.unpin
     pinned = pins.pinned

@@ -43,14 +43,25 @@ def remove(backend: Backend, ref: str) -> bool:
     return ref in trash.taken
 
 
+def release(backend: Backend, refs: Iterable[str]) -> int:
+    """See `ArtifactStore.release`."""
+    stored = backend.present(refs)
+    reached = reachable(pinned(backend).values(), [backend])
+    return len(_sweep(backend, sorted(stored - reached)))
+
+
 def reachable(pins: Iterable[Pin], sources: Sequence[ManifestSource]) -> set[str]:
-    """Return the references that the pins name, and the inputs of each whose manifest is in one of the sources."""
+    """Return the references that the pins name, and of pins with inputs, the inputs of each whose manifest is in one of
+    the sources."""
+    alone: set[str] = set()
+    waiting: set[str] = set()
+    for pin in pins:
+        (waiting if pin.with_inputs else alone).update(pin.refs)
     reached: set[str] = set()
-    waiting = {ref for pin in pins for ref in pin.refs}
     while waiting:
         reached |= waiting
         waiting = _inputs(waiting, sources) - reached
-    return reached
+    return reached | alone
 
 
 def _sweep(backend: Backend, unreachable: list[str]) -> list[str]:

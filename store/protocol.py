@@ -122,11 +122,26 @@ class ArtifactStore(Protocol):
         """Delete an artifact as a whole; return False if there is none."""
 
     @abstractmethod
-    def pin(self, run_id: str, refs: Iterable[str], lease_seconds: float | None = None) -> None:
+    def pin(
+        self,
+        run_id: str,
+        refs: Iterable[str],
+        lease_seconds: float | None = None,
+        *,
+        run: str = "",
+        with_inputs: bool = True,
+    ) -> None:
         """Protect references, stored or not yet, and everything they were computed from, from `gc`.
 
-        The pin replaces an earlier one of the run. It holds until `unpin`, or with a lease while this process runs
-        and the lease lasts.
+        The pin replaces an earlier one of the same name. It holds until `unpin`, or with a lease while this process
+        runs and the lease lasts.
+
+        Parameters
+        ----------
+        run : str
+            Name of the run, if the pin has another name.
+        with_inputs : bool
+            Whether to protect what the references were computed from.
         """
 
     @abstractmethod
@@ -168,6 +183,10 @@ class ArtifactStore(Protocol):
         an input that is not stored ends the walk. Unfinished puts, quarantined artifacts older than the grace period,
         and pins that no longer hold are deleted too.
         """
+
+    @abstractmethod
+    def release(self, refs: Iterable[str]) -> int:
+        """Delete those of the artifacts that no pin reaches, whatever their age; return their number."""
 
     @abstractmethod
     def usage(self) -> dict[str, TaskUsage]:

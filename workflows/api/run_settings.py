@@ -33,6 +33,8 @@ class RunSettings:
         Whether no weights are fetched, and whether those for non-commercial use may be.
     quiet : bool
         No progress on standard error.
+    keep_cues : bool
+        Whether dense maps that can be computed again stay in the store.
     """
 
     store: str
@@ -47,6 +49,7 @@ class RunSettings:
     offline: bool = False
     non_commercial: bool = False
     quiet: bool = False
+    keep_cues: bool = True
 
     def open(self) -> AbstractContextManager[Session]:
         """Open a session for a block; raises InputError where the store, the workers or the device cannot be had."""
@@ -69,13 +72,14 @@ def read_run_settings(
     offline: bool,
     non_commercial: bool,
     progress: bool,
+    keep_cues: bool = True,
 ) -> RunSettings:
     """Return the settings that the arguments of a call ask for; raises InputError on one of another kind."""
     check_kinds(Kind.PATH, store=store)
     files = {"scheduler": scheduler, "tls_ca": tls_ca, "tls_cert": tls_cert, "tls_key": tls_key}
     check_kinds(Kind.PATH, optional=True, **files)
     check_kinds(Kind.TEXT, device=device)
-    check_kinds(Kind.SWITCH, offline=offline, non_commercial=non_commercial, progress=progress)
+    check_kinds(Kind.SWITCH, offline=offline, non_commercial=non_commercial, progress=progress, keep_cues=keep_cues)
     check_min(0, workers=workers)
     check_min(1, threads=threads, **({} if batch is None else {"batch": batch}))
     return RunSettings(
@@ -88,4 +92,5 @@ def read_run_settings(
         offline=offline,
         non_commercial=non_commercial,
         quiet=not progress,
+        keep_cues=keep_cues,
     )

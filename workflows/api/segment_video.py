@@ -54,6 +54,7 @@ def segment_video(
     offline: bool = False,
     non_commercial: bool = False,
     progress: bool = True,
+    keep_cues: bool = False,
 ) -> MotionSegmentation:
     """Find what moves on its own in a video: the same results as `moseg segment`, from the same store.
 
@@ -111,6 +112,9 @@ def segment_video(
         Allow weights that are licensed for non-commercial use only.
     progress : bool
         Whether progress goes to standard error. Standard output is never written to.
+    keep_cues : bool
+        Whether flow, saliency and other dense maps stay in the store, for other settings and for reports of the run;
+        by default they are deleted when the result is computed.
 
     Returns
     -------
@@ -146,6 +150,7 @@ def segment_video(
         offline=offline,
         non_commercial=non_commercial,
         progress=progress,
+        keep_cues=keep_cues,
     )
     choices = read_choices(
         config,

@@ -1,6 +1,6 @@
 """`moseg segment`."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import typer
@@ -103,6 +103,10 @@ def segment(
     ] = None,
     exports: ExportsOption = None,
     page: ReportOption = None,
+    keep_cues: Annotated[
+        bool,
+        typer.Option("--keep-cues", help="Keep flow and saliency in the store, to try other settings sooner."),
+    ] = False,
 ) -> None:
     """Write masks of what moves on its own in your video: OUT/masks/*.png, OUT/overlay.mp4, OUT/motion.json.
 
@@ -128,7 +132,7 @@ def segment(
         def write(store, stored, rate):
             return outputs.write(store, stored, rate, run.quiet)
 
-        done = run_segmentation(source, config, variant, run.settings(), write, fps, page)
+        done = run_segmentation(source, config, variant, replace(run.settings(), keep_cues=keep_cues), write, fps, page)
     exported = outputs.export()
     count = len(done.value.objects)
     written = ", ".join((*(f"{out}/{path.name}" for path in outputs.paths), *map(str, exported)))

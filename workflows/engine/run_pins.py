@@ -46,15 +46,15 @@ class RunPins:
             self._store.unpin(self._run_id)
             self._leased = frozenset()
 
-    def keep(self, refs: Sequence[str], is_new: bool) -> None:
-        """Pin the results of finished work under a name that follows from them.
+    def keep(self, refs: Sequence[str], is_new: bool, with_inputs: bool = True) -> None:
+        """Pin the results of finished work, with what they were computed from, under a name that follows from them.
 
         If nothing is new the store may be read-only; then nothing is collected from it either, and no pin is needed.
         """
         name = digest_json("run", sorted(refs))[:16]
         if self._store.pin_of(name) is None:
             try:
-                self._store.pin(name, refs)
+                self._store.pin(name, refs, run=self._run_id, with_inputs=with_inputs)
             except StoreError:
                 if is_new:
                     raise

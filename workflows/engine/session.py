@@ -16,6 +16,7 @@ from moseg.workflows.cluster.call import Call
 from moseg.workflows.cluster.runners import Runner, open_runner
 from moseg.workflows.cluster.tls_files import TlsFiles
 from moseg.workflows.engine.calls import make_calls
+from moseg.workflows.engine.cues import split_cues
 from moseg.workflows.engine.execution import execute_ingest
 from moseg.workflows.engine.ingest import IngestJob, recall_ingests
 from moseg.workflows.engine.phases import network_of, split_phases
@@ -45,8 +46,11 @@ def open_session(
     batch: int | None = None,
     offline: bool = False,
     non_commercial: bool = False,
+    keep_cues: bool = True,
 ) -> "Iterator[Session]":
     """Open a session on the store at `store`, which is created if there is none; the runner ends with the block.
+
+    See `Session` about `keep_cues`.
 
     Raises
     ------
@@ -59,7 +63,7 @@ def open_session(
     weights = open_weights(os.environ, offline=offline, allow_non_commercial=non_commercial, quiet=quiet)
     with (
         open_runner(workers, scheduler, device, threads, tls) as runner,
-        closing(Session(opened, runner, quiet, weights, batch)) as session,
+        closing(Session(opened, runner, quiet, weights, batch, keep_cues)) as session,
     ):
         yield session
 
@@ -74,6 +78,11 @@ class StageUse(NamedTuple):
 
 class Session:
     """A run: it computes missing artifacts, reuses stored ones, repairs corrupt ones, and counts all.
+
+    Parameters
+    ----------
+    keep_cues : bool
+        Whether dense maps that can be computed again stay in the store after the results are read (see `Task.is_cue`).
 
     Attributes
     ----------
@@ -93,6 +102,7 @@ class Session:
         quiet: bool = False,
         weights: Weights | None = None,
         batch: int | None = None,
+        keep_cues: bool = True,
     ):
         self.store = store
         self.runner = runner
@@ -106,10 +116,12 @@ class Session:
         self._pins = RunPins(store, self.run_id)
         # What `build` reads in the store before it can return the graph: memories of ingest, settled artifacts.
         self._first: set[str] = set()
+        self._settled: dict[str, Recipe] = {}
         self._settled_hits: dict[str, None] = {}
         self._weights = weights or open_weights(os.environ)
         self._weights_leaves: dict[str, WeightsLeaf] = {}
         self._batch = batch
+        self._keep_cues = keep_cues
         self._quiet = quiet
 
     @property
@@ -183,6 +195,7 @@ class Session:
         """
         # Only those of this computation, so that a wave's pins hold no earlier wave's.
         self._first.clear()
+        self._settled.clear()
         num_repairs = 0
         missed: set[str] = set()
         with self.log.watch():
@@ -194,7 +207,7 @@ class Session:
                     self._run(plan)
                     result = read()
                     self.reused += plan.count()[1] + Counter(split_ref(ref)[0] for ref in self._settled_hits)
-                    self._pins.keep((*sinks, *sorted(self._first)), is_new=bool(plan.compute))
+                    self._finish({**self._settled, **recipes}, (*sinks, *sorted(self._first)), bool(plan.compute))
                     return result
                 except CorruptArtifactError as error:
                     if num_repairs == MAX_REPAIRS:
@@ -209,6 +222,18 @@ class Session:
                     if str(error) in missed:
                         raise
                     missed.add(str(error))
+
+    def _finish(self, recipes: Mapping[str, Recipe], refs: Sequence[str], is_new: bool) -> None:
+        """Pin results, and let go of the cues that they were computed from unless cues are kept."""
+        if self._keep_cues:
+            self._pins.keep(refs, is_new)
+            return
+        kept, cues = split_cues(recipes, refs)
+        self._pins.keep(kept, is_new, with_inputs=False)
+        if self.computed:
+            # Cues of an interrupted run too, whose work this one continued.
+            self._pins.end_lease()
+            self.store.release(cues)
 
     def settle(self, recipes: Mapping[str, Recipe], sinks: Sequence[str], leaves: Iterable[str] = ()) -> list[dict]:
         """Compute missing artifacts on which the graph itself depends, and return the attributes of each.
@@ -225,6 +250,7 @@ class Session:
         """
         plan = self._plan(recipes, sinks, leaves)
         self._run(plan)
+        self._settled |= recipes
         self._settled_hits |= dict.fromkeys(plan.reuse)
         self._first.update(sinks)
         return list(map_reads(self.store, self.store.attributes, sinks))

@@ -28,7 +28,7 @@ def _params(config: PipelineConfig, origin: str) -> dict:
     return {"from": origin, "memory": config.accumulation.memory}
 
 
-ALONG_FLOW = Task("coherence", "along-flow", version=1, run=_run, params=_params)
+ALONG_FLOW = Task("coherence", "along-flow", version=1, run=_run, params=_params, is_cue=True)
 
 STAGE = Stage(
     name="coherence",

@@ -24,7 +24,7 @@ def _params(config: PipelineConfig, first: int, last: int) -> dict:
     return {"first": first, "last": last, "accumulation": read}
 
 
-FORWARD_BACKWARD = Task("consistency", "forward-backward", version=1, run=_run, params=_params)
+FORWARD_BACKWARD = Task("consistency", "forward-backward", version=1, run=_run, params=_params, is_cue=True)
 
 STAGE = Stage(
     name="consistency",

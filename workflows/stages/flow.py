@@ -35,11 +35,11 @@ def _raft_params(config: PipelineConfig) -> dict:
     return {"raft": config.raft.model_dump(mode="json", exclude={"weights"})}
 
 
-DIS = Task("flow", "dis", version=1, run=_run_dis, params=_dis_params, is_cheap=True)
+DIS = Task("flow", "dis", version=2, run=_run_dis, params=_dis_params, is_cheap=True, is_cue=True)
 RAFT = Task(
     "flow",
     "raft",
-    version=1,
+    version=2,
     run_together=_run_raft,
     params=_raft_params,
     network=Network("raft", "raft.weights", "raft-large"),
@@ -49,7 +49,7 @@ STAGE = Stage(
     name="flow",
     about="optical flow of a frame pair",
     inputs={"frame0": "frame that the flow starts in", "frame1": "its neighbour", "weights": "of the network"},
-    arrays={"flow": layout("float32", "y x uv", "px/frame")},
+    arrays={"flow": layout("float32", "y x uv", "px/frame", step=1 / 64)},
     tasks=(DIS, RAFT),
     method=lambda config: config.flow.method,
     choices=(

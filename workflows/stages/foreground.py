@@ -101,7 +101,7 @@ def _network_params(config: PipelineConfig) -> dict:
     return {"video_network": config.video_network.model_dump(mode="json", include=EVIDENCE_PARAMS)}
 
 
-MOTION_AND_COLOUR = Task("foreground", "motion-and-colour", version=2, run=_run, params=_params)
+MOTION_AND_COLOUR = Task("foreground", "motion-and-colour", version=2, run=_run, params=_params, is_cue=True)
 VIDEO_NETWORK = Task("foreground", "video-network", version=1, run=_run_video_network, params=_network_params)
 
 STAGE = Stage(
