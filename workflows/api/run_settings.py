@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 
 from moseg.workflows.api.arguments import Kind, check_kinds, check_min
 from moseg.workflows.cluster.tls_files import TlsFiles
+from moseg.workflows.config.default_store import default_store
 from moseg.workflows.engine.session import Session, open_session
 
 
@@ -60,7 +61,7 @@ class RunSettings:
 
 def read_run_settings(
     *,
-    store: str | os.PathLike,
+    store: str | os.PathLike | None,
     workers: int,
     scheduler: str | os.PathLike | None,
     tls_ca: str | os.PathLike | None,
@@ -75,7 +76,7 @@ def read_run_settings(
     keep_cues: bool = True,
 ) -> RunSettings:
     """Return the settings that the arguments of a call ask for; raises InputError on one of another kind."""
-    check_kinds(Kind.PATH, store=store)
+    check_kinds(Kind.PATH, optional=True, store=store)
     files = {"scheduler": scheduler, "tls_ca": tls_ca, "tls_cert": tls_cert, "tls_key": tls_key}
     check_kinds(Kind.PATH, optional=True, **files)
     check_kinds(Kind.TEXT, device=device)
@@ -83,7 +84,7 @@ def read_run_settings(
     check_min(0, workers=workers)
     check_min(1, threads=threads, **({} if batch is None else {"batch": batch}))
     return RunSettings(
-        os.fsdecode(store),
+        default_store() if store is None else os.fsdecode(store),
         workers,
         **{name: None if path is None else os.fsdecode(path) for name, path in files.items()},
         device=device,

@@ -42,7 +42,7 @@ def segment_video(
     fps: float | None = None,
     report: str | os.PathLike | None = None,
     name: str | None = None,
-    store: str | os.PathLike = ".moseg/store",
+    store: str | os.PathLike | None = None,
     workers: int = 0,
     scheduler: str | os.PathLike | None = None,
     tls_ca: str | os.PathLike | None = None,
@@ -91,8 +91,9 @@ def segment_video(
         Also write a page that shows the result and how it came about, as `moseg segment --report` does.
     name : str, optional
         What the result and files of it are called; by default after the file.
-    store : path or URL
-        Artifact store: a folder, or the URL of one (``file://``, ``s3://``, ``gs://``, ``az://``).
+    store : path or URL, optional
+        Artifact store: a folder, or the URL of one (``file://``, ``s3://``, ``gs://``, ``az://``); by default
+        ``$MOSEG_STORE``, else ``moseg/store`` in the user's cache folder.
     workers : int
         Worker processes; 0 computes in this one. A script that asks for workers does so below ``if __name__ ==
         "__main__":``, because they import it.

@@ -49,7 +49,7 @@ STAGE = Stage(
     name="flow",
     about="optical flow of a frame pair",
     inputs={"frame0": "frame that the flow starts in", "frame1": "its neighbour", "weights": "of the network"},
-    arrays={"flow": layout("float32", "y x uv", "px/frame", step=1 / 64)},
+    arrays={"flow": layout("float32", "y x uv", "px/frame", step=1 / 32)},
     tasks=(DIS, RAFT),
     method=lambda config: config.flow.method,
     choices=(
