@@ -40,13 +40,13 @@ class Trash(ManifestSource, Protocol):
 class Backend(ArtifactStore, ManifestSource, Protocol):
     """Operations of a store on its files. Faults are StoreErrors; a malformed reference is an InputError.
 
-    A backend also implements those methods of `ArtifactStore` that read no manifest: `url`, `has`, `present`, `refs`
-    and the logs.
+    A backend also implements those methods of `ArtifactStore` that read no manifest: `url`, `has`, `present`, `refs`,
+    `touch` and the logs.
     """
 
     @abstractmethod
     def committed(self) -> dict[str, float]:
-        """Return when each artifact was committed here, seconds since the epoch, in order of reference."""
+        """Return when each artifact was last used or committed here, seconds since the epoch, in order of reference."""
 
     @abstractmethod
     def nbytes(self, refs: Collection[str]) -> dict[str, int]:

@@ -94,6 +94,8 @@ class GcReport(NamedTuple):
         Bytes freed by both.
     is_dry : bool
         Whether nothing was deleted.
+    left : int or None
+        Bytes of the artifacts that stay, if a size was asked for.
     """
 
     num_kept: int
@@ -101,3 +103,4 @@ class GcReport(NamedTuple):
     leftovers: tuple[str, ...]
     nbytes: int
     is_dry: bool
+    left: int | None = None

@@ -1,7 +1,7 @@
 """The interface of every artifact store."""
 
 from abc import abstractmethod
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -176,13 +176,33 @@ class ArtifactStore(Protocol):
         """Delete a run's log; return False if there is none."""
 
     @abstractmethod
-    def gc(self, *, is_dry: bool = True, grace_seconds: float = 86_400.0) -> GcReport:
+    def gc(
+        self,
+        *,
+        is_dry: bool = True,
+        grace_seconds: float = 86_400.0,
+        forget: Collection[str] = (),
+        keep_nbytes: int | None = None,
+    ) -> GcReport:
         """Delete artifacts that no pin reaches and that are older than the grace period, or only report them.
 
         A pin reaches the references it names and, through the inputs in manifests, everything they were computed from;
         an input that is not stored ends the walk. Unfinished puts, quarantined artifacts older than the grace period,
         and pins that no longer hold are deleted too.
+
+        Parameters
+        ----------
+        grace_seconds : float
+            Time since the last use (see `touch`) for which an artifact is kept.
+        forget : collection of str
+            Names of pins to end.
+        keep_nbytes : int, optional
+            Delete the least recently used artifacts first, and no more once the others take at most these bytes.
         """
+
+    @abstractmethod
+    def touch(self, refs: Iterable[str]) -> None:
+        """Record that artifacts were used now, where that is cheap and allowed; else they count as used when put."""
 
     @abstractmethod
     def release(self, refs: Iterable[str]) -> int:

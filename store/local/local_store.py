@@ -64,6 +64,12 @@ class LocalStore(LocalLogs, BackendStore):
         # a rename does not change a folder's time
         return {ref: _modified(self._layout.folder(ref)) for ref in self.refs()}
 
+    def touch(self, refs: Iterable[str]) -> None:
+        for ref in refs:
+            # it is gone, or the store is read-only
+            with suppress(OSError):
+                os.utime(self._layout.folder(ref))
+
     def nbytes(self, refs: Collection[str]) -> dict[str, int]:
         return {ref: folder_nbytes(self._layout.folder(ref)) for ref in refs}
 

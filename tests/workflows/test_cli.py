@@ -204,10 +204,12 @@ def test_gc_keeps_what_a_run_needs_until_it_is_forgotten(evaluated_copy, moseg):
     assert moseg("store", "ls", *store).out == before
     assert moseg("store", "gc", "--forget", "nobody", *store).code == 2
     run = moseg("store", "ls", "--runs", *store).out.split()[0]
-    assert moseg("store", "gc", "--forget", run, "--grace-hours", "0", *store).code == 0
+    preview = moseg("store", "gc", "--forget", run, "--grace-hours", "0", *store)
     assert moseg("store", "ls", *store).out == before
-    assert moseg("store", "gc", "--forget", run, "--delete", "--grace-hours", "0", *store).code == 0
+    done = moseg("store", "gc", "--forget", run, "--delete", "--grace-hours", "0", *store)
     assert moseg("store", "ls", *store).out == ""
+    assert (preview.code, done.code) == (0, 0)
+    assert preview.out.replace(" would be removed (--delete does it)", " removed").replace("would be ", "") == done.out
     assert moseg(*evaluated_copy.arguments, *store).code == 0
 
 

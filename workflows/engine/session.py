@@ -207,6 +207,7 @@ class Session:
                     self._run(plan)
                     result = read()
                     self.reused += plan.count()[1] + Counter(split_ref(ref)[0] for ref in self._settled_hits)
+                    self.store.touch(plan.reuse)
                     self._finish({**self._settled, **recipes}, (*sinks, *sorted(self._first)), bool(plan.compute))
                     return result
                 except CorruptArtifactError as error:
