@@ -41,7 +41,7 @@ class Backend(ArtifactStore, ManifestSource, Protocol):
     """Operations of a store on its files. Faults are StoreErrors; a malformed reference is an InputError.
 
     A backend also implements those methods of `ArtifactStore` that read no manifest: `url`, `has`, `present`, `refs`,
-    `touch` and the logs.
+    `touch`, `free_nbytes` and the logs.
     """
 
     @abstractmethod

@@ -205,6 +205,10 @@ class ArtifactStore(Protocol):
         """Record that artifacts were used now, where that is cheap and allowed; else they count as used when put."""
 
     @abstractmethod
+    def free_nbytes(self) -> int | None:
+        """Return the bytes that can still be written; None if there is no limit that is known."""
+
+    @abstractmethod
     def release(self, refs: Iterable[str]) -> int:
         """Delete those of the artifacts that no pin reaches, whatever their age; return their number."""
 

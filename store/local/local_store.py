@@ -70,6 +70,12 @@ class LocalStore(LocalLogs, BackendStore):
             with suppress(OSError):
                 os.utime(self._layout.folder(ref))
 
+    def free_nbytes(self) -> int | None:
+        try:
+            return shutil.disk_usage(self.root).free
+        except OSError:
+            return None
+
     def nbytes(self, refs: Collection[str]) -> dict[str, int]:
         return {ref: folder_nbytes(self._layout.folder(ref)) for ref in refs}
 

@@ -82,6 +82,9 @@ class RemoteStore(RemoteLogs, BackendStore):
     def touch(self, refs: Iterable[str]) -> None:
         """Do nothing: an object's time changes only when it is written."""
 
+    def free_nbytes(self) -> int | None:
+        return None
+
     def nbytes(self, refs: Collection[str]) -> dict[str, int]:
         sizes = dict.fromkeys(refs, 0)
         for task in sorted({split_ref(ref)[0] for ref in refs}):

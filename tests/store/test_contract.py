@@ -374,6 +374,40 @@ class StoreContract(ABC):
             store.gc(is_dry=False, grace_seconds=0)
         assert [result.is_intact for result in store.verify([ref])] == [True]
 
+    def test_gc_without_a_pin_previews_what_it_deletes(self, store, ref):
+        store.pin("run-1", [ref])
+        preview = store.gc(grace_seconds=0, forget=["run-1"])
+        assert preview.removed == (ref,) and store.has(ref) and "run-1" in store.pinned()
+        done = store.gc(is_dry=False, grace_seconds=0, forget=["run-1"])
+        assert done.removed == preview.removed and done.nbytes == preview.nbytes
+        assert list(store.refs()) == [] and store.pinned() == {}
+
+    def test_gc_to_a_size_removes_no_more_than_needed(self, store, ref):
+        others = [Recipe(task="toy", version=number) for number in (3, 4)]
+        for recipe in others:
+            store.put(recipe, ARRAYS, dims=DIMS)
+        store.pin("run-1", [ref])
+        total = sum(use.nbytes for use in store.usage().values())
+        assert store.gc(is_dry=False, grace_seconds=0, keep_nbytes=total).removed == ()
+        report = store.gc(is_dry=False, grace_seconds=0, keep_nbytes=total - 1)
+        assert len(report.removed) == 1 and report.removed[0] != ref
+        assert report.left == sum(use.nbytes for use in store.usage().values())
+        assert store.gc(is_dry=False, grace_seconds=0, keep_nbytes=0).left > 0
+        assert list(store.refs()) == [ref]
+
+    def test_touch_is_no_error_without_an_artifact(self, store, ref):
+        store.touch([ref, ABSENT])
+        assert list(store.refs()) == [ref]
+
+    def test_a_pin_without_inputs_keeps_only_what_it_names(self, store, ref):
+        child = Recipe(task="apple", version=1, inputs={"toy": ref})
+        store.put(child, {}, dims={})
+        store.pin("run-1", [child.ref], run="a run", with_inputs=False)
+        assert store.pin_of("run-1").run == "a run"
+        assert store.gc(grace_seconds=0).removed == (ref,)
+        assert store.release([ref, child.ref, ABSENT]) == 1
+        assert list(store.refs()) == [child.ref]
+
     def test_gc_deletes_what_no_pin_reaches(self, store, ref):
         other = Recipe(task="apple", version=1)
         store.put(other, {}, dims={})

@@ -8,7 +8,7 @@ import pytest
 
 from moseg.schemas.recipes import Recipe
 from moseg.store import open_store
-from moseg.workflows.config.amounts import read_age, read_size
+from moseg.workflows.process.amounts import read_age, read_size
 
 LONG_AGO = 1_000_000_000
 

@@ -22,6 +22,7 @@ from moseg.workflows.engine.ingest import IngestJob, recall_ingests
 from moseg.workflows.engine.phases import network_of, split_phases
 from moseg.workflows.engine.planning import Plan, make_plan
 from moseg.workflows.engine.run_pins import RunPins
+from moseg.workflows.engine.space import check_space, plan_nbytes
 from moseg.workflows.process.progress import PATIENCE_SEC, StageProgress
 from moseg.workflows.runlog.events import new_run_id
 from moseg.workflows.runlog.run_log import RunLog
@@ -143,8 +144,11 @@ class Session:
         if not self._quiet:
             print(line, file=sys.stderr, flush=True)
 
-    def ingest(self, jobs: Sequence[IngestJob]) -> list[dict]:
-        """Return the leaves of every job, decoded now or remembered from the same file bytes."""
+    def ingest(self, jobs: Sequence[IngestJob], estimate: Callable[[], float] = lambda: 0.0) -> list[dict]:
+        """Return the leaves of every job, decoded now or remembered from the same file bytes.
+
+        `estimate` returns about how many bytes the decoded sources, and what is computed from them, take.
+        """
         # Each job's recipe is a digest of its files.
         with StageProgress({"sources": len(jobs)}, self._quiet, "files hashed", PATIENCE_SEC) as progress:
             recipes = [job.recipe for job in progress.each("sources", jobs)]
@@ -154,6 +158,7 @@ class Session:
             if found[recipe.ref] is None:
                 batches.setdefault(job.batch or recipe.ref, {})[recipe.ref] = (job, recipe)
         if batches:
+            check_space(self.store, estimate(), self.report)
             self._pins.lease(found)
             self.log.open(self.runner.num_workers)
             self.log.plan([ref for batch in batches.values() for ref in batch])
@@ -279,6 +284,7 @@ class Session:
     def _run(self, plan: Plan) -> None:
         """Compute a plan, phase by phase, and count what it computes."""
         if plan.compute:
+            check_space(self.store, plan_nbytes(self.store, plan.compute), lambda line: None)
             self.log.open(self.runner.num_workers)
             self.log.plan(plan.compute, (*self._settled_hits, *plan.reuse))
         self._fetch_weights(plan)

@@ -9,7 +9,7 @@ import typer
 from moseg.schemas.spelling import closest, unknown_name
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import open_existing
-from moseg.workflows.config.amounts import size
+from moseg.workflows.process.amounts import size
 from moseg.workflows.process.progress import Waiting
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from moseg.schemas.recipes import split_ref
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import find_artifact, find_pins, open_existing
 from moseg.workflows.cli.store_commands.listing import print_use
-from moseg.workflows.config.amounts import size
+from moseg.workflows.process.amounts import size
 from moseg.workflows.process.progress import StageProgress
 
 UrlArgument = Annotated[str, typer.Argument(help="The other store: a folder or URL.", metavar="URL")]

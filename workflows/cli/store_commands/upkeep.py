@@ -9,7 +9,7 @@ import typer
 from moseg.schemas.errors import InputError, MissingArtifactError
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import find_pins, open_existing
-from moseg.workflows.config.amounts import read_age, read_size, size
+from moseg.workflows.process.amounts import read_age, read_size, size
 from moseg.workflows.process.progress import StageProgress, Waiting
 
 if TYPE_CHECKING:
