@@ -1,7 +1,11 @@
 """Disk space: what work will take is estimated, and too little is one line before anything is computed."""
 
+import os
+
+import numpy as np
 import pytest
 
+from moseg.schemas.recipes import Recipe
 from moseg.store import LocalStore, open_store
 from moseg.workflows.engine.space import check_space, video_nbytes
 from moseg.workflows.sources.likely_length import likely_num_frames
@@ -71,10 +75,28 @@ def test_frames_of_a_video_are_counted_without_decoding(tmp_path, video_file):
     assert likely_num_frames(VideoFile(str(path), 64)) == VideoFile(str(path), 64).num_frames() == 7
 
 
+def test_a_store_of_a_given_size_loses_what_was_not_used_for_longest(segment, tmp_path, moseg, monkeypatch):
+    assert segment("--quiet").code == 0
+    store = open_store(str(tmp_path / "store"))
+    old = Recipe(task="toy", version=1)
+    store.put(old, {"x": np.zeros(1000)}, dims={"x": ("a",)})
+    key = old.key
+    os.utime(store.root / "objects" / "toy" / key[:2] / key, (10**9, 10**9))
+    before = set(store.refs())
+    monkeypatch.setenv("MOSEG_STORE_SIZE", "10K")
+    assert segment("--quiet").code == 0
+    assert set(store.refs()) == before
+    ran = segment("--set", "affinity.scale=0.7")
+    assert ran.code == 0 and "MOSEG_STORE_SIZE: 1 least recently used artifacts removed" in ran.err
+    assert before - set(store.refs()) == {old.ref}
+    monkeypatch.setenv("MOSEG_STORE_SIZE", "small")
+    ran = segment()
+    assert ran.code == 2 and "MOSEG_STORE_SIZE" in ran.err
+
+
 @pytest.fixture
 def video_file():
     import av
-    import numpy as np
 
     def write(path, count):
         with av.open(str(path), "w") as container:

@@ -23,12 +23,17 @@ from moseg.workflows.engine.phases import network_of, split_phases
 from moseg.workflows.engine.planning import Plan, make_plan
 from moseg.workflows.engine.run_pins import RunPins
 from moseg.workflows.engine.space import check_space, plan_nbytes
+from moseg.workflows.process.amounts import read_size, size
 from moseg.workflows.process.progress import PATIENCE_SEC, StageProgress
 from moseg.workflows.runlog.events import new_run_id
 from moseg.workflows.runlog.run_log import RunLog
 from moseg.workflows.weights.folder import Weights, WeightsLeaf, open_weights, weights_leaf
 from moseg.workflows.weights.reading import require_network_packages
 
+BUDGET_VARIABLE = "MOSEG_STORE_SIZE"
+"""Variable of the environment with the size that the user allows a store, such as ``20G``."""
+GRACE_SECONDS = 600.0
+"""Time since their last use for which artifacts are spared when a session makes room."""
 MAX_REPAIRS = 1000
 """Corrupt artifacts that one run repairs before it gives up: a disk that fails everywhere cannot be repaired so."""
 
@@ -60,11 +65,13 @@ def open_session(
     """
     if batch is not None and batch < 1:
         raise InputError("not a number of frames", where="--batch", got=batch, expected="1 or more")
+    budget = os.environ.get(BUDGET_VARIABLE)
+    max_nbytes = read_size(budget, BUDGET_VARIABLE) if budget else None
     opened = open_store(store, create=True)
     weights = open_weights(os.environ, offline=offline, allow_non_commercial=non_commercial, quiet=quiet)
     with (
         open_runner(workers, scheduler, device, threads, tls) as runner,
-        closing(Session(opened, runner, quiet, weights, batch, keep_cues)) as session,
+        closing(Session(opened, runner, quiet, weights, batch, keep_cues, max_nbytes)) as session,
     ):
         yield session
 
@@ -84,6 +91,9 @@ class Session:
     ----------
     keep_cues : bool
         Whether dense maps that can be computed again stay in the store after the results are read (see `Task.is_cue`).
+    max_nbytes : int, optional
+        Bytes to which the store is reduced at the end of a session that computed something: the least recently used
+        artifacts go first, and nothing that a run keeps or works with.
 
     Attributes
     ----------
@@ -104,6 +114,7 @@ class Session:
         weights: Weights | None = None,
         batch: int | None = None,
         keep_cues: bool = True,
+        max_nbytes: int | None = None,
     ):
         self.store = store
         self.runner = runner
@@ -123,6 +134,7 @@ class Session:
         self._weights_leaves: dict[str, WeightsLeaf] = {}
         self._batch = batch
         self._keep_cues = keep_cues
+        self._max_nbytes = max_nbytes
         self._quiet = quiet
 
     @property
@@ -265,8 +277,20 @@ class Session:
         """End the lease on what this session worked on; the results of its finished work stay pinned."""
         try:
             self._pins.end_lease()
+            self._make_room()
         finally:
             self.log.close(tuple(self._pins.results))
+
+    def _make_room(self) -> None:
+        """Reduce the store to the size that the user allows it."""
+        if self._max_nbytes is None or not self.computed:
+            return
+        # Another run may be about to pin what it has just put.
+        done = self.store.gc(is_dry=False, grace_seconds=GRACE_SECONDS, keep_nbytes=self._max_nbytes)
+        if done.removed:
+            self.report(
+                f"{BUDGET_VARIABLE}: {len(done.removed)} least recently used artifacts removed ({size(done.nbytes)})"
+            )
 
     def _plan(self, recipes: Mapping[str, Recipe], sinks: Sequence[str], leaves: Iterable[str] = ()) -> Plan:
         """Return a plan whose artifacts are pinned: what `gc` took between the look-up and the pin is planned again.
