@@ -19,13 +19,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "d69d5bc3028ca613",
-    "oc-depth": "e835632d15abd2a1",
-    "oc": "b34000ab630df31a",
-    "trajs": "698027635dfcb64a",
-    "base": "9c1395d22e8f4510",
-    "flow": "8978fb0e3d6f04db",
-    "tracks": "40105c5dd1e527c5",
+    "fused": "fbebfc423bc2c5c5",
+    "oc-depth": "863ea5326d8f09bb",
+    "oc": "fd67573dbcd11183",
+    "trajs": "915c65ee4fcef243",
+    "base": "faaafdae48d45d22",
+    "flow": "fe62e0ff51765d53",
+    "tracks": "fba7dffbb7e6ae4b",
 }
 
 
