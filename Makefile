@@ -11,9 +11,9 @@ DAVIS   ?=
 KT3DMOSEG ?=
 STILL   ?=
 ARGS    ?=
-STORE   ?= .moseg/store
+STORE   ?=
 MOSEG   := .venv/bin/moseg
-OPTIONS  = $(if $(ROOT),--root "$(ROOT)") --workers $(WORKERS) --store "$(STORE)" $(ARGS)
+OPTIONS  = $(if $(ROOT),--root "$(ROOT)") --workers $(WORKERS) $(if $(STORE),--store "$(STORE)") $(ARGS)
 
 .PHONY: setup eval ablation segment train test test-faults lint docs-check docs-pictures results bench bench-engine bench-faults bench-networks bench-memory bench-objects peers clean
 
@@ -32,7 +32,7 @@ ablation: setup
 	$(MOSEG) ablate --dataset $(DATASET) $(OPTIONS)
 
 segment: setup
-	$(MOSEG) segment "$(VIDEO)" --out "$(OUT)" --workers $(WORKERS) --store "$(STORE)" $(ARGS)
+	$(MOSEG) segment "$(VIDEO)" --out "$(OUT)" --workers $(WORKERS) $(if $(STORE),--store "$(STORE)") $(ARGS)
 
 train: setup
 	$(MOSEG) train --out "$(OUT)/motion_network.onnx" --folder "$(OUT)/training" $(if $(filter-out 0,$(WORKERS)),--workers $(WORKERS)) $(ARGS)

@@ -33,6 +33,9 @@ def main() -> None:
         for name, (array, dims) in cases().items():
             print(f"{name:26} {report(root, name, array, dims, options.repeat)}")
         print("(targets for the flow: 1.5 each)")
+        print(f"\n{'array':26} {'files':>6} {'bytes':>10} {'of raw':>7} {'put':>9} {'read':>9}  (processor time)")
+        for name, (array, dims) in cases().items():
+            print(f"{name:26} {footprint(root, name, array, dims, options.repeat)}")
         print(f"\nhas: {lookup_time(root) * 1e6:.1f} us (target 50 us)")
     finally:
         shutil.rmtree(root)
@@ -77,6 +80,23 @@ def report(root: Path, name: str, array: np.ndarray, dims: tuple[str, ...], repe
     return " ".join(columns)
 
 
+def footprint(root: Path, name: str, array: np.ndarray, dims: tuple[str, ...], repeat: int) -> str:
+    """Return the files and bytes of an artifact, and the processor time of a put and a read."""
+    store = LocalStore(root / "footprint" / name.replace(" ", "-"))
+    recipes = [Recipe(task=TASK, version=1, params={"case": name, "number": number}) for number in range(repeat)]
+    start = time.process_time()
+    for recipe in recipes:
+        store.put(recipe, {"x": array}, dims={"x": dims})
+    middle = time.process_time()
+    for recipe in recipes:
+        store.read(recipe.ref, "x")
+    put, read = (middle - start) / repeat, (time.process_time() - middle) / repeat
+    files = [path.stat().st_size for path in (store.root / "objects").rglob("*") if path.is_file()]
+    nbytes = sum(files) / repeat
+    share = nbytes / array.nbytes
+    return f"{len(files) / repeat:6.1f} {nbytes:10.0f} {share:7.2f} {1e3 * put:6.2f} ms {1e3 * read:6.2f} ms"
+
+
 def plain_put(folder: Path, array: np.ndarray, dims: tuple[str, ...]) -> None:
     """Write one array in a group by Zarr's own local store, with the codecs and chunks of the artifact store."""
     group = zarr.create_group(folder)
@@ -86,7 +106,7 @@ def plain_put(folder: Path, array: np.ndarray, dims: tuple[str, ...]) -> None:
         shape=array.shape,
         dtype=array.dtype,
         chunks=chunks,
-        compressors=[BloscCodec(cname="lz4", clevel=1, shuffle="shuffle", typesize=array.itemsize), Crc32cCodec()],
+        compressors=[BloscCodec(cname="zstd", clevel=1, shuffle="bitshuffle", typesize=array.itemsize), Crc32cCodec()],
         dimension_names=dims,
         config={"write_empty_chunks": True},
     )

@@ -9,16 +9,45 @@ from moseg.schemas.frozen import Frozen
 
 
 class ArrayLayout(Frozen):
-    """Numpy dtype, axis names (outermost first) and unit of one array."""
+    """Layout of one array.
+
+    Attributes
+    ----------
+    dtype : str
+        Numpy dtype.
+    dims : tuple of str
+        Axis names, outermost first.
+    unit : str
+    step : float or None
+        Power of two in `unit` to whose multiples a stage's values are rounded, so that they take fewer bytes.
+    """
 
     dtype: str
     dims: tuple[str, ...]
     unit: str = ""
+    step: float | None = None
 
 
-def layout(dtype: str, dims: str, unit: str = "") -> ArrayLayout:
+def layout(dtype: str, dims: str, unit: str = "", step: float | None = None) -> ArrayLayout:
     """Return the layout of an array; `dims` are the names of its axes, separated by blanks."""
-    return ArrayLayout(dtype=dtype, dims=tuple(dims.split()), unit=unit)
+    return ArrayLayout(dtype=dtype, dims=tuple(dims.split()), unit=unit, step=step)
+
+
+def round_arrays(arrays: Mapping[str, np.ndarray], layouts: Mapping[str, ArrayLayout]) -> dict[str, np.ndarray]:
+    """Return the arrays, those whose layout has a step rounded to its multiples; other arrays are not copied."""
+    steps = {name: layouts[name].step for name in arrays if name in layouts}
+    return {name: _round(array, steps.get(name)) for name, array in arrays.items()}
+
+
+def _round(array: np.ndarray, step: float | None) -> np.ndarray:
+    if step is None:
+        return array
+    # in float32, where neither the quotients of float16 nor their rounded values overflow
+    rounded = array.astype(np.float32)
+    rounded *= np.float32(1 / step)
+    np.rint(rounded, out=rounded)
+    rounded *= np.float32(step)
+    return rounded.astype(array.dtype, copy=False)
 
 
 LEAF_LAYOUTS: Mapping[str, Mapping[str, ArrayLayout]] = {

@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Protocol
 
 from moseg.store.outcomes import PutOutcome
+from moseg.store.packing import Range
 from moseg.store.protocol import ArtifactStore
 
 
@@ -39,13 +40,13 @@ class Trash(ManifestSource, Protocol):
 class Backend(ArtifactStore, ManifestSource, Protocol):
     """Operations of a store on its files. Faults are StoreErrors; a malformed reference is an InputError.
 
-    A backend also implements those methods of `ArtifactStore` that read no manifest: `url`, `has`, `present`, `refs`
-    and the logs.
+    A backend also implements those methods of `ArtifactStore` that read no manifest: `url`, `has`, `present`, `refs`,
+    `touch`, `free_nbytes` and the logs.
     """
 
     @abstractmethod
     def committed(self) -> dict[str, float]:
-        """Return when each artifact was committed here, seconds since the epoch, in order of reference."""
+        """Return when each artifact was last used or committed here, seconds since the epoch, in order of reference."""
 
     @abstractmethod
     def nbytes(self, refs: Collection[str]) -> dict[str, int]:
@@ -67,6 +68,16 @@ class Backend(ArtifactStore, ManifestSource, Protocol):
         """Return the content of files; `payload` is the place that the manifest names.
 
         Raises CorruptArtifactError if a file is lost and MissingArtifactError if the artifact has vanished.
+        """
+
+    @abstractmethod
+    def read_ranges(
+        self, ref: str, payload: str, path: str, nbytes: int, ranges: Mapping[str, Range]
+    ) -> dict[str, bytes]:
+        """Return parts of one file, by name; a part that lies beyond its end is shorter than asked for.
+
+        Raises like `read_files`, and CorruptArtifactError if the file does not have `nbytes` and that is known without
+        another request.
         """
 
     @abstractmethod

@@ -17,8 +17,9 @@ from moseg.store import collection, copying, pins, reading, verification
 from moseg.store.backend import Backend
 from moseg.store.codec import METADATA, encode_group
 from moseg.store.outcomes import PutOutcome, TaskUsage
+from moseg.store.packing import PACK
 from moseg.store.provenance import library_versions
-from moseg.store.sealing import digest_metadata, seal
+from moseg.store.sealing import digest_metadata
 
 
 class BackendStore(Backend):
@@ -33,6 +34,7 @@ class BackendStore(Backend):
     import_artifact = copying.import_artifact
     remove = collection.remove
     gc = collection.collect
+    release = collection.release
     pin = pins.pin
     unpin = pins.unpin
     pinned = pins.pinned
@@ -69,7 +71,7 @@ class BackendStore(Backend):
             versions=library_versions(),
         )
         metadata = {path: digest_metadata(files[path]) for path in files if path.rpartition("/")[2] == METADATA}
-        return self.commit(recipe.ref, files, lambda payload: seal(manifest, metadata, payload))
+        return copying.commit_packed(self, manifest, metadata, files)
 
     def attributes(self, ref: str) -> dict[str, JsonValue]:
         return self.manifest(ref).attributes
@@ -79,7 +81,9 @@ class BackendStore(Backend):
         return self.move_to_quarantine(ref, content + b"\n")
 
     def place(self, ref: str) -> str:
-        return self.payload_place(ref, reading.read_sealed(self, ref).payload)
+        sealed = reading.read_sealed(self, ref)
+        place = self.payload_place(ref, sealed.payload)
+        return f"zip::{place}/{PACK}" if sealed.is_packed else place
 
     def usage(self) -> dict[str, TaskUsage]:
         counts, nbytes = Counter(), Counter()

@@ -6,30 +6,59 @@ either the sweep sees the pin, or the run finds the artifact gone and computes i
 """
 
 import time
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from moseg.schemas.errors import CorruptArtifactError
 from moseg.store.backend import Backend, ManifestSource
 from moseg.store.names import check_ref
 from moseg.store.outcomes import GcReport, Pin
-from moseg.store.pins import discard_ended, ended_pins, pinned
+from moseg.store.pins import discard_ended, ended_pins, pinned, unpin
 from moseg.store.reading import check_seal
 
 
-def collect(backend: Backend, *, is_dry: bool = True, grace_seconds: float = 86_400.0) -> GcReport:
+def collect(
+    backend: Backend,
+    *,
+    is_dry: bool = True,
+    grace_seconds: float = 86_400.0,
+    forget: Collection[str] = (),
+    keep_nbytes: int | None = None,
+) -> GcReport:
     """See `ArtifactStore.gc`."""
     now = time.time()
-    reached = reachable(pinned(backend).values(), [backend])
-    committed = backend.committed()
-    unreachable = [ref for ref, moment in committed.items() if ref not in reached and moment <= now - grace_seconds]
+    reached = reachable((pin for name, pin in pinned(backend).items() if name not in forget), [backend])
+    used = backend.committed()
+    unreachable = [ref for ref, moment in used.items() if ref not in reached and moment <= now - grace_seconds]
+    left = None
+    if keep_nbytes is None:
+        sizes = backend.nbytes(unreachable)
+    else:
+        sizes = backend.nbytes(used)
+        unreachable, left = _oldest_first(unreachable, used, sizes, keep_nbytes)
     leftovers = backend.leftovers(now, now - grace_seconds)
     ended = ended_pins(backend)
-    nbytes = sum(backend.nbytes(unreachable).values()) + sum(leftovers.values()) + sum(ended.values())
     if not is_dry:
+        for name in forget:
+            unpin(backend, name)
         unreachable = _sweep(backend, unreachable)
         backend.discard(leftovers)
         discard_ended(backend, ended)
-    return GcReport(len(committed) - len(unreachable), tuple(unreachable), (*leftovers, *ended), nbytes, is_dry)
+    nbytes = sum(sizes[ref] for ref in unreachable) + sum(leftovers.values()) + sum(ended.values())
+    return GcReport(len(used) - len(unreachable), tuple(unreachable), (*leftovers, *ended), nbytes, is_dry, left)
+
+
+def _oldest_first(
+    refs: Iterable[str], used: Mapping[str, float], sizes: Mapping[str, int], keep_nbytes: int
+) -> tuple[list[str], int]:
+    """Return the least recently used artifacts without which the rest takes at most `keep_nbytes`, and its bytes."""
+    left = sum(sizes.values())
+    taken: list[str] = []
+    for ref in sorted(refs, key=lambda ref: (used[ref], ref)):
+        if left <= keep_nbytes:
+            break
+        taken.append(ref)
+        left -= sizes[ref]
+    return taken, left
 
 
 def remove(backend: Backend, ref: str) -> bool:
@@ -43,14 +72,25 @@ def remove(backend: Backend, ref: str) -> bool:
     return ref in trash.taken
 
 
+def release(backend: Backend, refs: Iterable[str]) -> int:
+    """See `ArtifactStore.release`."""
+    stored = backend.present(refs)
+    reached = reachable(pinned(backend).values(), [backend])
+    return len(_sweep(backend, sorted(stored - reached)))
+
+
 def reachable(pins: Iterable[Pin], sources: Sequence[ManifestSource]) -> set[str]:
-    """Return the references that the pins name, and the inputs of each whose manifest is in one of the sources."""
+    """Return the references that the pins name, and of pins with inputs, the inputs of each whose manifest is in one of
+    the sources."""
+    alone: set[str] = set()
+    waiting: set[str] = set()
+    for pin in pins:
+        (waiting if pin.with_inputs else alone).update(pin.refs)
     reached: set[str] = set()
-    waiting = {ref for pin in pins for ref in pin.refs}
     while waiting:
         reached |= waiting
         waiting = _inputs(waiting, sources) - reached
-    return reached
+    return reached | alone
 
 
 def _sweep(backend: Backend, unreachable: list[str]) -> list[str]:

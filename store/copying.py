@@ -1,11 +1,14 @@
 """Export of an artifact from one store and import into another: the same bytes, checked at both ends."""
 
+from collections.abc import Mapping
+
 from moseg.schemas.errors import CorruptArtifactError
 from moseg.schemas.manifests import Manifest
 from moseg.store.backend import Backend
 from moseg.store.codec import METADATA, array_files
 from moseg.store.outcomes import PutOutcome, StoredArtifact
-from moseg.store.reading import decode_checked, read_files
+from moseg.store.packing import PACK, is_packable, pack
+from moseg.store.reading import decode_checked, read_all
 from moseg.store.sealing import digest_metadata, seal
 from moseg.store.verification import check_list
 
@@ -14,7 +17,7 @@ def export_artifact(backend: Backend, ref: str) -> StoredArtifact:
     """See `ArtifactStore.export_artifact`."""
     sealed = check_list(backend, ref)
     manifest = sealed.manifest
-    files = read_files(backend, ref, sealed, [file.path for file in manifest.files])
+    files = read_all(backend, ref, sealed)
     artifact = StoredArtifact(manifest, sealed.metadata, files)
     check_copy(artifact)
     return artifact
@@ -26,7 +29,17 @@ def import_artifact(backend: Backend, artifact: StoredArtifact) -> PutOutcome:
     if backend.has(ref):
         return PutOutcome.LOST_RACE
     check_copy(artifact)
-    return backend.commit(ref, artifact.files, lambda payload: seal(artifact.manifest, artifact.metadata, payload))
+    return commit_packed(backend, artifact.manifest, artifact.metadata, artifact.files)
+
+
+def commit_packed(
+    backend: Backend, manifest: Manifest, metadata: Mapping[str, str], files: Mapping[str, bytes | memoryview]
+) -> PutOutcome:
+    """Write an artifact's files as one pack, unless they are too many or too large for it, and then its manifest."""
+    files = {file.path: files[file.path] for file in manifest.files}
+    is_packed = is_packable(files)
+    stored = {PACK: pack(files)} if is_packed else files
+    return backend.commit(manifest.recipe.ref, stored, lambda payload: seal(manifest, metadata, payload, is_packed))
 
 
 def check_copy(artifact: StoredArtifact) -> None:

@@ -9,7 +9,10 @@ from moseg.schemas.errors import InputError, StoreChoiceError
 from moseg.schemas.recipes import Ref, split_ref
 
 MARKER = "moseg-store.json"
-FORMAT = 1
+FORMAT = 2
+EARLIER_FORMATS = (1,)
+"""Formats that are read as they are: in 1 the files of an artifact are separate. A store gets the format of this
+version with the first artifact that is put, so that an earlier version, which cannot read that one, refuses it."""
 CONTENT = json.dumps({"store": "moseg artifacts", "format": FORMAT}).encode() + b"\n"
 MANIFEST = "manifest.json"
 REASON = "reason.json"
@@ -18,14 +21,18 @@ _REF = TypeAdapter(Ref)
 _RUN_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 
 
-def check_marker(content: bytes, where: object) -> None:
-    """Raise StoreChoiceError unless a marker's content is that of a store of this format."""
+def check_marker(content: bytes, where: object) -> bool:
+    """Return whether a marker is that of a store of this format; False for an earlier one.
+
+    Raises StoreChoiceError if it is neither.
+    """
     try:
         found = json.loads(content)["format"]
     except (ValueError, KeyError, TypeError):
         raise StoreChoiceError("unreadable store marker", where=where, expected=CONTENT.decode().strip()) from None
-    if found != FORMAT:
-        raise StoreChoiceError("unknown store format", where=where, got=found, expected=FORMAT)
+    if found not in (FORMAT, *EARLIER_FORMATS):
+        raise StoreChoiceError("unknown store format", where=where, got=found, expected=f"{FORMAT} or earlier")
+    return found == FORMAT
 
 
 def check_ref(ref: str) -> str:

@@ -54,10 +54,14 @@ class TaskUsage(NamedTuple):
 
 
 class Pin(Frozen):
-    """References that a run needs, so that ``gc`` keeps them and everything they were computed from.
+    """References that a run needs, so that ``gc`` keeps them.
 
     Attributes
     ----------
+    run : str
+        Name of the run, if the pin has another name; empty otherwise.
+    with_inputs : bool
+        Whether everything that they were computed from is kept too.
     expires : float or None
         Seconds since the epoch at which a live run's lease ends; None for a pin that lasts until ``unpin``.
     space, pid : str, int
@@ -70,6 +74,8 @@ class Pin(Frozen):
     expires: float | None
     space: str
     pid: int
+    run: str = ""
+    with_inputs: bool = True
 
 
 class GcReport(NamedTuple):
@@ -88,6 +94,8 @@ class GcReport(NamedTuple):
         Bytes freed by both.
     is_dry : bool
         Whether nothing was deleted.
+    left : int or None
+        Bytes of the artifacts that stay, if a size was asked for.
     """
 
     num_kept: int
@@ -95,3 +103,4 @@ class GcReport(NamedTuple):
     leftovers: tuple[str, ...]
     nbytes: int
     is_dry: bool
+    left: int | None = None

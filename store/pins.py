@@ -20,7 +20,15 @@ from moseg.store.owners import is_running, process_space
 FOLDER = "pins"
 
 
-def pin(backend: Backend, run_id: str, refs: Iterable[str], lease_seconds: float | None = None) -> None:
+def pin(
+    backend: Backend,
+    run_id: str,
+    refs: Iterable[str],
+    lease_seconds: float | None = None,
+    *,
+    run: str = "",
+    with_inputs: bool = True,
+) -> None:
     """See `ArtifactStore.pin`."""
     path = _path(run_id)
     now = time.time()
@@ -31,6 +39,8 @@ def pin(backend: Backend, run_id: str, refs: Iterable[str], lease_seconds: float
         expires=None if lease_seconds is None else now + lease_seconds,
         space=process_space(),
         pid=os.getpid(),
+        run=run,
+        with_inputs=with_inputs,
     )
     backend.write_record(path, content.model_dump_json().encode("utf-8") + b"\n", "pin a run")
 

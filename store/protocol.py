@@ -1,7 +1,7 @@
 """The interface of every artifact store."""
 
 from abc import abstractmethod
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -122,11 +122,26 @@ class ArtifactStore(Protocol):
         """Delete an artifact as a whole; return False if there is none."""
 
     @abstractmethod
-    def pin(self, run_id: str, refs: Iterable[str], lease_seconds: float | None = None) -> None:
+    def pin(
+        self,
+        run_id: str,
+        refs: Iterable[str],
+        lease_seconds: float | None = None,
+        *,
+        run: str = "",
+        with_inputs: bool = True,
+    ) -> None:
         """Protect references, stored or not yet, and everything they were computed from, from `gc`.
 
-        The pin replaces an earlier one of the run. It holds until `unpin`, or with a lease while this process runs
-        and the lease lasts.
+        The pin replaces an earlier one of the same name. It holds until `unpin`, or with a lease while this process
+        runs and the lease lasts.
+
+        Parameters
+        ----------
+        run : str
+            Name of the run, if the pin has another name.
+        with_inputs : bool
+            Whether to protect what the references were computed from.
         """
 
     @abstractmethod
@@ -161,13 +176,41 @@ class ArtifactStore(Protocol):
         """Delete a run's log; return False if there is none."""
 
     @abstractmethod
-    def gc(self, *, is_dry: bool = True, grace_seconds: float = 86_400.0) -> GcReport:
+    def gc(
+        self,
+        *,
+        is_dry: bool = True,
+        grace_seconds: float = 86_400.0,
+        forget: Collection[str] = (),
+        keep_nbytes: int | None = None,
+    ) -> GcReport:
         """Delete artifacts that no pin reaches and that are older than the grace period, or only report them.
 
         A pin reaches the references it names and, through the inputs in manifests, everything they were computed from;
         an input that is not stored ends the walk. Unfinished puts, quarantined artifacts older than the grace period,
         and pins that no longer hold are deleted too.
+
+        Parameters
+        ----------
+        grace_seconds : float
+            Time since the last use (see `touch`) for which an artifact is kept.
+        forget : collection of str
+            Names of pins to end.
+        keep_nbytes : int, optional
+            Delete the least recently used artifacts first, and no more once the others take at most these bytes.
         """
+
+    @abstractmethod
+    def touch(self, refs: Iterable[str]) -> None:
+        """Record that artifacts were used now, where that is cheap and allowed; else they count as used when put."""
+
+    @abstractmethod
+    def free_nbytes(self) -> int | None:
+        """Return the bytes that can still be written; None if there is no limit that is known."""
+
+    @abstractmethod
+    def release(self, refs: Iterable[str]) -> int:
+        """Delete those of the artifacts that no pin reaches, whatever their age; return their number."""
 
     @abstractmethod
     def usage(self) -> dict[str, TaskUsage]:

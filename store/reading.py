@@ -4,7 +4,7 @@ Zarr reads a missing chunk as zeros. So the backend reads the files, each must h
 and only then are they decoded, from memory, with checksums.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -14,7 +14,11 @@ from moseg.schemas.manifests import ArrayEntry, Manifest
 from moseg.schemas.recipes import split_ref
 from moseg.store.backend import Backend
 from moseg.store.codec import array_files, decode_array
+from moseg.store.packing import PACK, pack, pack_nbytes, places
 from moseg.store.sealing import Sealed, digest_metadata, unseal
+
+WHOLE_BYTES = 65_536
+"""Packs up to this size are read and checked as a whole, which takes no longer than a part."""
 
 
 def read_manifest(backend: Backend, ref: str) -> Manifest:
@@ -86,10 +90,41 @@ def decode_checked(ref: str, entry: ArrayEntry, files: Mapping[str, bytes]) -> n
     return array
 
 
-def read_files(backend: Backend, ref: str, sealed: Sealed, paths: Iterable[str]) -> dict[str, bytes]:
+def read_files(backend: Backend, ref: str, sealed: Sealed, paths: Sequence[str]) -> dict[str, bytes]:
     """Return the content of files, after checking their lengths and the digests of metadata files."""
+    if not sealed.is_packed:
+        return _check_files(ref, sealed, backend.read_files(ref, sealed.payload, paths))
+    where = places(sealed.manifest.files)
+    lost = [path for path in paths if path not in where]
+    if lost:
+        raise CorruptArtifactError("lost file", where=f"{ref} {lost[0]}", ref=ref)
+    nbytes = pack_nbytes(sealed.manifest.files)
+    if nbytes <= WHOLE_BYTES:
+        files = read_all(backend, ref, sealed)
+        return {path: files[path] for path in paths}
+    ranges = {path: where[path] for path in paths}
+    return _check_files(ref, sealed, backend.read_ranges(ref, sealed.payload, PACK, nbytes, ranges))
+
+
+def read_all(backend: Backend, ref: str, sealed: Sealed) -> dict[str, bytes]:
+    """Return the content of all files of an artifact, after the same checks and a comparison of the bytes between them.
+
+    Raises CorruptArtifactError if a byte of the pack that belongs to no file is not what it must be.
+    """
+    paths = [file.path for file in sealed.manifest.files]
+    if not sealed.is_packed:
+        return read_files(backend, ref, sealed, paths)
+    content = backend.read_files(ref, sealed.payload, [PACK])[PACK]
+    where = places(sealed.manifest.files)
+    found = {path: content[where[path].start : where[path].start + where[path].nbytes] for path in paths}
+    files = _check_files(ref, sealed, found)
+    if pack(files) != content:
+        raise CorruptArtifactError("changed pack", where=f"{ref} {PACK}", ref=ref)
+    return files
+
+
+def _check_files(ref: str, sealed: Sealed, files: dict[str, bytes]) -> dict[str, bytes]:
     sizes = {file.path: file.nbytes for file in sealed.manifest.files}
-    files = backend.read_files(ref, sealed.payload, paths)
     for path, content in files.items():
         nbytes = sizes.get(path, len(content))
         if len(content) != nbytes:

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.manifests import Manifest
+from moseg.store.packing import PACK, pack_nbytes
 
 _BEFORE, _BETWEEN, _AFTER = b'{"seal":"', b'","content":', b"}\n"
 _SEAL_LENGTH = 64
@@ -25,18 +26,28 @@ class Sealed(Frozen):
     payload : str
         Name of the place of the artifact's files, on a backend where there may be several for one key; empty if they
         lie beside the manifest.
+    is_packed : bool
+        Whether the files are in one pack.
     """
 
     metadata: dict[str, str]
     manifest: Manifest
     payload: str = ""
+    is_packed: bool = False
+
+    def stored_sizes(self) -> dict[str, int]:
+        """Return the bytes of each file that the backend holds beside the manifest, by relative path."""
+        if self.is_packed:
+            return {PACK: pack_nbytes(self.manifest.files)}
+        return {file.path: file.nbytes for file in self.manifest.files}
 
 
-def seal(manifest: Manifest, metadata: Mapping[str, str], payload: str = "") -> bytes:
+def seal(manifest: Manifest, metadata: Mapping[str, str], payload: str = "", is_packed: bool = False) -> bytes:
     """Return the content of the manifest file; `metadata` are the digests of the metadata files by relative path."""
-    sealed = Sealed(metadata=dict(metadata), manifest=manifest, payload=payload)
-    # a manifest beside its files has no such field: it keeps the format of before there were other places
-    content = sealed.model_dump_json(exclude=None if payload else {"payload"}).encode("utf-8")
+    sealed = Sealed(metadata=dict(metadata), manifest=manifest, payload=payload, is_packed=is_packed)
+    # the manifest of separate files beside it keeps the format of before there were other places and packs
+    plain = {name for name in ("payload", "is_packed") if not getattr(sealed, name)}
+    content = sealed.model_dump_json(exclude=plain).encode("utf-8")
     return _BEFORE + _digest(content) + _BETWEEN + content + _AFTER
 
 

@@ -18,7 +18,7 @@ from typing import NamedTuple
 from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError
 from moseg.store.lineage import Relative, State, ancestry, read_recipes
 from moseg.store.local import LocalStore
-from moseg.store.outcomes import PutOutcome
+from moseg.store.outcomes import Pin, PutOutcome
 from moseg.store.protocol import ArtifactStore
 
 NUM_THREADS = 16
@@ -145,14 +145,19 @@ def kept_meanwhile(target: ArtifactStore, refs: Iterable[str]) -> Iterator[None]
         target.unpin(lease)
 
 
-def keep(target: ArtifactStore, pins: Mapping[str, Iterable[str]]) -> None:
-    """Pin the copied artifacts, by run; a run that has a pin there keeps the references of that pin too."""
+def keep(target: ArtifactStore, pins: Mapping[str, Iterable[str]], origins: Mapping[str, Pin] | None = None) -> None:
+    """Pin the copied artifacts, by name of the pin; one that is there keeps its references too.
+
+    `origins` are the pins of these names at the source, whose runs and scope are kept.
+    """
     there = target.pinned()
     for run_id, refs in pins.items():
+        origin = (origins or {}).get(run_id)
+        scope = {} if origin is None else {"run": origin.run, "with_inputs": origin.with_inputs}
         before = there[run_id].refs if run_id in there else ()
         wanted = tuple(dict.fromkeys([*before, *refs]))
         if run_id not in there or there[run_id].expires is not None or wanted != before:
-            target.pin(run_id, wanted)
+            target.pin(run_id, wanted, **scope)
 
 
 def is_same_store(one: ArtifactStore, other: ArtifactStore) -> bool:

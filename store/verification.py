@@ -7,7 +7,7 @@ from moseg.store.backend import Backend
 from moseg.store.codec import array_files
 from moseg.store.names import check_ref
 from moseg.store.outcomes import VerifyResult
-from moseg.store.reading import load_checked, read_files, read_sealed
+from moseg.store.reading import decode_checked, read_all, read_sealed
 from moseg.store.sealing import Sealed
 
 
@@ -34,11 +34,13 @@ def check_artifact(backend: Backend, ref: str) -> Sealed:
         Any of these differs from what was committed.
     """
     sealed = check_list(backend, ref)
-    manifest = sealed.manifest
-    rest = sealed.metadata.keys() - {path for entry in manifest.arrays for path in array_files(entry)}
-    read_files(backend, ref, sealed, sorted(rest))
-    for entry in manifest.arrays:
-        load_checked(backend, ref, sealed, entry)
+    files = read_all(backend, ref, sealed)
+    for entry in sealed.manifest.arrays:
+        try:
+            needed = {path: files[path] for path in array_files(entry)}
+        except KeyError as error:
+            raise CorruptArtifactError("lost file", where=f"{ref} {error.args[0]}", ref=ref) from None
+        decode_checked(ref, entry, needed)
     return sealed
 
 
@@ -49,7 +51,7 @@ def check_list(backend: Backend, ref: str) -> Sealed:
         found = sealed.manifest.recipe.ref
         raise CorruptArtifactError("the recipe is another artifact's", where=ref, got=found, ref=ref)
     sizes = backend.file_sizes(ref, sealed.payload)
-    listed = {file.path: file.nbytes for file in sealed.manifest.files}
+    listed = sealed.stored_sizes()
     for path in sorted(sizes.keys() | listed.keys()):
         if sizes.get(path) != listed.get(path):
             got = f"{sizes[path]} bytes" if path in sizes else "no file"

@@ -21,6 +21,9 @@ settings.register_profile("search", deadline=None, suppress_health_check=[Health
 settings.register_profile("same", settings.get_profile("search"), derandomize=True, database=None)
 settings.load_profile("same")
 
+# Below the folder in which a test runs, in its commands and their processes: never in the user's cache folder.
+os.environ["MOSEG_STORE"] = ".moseg/store"
+
 NUM_FRAMES, HEIGHT, WIDTH = 10, 96, 128
 MEMORY_FOLDER = Path("/dev/shm")
 MEMORY_BYTES = 8 * 2**30

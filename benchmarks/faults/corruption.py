@@ -1,8 +1,8 @@
 """Damage to every kind of file of artifacts of every task: all of it is found, none is returned, all is repaired.
 
 Run ``python benchmarks/faults/corruption.py [--rounds 1] [--seed 0] [--root DIR]``; some five minutes a round. A round
-damages, for each kind of file (manifest, the group's metadata, an array's metadata, chunk) and each way (a flipped
-byte, a truncation, a deletion, an emptied file, an extra byte), one artifact of every task that has such a file. The
+damages, for each kind of file (manifest, pack of the arrays) and each way (a flipped byte, a truncation, a deletion, an
+emptied file, an extra byte), one artifact of every task that has such a file. The
 laws are:
 
 - `verify` names each damaged artifact and no other. What the store still returns of them equals what was stored.
@@ -49,7 +49,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="seed of the places")
     parser.add_argument("--root", type=Path, default=None, help="folder for temporary videos and stores")
     parser.add_argument("--frames", type=int, default=12, help="length of the video")
-    parser.add_argument("--cases", nargs="+", default=None, help="only these, as 'chunk:deletion'")
+    parser.add_argument("--cases", nargs="+", default=None, help="only these, as 'pack:deletion'")
     options = parser.parse_args()
     cases = [f"{kind}:{damage}" for kind in KINDS for damage in DAMAGES]
     for case in options.cases or ():

@@ -26,9 +26,7 @@ DAMAGES: dict[str, Callable[[bytes, random.Random], bytes | None]] = {
 """A file's new content; None if the file is deleted."""
 KINDS: dict[str, Callable[[str], bool]] = {
     "manifest": lambda path: path == "manifest.json",
-    "group metadata": lambda path: path == "zarr.json",
-    "array metadata": lambda path: path.endswith("/zarr.json"),
-    "chunk": lambda path: not path.endswith(".json"),
+    "pack": lambda path: path == "arrays.zip",
 }
 """Kinds of an artifact's files, by path inside the artifact."""
 

@@ -272,6 +272,7 @@ def _environ(own: Path) -> dict[str, str]:
         "HOME": str(own),
         "MOSEG_WEIGHTS": str(own / "weights"),
         "MOSEG_OFFLINE": "1",
+        "MOSEG_STORE": str(own / ".moseg" / "store"),
         "MOSEG_DATA": str(own / "data"),
         "COLUMNS": "120",
     }

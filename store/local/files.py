@@ -2,11 +2,13 @@
 
 import errno
 import os
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 
 from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError, StoreError
 from moseg.store.local.layout import Layout
 from moseg.store.names import MANIFEST
+from moseg.store.packing import Range
 
 _DAMAGED = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EIO)
 
@@ -21,9 +23,40 @@ def read_file(folder: str, path: str, ref: str) -> bytes:
     CorruptArtifactError
         The artifact exists, but the file is lost or cannot be read.
     """
+    with _faults(folder, path, ref), open(f"{folder}/{path}", "rb", buffering=0) as file:
+        return file.readall()
+
+
+def read_parts(folder: str, path: str, ref: str, nbytes: int, ranges: Mapping[str, Range]) -> dict[str, bytes]:
+    """Return parts of one of an artifact's files, by name.
+
+    Raises like `read_file`, and CorruptArtifactError if the file does not have `nbytes`.
+    """
+    with _faults(folder, path, ref), open(f"{folder}/{path}", "rb", buffering=0) as file:
+        number = file.fileno()
+        if (found := os.fstat(number).st_size) != nbytes:
+            raise CorruptArtifactError(
+                "file of another length", where=f"{ref} {path}", got=found, expected=nbytes, ref=ref
+            )
+        return {name: _read_part(number, part) for name, part in ranges.items()}
+
+
+def _read_part(number: int, part: Range) -> bytes:
+    """Return a part of an open file; the system gives at most 2 GiB less a page at a time."""
+    content = os.pread(number, part.nbytes, part.start)
+    while len(content) < part.nbytes:
+        more = os.pread(number, part.nbytes - len(content), part.start + len(content))
+        if not more:
+            break
+        content += more
+    return content
+
+
+@contextmanager
+def _faults(folder: str, path: str, ref: str) -> Iterator[None]:
+    """Raise what `read_file` documents for the errors of the system in the block."""
     try:
-        with open(f"{folder}/{path}", "rb", buffering=0) as file:
-            return file.readall()
+        yield
     except OSError as error:
         if error.errno not in _DAMAGED:
             raise StoreError(f"cannot read: {error.strerror}", where=f"{ref} {path}") from error

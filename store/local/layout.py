@@ -57,8 +57,8 @@ def names_in(folder: Path) -> list[str]:
         return []
 
 
-def open_root(root: Path, *, create: bool) -> None:
-    """Check the marker of a store's root, or make a new or empty root a store.
+def open_root(root: Path, *, create: bool) -> bool:
+    """Check the marker of a store's root, or make a new or empty root a store; return whether it has this format.
 
     Raises
     ------
@@ -71,7 +71,14 @@ def open_root(root: Path, *, create: bool) -> None:
             kind = StoreChoiceError if root.exists() else MissingStoreError
             raise kind("no artifact store", where=root, expected=f"a folder with {MARKER}")
         content = _create_marker(root)
-    check_marker(content, root / MARKER)
+    return check_marker(content, root / MARKER)
+
+
+def renew_marker(root: Path) -> None:
+    """Give a store of an earlier format this one."""
+    partial = root / f".{MARKER}.{uuid.uuid4().hex}"
+    partial.write_bytes(CONTENT)
+    partial.replace(root / MARKER)
 
 
 def _read_marker(root: Path) -> bytes | None:

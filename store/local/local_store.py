@@ -10,13 +10,14 @@ from pathlib import Path
 from moseg.schemas.errors import MissingArtifactError, StoreError
 from moseg.schemas.recipes import split_ref
 from moseg.store.backend_store import BackendStore
-from moseg.store.local.files import file_sizes, folder_nbytes, read_file, read_manifests
-from moseg.store.local.layout import Layout, names_in, open_root
+from moseg.store.local.files import file_sizes, folder_nbytes, read_file, read_manifests, read_parts
+from moseg.store.local.layout import Layout, names_in, open_root, renew_marker
 from moseg.store.local.logs import LocalLogs
 from moseg.store.local.moves import LocalTrash, commit
 from moseg.store.names import MANIFEST, REASON, is_key_in
 from moseg.store.outcomes import PutOutcome
 from moseg.store.owners import ABANDONED_SECONDS, is_abandoned
+from moseg.store.packing import Range
 
 
 class LocalStore(LocalLogs, BackendStore):
@@ -37,7 +38,7 @@ class LocalStore(LocalLogs, BackendStore):
 
     def __init__(self, root: Path | str, create: bool = True):
         self.root = Path(root).absolute()
-        open_root(self.root, create=create)
+        self._is_current = open_root(self.root, create=create)
         self._layout = Layout(self.root)
 
     @property
@@ -63,10 +64,28 @@ class LocalStore(LocalLogs, BackendStore):
         # a rename does not change a folder's time
         return {ref: _modified(self._layout.folder(ref)) for ref in self.refs()}
 
+    def touch(self, refs: Iterable[str]) -> None:
+        for ref in refs:
+            # it is gone, or the store is read-only
+            with suppress(OSError):
+                os.utime(self._layout.folder(ref))
+
+    def free_nbytes(self) -> int | None:
+        try:
+            return shutil.disk_usage(self.root).free
+        except OSError:
+            return None
+
     def nbytes(self, refs: Collection[str]) -> dict[str, int]:
         return {ref: folder_nbytes(self._layout.folder(ref)) for ref in refs}
 
     def commit(self, ref: str, files: Mapping[str, bytes | memoryview], seal: Callable[[str], bytes]) -> PutOutcome:
+        if not self._is_current:
+            try:
+                renew_marker(self.root)
+            except OSError as error:
+                raise StoreError(f"cannot write to the artifact store: {error.strerror}", where=self.root) from error
+            self._is_current = True
         return commit(self._layout, ref, files, seal(""))
 
     def read_manifest(self, ref: str) -> bytes:
@@ -78,6 +97,11 @@ class LocalStore(LocalLogs, BackendStore):
     def read_files(self, ref: str, payload: str, paths: Iterable[str]) -> dict[str, bytes]:
         folder = self._layout.folder(ref)
         return {path: read_file(folder, path, ref) for path in paths}
+
+    def read_ranges(
+        self, ref: str, payload: str, path: str, nbytes: int, ranges: Mapping[str, Range]
+    ) -> dict[str, bytes]:
+        return read_parts(self._layout.folder(ref), path, ref, nbytes, ranges)
 
     def file_sizes(self, ref: str, payload: str) -> dict[str, int]:
         try:

@@ -82,8 +82,15 @@ def open_prefix(requests: Requests, *, create: bool) -> None:
     except StoreError as error:
         _, _, reason = error.parts[0].partition(": ")
         raise StoreChoiceError(f"cannot open the artifact store: {reason}", where=requests.url) from None
-    check_marker(content, f"{requests.url}/{MARKER}")
+    requests.is_current = check_marker(content, f"{requests.url}/{MARKER}")
     requests.is_store = True
+
+
+def renew_marker(requests: Requests) -> None:
+    """Give a store of an earlier format this one."""
+    if not requests.is_current:
+        requests.put(MARKER, CONTENT)
+        requests.is_current = True
 
 
 def _create_marker(requests: Requests, *, create: bool) -> bytes:

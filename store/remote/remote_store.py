@@ -17,6 +17,7 @@ from moseg.store.backend_store import BackendStore
 from moseg.store.names import MANIFEST, REASON
 from moseg.store.outcomes import PutOutcome
 from moseg.store.owners import is_owned_name, owned_name
+from moseg.store.packing import Range
 from moseg.store.reading import check_seal
 from moseg.store.remote.layout import (
     OBJECTS,
@@ -27,6 +28,7 @@ from moseg.store.remote.layout import (
     payload_folder,
     ref_of_manifest,
     ref_of_payload,
+    renew_marker,
 )
 from moseg.store.remote.leftovers import find_leftovers
 from moseg.store.remote.logs import RemoteLogs
@@ -77,6 +79,12 @@ class RemoteStore(RemoteLogs, BackendStore):
         # by the server's clock
         return self._committed(OBJECTS)
 
+    def touch(self, refs: Iterable[str]) -> None:
+        """Do nothing: an object's time changes only when it is written."""
+
+    def free_nbytes(self) -> int | None:
+        return None
+
     def nbytes(self, refs: Collection[str]) -> dict[str, int]:
         sizes = dict.fromkeys(refs, 0)
         for task in sorted({split_ref(ref)[0] for ref in refs}):
@@ -91,6 +99,7 @@ class RemoteStore(RemoteLogs, BackendStore):
         return sizes
 
     def commit(self, ref: str, files: Mapping[str, bytes | memoryview], seal: Callable[[str], bytes]) -> PutOutcome:
+        renew_marker(self._requests)
         attempt = owned_name()
         folder = payload_folder(ref, attempt)
         self._requests.put_many({f"{folder}/{path}": content for path, content in files.items()})
@@ -130,6 +139,16 @@ class RemoteStore(RemoteLogs, BackendStore):
             self._check_in_service(ref, payload)
             raise CorruptArtifactError("lost file", where=f"{ref} {lost[0]}", ref=ref)
         return {names[name]: content for name, content in found.items()}
+
+    def read_ranges(
+        self, ref: str, payload: str, path: str, nbytes: int, ranges: Mapping[str, Range]
+    ) -> dict[str, bytes]:
+        name = f"{self._folder(ref, payload)}/{path}"
+        found = self._requests.get_ranges(name, ranges)
+        if found is None:
+            self._check_in_service(ref, payload)
+            raise CorruptArtifactError("lost file", where=f"{ref} {path}", ref=ref)
+        return found
 
     def file_sizes(self, ref: str, payload: str) -> dict[str, int]:
         folder = self._folder(ref, payload)

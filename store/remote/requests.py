@@ -10,6 +10,7 @@ import obstore
 from obstore.exceptions import AlreadyExistsError, BaseError, NotSupportedError
 from obstore.store import ObjectStore
 
+from moseg.store.packing import Range
 from moseg.store.remote.connection import check_url, connect, environment
 from moseg.store.remote.faults import as_store_error, is_no_bucket, is_unsupported
 
@@ -51,6 +52,8 @@ class Requests:
         self.url = url
         self.is_store = False
         """Whether this process has found the marker here."""
+        self.is_current = True
+        """Whether the marker is that of this version's format."""
 
     def __reduce__(self):
         return requests_for, (self.url,)
@@ -85,6 +88,29 @@ class Requests:
         """Return the content of objects by name, in the order given; None for missing ones."""
         names = list(dict.fromkeys(names))
         return dict(zip(names, _gather(self.get, names), strict=True))
+
+    def get_ranges(self, name: str, ranges: Mapping[str, Range]) -> dict[str, bytes] | None:
+        """Return parts of an object, by name, those that are near each other in one request; None if there is none.
+
+        A part that lies beyond the object's end is shorter than asked for.
+        """
+        wanted = {key: part for key, part in ranges.items() if part.nbytes}
+        if not wanted:
+            return dict.fromkeys(ranges, b"") if self.has(name) else None
+        starts, lengths = zip(*((part.start, part.nbytes) for part in wanted.values()), strict=True)
+        try:
+            found = obstore.get_ranges(self._client, name, starts=starts, lengths=lengths)
+        except FileNotFoundError as error:
+            with self._faults("read objects"):
+                if is_no_bucket(error):
+                    raise
+            return None
+        except BaseError:
+            # each server has another answer for a part that begins beyond the end
+            content = self.get(name)
+            return content and {key: content[start : start + nbytes] for key, (start, nbytes) in ranges.items()}
+        read = {key: content.to_bytes() for key, content in zip(wanted, found, strict=True)}
+        return {key: read.get(key, b"") for key in ranges}
 
     def put(self, name: str, content: bytes, purpose: str = "write objects") -> None:
         """Write or replace an object."""

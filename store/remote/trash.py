@@ -86,4 +86,4 @@ def _files(ref: str, data: bytes) -> list[str]:
     except CorruptArtifactError:
         return []
     folder = payload_folder(ref, sealed.payload)
-    return [f"{folder}/{file.path}" for file in sealed.manifest.files]
+    return [f"{folder}/{path}" for path in sealed.stored_sizes()]

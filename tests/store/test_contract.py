@@ -13,8 +13,9 @@ import pytest
 from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
 from moseg.schemas.manifests import FileEntry
 from moseg.schemas.recipes import Recipe
-from moseg.store import ArtifactStore, LocalStore, PutOutcome, collection, open_store
+from moseg.store import ArtifactStore, LocalStore, PutOutcome, collection, copying, open_store, reading
 from moseg.store.names import MANIFEST, slot
+from moseg.store.packing import PACK, places
 from moseg.store.remote.connection import connect
 from moseg.store.remote.layout import manifest_name, payload_folder
 
@@ -47,6 +48,16 @@ class StoreContract(ABC):
     @abstractmethod
     def write_raw(self, store: ArtifactStore, ref: str, name: str, content: bytes | None) -> None:
         """Replace a file, or delete it if `content` is None."""
+
+    def damage(self, store: ArtifactStore, ref: str, path: str, content: bytes | None) -> None:
+        """Replace one of Zarr's files, or delete it if `content` is None: in a pack it has zeros then."""
+        if PACK not in self.files(store, ref):
+            self.write_raw(store, ref, path, content)
+            return
+        start, nbytes = places(store.manifest(ref).files)[path]
+        packed = self.read_raw(store, ref, PACK)
+        content = bytes(nbytes) if content is None else content
+        self.write_raw(store, ref, PACK, packed[:start] + content + packed[start + nbytes :])
 
     @pytest.fixture
     def store(self, tmp_path: Path) -> ArtifactStore:
@@ -210,19 +221,22 @@ class StoreContract(ABC):
             (ref, None) for ref in store.refs()
         ]
 
-    def test_a_lost_chunk_is_never_read_as_zeros(self, store, ref):
-        chunks = [name for name in self.files(store, ref) if "/c" in name]
+    @pytest.mark.parametrize("whole_bytes", [0, 65_536])
+    def test_a_lost_chunk_is_never_read_as_zeros(self, store, ref, monkeypatch, whole_bytes):
+        monkeypatch.setattr(reading, "WHOLE_BYTES", whole_bytes)
+        contents = store.export_artifact(ref).files
+        chunks = [name for name in contents if "/c" in name]
         assert len(chunks) == 5
         for name in chunks:
-            content = self.read_raw(store, ref, name)
-            self.write_raw(store, ref, name, None)
+            self.damage(store, ref, name, None)
             with pytest.raises(CorruptArtifactError) as caught:
                 store.read(ref, name.partition("/")[0])
             assert caught.value.ref == ref
-            self.write_raw(store, ref, name, content)
+            self.damage(store, ref, name, contents[name])
 
-    def test_read_rows_needs_only_the_chunks_of_those_rows(self, store, ref):
-        self.write_raw(store, ref, next(name for name in self.files(store, ref) if "masks/c.3" in name), None)
+    def test_read_rows_needs_only_the_chunks_of_those_rows(self, store, ref, monkeypatch):
+        monkeypatch.setattr(reading, "WHOLE_BYTES", 0)
+        self.damage(store, ref, "masks/c.3.0.0", None)
         assert np.array_equal(store.read_rows(ref, "masks", 0, 3), MASKS[:3])
         with pytest.raises(CorruptArtifactError):
             store.read_rows(ref, "masks", 2, 4)
@@ -242,8 +256,7 @@ class StoreContract(ABC):
     def test_checked_read_finds_a_chunk_of_another_artifact(self, store, ref):
         other = Recipe(task="toy", version=3)
         store.put(other, {"masks": MASKS[::-1], "scores": SCORES}, dims=DIMS)
-        name = next(name for name in self.files(store, ref) if "masks/c.0" in name)
-        self.write_raw(store, ref, name, self.read_raw(store, other.ref, name))
+        self.damage(store, ref, "masks/c.0.0.0", store.export_artifact(other.ref).files["masks/c.0.0.0"])
         with pytest.raises(CorruptArtifactError):
             store.read(ref, "masks", check=True)
         assert store.read(other.ref, "masks", check=True).tobytes() == MASKS[::-1].tobytes()
@@ -361,6 +374,40 @@ class StoreContract(ABC):
             store.gc(is_dry=False, grace_seconds=0)
         assert [result.is_intact for result in store.verify([ref])] == [True]
 
+    def test_gc_without_a_pin_previews_what_it_deletes(self, store, ref):
+        store.pin("run-1", [ref])
+        preview = store.gc(grace_seconds=0, forget=["run-1"])
+        assert preview.removed == (ref,) and store.has(ref) and "run-1" in store.pinned()
+        done = store.gc(is_dry=False, grace_seconds=0, forget=["run-1"])
+        assert done.removed == preview.removed and done.nbytes == preview.nbytes
+        assert list(store.refs()) == [] and store.pinned() == {}
+
+    def test_gc_to_a_size_removes_no_more_than_needed(self, store, ref):
+        others = [Recipe(task="toy", version=number) for number in (3, 4)]
+        for recipe in others:
+            store.put(recipe, ARRAYS, dims=DIMS)
+        store.pin("run-1", [ref])
+        total = sum(use.nbytes for use in store.usage().values())
+        assert store.gc(is_dry=False, grace_seconds=0, keep_nbytes=total).removed == ()
+        report = store.gc(is_dry=False, grace_seconds=0, keep_nbytes=total - 1)
+        assert len(report.removed) == 1 and report.removed[0] != ref
+        assert report.left == sum(use.nbytes for use in store.usage().values())
+        assert store.gc(is_dry=False, grace_seconds=0, keep_nbytes=0).left > 0
+        assert list(store.refs()) == [ref]
+
+    def test_touch_is_no_error_without_an_artifact(self, store, ref):
+        store.touch([ref, ABSENT])
+        assert list(store.refs()) == [ref]
+
+    def test_a_pin_without_inputs_keeps_only_what_it_names(self, store, ref):
+        child = Recipe(task="apple", version=1, inputs={"toy": ref})
+        store.put(child, {}, dims={})
+        store.pin("run-1", [child.ref], run="a run", with_inputs=False)
+        assert store.pin_of("run-1").run == "a run"
+        assert store.gc(grace_seconds=0).removed == (ref,)
+        assert store.release([ref, child.ref, ABSENT]) == 1
+        assert list(store.refs()) == [child.ref]
+
     def test_gc_deletes_what_no_pin_reaches(self, store, ref):
         other = Recipe(task="apple", version=1)
         store.put(other, {}, dims={})
@@ -395,6 +442,14 @@ class TestLocalStore(StoreContract):
         return store.root / "objects" / task / key[:2] / key
 
 
+class TestSeparateFiles(TestLocalStore):
+    """Artifacts in files of their own, as those that are too large for a pack and those of earlier versions."""
+
+    @pytest.fixture(autouse=True)
+    def unpacked(self, monkeypatch):
+        monkeypatch.setattr(copying, "is_packable", lambda files: False)
+
+
 class TestRemoteStore(StoreContract):
     """The contract on an S3 server; the bytes are reached by plain requests of the client, without the store."""
 
@@ -403,6 +458,7 @@ class TestRemoteStore(StoreContract):
     @pytest.fixture(autouse=True)
     def server(self, s3):
         self.url = s3
+        self.payloads: dict[str, str] = {}
 
     def open(self, tmp_path):
         return open_store(self.url)
@@ -428,7 +484,7 @@ class TestRemoteStore(StoreContract):
         return manifest_name(ref) if name == MANIFEST else f"{self._payload(ref)}/{name}"
 
     def _payload(self, ref):
-        (names,) = {
-            item["path"].split("/")[4] for item in obstore.list(self._client(), f"payloads/{slot(ref)}").collect()
-        }
-        return payload_folder(ref, names)
+        # also while a test has deleted a file
+        for item in obstore.list(self._client(), f"payloads/{slot(ref)}").collect():
+            self.payloads[ref] = item["path"].split("/")[4]
+        return payload_folder(ref, self.payloads[ref])

@@ -85,8 +85,8 @@ def test_killed_writers_leave_complete_artifacts_or_none(tmp_path, mode):
     root = tmp_path / "store"
     done = subprocess.run([sys.executable, "-c", VICTIMS, str(root), mode], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    # the folders and files of one put, its rename and the sweep after it
-    assert json.loads(done.stdout) >= 12
+    # the folder and files of one put, its rename and the sweep after it
+    assert json.loads(done.stdout) >= 5
 
     store = LocalStore(root)
     stored = list(store.refs())

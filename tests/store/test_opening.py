@@ -12,7 +12,7 @@ import pytest
 
 from moseg.schemas.errors import InputError, StoreError
 from moseg.schemas.recipes import Recipe
-from moseg.store import LocalStore, PutOutcome, open_store
+from moseg.store import LocalStore, PutOutcome, copying, open_store
 from moseg.store.local import moves
 
 NOBODY = 65534
@@ -42,11 +42,25 @@ def test_nothing_is_created_without_create(tmp_path):
     assert not (tmp_path / "absent").exists()
 
 
-@pytest.mark.parametrize("content", ['{"store": "moseg artifacts", "format": 2}', "{}", "[]", "", "\0"])
+@pytest.mark.parametrize("content", ['{"store": "moseg artifacts", "format": 3}', "{}", "[]", "", "\0"])
 def test_an_unknown_format_is_refused(tmp_path, content):
     (tmp_path / "moseg-store.json").write_text(content)
     with pytest.raises(StoreError, match=r"moseg-store\.json"):
         LocalStore(tmp_path)
+
+
+def test_a_store_of_the_first_format_is_read_and_renewed_by_the_first_put(tmp_path, put_toy, monkeypatch):
+    with monkeypatch.context() as earlier:
+        earlier.setattr(copying, "is_packable", lambda files: False)
+        ref = put_toy(LocalStore(tmp_path))
+    marker = tmp_path / "moseg-store.json"
+    marker.write_text('{"store": "moseg artifacts", "format": 1}')
+    store = LocalStore(tmp_path)
+    assert np.array_equal(store.read(ref, "x"), np.arange(6.0).reshape(2, 3))
+    assert put_toy(store) == ref and '"format": 1' in marker.read_text()
+    packed = put_toy(store, 1)
+    assert '"format": 2' in marker.read_text() and LocalStore(tmp_path).has(packed)
+    assert [result.is_intact for result in store.verify()] == [True, True]
 
 
 def test_a_file_cannot_be_a_store(tmp_path):

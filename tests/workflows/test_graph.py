@@ -19,13 +19,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "c96482b43fdddc56",
-    "oc-depth": "4c4b8a162cb3cb3f",
-    "oc": "a88afb1657367acb",
-    "trajs": "ac32034618d924cd",
-    "base": "3443afcdeff87f06",
-    "flow": "fe62e0ff51765d53",
-    "tracks": "e0b7869f4d1785f1",
+    "fused": "e5b3e09b76e9335e",
+    "oc-depth": "518b7d1ec2b549c7",
+    "oc": "6d66ffa4af947005",
+    "trajs": "d0fcc6e45ff5d6f1",
+    "base": "48e859fa5300348c",
+    "flow": "ec6907edf2d34677",
+    "tracks": "24751eca5cb028de",
 }
 
 

@@ -103,11 +103,11 @@ def test_dry_reports_and_changes_nothing(moseg, stores):
 
 
 def test_damage_is_named_and_the_rest_is_copied(evaluated_copy, moseg, stores):
-    chunk = next((evaluated_copy.store / "objects" / "flow").rglob("c.0*"))
-    chunk.write_bytes(chunk.read_bytes()[:-1])
+    packed = next((evaluated_copy.store / "objects" / "flow").rglob("arrays.zip"))
+    packed.write_bytes(packed.read_bytes()[:-1])
     ran = moseg("store", "push", stores[1], "--store", evaluated_copy.store, "--quiet")
     assert ran.code == 1
-    ref = f"flow/{chunk.parents[1].name}"
+    ref = f"flow/{packed.parent.name}"
     assert ran.out.splitlines()[0].startswith(f"{ref}: not copied: ")
     assert ran.out.endswith("1 damaged\n")
     assert set(_open(stores[1]).refs()) == set(_open(stores[0]).refs()) - {ref}

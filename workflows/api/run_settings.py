@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 
 from moseg.workflows.api.arguments import Kind, check_kinds, check_min
 from moseg.workflows.cluster.tls_files import TlsFiles
+from moseg.workflows.config.default_store import default_store
 from moseg.workflows.engine.session import Session, open_session
 
 
@@ -33,6 +34,8 @@ class RunSettings:
         Whether no weights are fetched, and whether those for non-commercial use may be.
     quiet : bool
         No progress on standard error.
+    keep_cues : bool
+        Whether dense maps that can be computed again stay in the store.
     """
 
     store: str
@@ -47,6 +50,7 @@ class RunSettings:
     offline: bool = False
     non_commercial: bool = False
     quiet: bool = False
+    keep_cues: bool = True
 
     def open(self) -> AbstractContextManager[Session]:
         """Open a session for a block; raises InputError where the store, the workers or the device cannot be had."""
@@ -57,7 +61,7 @@ class RunSettings:
 
 def read_run_settings(
     *,
-    store: str | os.PathLike,
+    store: str | os.PathLike | None,
     workers: int,
     scheduler: str | os.PathLike | None,
     tls_ca: str | os.PathLike | None,
@@ -69,17 +73,18 @@ def read_run_settings(
     offline: bool,
     non_commercial: bool,
     progress: bool,
+    keep_cues: bool = True,
 ) -> RunSettings:
     """Return the settings that the arguments of a call ask for; raises InputError on one of another kind."""
-    check_kinds(Kind.PATH, store=store)
+    check_kinds(Kind.PATH, optional=True, store=store)
     files = {"scheduler": scheduler, "tls_ca": tls_ca, "tls_cert": tls_cert, "tls_key": tls_key}
     check_kinds(Kind.PATH, optional=True, **files)
     check_kinds(Kind.TEXT, device=device)
-    check_kinds(Kind.SWITCH, offline=offline, non_commercial=non_commercial, progress=progress)
+    check_kinds(Kind.SWITCH, offline=offline, non_commercial=non_commercial, progress=progress, keep_cues=keep_cues)
     check_min(0, workers=workers)
     check_min(1, threads=threads, **({} if batch is None else {"batch": batch}))
     return RunSettings(
-        os.fsdecode(store),
+        default_store() if store is None else os.fsdecode(store),
         workers,
         **{name: None if path is None else os.fsdecode(path) for name, path in files.items()},
         device=device,
@@ -88,4 +93,5 @@ def read_run_settings(
         offline=offline,
         non_commercial=non_commercial,
         quiet=not progress,
+        keep_cues=keep_cues,
     )

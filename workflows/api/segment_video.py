@@ -46,7 +46,7 @@ def segment_video(
     fps: float | None = None,
     report: str | os.PathLike | None = None,
     name: str | None = None,
-    store: str | os.PathLike = ".moseg/store",
+    store: str | os.PathLike | None = None,
     workers: int = 0,
     scheduler: str | os.PathLike | None = None,
     tls_ca: str | os.PathLike | None = None,
@@ -58,6 +58,7 @@ def segment_video(
     offline: bool = False,
     non_commercial: bool = False,
     progress: bool = True,
+    keep_cues: bool = False,
 ) -> MotionSegmentation:
     """Find what moves on its own in a video: the same results as `moseg segment`, from the same store.
 
@@ -98,8 +99,9 @@ def segment_video(
         Also write a page that shows the result and how it came about, as `moseg segment --report` does.
     name : str, optional
         What the result and files of it are called; by default after the file.
-    store : path or URL
-        Artifact store: a folder, or the URL of one (``file://``, ``s3://``, ``gs://``, ``az://``).
+    store : path or URL, optional
+        Artifact store: a folder, or the URL of one (``file://``, ``s3://``, ``gs://``, ``az://``); by default
+        ``$MOSEG_STORE``, else ``moseg/store`` in the user's cache folder.
     workers : int
         Worker processes; 0 computes in this one. A script that asks for workers does so below ``if __name__ ==
         "__main__":``, because they import it.
@@ -119,6 +121,9 @@ def segment_video(
         Allow weights that are licensed for non-commercial use only.
     progress : bool
         Whether progress goes to standard error. Standard output is never written to.
+    keep_cues : bool
+        Whether flow, saliency and other dense maps stay in the store, for other settings and for reports of the run;
+        by default they are deleted when the result is computed.
 
     Returns
     -------
@@ -154,6 +159,7 @@ def segment_video(
         offline=offline,
         non_commercial=non_commercial,
         progress=progress,
+        keep_cues=keep_cues,
     )
     choices = read_choices(
         config,

@@ -46,10 +46,10 @@ def _sequences(context: typer.Context) -> Iterable[str]:
 
 def _runs(context: typer.Context) -> Iterable[str]:
     from moseg.store import open_store
-    from moseg.workflows.cli.options import DEFAULT_STORE
+    from moseg.workflows.config.default_store import default_store
     from moseg.workflows.runlog.status import LATEST, list_runs
 
-    url = context.params.get("store") or DEFAULT_STORE
+    url = context.params.get("store") or default_store()
     # Over a network a listing takes too long for completion.
     if "://" in url and not url.startswith("file://"):
         return [LATEST]

@@ -10,20 +10,38 @@ from moseg.schemas.configs import TrajectoryVariant, Variant
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli import completion
 from moseg.workflows.cli.named_options import enumerate_names
+from moseg.workflows.config.default_store import default_store
 
 if TYPE_CHECKING:
     from moseg.workflows.api.evaluation import DataChoice
     from moseg.workflows.api.run_settings import RunSettings
 
-DEFAULT_STORE = ".moseg/store"
+DEFAULT_STORE = ""
+"""Stands for `default_store()`, which depends on the environment of the call."""
 
 VariantName = StrEnum("VariantName", {variant.name: variant.value for variant in (*Variant, *TrajectoryVariant)})
 """Of every kind of data set."""
 
+
+def _choose_store(context: typer.Context, given: str) -> str:
+    """Return the store that was given, or the default; raises InputError if an empty one was given."""
+    if context.resilient_parsing:
+        return given
+    source = context.get_parameter_source("store")
+    if not given and source is not None and source.name == "COMMANDLINE":
+        expected = "a folder or a URL"
+        raise InputError("no artifact store named", where="--store", got="an empty string", expected=expected)
+    return given or default_store()
+
+
 StoreOption = Annotated[
     str,
     typer.Option(
-        "--store", help="Artifact store: a folder, or the URL of one (file://, s3://, gs://, az://).", metavar="FOLDER"
+        "--store",
+        help="Artifact store: a folder, or the URL of one (file://, s3://, gs://, az://).",
+        metavar="FOLDER",
+        show_default="$MOSEG_STORE, else in your cache folder",
+        callback=_choose_store,
     ),
 ]
 QuietOption = Annotated[bool, typer.Option("--quiet", help="No progress on standard error.")]

@@ -1,7 +1,7 @@
 """`moseg segment`."""
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import typer
@@ -156,6 +156,10 @@ def segment(
         ),
     ] = None,
     page: ReportOption = None,
+    keep_cues: Annotated[
+        bool,
+        typer.Option("--keep-cues", help="Keep flow and saliency in the store, to try other settings sooner."),
+    ] = False,
 ) -> None:
     """Write masks of what moves on its own in your video: OUT/masks/*.png, OUT/overlay.mp4, OUT/motion.json.
 
@@ -179,6 +183,7 @@ def segment(
     choices.read()
     choose_formats(exports or ())
     step = read_set_step(sets, sets_every, "--for-every")
+    settings = replace(run.settings(), keep_cues=keep_cues)
 
     def segment_one(video, folder: str) -> None:
         with opened(video) as path, open_source(path, choices, video.name, chosen, frames.fps) as (source, config):
@@ -198,7 +203,7 @@ def segment(
             def write(store, stored, rate):
                 return outputs.write(store, stored, rate, run.quiet)
 
-            done = run_segmentation(source, config, variant, run.settings(), write, frames.fps, page, chosen=chosen)
+            done = run_segmentation(source, config, variant, settings, write, frames.fps, page, chosen=chosen)
             exported = outputs.export()
         _print_outcome(done, [*(f"{folder}/{path.name}" for path in outputs.paths), *map(str, exported)])
 

@@ -8,6 +8,7 @@ import typer
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli import completion
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption
+from moseg.workflows.config.default_store import default_store
 
 _PANEL = "Videos without labels"
 
@@ -74,7 +75,11 @@ def train(
     store: Annotated[
         str,
         typer.Option(
-            "--store", help="Artifact store of the cues of these videos.", metavar="FOLDER", rich_help_panel=_PANEL
+            "--store",
+            help="Artifact store of the cues of these videos.",
+            metavar="FOLDER",
+            show_default="$MOSEG_STORE, else in your cache folder",
+            rich_help_panel=_PANEL,
         ),
     ] = DEFAULT_STORE,
     quiet: QuietOption = False,
@@ -100,7 +105,7 @@ def train(
             raise InputError("no videos to go on with", where="--from", got=start, expected="--videos FOLDER too")
         done = run_scene_training(*common)
     else:
-        done = run_video_training(videos, start or "", store, *common)
+        done = run_video_training(videos, start or "", store or default_store(), *common)
     print(f"{done.onnx}: {_describe(done.scores)}; recipe in {done.recipe}")
 
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from moseg.schemas.arrays import round_arrays
 from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
 from moseg.schemas.events import EventKind
 from moseg.schemas.recipes import Recipe
@@ -17,7 +18,7 @@ from moseg.workflows.runlog.degeneracy import degenerate_event
 from moseg.workflows.runlog.events import EventLog, failed_event, note_written, work_event
 from moseg.workflows.stages.array_cache import ARRAYS
 from moseg.workflows.stages.inputs import Inputs
-from moseg.workflows.stages.registry import find_task
+from moseg.workflows.stages.registry import find_task, layouts_of
 from moseg.workflows.weights.reading import require_network_packages
 
 
@@ -92,7 +93,8 @@ def _execute_batch(store: WriteBehind, recipes: Sequence[Recipe], log: EventLog)
             inputs = [Inputs(store, recipe) for recipe in missing]
             outputs = task.compute(params, inputs, [seeded_generator(recipe.key) for recipe in missing])
         seconds = (time.perf_counter() - started) / len(missing)
-        for recipe, output in zip(missing, outputs, strict=True):
+        for recipe, computed in zip(missing, outputs, strict=True):
+            output = computed._replace(arrays=round_arrays(computed.arrays, layouts_of(recipe.task)))
             ARRAYS.keep(store.url, recipe.ref, output.arrays)
             store.put(recipe, output, seconds)
     log.add(*(work_event(EventKind.LOST_RACE, recipe.ref) for recipe in stored))

@@ -11,6 +11,9 @@ from moseg.store import ArtifactStore
 LEASE_SECONDS = 7 * 86_400.0
 """Time for which `gc` spares the artifacts of a run in progress if the run dies without ending its lease."""
 
+RENEWED_SECONDS = 600.0
+"""Age from which the pin of results that are used again gets a new time, by which `gc --older` decides."""
+
 
 class RunPins:
     """The pins by which `gc` spares what a run needs.
@@ -46,17 +49,21 @@ class RunPins:
             self._store.unpin(self._run_id)
             self._leased = frozenset()
 
-    def keep(self, refs: Sequence[str], is_new: bool) -> None:
-        """Pin the results of finished work under a name that follows from them.
+    def keep(self, refs: Sequence[str], is_new: bool, with_inputs: bool = True) -> None:
+        """Pin the results of finished work, with what they were computed from, under a name that follows from them.
 
         If nothing is new the store may be read-only; then nothing is collected from it either, and no pin is needed.
         """
         name = digest_json("run", sorted(refs))[:16]
-        if self._store.pin_of(name) is None:
+        found = self._store.pin_of(name)
+        if found is None or found.created < time.time() - RENEWED_SECONDS:
+            # the name under which `moseg status` knows the results, also if they were only used again
+            run = found.run if found is not None and not is_new else self._run_id
             try:
-                self._store.pin(name, refs)
+                self._store.pin(name, refs, run=run, with_inputs=with_inputs)
             except StoreError:
                 if is_new:
                     raise
-                return
+                if found is None:
+                    return
         self.results[name] = None

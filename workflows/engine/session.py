@@ -16,17 +16,24 @@ from moseg.workflows.cluster.call import Call
 from moseg.workflows.cluster.runners import Runner, open_runner
 from moseg.workflows.cluster.tls_files import TlsFiles
 from moseg.workflows.engine.calls import make_calls
+from moseg.workflows.engine.cues import split_cues
 from moseg.workflows.engine.execution import execute_ingest
 from moseg.workflows.engine.ingest import IngestJob, recall_ingests
 from moseg.workflows.engine.phases import network_of, split_phases
 from moseg.workflows.engine.planning import Plan, make_plan
 from moseg.workflows.engine.run_pins import RunPins
+from moseg.workflows.engine.space import check_space, plan_nbytes
+from moseg.workflows.process.amounts import read_size, size
 from moseg.workflows.process.progress import PATIENCE_SEC, StageProgress
 from moseg.workflows.runlog.events import new_run_id
 from moseg.workflows.runlog.run_log import RunLog
 from moseg.workflows.weights.folder import Weights, WeightsLeaf, open_weights, weights_leaf
 from moseg.workflows.weights.reading import require_network_packages
 
+BUDGET_VARIABLE = "MOSEG_STORE_SIZE"
+"""Variable of the environment with the size that the user allows a store, such as ``20G``."""
+GRACE_SECONDS = 600.0
+"""Time since their last use for which artifacts are spared when a session makes room."""
 MAX_REPAIRS = 1000
 """Corrupt artifacts that one run repairs before it gives up: a disk that fails everywhere cannot be repaired so."""
 
@@ -45,8 +52,11 @@ def open_session(
     batch: int | None = None,
     offline: bool = False,
     non_commercial: bool = False,
+    keep_cues: bool = True,
 ) -> "Iterator[Session]":
     """Open a session on the store at `store`, which is created if there is none; the runner ends with the block.
+
+    See `Session` about `keep_cues`.
 
     Raises
     ------
@@ -55,11 +65,13 @@ def open_session(
     """
     if batch is not None and batch < 1:
         raise InputError("not a number of frames", where="--batch", got=batch, expected="1 or more")
+    budget = os.environ.get(BUDGET_VARIABLE)
+    max_nbytes = read_size(budget, BUDGET_VARIABLE) if budget else None
     opened = open_store(store, create=True)
     weights = open_weights(os.environ, offline=offline, allow_non_commercial=non_commercial, quiet=quiet)
     with (
         open_runner(workers, scheduler, device, threads, tls) as runner,
-        closing(Session(opened, runner, quiet, weights, batch)) as session,
+        closing(Session(opened, runner, quiet, weights, batch, keep_cues, max_nbytes)) as session,
     ):
         yield session
 
@@ -74,6 +86,14 @@ class StageUse(NamedTuple):
 
 class Session:
     """A run: it computes missing artifacts, reuses stored ones, repairs corrupt ones, and counts all.
+
+    Parameters
+    ----------
+    keep_cues : bool
+        Whether dense maps that can be computed again stay in the store after the results are read (see `Task.is_cue`).
+    max_nbytes : int, optional
+        Bytes to which the store is reduced at the end of a session that computed something: the least recently used
+        artifacts go first, and nothing that a run keeps or works with.
 
     Attributes
     ----------
@@ -93,6 +113,8 @@ class Session:
         quiet: bool = False,
         weights: Weights | None = None,
         batch: int | None = None,
+        keep_cues: bool = True,
+        max_nbytes: int | None = None,
     ):
         self.store = store
         self.runner = runner
@@ -106,10 +128,13 @@ class Session:
         self._pins = RunPins(store, self.run_id)
         # What `build` reads in the store before it can return the graph: memories of ingest, settled artifacts.
         self._first: set[str] = set()
+        self._settled: dict[str, Recipe] = {}
         self._settled_hits: dict[str, None] = {}
         self._weights = weights or open_weights(os.environ)
         self._weights_leaves: dict[str, WeightsLeaf] = {}
         self._batch = batch
+        self._keep_cues = keep_cues
+        self._max_nbytes = max_nbytes
         self._quiet = quiet
 
     @property
@@ -131,8 +156,11 @@ class Session:
         if not self._quiet:
             print(line, file=sys.stderr, flush=True)
 
-    def ingest(self, jobs: Sequence[IngestJob]) -> list[dict]:
-        """Return the leaves of every job, decoded now or remembered from the same file bytes."""
+    def ingest(self, jobs: Sequence[IngestJob], estimate: Callable[[], float] = lambda: 0.0) -> list[dict]:
+        """Return the leaves of every job, decoded now or remembered from the same file bytes.
+
+        `estimate` returns about how many bytes the decoded sources, and what is computed from them, take.
+        """
         # Each job's recipe is a digest of its files.
         with StageProgress({"sources": len(jobs)}, self._quiet, "files hashed", PATIENCE_SEC) as progress:
             recipes = [job.recipe for job in progress.each("sources", jobs)]
@@ -142,6 +170,7 @@ class Session:
             if found[recipe.ref] is None:
                 batches.setdefault(job.batch or recipe.ref, {})[recipe.ref] = (job, recipe)
         if batches:
+            check_space(self.store, estimate(), self.report)
             self._pins.lease(found)
             self.log.open(self.runner.num_workers)
             self.log.plan([ref for batch in batches.values() for ref in batch])
@@ -183,6 +212,7 @@ class Session:
         """
         # Only those of this computation, so that a wave's pins hold no earlier wave's.
         self._first.clear()
+        self._settled.clear()
         num_repairs = 0
         missed: set[str] = set()
         with self.log.watch():
@@ -194,7 +224,8 @@ class Session:
                     self._run(plan)
                     result = read()
                     self.reused += plan.count()[1] + Counter(split_ref(ref)[0] for ref in self._settled_hits)
-                    self._pins.keep((*sinks, *sorted(self._first)), is_new=bool(plan.compute))
+                    self.store.touch(plan.reuse)
+                    self._finish({**self._settled, **recipes}, (*sinks, *sorted(self._first)), bool(plan.compute))
                     return result
                 except CorruptArtifactError as error:
                     if num_repairs == MAX_REPAIRS:
@@ -209,6 +240,18 @@ class Session:
                     if str(error) in missed:
                         raise
                     missed.add(str(error))
+
+    def _finish(self, recipes: Mapping[str, Recipe], refs: Sequence[str], is_new: bool) -> None:
+        """Pin results, and let go of the cues that they were computed from unless cues are kept."""
+        if self._keep_cues:
+            self._pins.keep(refs, is_new)
+            return
+        kept, cues = split_cues(recipes, refs)
+        self._pins.keep(kept, is_new, with_inputs=False)
+        if self.computed:
+            # Cues of an interrupted run too, whose work this one continued.
+            self._pins.end_lease()
+            self.store.release(cues)
 
     def settle(self, recipes: Mapping[str, Recipe], sinks: Sequence[str], leaves: Iterable[str] = ()) -> list[dict]:
         """Compute missing artifacts on which the graph itself depends, and return the attributes of each.
@@ -225,6 +268,7 @@ class Session:
         """
         plan = self._plan(recipes, sinks, leaves)
         self._run(plan)
+        self._settled |= recipes
         self._settled_hits |= dict.fromkeys(plan.reuse)
         self._first.update(sinks)
         return list(map_reads(self.store, self.store.attributes, sinks))
@@ -233,8 +277,20 @@ class Session:
         """End the lease on what this session worked on; the results of its finished work stay pinned."""
         try:
             self._pins.end_lease()
+            self._make_room()
         finally:
             self.log.close(tuple(self._pins.results))
+
+    def _make_room(self) -> None:
+        """Reduce the store to the size that the user allows it."""
+        if self._max_nbytes is None or not self.computed:
+            return
+        # Another run may be about to pin what it has just put.
+        done = self.store.gc(is_dry=False, grace_seconds=GRACE_SECONDS, keep_nbytes=self._max_nbytes)
+        if done.removed:
+            self.report(
+                f"{BUDGET_VARIABLE}: {len(done.removed)} least recently used artifacts removed ({size(done.nbytes)})"
+            )
 
     def _plan(self, recipes: Mapping[str, Recipe], sinks: Sequence[str], leaves: Iterable[str] = ()) -> Plan:
         """Return a plan whose artifacts are pinned: what `gc` took between the look-up and the pin is planned again.
@@ -252,6 +308,7 @@ class Session:
     def _run(self, plan: Plan) -> None:
         """Compute a plan, phase by phase, and count what it computes."""
         if plan.compute:
+            check_space(self.store, plan_nbytes(self.store, plan.compute), lambda line: None)
             self.log.open(self.runner.num_workers)
             self.log.plan(plan.compute, (*self._settled_hits, *plan.reuse))
         self._fetch_weights(plan)

@@ -8,9 +8,10 @@ from moseg.schemas.errors import InputError
 from moseg.workflows.datasets import SequenceSource, TrajectorySource
 from moseg.workflows.engine.ingest import IngestJob
 from moseg.workflows.engine.session import Session
+from moseg.workflows.engine.space import video_nbytes
 from moseg.workflows.graph import GIVEN_SOURCES, SequenceLeaves, TrajectoryLeaves
 from moseg.workflows.pipelines.source_choices import settle_choices
-from moseg.workflows.sources import MotionWeights, SceneFrames
+from moseg.workflows.sources import MotionWeights, SceneFrames, working_size
 from moseg.workflows.stages.motion_network import uses_motion_network
 from moseg.workflows.stages.needed_packages import require_packages
 from moseg.workflows.stages.needed_weights import needed_items
@@ -27,7 +28,8 @@ def ingest_sequences(
     """
     require_packages(config)
     plans = [ingest_jobs(source, config, annotated) for source in sources]
-    found = iter(session.ingest([job for jobs in plans for job in chain.from_iterable(jobs.values())]))
+    decoded = [job for jobs in plans for job in chain.from_iterable(jobs.values())]
+    found = iter(session.ingest(decoded, lambda: _estimate(sources, config)))
     leaves = []
     for source, jobs in zip(sources, plans, strict=True):
         ingested = {role: [next(found) for _ in group] for role, group in jobs.items()}
@@ -35,6 +37,16 @@ def ingest_sequences(
     # Last, so that a file that is not a video is reported before anything is fetched.
     weights = session.name_weights(needed_items(config))
     return list(settle_choices(session, [each._replace(weights=weights) for each in leaves], config))
+
+
+def _estimate(sources: Sequence[SequenceSource], config: PipelineConfig) -> float:
+    """Return about how many bytes the artifacts of these sequences take while they are analysed."""
+    # Only where something is decoded: it imports the decoder of videos.
+    from moseg.workflows.sources.likely_length import likely_num_frames
+
+    frames = [source.frames for source in sources]
+    shapes = [working_size(each.describe().size, config.max_side) for each in frames]
+    return sum(video_nbytes(likely_num_frames(each), shape) for each, shape in zip(frames, shapes, strict=True))
 
 
 def ingest_jobs(source: SequenceSource, config: PipelineConfig, annotated: bool) -> dict[str, list[IngestJob]]:

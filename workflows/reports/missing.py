@@ -16,7 +16,7 @@ KEY_DIGITS = 10
 class WhyAbsent(StrEnum):
     """Why artifacts of a run are not in the store."""
 
-    GONE = "Not shown, because not in the store (collected since the run, or never computed)"
+    GONE = "Not shown, because not in the store (without --keep-cues, collected since the run, or never computed)"
     NOT_YET = "Not computed yet"
     """Of a run that has not finished."""
 

@@ -175,12 +175,12 @@ def list_runs(store: ArtifactStore) -> list[str]:
     return sorted(store.logs(), reverse=True)
 
 
-def old_logs(store: ArtifactStore, grace_seconds: float) -> list[str]:
+def old_logs(store: ArtifactStore, grace_seconds: float, forget: Collection[str] = ()) -> list[str]:
     """Return runs whose logs may be removed: none of their processes wrote within the grace period or is at work, and
-    no pin keeps their results, for which a report needs the log."""
+    no pin but those of `forget` keeps their results, for which a report needs the log."""
     before = time.time() - grace_seconds
     # A run at work has a pin of its own name, but not while it decodes its sources.
-    pinned = store.pinned()
+    pinned = store.pinned().keys() - set(forget)
     old = sorted(run_id for run_id, changed in store.logs().items() if changed < before and run_id not in pinned)
     return [run_id for run_id in old if not _is_needed(store, run_id, pinned)]
 

@@ -141,6 +141,16 @@ class VideoFile:
                 raise _broken(self.path, number, error.strerror) from error
 
 
+def count_packets(path: str) -> int:
+    """Return the packets of a video's stream, nearly always one a frame; they are not decoded."""
+    with _open(path) as container:
+        stream = _video_stream(container, path)
+        try:
+            return sum(packet.size > 0 for packet in container.demux(stream))
+        except av.FFmpegError as error:
+            raise _broken(path, 0, error.strerror) from error
+
+
 def _to_array(frame: av.VideoFrame) -> np.ndarray:
     image = frame.to_ndarray(format="rgb24")
     # `frame.side_data` and its frame would refer to each other: each decoded frame would stay in memory, and its

@@ -96,7 +96,7 @@ def _foreground(params) -> ForegroundParams:
     return ForegroundParams.of_recipe(params["foreground"])
 
 
-ALONG_FLOW = Task("accumulation", "along-flow", version=1, run=_run, params=_params)
+ALONG_FLOW = Task("accumulation", "along-flow", version=2, run=_run, params=_params, is_cue=True)
 
 STAGE = Stage(
     name="accumulation",
@@ -107,6 +107,6 @@ STAGE = Stage(
         "consistency": "of their flows",
         "carried": "the same pass in the section before",
     },
-    arrays={"maps": layout("float16", "frame y x map", "0..1: strict saliency, saliency, consistency")},
+    arrays={"maps": layout("float16", "frame y x map", "0..1: strict saliency, saliency, consistency", step=1 / 256)},
     tasks=(ALONG_FLOW,),
 )

@@ -39,7 +39,7 @@ def _params(config: PipelineConfig) -> dict:
     }
 
 
-COLOUR_HISTOGRAMS = Task("appearance", "lab-histograms", version=1, run=_run, params=_params)
+COLOUR_HISTOGRAMS = Task("appearance", "lab-histograms", version=1, run=_run, params=_params, is_cue=True)
 
 STAGE = Stage(
     name="appearance",

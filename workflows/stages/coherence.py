@@ -28,7 +28,7 @@ def _params(config: PipelineConfig, origin: str) -> dict:
     return {"from": origin, "memory": config.accumulation.memory}
 
 
-ALONG_FLOW = Task("coherence", "along-flow", version=1, run=_run, params=_params)
+ALONG_FLOW = Task("coherence", "along-flow", version=2, run=_run, params=_params, is_cue=True)
 
 STAGE = Stage(
     name="coherence",
@@ -38,6 +38,6 @@ STAGE = Stage(
         "own_motion": "deviations of their pixels",
         "carried": "the same pass in the section before",
     },
-    arrays={"misfit": layout("float16", "frame y x", "log(1 + squared deviation in spreads)")},
+    arrays={"misfit": layout("float16", "frame y x", "log(1 + squared deviation in spreads)", step=1 / 64)},
     tasks=(ALONG_FLOW,),
 )

@@ -24,12 +24,12 @@ def _params(config: PipelineConfig, first: int, last: int) -> dict:
     return {"first": first, "last": last, "accumulation": read}
 
 
-FORWARD_BACKWARD = Task("consistency", "forward-backward", version=1, run=_run, params=_params)
+FORWARD_BACKWARD = Task("consistency", "forward-backward", version=2, run=_run, params=_params, is_cue=True)
 
 STAGE = Stage(
     name="consistency",
     about="agreement of the flows of a section's frames with their neighbours'",
     inputs={"saliency": "saliency of the section's frames and of one on either side"},
-    arrays={"consistency": layout("float16", "frame direction y x", "0..1")},
+    arrays={"consistency": layout("float16", "frame direction y x", "0..1", step=1 / 256)},
     tasks=(FORWARD_BACKWARD,),
 )

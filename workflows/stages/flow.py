@@ -45,11 +45,11 @@ def _raft_params(config: PipelineConfig) -> dict:
     return {"raft": config.raft.model_dump(mode="json", exclude={"weights"})}
 
 
-DIS = Task("flow", "dis", version=2, run=_run_dis, params=_dis_params, is_cheap=True)
+DIS = Task("flow", "dis", version=3, run=_run_dis, params=_dis_params, is_cheap=True, is_cue=True)
 RAFT = Task(
     "flow",
     "raft",
-    version=1,
+    version=2,
     run_together=_run_raft,
     params=_raft_params,
     network=Network("raft", "raft.weights", "raft-large"),
@@ -59,7 +59,7 @@ STAGE = Stage(
     name="flow",
     about="optical flow of a frame pair",
     inputs={"frame0": "frame that the flow starts in", "frame1": "its neighbour", "weights": "of the network"},
-    arrays={"flow": layout("float32", "y x uv", "px/frame; of the frames' size, or on a coarser grid")},
+    arrays={"flow": layout("float32", "y x uv", "px/frame; of the frames' size, or on a coarser grid", step=1 / 32)},
     tasks=(DIS, RAFT),
     method=lambda config: config.flow.method,
     choices=(

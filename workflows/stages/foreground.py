@@ -101,8 +101,8 @@ def _network_params(config: PipelineConfig) -> dict:
     return {"video_network": config.video_network.model_dump(mode="json", include=EVIDENCE_PARAMS)}
 
 
-MOTION_AND_COLOUR = Task("foreground", "motion-and-colour", version=2, run=_run, params=_params)
-VIDEO_NETWORK = Task("foreground", "video-network", version=1, run=_run_video_network, params=_network_params)
+MOTION_AND_COLOUR = Task("foreground", "motion-and-colour", version=3, run=_run, params=_params, is_cue=True)
+VIDEO_NETWORK = Task("foreground", "video-network", version=2, run=_run_video_network, params=_network_params)
 
 STAGE = Stage(
     name="foreground",
@@ -119,6 +119,6 @@ STAGE = Stage(
         "motion_memory_past": "odds of motion remembered from the past",
         "motion_memory_future": "odds of motion remembered from the future",
     },
-    arrays={"foreground": layout("float16", "frame y x", "probability")},
+    arrays={"foreground": layout("float16", "frame y x", "probability", step=1 / 1024)},
     tasks=(MOTION_AND_COLOUR, VIDEO_NETWORK),
 )

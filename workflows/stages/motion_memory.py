@@ -37,7 +37,7 @@ def _params(config: PipelineConfig, origin: str) -> dict:
     }
 
 
-ALONG_FLOW = Task("motion_memory", "along-flow", version=1, run=_run, params=_params)
+ALONG_FLOW = Task("motion_memory", "along-flow", version=1, run=_run, params=_params, is_cue=True)
 
 STAGE = Stage(
     name="motion_memory",

@@ -40,7 +40,7 @@ def _params(config: PipelineConfig, start: int, num_frames: int) -> dict:
     }
 
 
-AFFINE_MISFIT = Task("own_motion", "affine", version=2, run=_run, params=_params)
+AFFINE_MISFIT = Task("own_motion", "affine", version=3, run=_run, params=_params, is_cue=True)
 
 STAGE = Stage(
     name="own_motion",
@@ -50,6 +50,6 @@ STAGE = Stage(
         "accumulation_past": "saliency accumulated from the past",
         "accumulation_future": "saliency accumulated from the future",
     },
-    arrays={"misfit": layout("float16", "frame y x", "log(1 + squared deviation in spreads)")},
+    arrays={"misfit": layout("float16", "frame y x", "log(1 + squared deviation in spreads)", step=1 / 64)},
     tasks=(AFFINE_MISFIT,),
 )

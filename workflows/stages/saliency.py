@@ -36,7 +36,9 @@ def _params(config: PipelineConfig) -> dict:
     return config.saliency.model_dump(mode="json", exclude=SELECTION_PARAMS)
 
 
-BACKGROUND_RESIDUAL = Task("saliency", "background-residual", version=3, run=_run, params=_params, is_cheap=True)
+BACKGROUND_RESIDUAL = Task(
+    "saliency", "background-residual", version=4, run=_run, params=_params, is_cheap=True, is_cue=True
+)
 
 STAGE = Stage(
     name="saliency",
@@ -50,10 +52,10 @@ STAGE = Stage(
         "flow_next": "flow to the frame after",
     },
     arrays={
-        "saliency": layout("float16", "y x", "0..1"),
-        "strict_saliency": layout("float16", "y x", "0..1"),
-        "flows": layout("float16", "direction y x uv", "px/frame of the working grid"),
-        "residual_flows": layout("float16", "direction y x uv", "px/frame of the working grid"),
+        "saliency": layout("float16", "y x", "0..1", step=1 / 1024),
+        "strict_saliency": layout("float16", "y x", "0..1", step=1 / 1024),
+        "flows": layout("float16", "direction y x uv", "px/frame of the working grid", step=1 / 128),
+        "residual_flows": layout("float16", "direction y x uv", "px/frame of the working grid", step=1 / 128),
     },
     tasks=(BACKGROUND_RESIDUAL,),
 )

@@ -75,6 +75,8 @@ class Task:
         Its weights are the input ``weights``.
     is_cheap : bool
         Whether one frame takes a fraction of a second, so that several recipes share a call.
+    is_cue : bool
+        Whether its artifacts are dense maps that are large and cheap to compute again: `segment` lets go of them.
     code : str, optional
         Fingerprint of the plug-in that defines the task, set when it is registered; part of the recipes.
     """
@@ -87,6 +89,7 @@ class Task:
     params: Callable[..., dict] = no_params
     network: Network | None = None
     is_cheap: bool = False
+    is_cue: bool = False
     code: str | None = None
 
     def compute(

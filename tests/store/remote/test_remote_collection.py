@@ -147,18 +147,12 @@ def test_an_artifact_computed_again_during_a_collection_stays(store, put_toy, na
 def test_damage_is_quarantined_with_its_bytes_and_reason(store, s3, put_toy, names):
     ref = put_toy(store)
     client = connect(s3)
-    (chunk,) = [name for name in names("payloads") if "/c." in name]
-    obstore.put(client, chunk, b"junk")
+    (packed,) = names("payloads")
+    obstore.put(client, packed, b"junk")
     assert store.quarantine(ref, "file of another length") and not store.quarantine(ref, "again")
     kept = {name.split("/", 2)[2]: obstore.get(client, name).bytes().to_bytes() for name in names("quarantine")}
-    assert kept.keys() == {
-        "reason.json",
-        "artifact/manifest.json",
-        "artifact/zarr.json",
-        "artifact/x/zarr.json",
-        "artifact/x/c.0.0",
-    }
-    assert kept["artifact/x/c.0.0"] == b"junk"
+    assert kept.keys() == {"reason.json", "artifact/manifest.json", "artifact/arrays.zip"}
+    assert kept["artifact/arrays.zip"] == b"junk"
     reason = json.loads(kept["reason.json"])
     assert (reason["ref"], reason["reason"]) == (ref, "file of another length")
     assert names("payloads") == [] and names("objects") == []

@@ -38,7 +38,7 @@ def test_a_prefix_with_other_objects_is_refused_and_not_changed(s3):
     assert [item["path"] for item in obstore.list(connect(s3)).collect()] == ["thesis.tex"]
 
 
-@pytest.mark.parametrize("content", [b'{"store": "moseg artifacts", "format": 2}', b"{}", b""])
+@pytest.mark.parametrize("content", [b'{"store": "moseg artifacts", "format": 3}', b"{}", b""])
 def test_an_unknown_format_is_refused(s3, content):
     obstore.put(connect(s3), "moseg-store.json", content)
     fails(s3, r"moseg-store\.json")

@@ -69,13 +69,13 @@ def _drop(store, *tasks):
 
 
 def _damage(folder, store, task):
-    """Flip a byte of every array of an artifact of a task, and return its reference."""
+    """Flip a byte of the arrays of an artifact of a task, and return its reference."""
     ref = sorted(store.refs(task))[0]
     key = split_ref(ref)[1]
-    for path in (folder / "objects" / task / key[:2] / key).rglob("c.*"):
-        content = bytearray(path.read_bytes())
-        content[len(content) // 2] ^= 255
-        path.write_bytes(content)
+    path = folder / "objects" / task / key[:2] / key / "arrays.zip"
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 255
+    path.write_bytes(content)
     return ref
 
 

@@ -63,8 +63,12 @@ def find_pins(store, run: str) -> list[str]:
         return [run]
     from moseg.workflows.runlog.status import find_run, read_status
 
-    logged = find_run(store, run)
-    found = [name for name in (logged, *read_status(store, logged).pins) if name in pinned]
+    names = {pin.run for pin in pinned.values()} - {""}
+    # the log of a run whose results are pinned may be gone, or at the store from which they were copied
+    begun = [name for name in names if run and name.startswith(run)]
+    logged = begun[0] if len(begun) == 1 and begun[0] not in store.logs() else find_run(store, run)
+    closed = read_status(store, logged).pins if logged in store.logs() else ()
+    found = [name for name in pinned if name in (logged, *closed) or pinned[name].run == logged]
     if not found:
         expected = "one of `moseg store ls --runs`"
         raise InputError("a run of which nothing is kept", where=store.url, got=logged, expected=expected)

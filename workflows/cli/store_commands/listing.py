@@ -1,14 +1,19 @@
 """`moseg store ls` and `moseg store du`: what lies in the store, and what takes the room."""
 
+from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from moseg.schemas.spelling import closest, unknown_name
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import open_existing
+from moseg.workflows.process.amounts import size
 from moseg.workflows.process.progress import Waiting
+
+if TYPE_CHECKING:
+    from moseg.store import Pin
 
 
 def list_artifacts(
@@ -27,10 +32,8 @@ def list_artifacts(
 
     opened = open_existing(store)
     if runs:
-        for run_id, pin in sorted(opened.pinned().items(), key=lambda item: item[1].created):
-            created = datetime.fromtimestamp(pin.created, UTC).isoformat(timespec="seconds")
-            state = "finished" if pin.expires is None else "running"
-            print(f"{run_id}  {created}  {state}  {len(pin.refs)} references")
+        for line in _list_runs(opened.pinned()):
+            print(line)
         return
     ref = None
     for ref in opened.refs(task):
@@ -41,6 +44,17 @@ def list_artifacts(
     names = artifact_names()
     if ref is None and task is not None and task not in names and closest(task, names) is not None:
         raise unknown_name("task", task, names, where="--task")
+
+
+def _list_runs(pinned: "Mapping[str, Pin]") -> Iterator[str]:
+    """Yield a line for each run that has pins, with the time at which it was last used."""
+    runs: dict[str, list[Pin]] = {}
+    for name, pin in sorted(pinned.items(), key=lambda item: item[1].created):
+        runs.setdefault(pin.run or name, []).append(pin)
+    for name, pins in runs.items():
+        used = datetime.fromtimestamp(max(pin.created for pin in pins), UTC).isoformat(timespec="seconds")
+        state = "finished" if all(pin.expires is None for pin in pins) else "running"
+        yield f"{name}  {used}  {state}  {sum(len(pin.refs) for pin in pins)} references"
 
 
 def disk_use(quiet: QuietOption = False, store: StoreOption = DEFAULT_STORE) -> None:
@@ -64,13 +78,3 @@ def print_use(usage) -> None:
     rows.append((sum(row[0] for row in rows), sum(row[1] for row in rows), "total"))
     for nbytes, count, task in rows:
         print(f"{size(nbytes):>10}  {count:>7}  {task}")
-
-
-def size(nbytes: int) -> str:
-    """Return a number of bytes in the unit that suits it."""
-    amount = float(nbytes)
-    for unit in ("B", "KiB", "MiB", "GiB"):
-        if amount < 1024:
-            return f"{amount:.0f} {unit}" if unit == "B" else f"{amount:.1f} {unit}"
-        amount /= 1024
-    return f"{amount:.1f} TiB"

@@ -11,7 +11,7 @@ from moseg.schemas.manifests import Manifest
 from moseg.schemas.recipes import split_ref
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import KeyArgument, find_artifact, open_existing
-from moseg.workflows.cli.store_commands.listing import size
+from moseg.workflows.process.amounts import size
 from moseg.workflows.process.progress import StageProgress
 
 LONG_PASS = 5_000

@@ -10,7 +10,8 @@ from moseg.schemas.errors import InputError, MissingStoreError
 from moseg.schemas.recipes import split_ref
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import find_artifact, find_pins, open_existing
-from moseg.workflows.cli.store_commands.listing import print_use, size
+from moseg.workflows.cli.store_commands.listing import print_use
+from moseg.workflows.process.amounts import size
 from moseg.workflows.process.progress import StageProgress
 
 UrlArgument = Annotated[str, typer.Argument(help="The other store: a folder or URL.", metavar="URL")]
@@ -107,7 +108,7 @@ def _copy(source_url: str, target_url: str, named: Named, dry: bool, quiet: bool
         plan = plan_transfer(source, target, selected)
         with StageProgress({"copied": len(plan.inputs)}, quiet) as progress:
             report = transfer(source, target, plan, lambda ref: progress.advance("copied"))
-        keep(target, pins)
+        keep(target, pins, source.pinned())
     for ref, problem in sorted(report.problems.items()):
         print(f"{ref}: not copied: {problem}")
     print(

@@ -1,15 +1,19 @@
 """`moseg store verify` and `moseg store gc`: whether the store is sound, and how to make room."""
 
+import time
 from collections.abc import Iterator
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from moseg.schemas.errors import MissingArtifactError
+from moseg.schemas.errors import InputError, MissingArtifactError
 from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption
 from moseg.workflows.cli.store_commands.finding import find_pins, open_existing
-from moseg.workflows.cli.store_commands.listing import size
+from moseg.workflows.process.amounts import read_age, read_size, size
 from moseg.workflows.process.progress import StageProgress, Waiting
+
+if TYPE_CHECKING:
+    from moseg.store import Pin
 
 
 def verify(
@@ -49,32 +53,52 @@ def collect(
     delete: Annotated[
         bool, typer.Option("--delete", help="Delete; without it, only show what would be deleted.")
     ] = False,
-    grace_hours: Annotated[float, typer.Option("--grace-hours", min=0, help="Spare what is younger.")] = 24.0,
-    forget: Annotated[
-        list[str] | None, typer.Option("--forget", help="Runs no longer to keep; see ls --runs.", metavar="RUN")
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only show what would be deleted (the default).")] = False,
+    older: Annotated[
+        str | None,
+        typer.Option("--older", help="No longer keep runs last used longer ago (12h, 7d, 2w).", metavar="AGE"),
     ] = None,
+    keep_size: Annotated[
+        str | None,
+        typer.Option(
+            "--keep-size",
+            help="Only until the store is this small (500M, 20G), the least recently used first.",
+            metavar="SIZE",
+        ),
+    ] = None,
+    forget: Annotated[
+        list[str] | None,
+        typer.Option("--forget", help="Runs no longer to keep; see status or ls --runs.", metavar="RUN"),
+    ] = None,
+    grace_hours: Annotated[float, typer.Option("--grace-hours", min=0, help="Spare what is younger.")] = 24.0,
     quiet: QuietOption = False,
     store: StoreOption = DEFAULT_STORE,
 ) -> None:
     """Collect artifacts that no kept run reaches, and the logs of ended runs that are not kept.
 
+    Nothing is deleted without --delete: the same command without it is an exact preview.
+
     Examples
     --------
     moseg store gc
-    moseg store gc --delete --grace-hours 1
-    moseg store gc --forget 1a2b… --delete
+    moseg store gc --older 7d --keep-size 20G --dry-run
+    moseg store gc --older 7d --delete
+    moseg store gc --forget latest --delete
     """
     from moseg.workflows.runlog.status import old_logs
 
+    if delete and dry_run:
+        raise InputError("deletes and only shows", where="--delete", got="--dry-run", expected="one of them")
+    grace_seconds = grace_hours * 3600
+    age = None if older is None else read_age(older, "--older")
+    keep_nbytes = None if keep_size is None else read_size(keep_size, "--keep-size")
     opened = open_existing(store)
     forgotten = {name for run in forget or [] for name in find_pins(opened, run)}
-    if delete:
-        for name in forgotten:
-            opened.unpin(name)
-    grace_seconds = grace_hours * 3600
+    if age is not None:
+        forgotten |= {name for name, pin in opened.pinned().items() if _is_older(pin, age)}
     with Waiting("looking for what no kept run reaches", quiet):
-        report = opened.gc(is_dry=not delete, grace_seconds=grace_seconds)
-        logs = old_logs(opened, grace_seconds)
+        logs = old_logs(opened, grace_seconds, forgotten)
+        report = opened.gc(is_dry=not delete, grace_seconds=grace_seconds, forget=forgotten, keep_nbytes=keep_nbytes)
         if delete:
             for run_id in logs:
                 opened.remove_log(run_id)
@@ -85,8 +109,18 @@ def collect(
         f"{len(report.removed)} artifacts, {len(report.leftovers)} leftovers and the logs of {len(logs)} ended runs"
         f" {verb}: {size(report.nbytes)}; {report.num_kept} artifacts stay"
     )
-    if forget and not delete:
-        print("--forget takes effect with --delete only: the artifacts of these runs are counted as staying")
+    if forgotten:
+        print(f"{len(forgotten)} pins of runs {'removed' if delete else 'would be removed'}")
+    if report.left is not None and report.left > keep_nbytes:
+        print(
+            f"{size(report.left)} stay, more than {size(keep_nbytes)}: younger than --grace-hours, or kept by runs (see"
+            " ls --runs) until --older or --forget"
+        )
+
+
+def _is_older(pin: "Pin", age: float) -> bool:
+    """Return whether a finished run was last used longer ago than this age, s."""
+    return pin.expires is None and pin.created < time.time() - age
 
 
 def _check_all(store, refs: list[str]) -> Iterator:

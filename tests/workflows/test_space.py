@@ -1,0 +1,111 @@
+"""Disk space: what work will take is estimated, and too little is one line before anything is computed."""
+
+import os
+
+import numpy as np
+import pytest
+
+from moseg.schemas.recipes import Recipe
+from moseg.store import LocalStore, open_store
+from moseg.workflows.engine.space import check_space, video_nbytes
+from moseg.workflows.sources.likely_length import likely_num_frames
+from moseg.workflows.sources.video_file import VideoFile
+
+
+@pytest.fixture
+def free(monkeypatch):
+    """Return a function that sets the free bytes of every local store."""
+    return lambda nbytes: monkeypatch.setattr(LocalStore, "free_nbytes", lambda self: nbytes)
+
+
+@pytest.fixture
+def segment(squares, tmp_path, moseg):
+    arguments = ("segment", squares / "squares" / "frames", "--store", tmp_path / "store", "--out", tmp_path / "out")
+    return lambda *more: moseg(*arguments, *more)
+
+
+def _has_one_line(ran):
+    return ran.code == 2 and ran.err.count("\n") == 1 and "too little space on the disk" in ran.err
+
+
+def test_a_full_disk_is_one_line_before_anything_is_computed(segment, tmp_path, free):
+    free(1000)
+    ran = segment()
+    assert _has_one_line(ran) and "1000 B free" in ran.err and "about 3.3 MiB" in ran.err
+    assert list(open_store(str(tmp_path / "store")).refs()) == []
+    assert not list((tmp_path / "out").rglob("*.*"))
+
+
+def test_work_that_goes_on_is_checked_for_what_is_missing(segment, tmp_path, free):
+    assert segment("--quiet").code == 0
+    free(1000)
+    assert segment("--quiet").code == 0
+    before = set(open_store(str(tmp_path / "store")).refs())
+    assert _has_one_line(segment("--set", "flow.preset=fast"))
+    assert set(open_store(str(tmp_path / "store")).refs()) == before
+
+
+def test_evaluations_are_checked_too(squares, tmp_path, moseg, free):
+    free(1000)
+    ran = moseg("eval", "--dataset", "folder", "--root", squares, "--store", tmp_path / "store")
+    assert _has_one_line(ran)
+
+
+def test_much_work_is_reported_and_a_store_without_a_limit_is_not_checked(free, tmp_path):
+    store = LocalStore(tmp_path)
+    lines = []
+    free(10**12)
+    check_space(store, 10**9, lines.append)
+    check_space(store, 2 * 2**30, lines.append)
+    assert lines == ["about 2.0 GiB of disk while it runs (931.3 GiB free)"]
+    free(None)
+    check_space(store, 10**15, lines.append)
+    assert len(lines) == 1
+
+
+def test_the_estimate_is_near_what_a_run_takes(segment, tmp_path):
+    assert segment("--keep-cues", "--quiet").code == 0
+    store = open_store(str(tmp_path / "store"))
+    stored = sum(use.nbytes for task, use in store.usage().items() if task != "motion_weights")
+    assert 0.5 < stored / video_nbytes(10, (96, 128)) < 2
+
+
+def test_frames_of_a_video_are_counted_without_decoding(tmp_path, video_file):
+    path = video_file(tmp_path / "clip.mp4", 7)
+    assert likely_num_frames(VideoFile(str(path), 64)) == VideoFile(str(path), 64).num_frames() == 7
+
+
+def test_a_store_of_a_given_size_loses_what_was_not_used_for_longest(segment, tmp_path, moseg, monkeypatch):
+    assert segment("--quiet").code == 0
+    store = open_store(str(tmp_path / "store"))
+    old = Recipe(task="toy", version=1)
+    store.put(old, {"x": np.zeros(1000)}, dims={"x": ("a",)})
+    key = old.key
+    os.utime(store.root / "objects" / "toy" / key[:2] / key, (10**9, 10**9))
+    before = set(store.refs())
+    monkeypatch.setenv("MOSEG_STORE_SIZE", "10K")
+    assert segment("--quiet").code == 0
+    assert set(store.refs()) == before
+    ran = segment("--set", "affinity.scale=0.7")
+    assert ran.code == 0 and "MOSEG_STORE_SIZE: 1 least recently used artifacts removed" in ran.err
+    assert before - set(store.refs()) == {old.ref}
+    monkeypatch.setenv("MOSEG_STORE_SIZE", "small")
+    ran = segment()
+    assert ran.code == 2 and "MOSEG_STORE_SIZE" in ran.err
+
+
+@pytest.fixture
+def video_file():
+    import av
+
+    def write(path, count):
+        with av.open(str(path), "w") as container:
+            stream = container.add_stream("mpeg4", rate=10)
+            stream.width, stream.height = 64, 48
+            for number in range(count):
+                image = np.full((48, 64, 3), 30 * number, np.uint8)
+                container.mux(stream.encode(av.VideoFrame.from_ndarray(image, format="rgb24")))
+            container.mux(stream.encode())
+        return path
+
+    return write
