@@ -1,6 +1,6 @@
 """Score tables: what was measured over frames or trajectories, and what papers report of the same data set."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from moseg.schemas.scores import AnyScore, GroundTruth, mean_score
 from moseg.schemas.trajectory_scores import TrajectoryRow
@@ -48,13 +48,38 @@ def score_tables(dataset: str, over: GroundTruth, scores: Scores) -> tuple[Score
     if len(scores) > 1:
         title = f"{named}, mean of {_count(len(next(iter(scores.values()))), 'sequence')}"
         rows = tuple((variant, _mean(list(by_name.values()), over)) for variant, by_name in scores.items())
-        tables.append(_measured(title, ("variant", *columns), rows, over))
+        tables.append(_measured(title, ("variant", *columns), merge_equal(rows), over))
         tables.extend(_paper_tables(dataset, over))
-    for variant, by_name in scores.items():
-        rows = tuple((name, _cells(score, over)) for name, score in by_name.items())
-        rows += (("mean", _mean(list(by_name.values()), over)),)
-        tables.append(_measured(f"{named}, {variant}", ("sequence", *columns), rows, over))
+    details = ((variant, _sequence_rows(by_name, over)) for variant, by_name in scores.items())
+    for variants, rows in merge_equal(details):
+        tables.append(_measured(f"{named}, {variants}", ("sequence", *columns), rows, over))
     return tuple(tables) if len(scores) > 1 else (*tables, *_paper_tables(dataset, over))
+
+
+def merge_equal(rows: Iterable[tuple[str, tuple]]) -> tuple[tuple[str, tuple], ...]:
+    """Merge variants with the same figures: one row with all their names, in the place of the first of them.
+
+    Rows without any figure stay apart: that nothing is known of two variants does not make them equal.
+    """
+    merged: list[tuple[list[str], tuple]] = []
+    for name, figures in rows:
+        equal = next((names for names, others in merged if others == figures and _has_figures(figures)), None)
+        if equal is None:
+            merged.append(([name], figures))
+        else:
+            equal.append(name)
+    return tuple((names[0] if len(names) == 1 else f"{', '.join(names)} (identical)", row) for names, row in merged)
+
+
+def _has_figures(cells: tuple) -> bool:
+    """Return whether a row of figures, or one of several such rows with names, has a value."""
+    return any(_has_figures(cell) if isinstance(cell, tuple) else not isinstance(cell, str | None) for cell in cells)
+
+
+def _sequence_rows(by_name: Mapping[str, AnyScore | None], over: GroundTruth) -> tuple:
+    """Return a row for each sequence, and their mean where there are several."""
+    rows = tuple((name, _cells(score, over)) for name, score in by_name.items())
+    return (*rows, ("mean", _mean(list(by_name.values()), over))) if len(rows) > 1 else rows
 
 
 def _measured(title: str, columns: tuple[str, ...], rows: tuple, over: GroundTruth) -> ScoreTable:
@@ -71,7 +96,8 @@ def clip_tables(dataset: str, rows: tuple[TrajectoryRow, ...]) -> tuple[ScoreTab
     Errors by group of clips, where the data set has groups, have a row for each variant and each published method.
     """
     tables = [_variant_table(dataset, rows)] if len(rows) > 1 else []
-    return (*tables, *(_clip_table(dataset, row) for row in rows), *_group_tables(dataset, rows), *_published(dataset))
+    details = (_clip_table(dataset, row) for row in _merge_rows(rows))
+    return (*tables, *details, *_group_tables(dataset, rows), *_published(dataset))
 
 
 def _paper_tables(dataset: str, over: GroundTruth) -> tuple[ScoreTable, ...]:
@@ -104,9 +130,18 @@ def _variant_table(dataset: str, rows: tuple[TrajectoryRow, ...]) -> ScoreTable:
     return ScoreTable(
         f"{dataset}, {_count(len(rows[0].sequences), 'clip')}",
         ("variant", "mean error %", "median", "right number %", *_if(has_spread, "spread of error")),
-        tuple((row.variant, (*mean, *_if(has_spread, row.spread))) for row, mean in zip(rows, means, strict=True)),
+        merge_equal(
+            (row.variant, (*mean, *_if(has_spread, row.spread))) for row, mean in zip(rows, means, strict=True)
+        ),
         better=(Better.LESS, Better.LESS, Better.MORE, *_if(has_spread, None)),
     )
+
+
+def _merge_rows(rows: tuple[TrajectoryRow, ...]) -> tuple[TrajectoryRow, ...]:
+    """Merge variants whose clips all have the same scores, under all their names."""
+    merged = merge_equal((row.variant, (row.sequences, row.spread)) for row in rows)
+    first = {row.variant: row for row in reversed(rows)}
+    return tuple(first[name.partition(",")[0]].model_copy(update={"variant": name}) for name, _ in merged)
 
 
 def _clip_table(dataset: str, row: TrajectoryRow) -> ScoreTable:

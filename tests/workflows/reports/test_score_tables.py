@@ -15,7 +15,7 @@ POINTS = SequenceScore(P=1, R=2, F=3, J=4, J_objects=6)
 def test_the_papers_rows_have_our_columns_and_are_marked():
     (ours, paper) = score_tables("davis-moving", "pixels", {"fused": {"dog": SCORE}})
     assert ours.columns == ("sequence", "Pu", "Ru", "Fu", "J", "F-boundary", "J/object", "F-b/object")
-    assert ours.rows == (("dog", (1, 2, 3, 4, 5, 6, 7)), ("mean", (1, 2, 3, 4, 5, 6, 7)))
+    assert ours.rows == (("dog", (1, 2, 3, 4, 5, 6, 7)),)
     assert paper.is_published and not ours.is_published and paper.columns[1:] == ours.columns[1:]
     assert dict(paper.rows)["paper, fused"] == (*PAPER_ROWS["davis-moving"]["paper, fused"], None, None, None, None)
 
@@ -49,18 +49,32 @@ def test_a_mean_over_incomplete_scores_is_empty():
     assert None not in base.rows[-1][1]
 
 
-def _row(variant, spread=None):
-    scores = {"clip": TrajectoryScore(error=12.5, num_motions=3, num_motions_true=2, spread=spread)}
+def test_variants_with_the_same_figures_are_one_row_and_one_table():
+    other = SCORE.model_copy(update={"P": 3.0})
+    equal, apart = {"a": SCORE, "b": other}, {"a": SCORE, "b": SCORE}
+    means, first, oc = score_tables("folder", "pixels", {"fused": equal, "oc": apart, "trajs": equal, "base": equal})
+    assert [name for name, _ in means.rows] == ["fused, trajs, base (identical)", "oc"]
+    assert (first.title, oc.title) == ("folder, fused, trajs, base (identical)", "folder, oc")
+    unknown = {"a": None, "b": None}
+    means, *_ = score_tables("folder", "pixels", {"fused": unknown, "oc": unknown})
+    assert [name for name, _ in means.rows] == ["fused", "oc"]
+    means, first, _ = clip_tables("kt3dmoseg", (_row("fused"), _row("oc")))
+    assert [name for name, _ in means.rows] == ["fused, oc (identical)"]
+    assert first.title.startswith("kt3dmoseg, fused, oc (identical) (0 %")
+
+
+def _row(variant, spread=None, error=12.5):
+    scores = {"clip": TrajectoryScore(error=error, num_motions=3, num_motions_true=2, spread=spread)}
     return TrajectoryRow(
         variant=variant,
         sequences=scores,
-        mean=TrajectoryMean(error=12.5, median_error=12.5, num_motions_correct=0.0),
+        mean=TrajectoryMean(error=error, median_error=error, num_motions_correct=0.0),
         spread=spread,
     )
 
 
 def test_smaller_errors_are_better():
-    means, fused, trajs, published = clip_tables("kt3dmoseg", (_row("fused"), _row("trajs")))
+    means, fused, trajs, published = clip_tables("kt3dmoseg", (_row("fused"), _row("trajs", error=13.0)))
     assert means.columns == ("variant", "mean error %", "median", "right number %")
     assert means.better == (Better.LESS, Better.LESS, Better.MORE)
     assert fused.rows[0] == ("clip", (12.5, 3, 2)) and trajs.better == (Better.LESS, None, None)
@@ -80,7 +94,9 @@ def _group(error, num_sequences):
 
 def test_errors_by_group_precede_the_published_ones_of_the_same_columns():
     rows = tuple(
-        _row(name).model_copy(update={"groups": {"two motions": _group(error, 60), "a new group": _group(9.0, 2)}})
+        _row(name, error=error).model_copy(
+            update={"groups": {"two motions": _group(error, 60), "a new group": _group(9.0, 2)}}
+        )
         for name, error in (("fused", 1.0), ("trajs", 3.0))
     )
     _, _, _, means, published_means, medians, published_medians = clip_tables("hopkins155", rows)
@@ -120,5 +136,5 @@ def test_parameters_that_differ_are_listed_as_a_user_writes_them():
 def test_where_nothing_moves_less_is_better_and_small_percentages_are_legible():
     (table,) = score_tables("still", "still", {"fused": {"street": StillScore(false_pixels=0.03, false_frames=4.0)}})
     assert table.columns == ("sequence", "false pixels %", "false frames %")
-    assert table.rows == (("street", (0.03, 4.0)), ("mean", (0.03, 4.0)))
+    assert table.rows == (("street", (0.03, 4.0)),)
     assert table.better == (Better.LESS, Better.LESS) and table.decimals == (2, 2)
