@@ -122,8 +122,8 @@ def test_timelines_lead_to_the_frames_where_a_mask_changes(open_page):
     _shows(page, 11)
     assert first.locator(".change-jump[aria-current]").text_content().startswith("11")
     assert first.locator(".playhead").get_attribute("x1") == "11.5"
-    box = first.locator(".area").bounding_box()
-    page.mouse.click(box["x"] + box["width"] * 3.5 / 13, box["y"] + box["height"] / 2)
+    area = first.locator(".area")
+    area.click(position={"x": area.bounding_box()["width"] * 3.5 / 13, "y": 5})
     _shows(page, 3)
     thumbnails = first.locator("button.thumbnail")
     assert [each.get_attribute("tabindex") for each in thumbnails.all()] == ["0", "-1"]

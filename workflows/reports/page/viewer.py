@@ -118,7 +118,7 @@ def describe_reach(panel: SequencePanel, frames: tuple[int, ...]) -> str:
 
 def archive_name(name: str) -> str:
     """Return a file name for the masks of a sequence, of characters that every system takes."""
-    return f"{re.sub(r'[^A-Za-z0-9_.-]+', '_', name).strip('._') or 'sequence'}_masks.zip"
+    return f"{re.sub(r'[^A-Za-z0-9_.-]+', '_', name).strip('._-') or 'sequence'}_masks.zip"
 
 
 def _choose_still(panel: SequencePanel, choice: Choice) -> int:
