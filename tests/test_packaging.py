@@ -26,8 +26,10 @@ ROOMS = {
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 BESIDE = ("benchmarks", "docs", "tests")
 FILES = (
+    ".dockerignore",
     "CHANGELOG.md",
     "CITATION.cff",
+    "Dockerfile",
     "LICENSE",
     "MANIFEST.in",
     "Makefile",
@@ -135,7 +137,7 @@ def test_metadata_describe_the_project_and_its_requirements(wheel):
     assert metadata["Requires-Python"] == PROJECT["requires-python"]
     required = {re.split(r"[<>=]", need)[0] for need in metadata.get_all("Requires-Dist") if "extra ==" not in need}
     assert required == {re.split(r"[<>=]", need)[0] for need in PROJECT["dependencies"]}
-    assert {"models", "test"} == set(metadata.get_all("Provides-Extra"))
+    assert {"cluster", "models", "test"} == set(metadata.get_all("Provides-Extra"))
     assert "moseg = moseg.workflows.cli:main" in wheel.info("entry_points.txt")
     assert wheel.info("licenses/LICENSE") == (ROOT / "LICENSE").read_text(encoding="utf-8")
 
@@ -183,6 +185,24 @@ def test_installed_code_and_the_checkout_have_the_same_fingerprint(wheel, source
         command = [sys.executable, "-P", "-c", code]
         found.add(subprocess.run(command, env=environ, capture_output=True, text=True, check=True).stdout)
     assert len(found) == 1
+
+
+def test_every_requirement_has_a_pinned_version():
+    pinned = {
+        _canonical(line.partition("==")[0])
+        for line in (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+        if "==" in line
+    }
+    needed = [
+        *PROJECT["dependencies"],
+        *(need for extra in PROJECT["optional-dependencies"].values() for need in extra),
+    ]
+    assert {_canonical(re.split(r"[<>=]", need)[0]) for need in needed} - pinned == set()
+
+
+def _canonical(name: str) -> str:
+    """Return a project's name as package indexes compare it (PEP 503)."""
+    return re.sub(r"[-_.]+", "-", name).lower()
 
 
 def test_the_citation_file_has_this_version_and_names_the_paper():

@@ -1,5 +1,6 @@
 """Masks as images: ``00000.png`` and so on, the value of a pixel its object's identity."""
 
+import io
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -58,11 +59,18 @@ def write_masks(folder: Path, labels: Iterable[np.ndarray]) -> int:
 
 def write_mask(path: Path, labels: np.ndarray) -> None:
     """Write one frame's labels uint16 (y, x); raises InputError where the file cannot be written."""
-    image = _label_image(labels)
+    data = encode_mask(labels)
+    with atomic_path(path) as temporary, blame_output(path):
+        temporary.write_bytes(data)
+
+
+def encode_mask(labels: np.ndarray) -> bytes:
+    """Return one frame's labels uint16 (y, x) as a PNG file."""
     mark = PngInfo()
     mark.add_text("Software", MARK)
-    with atomic_path(path) as temporary, blame_output(path):
-        image.save(temporary, format="PNG", pnginfo=mark)
+    stream = io.BytesIO()
+    _label_image(labels).save(stream, format="PNG", pnginfo=mark)
+    return stream.getvalue()
 
 
 def _label_image(labels: np.ndarray) -> Image.Image:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from moseg.schemas.scores import GroundTruth
+from moseg.workflows.results.mask_history import MaskChange
 
 
 class Better(StrEnum):
@@ -145,6 +146,57 @@ class Video(NamedTuple):
     step: int = 1
 
 
+class MaskArchive(NamedTuple):
+    """Masks of a sequence's moving objects, one PNG a frame, as analysed.
+
+    Attributes
+    ----------
+    data : bytes
+        A ZIP archive of files that are not compressed again.
+    places : tuple of (int, int, int)
+        Frame, and first byte and size of its PNG within `data`.
+    """
+
+    data: bytes
+    places: tuple[tuple[int, int, int], ...]
+
+
+class Thumbnail(NamedTuple):
+    """An object cut out of a frame."""
+
+    frame: int
+    picture: Picture
+
+
+class ObjectTimeline(NamedTuple):
+    """One moving object over the frames of a sequence.
+
+    Attributes
+    ----------
+    name : str
+        Its identity, and the name that a network gave it.
+    colour : str
+        Of its outline in the overlay, ``#rrggbb``.
+    areas : tuple of float
+        Percent of the frame, of every `step`-th frame; 0 where it is not seen.
+    step : int
+    changes : tuple of MaskChange
+        Frames at which its mask shrinks, splits or vanishes, in order.
+    thumbnails : tuple of Thumbnail or None
+        One for each of equal stretches of the sequence; None where it is not seen in the stretch.
+    moving_frames : tuple of (int, int) or None
+        First and last frame of each run of frames in which it moves now; None where that is not known.
+    """
+
+    name: str
+    colour: str
+    areas: tuple[float, ...]
+    step: int
+    changes: tuple[MaskChange, ...] = ()
+    thumbnails: tuple[Thumbnail | None, ...] = ()
+    moving_frames: tuple[tuple[int, int], ...] | None = None
+
+
 class LayerKind(StrEnum):
     """How a layer is shown."""
 
@@ -246,6 +298,10 @@ class SequencePanel(NamedTuple):
         Of the first variant.
     video : Video or None
         Overlay of the first variant.
+    timelines : tuple of ObjectTimeline
+        Of the largest objects of the first variant, largest first.
+    masks : MaskArchive or None
+        Of the first variant.
     missing : tuple of str
         What could not be shown and why, one sentence each.
     """
@@ -259,6 +315,8 @@ class SequencePanel(NamedTuple):
     variants: tuple[VariantPanel, ...] = ()
     video: Video | None = None
     missing: tuple[str, ...] = ()
+    timelines: tuple[ObjectTimeline, ...] = ()
+    masks: MaskArchive | None = None
 
 
 class ReportPage(NamedTuple):

@@ -79,6 +79,33 @@ def make_layers(
     return tuple(layers), tuple(missing)
 
 
+def merge_layers(layers: Iterable[Layer]) -> tuple[Layer, ...]:
+    """Merge layers of several variants that have the same pictures, under all their names, in the place of the first.
+
+    Names that end with a variant in brackets are those of one kind of layer.
+    """
+    merged: list[tuple[Layer, list[str]]] = []
+    for layer in layers:
+        kind, _, variant = layer.name.removesuffix(")").partition(" (")
+        equal = next(
+            (
+                variants
+                for other, variants in merged
+                if variant and other.name.startswith(f"{kind} (")
+                if (other.pictures, other.legend) == (layer.pictures, layer.legend)
+            ),
+            None,
+        )
+        if equal is None:
+            merged.append((layer, [variant]))
+        else:
+            equal.append(variant)
+    return tuple(
+        layer if len(variants) == 1 else layer._replace(name=f"{layer.name.partition(' (')[0]} ({', '.join(variants)})")
+        for layer, variants in merged
+    )
+
+
 def encode_opaque(image: np.ndarray) -> Picture:
     """Return uint8 (y, x, rgb) as a lossy WebP."""
     return _encode(image, quality=QUALITY)

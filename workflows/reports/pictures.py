@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,20 +12,39 @@ from moseg.store import ArtifactStore
 from moseg.workflows.exports.summarise import summarise_sequence
 from moseg.workflows.exports.write_overlay import encode_overlay
 from moseg.workflows.graph import SequenceGraph
-from moseg.workflows.reports.content import ObjectRow, SequencePanel, Video
+from moseg.workflows.reports.content import MaskArchive, ObjectRow, ObjectTimeline, SequencePanel, Video
 from moseg.workflows.reports.cue_layers import plan_cue_layers
 from moseg.workflows.reports.dense_track_layer import plan_dense_tracks
-from moseg.workflows.reports.layers import PICTURE_SIDE, PlannedLayer, SequenceView, all_colours, as_hex, make_layers
+from moseg.workflows.reports.layers import (
+    PICTURE_SIDE,
+    PlannedLayer,
+    SequenceView,
+    all_colours,
+    as_hex,
+    make_layers,
+    merge_layers,
+)
+from moseg.workflows.reports.mask_archive import MaskArchiver
 from moseg.workflows.reports.missing import Missing, WhyAbsent, format_missing, name_absent
 from moseg.workflows.reports.object_layers import plan_moving_objects, plan_proposals, plan_tracks, reads_tracks
+from moseg.workflows.reports.timelines import make_timelines
 from moseg.workflows.reports.truth_layers import plan_errors, plan_truth
 from moseg.workflows.results.found_objects import found_refs, read_found_objects
+from moseg.workflows.results.mask_history import MaskHistory
 from moseg.workflows.results.shown_frames import scored_frames, spread
 
 CONSTANT_RATE_FACTOR = 28
 """Of x264: at the size of a report its loss is hardly visible, and ten seconds take some hundred kilobytes."""
 MAX_VIDEO_FRAMES = 900
 """Half a minute of a video at 30 frames per second; of longer ones every n-th frame is shown."""
+
+
+class _FollowedObjects(NamedTuple):
+    """The moving objects of a sequence: table, timelines and masks."""
+
+    rows: tuple[ObjectRow, ...] = ()
+    timelines: tuple[ObjectTimeline, ...] = ()
+    masks: MaskArchive | None = None
 
 
 def gather_pictures(
@@ -61,13 +81,16 @@ def gather_pictures(
     view = SequenceView(store, graph, config, frames)
     layers, absent = make_layers(store, _plan_layers(view, variants))
     missing += absent
+    objects = _follow_objects(view, variants[0], fps, missing)
     return SequencePanel(
         name=graph.leaves.name,
         num_frames=len(graph.leaves.frames),
         shape=tuple(graph.leaves.shape),
         frames=frames,
-        layers=layers,
-        objects=_list_objects(view, variants[0], fps, missing),
+        layers=merge_layers(layers),
+        objects=objects.rows,
+        timelines=objects.timelines,
+        masks=objects.masks,
         video=_encode_video(view, variants[0], fps, missing),
         missing=format_missing(missing, why_absent),
     )
@@ -87,6 +110,11 @@ def picture_refs(
     view = SequenceView(None, graph, config, spread(every, every if has_truth else num_frames))
     shown = (ref for layer in _plan_layers(view, variants) for ref in layer.refs)
     return tuple(dict.fromkeys((*shown, *leaves.frames, *graph.segmentations(variants[0]))))
+
+
+def video_frames(num_frames: int) -> range:
+    """Return the frames of a sequence that the video and the archive of masks hold, evenly spaced."""
+    return range(0, num_frames, math.ceil(num_frames / MAX_VIDEO_FRAMES))
 
 
 def _shown_frames(store: ArtifactStore, graph: SequenceGraph, num_frames: int) -> tuple[tuple[int, ...], list[Missing]]:
@@ -116,20 +144,30 @@ def _plan_layers(view: SequenceView, variants: Sequence[Variant]) -> list[Planne
     return layers
 
 
-def _list_objects(view: SequenceView, variant: Variant, fps: float, missing: list[Missing]) -> tuple[ObjectRow, ...]:
-    """List what moves in any frame of the sequence; add to `missing` where artifacts are absent."""
+def _follow_objects(view: SequenceView, variant: Variant, fps: float, missing: list[Missing]) -> _FollowedObjects:
+    """Follow what moves through all frames of the sequence; add to `missing` where artifacts are absent."""
     frames = range(len(view.graph.leaves.frames))
     refs = {*view.label_refs(variant, frames), *found_refs(view.graph, variant)}
     if absent := refs - view.store.present(refs):
         missing.append(name_absent("table of objects", absent))
-        return ()
+        return _FollowedObjects()
     found = read_found_objects(view.store, view.graph, variant)
-    labels = (view.labels(variant, frame) for frame in frames)
+    history, archiver = MaskHistory(), MaskArchiver()
+    archived = set(video_frames(len(frames)))
+
+    def read_labels() -> Iterator[np.ndarray]:
+        for frame in frames:
+            labels = view.labels(variant, frame)
+            history.add(labels)
+            if frame in archived:
+                archiver.add(frame, labels)
+            yield labels
+
     name = view.graph.leaves.name
     moves = _read_moves(view, variant)
-    summary = summarise_sequence(name, labels, fps, found.num_motions, found.motions, found.tags, moves=moves)
+    summary = summarise_sequence(name, read_labels(), fps, found.num_motions, found.motions, found.tags, moves=moves)
     colours = all_colours()
-    return tuple(
+    rows = tuple(
         ObjectRow(
             identity=each.identity,
             colour=as_hex(colours[each.identity]),
@@ -143,6 +181,8 @@ def _list_objects(view: SequenceView, variant: Variant, fps: float, missing: lis
         )
         for each in summary.objects
     )
+    timelines = make_timelines(view, variant, history, summary.objects)
+    return _FollowedObjects(rows, timelines, archiver.finish() if rows else None)
 
 
 def _read_moves(view: SequenceView, variant: Variant) -> Iterator[np.ndarray] | None:
@@ -160,8 +200,8 @@ def _count(runs: tuple[tuple[int, int], ...] | None) -> int | None:
 def _encode_video(view: SequenceView, variant: Variant, fps: float, missing: list[Missing]) -> Video | None:
     """Encode the overlay of a variant at `fps` frames of the sequence per second; add to `missing` what it lacks."""
     leaves = view.graph.leaves
-    step = math.ceil(len(leaves.frames) / MAX_VIDEO_FRAMES)
-    frames = range(0, len(leaves.frames), step)
+    frames = video_frames(len(leaves.frames))
+    step = frames.step
     refs = {*(leaves.frames[frame] for frame in frames), *view.label_refs(variant, frames)}
     if absent := refs - view.store.present(refs):
         missing.append(name_absent(f"video of {variant}", absent))

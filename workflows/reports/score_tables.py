@@ -58,10 +58,14 @@ def score_tables(dataset: str, over: GroundTruth, scores: Scores) -> tuple[Score
         tables.append(_measured(title, ("variant", *columns), rows, over))
         tables.extend(_paper_tables(dataset, over))
     for variant, by_name in groups.items():
-        rows = tuple((name, _cells(score, over)) for name, score in by_name.items())
-        rows += (("mean", _mean(list(by_name.values()), over)),)
-        tables.append(_measured(f"{named}, {variant}", ("sequence", *columns), rows, over))
+        tables.append(_measured(f"{named}, {variant}", ("sequence", *columns), _sequence_rows(by_name, over), over))
     return tuple(tables) if len(scores) > 1 else (*tables, *_paper_tables(dataset, over))
+
+
+def _sequence_rows(by_name: Mapping[str, AnyScore | None], over: GroundTruth) -> tuple:
+    """Return a row for each sequence, and their mean where there are several."""
+    rows = tuple((name, _cells(score, over)) for name, score in by_name.items())
+    return (*rows, ("mean", _mean(list(by_name.values()), over))) if len(rows) > 1 else rows
 
 
 def _measured(title: str, columns: tuple[str, ...], rows: tuple, over: GroundTruth) -> ScoreTable:

@@ -19,16 +19,20 @@ from moseg.workflows.reports.content import (
     LegendEntry,
     Matrix,
     ObjectRow,
+    ObjectTimeline,
     ParameterRow,
     Picture,
     ReportPage,
     ScoreTable,
     SequencePanel,
     StageRow,
+    Thumbnail,
     VariantPanel,
     Video,
 )
+from moseg.workflows.reports.mask_archive import MaskArchiver
 from moseg.workflows.reports.page import render_page
+from moseg.workflows.results.mask_history import ChangeKind, MaskChange
 
 WIDTH, HEIGHT = 64, 48
 FRAMES = (0, 4, 8, 12)
@@ -78,6 +82,26 @@ def _video(step: int) -> Video:
             container.mux(stream.encode(av.VideoFrame.from_ndarray(image, format="rgb24")))
         container.mux(stream.encode())
     return Video(buffer.getvalue(), WIDTH, HEIGHT, FPS / step, step)
+
+
+def _masks(step: int):
+    """Return masks whose left half is object 1."""
+    archiver = MaskArchiver()
+    for frame in range(0, NUM_FRAMES, step):
+        labels = np.zeros((HEIGHT, WIDTH), np.uint16)
+        labels[:, : WIDTH // 2] = 1
+        archiver.add(frame, labels)
+    return archiver.finish()
+
+
+def _timelines(name: str) -> tuple[ObjectTimeline, ...]:
+    thumbnails = (Thumbnail(2, _flat(200, 0, 0)), None, Thumbnail(10, _flat(0, 0, 200)))
+    changes = (MaskChange(6, ChangeKind.SHRINKS, 31, False), MaskChange(11, ChangeKind.SPLITS, 2, True))
+    areas = (5.0,) * 6 + (1.5,) * (NUM_FRAMES - 6)
+    return (
+        ObjectTimeline(f"1 {name}", "#e60000", areas, 1, changes, thumbnails, ((0, 4),)),
+        ObjectTimeline("2", "#00a000", (1.0,) * 4 + (0.0,) * (NUM_FRAMES - 4), 1),
+    )
 
 
 def _layers() -> tuple[Layer, ...]:
@@ -142,6 +166,8 @@ def _make_page(*names: str, video_step: int = 1) -> ReportPage:
                 objects=(ObjectRow(1, "#e60000", 1, 0, 12, 13, 6.42, name), ObjectRow(2, "#00a000", 0, 0, 3, 4, 0.5)),
                 variants=_variants(name),
                 video=_video(video_step),
+                timelines=_timelines(name),
+                masks=_masks(video_step),
             )
             for name in names
         ),

@@ -1,6 +1,11 @@
 """The report page in a browser: pictures, controls, and no other code or request."""
 
+import io
+import zipfile
+
+import numpy as np
 import pytest
+from PIL import Image
 
 from moseg.workflows.reports.page import render_page
 
@@ -65,17 +70,85 @@ def test_the_slider_changes_both_pictures_and_the_number(open_page):
     slider = page.locator(".frame-slider").first
     _shows(page, FRAMES[MIDDLE])
     assert _pixel(page, 0, 50) == [120, 120, 120]
-    slider.focus()
-    page.keyboard.press("ArrowRight")
+    slider.fill("12")
     _shows(page, 12)
     assert _pixel(page, 0, 50) == _pixel(page, 1, 50) == [160, 160, 160]
     slider.fill("0")
     _shows(page, 0)
     assert slider.get_attribute("aria-valuetext") == "frame 0"
-    page.get_by_role("button", name="next frame").first.click()
-    _shows(page, 4)
-    page.get_by_role("button", name="previous frame").first.click()
-    _shows(page, 0)
+    for name, frame in (("next frame", 1), ("next pictured frame", 4), ("previous frame", 3), ("next frame", 4)):
+        page.get_by_role("button", name=name, exact=True).first.click()
+        _shows(page, frame)
+    slider.focus()
+    page.keyboard.press("ArrowRight")
+    _shows(page, 5)
+
+
+def test_frames_without_pictures_show_the_video_beside_the_mask(open_page):
+    page = open_page()
+    for frame in (5, 11, 1):
+        page.locator(".frame-slider").first.fill(str(frame))
+        _shows(page, frame)
+        assert _pixel(page, 0, 50)[0] == pytest.approx(10 * frame, abs=5)
+        assert _pixel(page, 1, 10) == [128, 0, 0] and _pixel(page, 1, 50) == [0, 0, 0]
+    assert page.locator(".pane-caption").all_text_contents()[:2] == ["video", "mask"]
+
+
+def test_a_slider_says_which_frames_it_has(open_report, make_page):
+    def said(report):
+        page = open_report(report)
+        slider = page.locator(".frame-slider")
+        assert page.locator(f"#{slider.get_attribute('aria-describedby')}").is_visible()
+        return page.locator(".reach").text_content(), int(slider.get_attribute("max")) + 1
+
+    beside = "4 have pictures of all layers; the others show the video and the masks."
+    assert said(make_page("dog")) == (f"The slider has every frame. {beside}", 13)
+    # Every second of 13 frames, which include the pictured ones.
+    assert said(make_page("dog", video_step=2)) == (f"The slider has 7 of 13 frames and skips 6. {beside}", 7)
+    report = make_page("dog")
+    bare = report.sequences[0]._replace(video=None, masks=None)
+    assert said(report._replace(sequences=(bare,))) == ("The slider has 4 of 13 frames and skips 9.", 4)
+
+
+def test_timelines_lead_to_the_frames_where_a_mask_changes(open_page):
+    page = open_page()
+    first = page.locator(".timeline").first
+    assert first.locator(".change-jump").all_text_contents() == [
+        "6 shrinks to 31 %",
+        "11 splits into 2 parts, at the edge",
+    ]
+    first.get_by_role("button", name="splits into 2 parts").focus()
+    page.keyboard.press("Enter")
+    _shows(page, 11)
+    assert first.locator(".change-jump[aria-current]").text_content().startswith("11")
+    assert first.locator(".playhead").get_attribute("x1") == "11.5"
+    area = first.locator(".area")
+    area.click(position={"x": area.bounding_box()["width"] * 3.5 / 13, "y": 5})
+    _shows(page, 3)
+    thumbnails = first.locator("button.thumbnail")
+    assert [each.get_attribute("tabindex") for each in thumbnails.all()] == ["0", "-1"]
+    thumbnails.first.focus()
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Enter")
+    _shows(page, 10)
+
+
+def test_masks_are_downloaded_as_they_are(open_page, tmp_path):
+    page = open_page()
+    for number, name in (
+        (0, "dog_masks.zip"),
+        (1, "script_script_window.ran_1_script_img_src_x_onerror_window.ran_1_masks.zip"),
+    ):
+        page.locator("details.sequence").nth(number).scroll_into_view_if_needed()
+        page.locator("canvas[data-frame]").nth(2 * number).wait_for()
+        with page.expect_download() as download:
+            page.get_by_role("button", name="Download masks").nth(number).click()
+        assert download.value.suggested_filename == name
+    with zipfile.ZipFile(download.value.path()) as archive:
+        assert archive.namelist() == [f"{frame:05d}.png" for frame in range(13)]
+        assert archive.testzip() is None
+        mask = np.asarray(Image.open(io.BytesIO(archive.read("00003.png"))))
+    assert (mask[:, :32] == 1).all() and (mask[:, 32:] == 0).all()
 
 
 def test_playing_continues_until_it_is_paused(open_page):
@@ -104,7 +177,7 @@ def test_layers_are_chosen_for_each_picture(open_page, wait_until):
     page.get_by_label("optical flow in pane A").first.check()
     wait_until(page, "document.querySelector('.pane-caption').textContent === 'optical flow'")
     assert _pixel(page, 0, 10) == [0, 0, 200]
-    page.locator(".frame-slider").first.fill("3")
+    page.locator(".frame-slider").first.fill("12")
     _shows(page, 12)
     assert page.locator(".pane-caption").first.text_content() == "optical flow (none for this frame)"
     page.locator(".opacity-slider").first.fill("0")
@@ -117,7 +190,7 @@ def test_the_video_plays_in_the_browser_and_follows_the_slider(open_page, wait_u
     page = open_page()
     wait_until(page, "document.querySelector('video').readyState >= 2")
     assert page.evaluate("document.querySelector('video').duration") == pytest.approx(13 / 12, abs=0.05)
-    page.locator(".frame-slider").first.fill("3")
+    page.locator(".frame-slider").first.fill("12")
     wait_until(page, "Math.abs(document.querySelector('video').currentTime - 12.5 / 12) < 0.05")
     assert page.evaluate("document.querySelector('video').videoWidth") == 64
     assert page.evaluate("document.querySelector('video').muted")
@@ -130,8 +203,8 @@ def test_the_video_is_at_the_frame_of_the_slider_and_its_caption_names_its_frame
     page = open_report(make_page("dog", video_step=step))
     wait_until(page, "document.querySelector('video').readyState >= 2")
     assert page.locator(".video figcaption").text_content().startswith(caption)
-    for place, frame in reversed(list(enumerate(FRAMES))):
-        page.locator(".frame-slider").fill(str(place))
+    for frame in reversed(FRAMES):
+        page.locator(".frame-slider").fill(str(frame // step))
         _shows(page, frame)
         wait_until(page, f"({VIDEO_LEVEL})() !== null && Math.abs(({VIDEO_LEVEL})() - {10 * frame}) < 5")
 

@@ -185,6 +185,30 @@ def test_objects_are_those_of_all_frames(pictures, evaluated):
         assert row.motion > 0
 
 
+def test_timelines_and_masks_are_those_of_all_frames(pictures, evaluated):
+    store, graph = _open(evaluated)
+    labels = np.concatenate([store.read(ref, "labels") for ref in graph.segmentations(Variant.FUSED)])
+    assert {each.name.split(" ")[0] for each in pictures.timelines} == {str(row.identity) for row in pictures.objects}
+    for timeline in pictures.timelines:
+        share = 100 * (labels == int(timeline.name.split(" ")[0])).mean(axis=(1, 2))
+        assert timeline.step == 1 and timeline.areas == pytest.approx(share.tolist(), abs=1e-3)
+        for thumbnail in filter(None, timeline.thumbnails):
+            assert share[thumbnail.frame] > 0 and _decode(thumbnail.picture).shape == (72, 96, 3)
+        assert len(timeline.thumbnails) == 8
+    assert [frame for frame, _, _ in pictures.masks.places] == list(range(10))
+    for frame, start, size in pictures.masks.places:
+        mask = np.asarray(Image.open(io.BytesIO(pictures.masks.data[start : start + size])))
+        assert np.array_equal(mask, labels[frame])
+
+
+def test_timelines_without_frames_have_no_thumbnails(evaluated_copy):
+    store, graph = _open(evaluated_copy)
+    _drop(store, "frame")
+    pictures = gather_pictures(store, graph, CONFIG, FUSED, 2, fps=5.0)
+    assert len(pictures.timelines) == len(pictures.objects) > 0
+    assert {each.thumbnails for each in pictures.timelines} == {()}
+
+
 def _play(video):
     with av.open(io.BytesIO(video.data)) as container:
         stream = container.streams.video[0]
@@ -207,6 +231,7 @@ def test_a_large_and_long_video_is_reduced_to_even_sizes_and_every_nth_frame(eva
     assert [frame.shape for frame in _play(pictures.video)] == [(76, 102, 3)] * 4
     assert (pictures.video.height, pictures.video.width, pictures.video.fps) == (76, 102, 2.0)
     assert pictures.video.step == 3 and pictures.missing == ("The video shows one frame in 3 of 10.",)
+    assert [frame for frame, _, _ in pictures.masks.places] == [0, 3, 6, 9]
     assert _decode(_layer(pictures, "proposals").pictures[0]).shape == (76, 101, 4)
 
 

@@ -118,23 +118,33 @@ document.documentElement.classList.add("js");
     return element && JSON.parse(element.textContent);
   };
 
+  const bytesOf = (id) => Uint8Array.from(atob(dataOf(id)), (character) => character.charCodeAt(0));
+  const sliceOf = (bytes, [start, size]) => bytes.subarray(start, start + size);
+
   const start = (viewer) => {
     const number = viewer.dataset.sequence;
-    const { frames, fps, layers } = dataOf(`pictures-${number}`);
+    const { frames, pictured, fps, layers, archive, places } = dataOf(`pictures-${number}`);
+    const layerPlaces = new Map(pictured.map((frame, place) => [frame, place]));
+    const maskPlaces = new Map(places.map(([frame, start, size]) => [frame, [start, size]]));
     const panes = [...viewer.querySelectorAll(".pane")];
     const slider = viewer.querySelector(".frame-slider");
     const opacity = viewer.querySelector(".opacity-slider");
     const frameNumber = viewer.querySelector(".frame-number b");
     const playButton = viewer.querySelector("[data-play]");
     const video = viewer.querySelector("video");
+    const jumps = [...viewer.querySelectorAll(".timelines [data-frame]")];
+    const playheads = [...viewer.querySelectorAll(".playhead")];
+    let maskBytes = null;
     let isDrawing = false;
     let isStale = false;
     let timer = 0;
 
+    const masks = () => (maskBytes ??= bytesOf(`masks-${number}`));
+
     const chosen = (pane) =>
       [...viewer.querySelectorAll(`input[data-pane="${pane}"]:checked`)].map((input) => Number(input.value));
 
-    const drawPane = async (element, index, place) => {
+    const drawPane = async (element, index, place, frame) => {
       const shown = chosen(index);
       const isBase = (layer) => viewer.querySelector(`input[type="radio"][value="${layer}"]`) !== null;
       const pictures = await Promise.all(
@@ -159,9 +169,56 @@ document.documentElement.classList.add("js");
           context.globalAlpha = isBase(shown[at]) ? 1 : opacity.value / 100;
           context.drawImage(picture, 0, 0, canvas.width, canvas.height);
         });
-        canvas.dataset.frame = frames[place];
-        canvas.setAttribute("aria-label", `frame ${frames[place]}: ${names.join(", ") || "nothing"}`);
+        canvas.dataset.frame = frame;
+        canvas.setAttribute("aria-label", `frame ${frame}: ${names.join(", ") || "nothing"}`);
         element.querySelector(".pane-caption").textContent = names.join(" + ") || "nothing chosen";
+      };
+    };
+
+    // Resolves when the video shows a frame; false where there is no video or the browser cannot decode it.
+    const showInVideo = (frame) =>
+      new Promise((resolve) => {
+        if (!video || !fps || video.error) {
+          resolve(false);
+          return;
+        }
+        video.pause();
+        const seek = () => {
+          video.addEventListener("seeked", () => resolve(true), { once: true });
+          video.currentTime = Math.min((frame + 0.5) / fps, video.duration);
+        };
+        if (video.readyState >= 1) {
+          seek();
+          return;
+        }
+        video.addEventListener("loadedmetadata", seek, { once: true });
+        video.addEventListener("error", () => resolve(false), { once: true });
+      });
+
+    const paint = (element, source, width, height, caption, frame) => {
+      const canvas = element.querySelector("canvas");
+      if (source) [canvas.width, canvas.height] = [width, height];
+      const context = canvas.getContext("2d");
+      context.clearRect(0, 0, canvas.width, canvas.height);
+      if (source) context.drawImage(source, 0, 0, width, height);
+      canvas.dataset.frame = frame;
+      canvas.setAttribute("aria-label", `frame ${frame}: ${caption}`);
+      element.querySelector(".pane-caption").textContent = caption;
+    };
+
+    // A frame without pictures of layers: the video beside the mask.
+    const drawBetween = async (frame) => {
+      const [hasVideo, mask] = await Promise.all([
+        showInVideo(frame),
+        maskPlaces.has(frame) && createImageBitmap(new Blob([sliceOf(masks(), maskPlaces.get(frame))], { type: "image/png" })),
+      ]);
+      return () => {
+        const none = "(none for this frame)";
+        const [left, right] = panes;
+        if (hasVideo) paint(left, video, video.videoWidth, video.videoHeight, "video", frame);
+        else paint(left, null, 0, 0, `video ${none}`, frame);
+        if (mask) paint(right, mask, mask.width, mask.height, "mask", frame);
+        else paint(right, null, 0, 0, `mask ${none}`, frame);
       };
     };
 
@@ -170,9 +227,12 @@ document.documentElement.classList.add("js");
       isStale = isDrawing;
       if (isDrawing) return;
       isDrawing = true;
-      const place = Number(slider.value);
-      const paint = await Promise.all(panes.map((element, index) => drawPane(element, index, place)));
-      for (const paintPane of paint) paintPane();
+      const frame = frames[Number(slider.value)];
+      const place = layerPlaces.get(frame);
+      const painters = place === undefined
+        ? [await drawBetween(frame)]
+        : await Promise.all(panes.map((element, index) => drawPane(element, index, place, frame)));
+      for (const painter of painters) painter();
       isDrawing = false;
       if (isStale) draw();
     };
@@ -186,6 +246,14 @@ document.documentElement.classList.add("js");
       const frame = frames[Number(slider.value)];
       frameNumber.textContent = frame;
       slider.setAttribute("aria-valuetext", `frame ${frame}`);
+      for (const playhead of playheads) {
+        playhead.setAttribute("x1", frame + 0.5);
+        playhead.setAttribute("x2", frame + 0.5);
+      }
+      for (const jump of jumps) {
+        if (Number(jump.dataset.frame) === frame) jump.setAttribute("aria-current", "true");
+        else jump.removeAttribute("aria-current");
+      }
       draw();
       seekVideo();
     };
@@ -201,9 +269,30 @@ document.documentElement.classList.add("js");
       show();
     };
 
+    // The next place in a direction that has pictures, round the end.
+    const stepPictured = (by) => {
+      const count = frames.length;
+      let place = Number(slider.value);
+      do place = (place + by + count) % count;
+      while (!layerPlaces.has(frames[place]));
+      slider.value = place;
+      show();
+    };
+
+    // The slider's place nearest to a frame: a long sequence has places for every nth frame only.
+    const goTo = (frame) => {
+      play(false);
+      let nearest = 0;
+      frames.forEach((each, place) => {
+        if (Math.abs(each - frame) < Math.abs(frames[nearest] - frame)) nearest = place;
+      });
+      slider.value = nearest;
+      show();
+    };
+
     const play = (isPlaying) => {
       clearInterval(timer);
-      timer = isPlaying ? setInterval(step, PLAY_INTERVAL_MS, 1) : 0;
+      timer = isPlaying ? setInterval(stepPictured, PLAY_INTERVAL_MS, 1) : 0;
       playButton.setAttribute("aria-pressed", String(isPlaying));
       playButton.setAttribute("aria-label", isPlaying ? "pause" : "play");
     };
@@ -220,7 +309,43 @@ document.documentElement.classList.add("js");
         step(Number(button.dataset.step));
       });
     }
-    playButton.disabled = frames.length < 2;
+    for (const button of viewer.querySelectorAll("[data-pictured]")) {
+      button.addEventListener("click", () => {
+        play(false);
+        stepPictured(Number(button.dataset.pictured));
+      });
+    }
+    for (const jump of jumps) jump.addEventListener("click", () => goTo(Number(jump.dataset.frame)));
+    for (const area of viewer.querySelectorAll(".area")) {
+      area.addEventListener("click", (event) => {
+        const box = area.getBoundingClientRect();
+        goTo(Math.floor(((event.clientX - box.left) / box.width) * Number(area.dataset.frames)));
+      });
+    }
+    // The tab key stops once at each row of thumbnails; arrows move within it.
+    for (const row of viewer.querySelectorAll(".thumbnails")) {
+      const thumbnails = [...row.querySelectorAll("button")];
+      thumbnails.forEach((each, place) => {
+        each.tabIndex = place === 0 ? 0 : -1;
+      });
+      row.addEventListener("keydown", (event) => {
+        const at = thumbnails.indexOf(event.target);
+        const next = { ArrowRight: at + 1, ArrowLeft: at - 1, Home: 0, End: thumbnails.length - 1 }[event.key];
+        if (at < 0 || !thumbnails[next]) return;
+        event.preventDefault();
+        thumbnails[at].tabIndex = -1;
+        thumbnails[next].tabIndex = 0;
+        thumbnails[next].focus();
+      });
+    }
+    viewer.querySelector("[data-download]")?.addEventListener("click", () => {
+      const link = document.createElement("a");
+      link.href = URL.createObjectURL(new Blob([masks()], { type: "application/zip" }));
+      link.download = archive;
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+    });
+    playButton.disabled = pictured.length < 2;
     playButton.addEventListener("click", () => play(!timer));
     viewer.addEventListener("change", (event) => {
       if (!("pane" in event.target.dataset)) return;
@@ -229,9 +354,8 @@ document.documentElement.classList.add("js");
     });
 
     if (video) {
-      const bytes = Uint8Array.from(atob(dataOf(`video-${number}`)), (character) => character.charCodeAt(0));
       video.addEventListener("loadedmetadata", seekVideo, { once: true });
-      video.src = URL.createObjectURL(new Blob([bytes], { type: "video/mp4" }));
+      video.src = URL.createObjectURL(new Blob([bytesOf(`video-${number}`)], { type: "video/mp4" }));
     }
     markLayers();
     show();

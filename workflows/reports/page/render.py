@@ -10,9 +10,11 @@ import jinja2
 from moseg.workflows.reports.content import ReportPage, SequencePanel
 from moseg.workflows.reports.page.eigenvalue_plots import gather_plot
 from moseg.workflows.reports.page.heat_maps import colour_map_style, gather_heat_map
-from moseg.workflows.reports.page.numbers import duration
+from moseg.workflows.reports.page.numbers import byte_count, duration
+from moseg.workflows.reports.page.pairs import read_pair
 from moseg.workflows.reports.page.table_layout import lay_out_tables
-from moseg.workflows.reports.page.viewer import data_url, encode_base64, gather_viewer
+from moseg.workflows.reports.page.timeline_layout import lay_out_timelines
+from moseg.workflows.reports.page.viewer import data_url, describe_reach, encode_base64, gather_viewer
 
 
 def render_page(page: ReportPage) -> str:
@@ -52,7 +54,15 @@ def _template() -> jinja2.Template:
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters.update(
-        data_url=data_url, base64=encode_base64, duration=duration, heat_map=gather_heat_map, plot=gather_plot
+        data_url=data_url,
+        base64=encode_base64,
+        bytes=byte_count,
+        duration=duration,
+        heat_map=gather_heat_map,
+        plot=gather_plot,
+        tracks=lay_out_timelines,
+        reach=describe_reach,
+        pair=read_pair,
     )
     return environment.from_string(_read("page.html"))
 
