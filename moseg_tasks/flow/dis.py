@@ -23,22 +23,7 @@ _MIN_SIDE = 12
 def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> np.ndarray:
     """Estimate the flow that maps each pixel of `image0` to its position in `image1`.
 
-    Parameters
-    ----------
-    image0, image1 : uint8 (y, x, 3)
-        RGB frames of one size.
-    params : FlowParams
-        `preset` is the trade of speed for accuracy.
-
-    Returns
-    -------
-    flow : float32 (y, x, 2)
-        xy displacement, px/frame: that of `search_flow`, enlarged.
-
-    Raises
-    ------
-    InputError
-        As `search_flow`.
+    It is that of `search_flow`, whose parameters and errors it has, enlarged: float32 (y, x, 2), px/frame.
     """
     return enlarge_flow(search_flow(image0, image1, params), image0.shape[:2])
 
