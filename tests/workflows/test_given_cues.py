@@ -99,7 +99,7 @@ def segment(frames, moseg, tmp_path):
 
     def call(*options, store="store"):
         files = ("--store", tmp_path / store, "--out", tmp_path / "out", "--quiet")
-        ran = moseg("segment", frames, *options, *files, *SECTIONS)
+        ran = moseg("segment", frames, "--keep-cues", *options, *files, *SECTIONS)
         assert (ran.code, ran.err) == (0, "")
         return np.stack([np.asarray(Image.open(path)) for path in sorted((tmp_path / "out/masks").iterdir())]), ran.out
 

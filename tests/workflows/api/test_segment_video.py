@@ -169,7 +169,7 @@ BLACK = np.zeros((3, 20, 30, 3), np.uint8)
         (BLACK, {"batch": 0}, "in batch; got 0; expected 1 or more"),
         (BLACK, {"device": "gpu"}, "in device; got 'gpu'"),
         (BLACK, {"device": 0}, "in device; got 0"),
-        (BLACK, {"store": None}, "in store; got None .*; expected a path"),
+        (BLACK, {"store": 7}, "in store; got 7 .*; expected a path"),
         (BLACK, {"depth": 3}, "in depth; got 3 .*; expected a path or None"),
         (BLACK, {"offline": "yes"}, "in offline"),
         (BLACK, {"preset": 3}, "in preset; got 3"),
