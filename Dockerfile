@@ -20,7 +20,9 @@ COPY --from=build /opt/moseg /opt/moseg
 RUN useradd --uid 1000 --create-home moseg \
     && mkdir /work \
     && chmod 1777 /home/moseg /work
+# The store outlives the container, because it lies in the folder that is mounted.
 ENV HOME=/home/moseg \
+    MOSEG_STORE=/work/.moseg/store \
     PATH=/opt/moseg/bin:$PATH \
     PYTHONDONTWRITEBYTECODE=1 \
     PYTHONUNBUFFERED=1

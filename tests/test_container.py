@@ -50,6 +50,8 @@ def test_the_last_stage_runs_moseg_without_privileges():
     found = dict(run)
     assert found["USER"] == "1000:1000" and json.loads(found["ENTRYPOINT"]) == ["moseg"]
     assert [name for name, _ in run].index("USER") < [name for name, _ in run].index("ENTRYPOINT")
+    # The store lies in the mounted folder and outlives the container.
+    assert f"MOSEG_STORE={found['WORKDIR']}/" in found["ENV"]
     # Dask and Kubernetes give the whole command.
     assert "ENTRYPOINT" not in dict(stages["cluster"][1])
 

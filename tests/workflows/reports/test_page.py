@@ -94,6 +94,21 @@ def test_frames_without_pictures_show_the_video_beside_the_mask(open_page):
     assert page.locator(".pane-caption").all_text_contents()[:2] == ["video", "mask"]
 
 
+def test_where_the_browser_cannot_decode_the_video_the_mask_is_shown(open_report, make_page):
+    report = make_page("dog")
+    panel = report.sequences[0]
+    broken = panel._replace(video=panel.video._replace(data=b"no video"))
+    page = open_report(report._replace(sequences=(broken,)))
+    for frame in (5, 11):
+        page.locator(".frame-slider").fill(str(frame))
+        _shows(page, frame)
+        assert _pixel(page, 1, 10) == [128, 0, 0]
+    assert page.locator(".pane-caption").all_text_contents() == ["video (none for this frame)", "mask"]
+    page.locator(".frame-slider").fill("12")
+    _shows(page, 12)
+    assert _pixel(page, 0, 50) == [160, 160, 160]
+
+
 def test_a_slider_says_which_frames_it_has(open_report, make_page):
     def said(report):
         page = open_report(report)

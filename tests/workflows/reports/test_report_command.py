@@ -104,15 +104,17 @@ def test_tables_are_those_of_the_json(ablated, ablation):
     means, *tables = ablation.scores
     rows = json.loads((ablated / "ablation.json").read_text())["rows"]
     fields = ("P", "R", "F", "J", "boundary_F", "J_objects", "boundary_F_objects")
-    # Variants with the same scores share their rows.
-    shown = [tuple(name.split(", ")) for name, _ in means.rows]
-    assert sorted(name for names in shown for name in names) == sorted(row["variant"] for row in rows)
+    # Variants with the same figures have one row and one table.
+    by_variant = {variant: cells for name, cells in means.rows for variant in name.split(", ")}
+    tables = {variant: table for table in tables for variant in table.title.split(", ")[1:]}
+    assert set(by_variant) == set(tables) == {row["variant"] for row in rows}
+    assert len(set(by_variant.values())) == len(means.rows)
     for row in rows:
-        index = next(index for index, names in enumerate(shown) if row["variant"] in names)
-        table, mean = tables[index], tuple(row["mean"][field] for field in fields)
-        assert means.rows[index][1] == pytest.approx(mean)
-        assert _rows(table)["mean"] == pytest.approx(mean)
-        assert _rows(table)["squares"] == tuple(row["sequences"]["squares"][field] for field in fields)
+        mean = tuple(row["mean"][field] for field in fields)
+        assert by_variant[row["variant"]] == pytest.approx(mean)
+        # The mean of one sequence is that sequence.
+        squares = tuple(row["sequences"]["squares"][field] for field in fields)
+        assert _rows(tables[row["variant"]]) == {"squares": squares}
 
 
 def test_a_page_of_html_is_written_by_the_run_itself(ablated):
@@ -232,7 +234,7 @@ def test_what_was_collected_is_named_and_the_rest_is_shown(report, evaluated_cop
     (said,) = panel.missing
     assert "collected since the run" in said and "): residuals, trajs [fundamental_residual/" in said
     assert len(panel.matrices) == len(whole.sequences[0].variants[0].matrices) - 1
-    assert set(_rows(rest.scores[0])) == {"squares", "mean"}
+    assert set(_rows(rest.scores[0])) == {"squares"}
     assert all(value is None for values in _rows(rest.scores[0]).values() for value in values)
     assert any(note.startswith("1 of 1 scores are not in the store") for note in rest.notes)
     _drop(store, "linking", "clustering", "affinity", "flow_residual", "segmentation", "flow", "frame", "annotation")

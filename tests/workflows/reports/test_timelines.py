@@ -70,7 +70,7 @@ def test_one_pair_is_said_in_words():
     residuals = Matrix("residuals", values, ("background", "1"), "px²", "", True)
     assert read_pair(residuals) == (
         "background: 0.5 px² under its own model, 7 px² under the other's;"
-        " 1: no value under its own model, 9 px² under the other's"
+        " object 1: no value under its own model, 9 px² under the other's"
     )
     assert read_pair(Matrix("affinity", values, ("background", "1"))) == "9"
     assert read_pair(Matrix("affinity", values[:1, :1], ("background",))) == "nothing to compare"

@@ -183,16 +183,13 @@ document.documentElement.classList.add("js");
           return;
         }
         video.pause();
+        video.addEventListener("error", () => resolve(false), { once: true });
         const seek = () => {
           video.addEventListener("seeked", () => resolve(true), { once: true });
           video.currentTime = Math.min((frame + 0.5) / fps, video.duration);
         };
-        if (video.readyState >= 1) {
-          seek();
-          return;
-        }
-        video.addEventListener("loadedmetadata", seek, { once: true });
-        video.addEventListener("error", () => resolve(false), { once: true });
+        if (video.readyState >= 1) seek();
+        else video.addEventListener("loadedmetadata", seek, { once: true });
       });
 
     const paint = (element, source, width, height, caption, frame) => {

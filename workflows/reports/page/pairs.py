@@ -24,6 +24,6 @@ def read_pair(matrix: Matrix) -> str | None:
         return text(0, 1)
     # A residual: the row's model applied to the column's object.
     return "; ".join(
-        f"{labels[place]}: {text(place, place)} under its own model, {text(1 - place, place)} under the other's"
-        for place in (0, 1)
+        f"{name}: {text(place, place)} under its own model, {text(1 - place, place)} under the other's"
+        for place, name in enumerate((labels[0], f"object {labels[1]}"))
     )
