@@ -61,6 +61,19 @@ class Energy:
         codes = self._code.of_labelings(labelings) if self._code else np.zeros(len(labelings))
         return min(map(self._grouping, labelings, costs, codes), key=lambda grouping: grouping.energy)
 
+    def gradient(self, labels: np.ndarray) -> np.ndarray:
+        """Return the energy of each trajectory in each group of a labeling int (N,), 0 .. K - 1, to first order.
+
+        The difference of two groups is about the change of the energy if a trajectory alone moves from one to the
+        other: float64 (N, K).
+        """
+        params = self._params
+        slope = self._cost.of_trajectories(labels) / self._unit
+        slope += params.cut_weight * normalised_cut_gradient(self._kernel, labels)
+        if self._code:
+            slope += params.coding_weight * self._code.of_trajectories(labels)
+        return slope
+
     def cut(self, labels: np.ndarray) -> float:
         """Return the normalised cut of a labeling."""
         return normalised_cut(self._kernel, labels)
@@ -93,3 +106,15 @@ def normalised_cut(kernel: np.ndarray, labels: np.ndarray) -> float:
     degrees = kernel.sum(axis=1) @ members
     inside = np.einsum("nk,nk->k", members, kernel @ members)
     return float(np.sum(1.0 - np.divide(inside, degrees, out=np.zeros_like(inside), where=degrees > 0)))
+
+
+def normalised_cut_gradient(kernel: np.ndarray, labels: np.ndarray) -> np.ndarray:
+    """Return the derivatives of `normalised_cut` by the membership of each row in each group: float64 (N, K).
+
+    `labels` are 0 .. K - 1, each in use. A row counts as moving alone.
+    """
+    members = (labels[:, None] == np.arange(int(labels.max()) + 1)).astype(kernel.dtype)
+    shared, degree = kernel @ members, kernel.sum(axis=1)
+    inside, total = np.einsum("nk,nk->k", members, shared), degree @ members
+    slope = inside * degree[:, None] - 2 * shared * total
+    return np.divide(slope, total**2, out=np.zeros(slope.shape), where=total > 0).astype(np.float64)

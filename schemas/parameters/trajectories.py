@@ -165,6 +165,12 @@ class TrajectoryClusteringParams(Frozen):
     num_starts: Annotated[int, Unit.COUNT] = Field(
         3, ge=1, description="k-means runs, of which the one of smallest inertia is used"
     )
+    num_refinements: Annotated[int, Unit.COUNT] = Field(
+        8,
+        ge=0,
+        description="largest number of moves of pieces, and of rounds of moves of trajectories, by which the best"
+        " grouping is refined; 0 leaves it as it is",
+    )
     separate: bool = Field(True, description="unconnected objects are separate motions if the number is found")
     pieces: PieceParams = PieceParams()
     energy: EnergyParams = EnergyParams()
