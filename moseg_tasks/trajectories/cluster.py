@@ -123,13 +123,9 @@ def cluster_trajectories(
     if num_motions is None:
         tracks = MotionTracks(points, visible, np.arange(len(points)))
         chosen = _count(found, mean, lambda: embed(1).eigenvalues, tracks, params, rng)
-    # Added after the count: they are built to have low energy, which would favour too many motions.
-    merged = [merge_by_energy(each.pieces, energy, params.pieces.num_tried).get(chosen) for each in candidates]
-    found[chosen] += [energy.minimum([in_order(labels)]) for labels in merged if labels is not None]
-    best = {count: min(groupings, key=lambda grouping: grouping.energy) for count, groupings in found.items()}
-    if candidates and params.num_refinements:
-        finest = [pieces for each in candidates for pieces in each.finest_pieces]
-        best[chosen] = refine_grouping(best[chosen], energy, finest, params.num_refinements, params.pieces.num_tried)
+    best = {count: min(drawn, key=lambda grouping: grouping.energy) for count, drawn in found.items()}
+    if candidates:
+        best[chosen] = _search(candidates, groupings[chosen], chosen, energy, params)
     motion, embedding = in_order(best[chosen].labels), embed(chosen)
     each = [best.get(count) for count in range(1, max_motions + 1)]
     terms = np.array([(found.cost, found.cut, found.code) if found else (np.nan,) * 3 for found in each]).T
@@ -145,6 +141,29 @@ def cluster_trajectories(
         codes=terms[2],
         num_motions=int(motion.max()) + 1,
     )
+
+
+def _search(
+    candidates: Sequence[Candidates],
+    groupings: Sequence[Sequence[np.ndarray]],
+    count: int,
+    energy: Energy,
+    params: TrajectoryClusteringParams,
+) -> Grouping:
+    """Return the grouping of lowest energy into `count` groups, from the groupings of each draw and refinements.
+
+    Only for the chosen number of motions: what is built to have low energy would favour too many of them.
+    """
+    merged = [merge_by_energy(each.pieces, energy, params.pieces.num_tried).get(count) for each in candidates]
+    labelings = [labels for drawn in groupings for labels in drawn]
+    labelings += [in_order(labels) for labels in merged if labels is not None]
+    ranked = energy.rank(list({labels.tobytes(): labels for labels in labelings}.values()))
+    pieces = [each for candidate in candidates for each in candidate.finest_pieces]
+    refined = [
+        refine_grouping(start, energy, pieces, params.num_refinements, params.pieces.num_tried)
+        for start in ranked[: params.num_refined]
+    ]
+    return min([ranked[0], *refined], key=lambda grouping: grouping.energy)
 
 
 def _clustered_kernels(by_view: Sequence[np.ndarray], method: str) -> np.ndarray:

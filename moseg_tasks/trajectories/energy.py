@@ -57,9 +57,13 @@ class Energy:
 
     def minimum(self, labelings: Sequence[np.ndarray]) -> Grouping:
         """Return the labeling of minimal energy, the first of equals."""
+        return self.rank(labelings)[0]
+
+    def rank(self, labelings: Sequence[np.ndarray]) -> list[Grouping]:
+        """Return the groupings of labelings in the order of their energy."""
         costs = self._cost.of_labelings(labelings) / self._unit
         codes = self._code.of_labelings(labelings) if self._code else np.zeros(len(labelings))
-        return min(map(self._grouping, labelings, costs, codes), key=lambda grouping: grouping.energy)
+        return sorted(map(self._grouping, labelings, costs, codes), key=lambda grouping: grouping.energy)
 
     def gradient(self, labels: np.ndarray) -> np.ndarray:
         """Return the energy of each trajectory in each group of a labeling int (N,), 0 .. K - 1, to first order.

@@ -82,7 +82,9 @@ class CandidateParams(Frozen):
     )
 
 
-_TWO_FRAMES = TrajectoryClusteringParams(energy=EnergyParams(coding_weight=0.0), num_refinements=0)
+_TWO_FRAMES = TrajectoryClusteringParams(
+    energy=EnergyParams(least_unit=0.15, cut_weight=0.85, coding_weight=0.0, motion_weight=0.01), num_refined=0
+)
 """Grouping without coding length and refinement, whose effects on the tracks of a video are not measured."""
 
 

@@ -112,16 +112,16 @@ class EnergyParams(Frozen):
         6, ge=1, description="rounds of reweighted least squares for each fundamental matrix"
     )
     least_unit: Annotated[float, Unit.RATIO] = Field(
-        0.15, gt=0, le=1, description="lower bound of the cost of a single motion, by which costs are divided"
+        0.2, gt=0, le=1, description="lower bound of the cost of a single motion, by which costs are divided"
     )
     cut_weight: Annotated[float, Unit.RATIO] = Field(
-        0.85, ge=0, description="weight of the normalised cut relative to the divided cost"
+        1.2, ge=0, description="weight of the normalised cut relative to the divided cost"
     )
     coding_weight: Annotated[float, Unit.RATIO] = Field(
-        2.0, ge=0, description="weight of the coding length relative to the divided cost; 0 leaves it out"
+        2.5, ge=0, description="weight of the coding length relative to the divided cost; 0 leaves it out"
     )
     motion_weight: Annotated[float, Unit.RATIO] = Field(
-        0.01, ge=0, description="penalty on each motion if their number is found"
+        0.02, ge=0, description="penalty on each motion if their number is found"
     )
     coding: CodingParams = CodingParams()
 
@@ -165,11 +165,13 @@ class TrajectoryClusteringParams(Frozen):
     num_starts: Annotated[int, Unit.COUNT] = Field(
         3, ge=1, description="k-means runs, of which the one of smallest inertia is used"
     )
+    num_refined: Annotated[int, Unit.COUNT] = Field(
+        4, ge=0, description="groupings of lowest energy that are refined; 0 leaves the best as it is"
+    )
     num_refinements: Annotated[int, Unit.COUNT] = Field(
         8,
-        ge=0,
-        description="largest number of moves of pieces, and of rounds of moves of trajectories, by which the best"
-        " grouping is refined; 0 leaves it as it is",
+        ge=1,
+        description="largest number of moves of pieces, and of rounds of moves of trajectories, of a refinement",
     )
     separate: bool = Field(True, description="unconnected objects are separate motions if the number is found")
     pieces: PieceParams = PieceParams()
