@@ -13,14 +13,16 @@ import cv2
 import numpy as np
 
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
-from moseg.schemas.parameters import EnergyParams, TrajectoryClusteringParams
+from moseg.schemas.parameters import EnergyParams, PieceParams, TrajectoryClusteringParams
 from moseg.workflows.datasets import open_dataset
 from moseg.workflows.engine.session import Session, open_session
 from moseg.workflows.graph import TrajectoryGraph
 from moseg.workflows.pipelines.leaves import ingest_trajectories
 
 BEFORE = TrajectoryClusteringParams(
-    energy=EnergyParams(least_unit=0.15, cut_weight=0.85, coding_weight=0.0, motion_weight=0.01), num_refined=0
+    energy=EnergyParams(least_unit=0.15, cut_weight=0.85, coding_weight=0.0, motion_weight=0.01),
+    pieces=PieceParams(merged="middle"),
+    num_refined=0,
 )
 COLOURS = ((178, 114, 0), (0, 159, 230), (115, 158, 0), (0, 94, 213), (167, 121, 204), (90, 90, 90))
 """BGR of the groups, after Okabe and Ito."""

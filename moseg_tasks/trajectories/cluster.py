@@ -154,7 +154,7 @@ def _search(
 
     Only for the chosen number of motions: what is built to have low energy would favour too many of them.
     """
-    merged = [merge_by_energy(each.pieces, energy, params.pieces.num_tried).get(count) for each in candidates]
+    merged = [merge_by_energy(each.merged_pieces, energy, params.pieces.num_tried).get(count) for each in candidates]
     labelings = [labels for drawn in groupings for labels in drawn]
     labelings += [in_order(labels) for labels in merged if labels is not None]
     ranked = energy.rank(list({labels.tobytes(): labels for labels in labelings}.values()))

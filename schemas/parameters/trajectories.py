@@ -62,6 +62,11 @@ class PieceParams(Frozen):
     num_tracks: Annotated[int, Unit.COUNT] = Field(
         12, ge=1, description="maximal number of trajectories of a piece for its median residual"
     )
+    merged: Literal["middle", "finest"] = Field(
+        "finest",
+        description="pieces that are merged by energy: of the middle number, from all views, or of the largest number,"
+        " from all views but the least general",
+    )
     num_tried: Annotated[int, Unit.COUNT] = Field(
         6, ge=1, description="pairs of groups tried at each step of merging by energy"
     )
