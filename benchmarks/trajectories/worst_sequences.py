@@ -26,7 +26,7 @@ BEFORE = TrajectoryClusteringParams(
 )
 COLOURS = ((178, 114, 0), (0, 159, 230), (115, 158, 0), (0, 94, 213), (167, 121, 204), (90, 90, 90))
 """BGR of the groups, after Okabe and Ito."""
-WIDTH, HEIGHT, MARGIN = 560, 320, 28
+WIDTH, HEIGHT, MARGIN = 400, 230, 26
 """Size of a panel, and its upper margin, px."""
 
 
@@ -122,7 +122,11 @@ def main() -> None:
     outcomes.sort(key=lambda outcome: -outcome.errors[0])
     for outcome in outcomes:
         print(f"{outcome.name:30s} before {outcome.errors[0]:5.1f}  after {outcome.errors[1]:5.1f}")
-    cv2.imwrite(arguments.out, np.vstack([draw_outcome(outcome) for outcome in outcomes[: arguments.count]]))
+    cv2.imwrite(
+        arguments.out,
+        np.vstack([draw_outcome(outcome) for outcome in outcomes[: arguments.count]]),
+        [cv2.IMWRITE_PNG_COMPRESSION, 9],
+    )
 
 
 if __name__ == "__main__":
