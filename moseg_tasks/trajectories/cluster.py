@@ -14,6 +14,7 @@ from moseg.tasks.clustering.spectral import embed_views
 from moseg.tasks.trajectories.candidates import Candidates, View, in_order
 from moseg.tasks.trajectories.energy import Energy, Grouping
 from moseg.tasks.trajectories.merging import merge_by_energy
+from moseg.tasks.trajectories.refinement import refine_grouping
 from moseg.tasks.trajectories.separation import separate_objects
 
 
@@ -30,8 +31,9 @@ class TrajectoryClustering(NamedTuple):
         Leading eigenvalues of each clustered kernel's normalised affinity, descending.
     objective : float64 (iterations,)
         Objective of co-regularisation after each round; for a single kernel the sum of its leading eigenvalues.
-    costs, cuts : float64 (K,)
-        Geometric cost and normalised cut of the best grouping into 1 .. K motions (`Grouping`), NaN if there is none.
+    costs, cuts, codes : float64 (K,)
+        Geometric cost, normalised cut and coding length of the best grouping into 1 .. K motions (`Grouping`), NaN if
+        there is none.
     num_motions : int
         Number of groups.
     """
@@ -42,6 +44,7 @@ class TrajectoryClustering(NamedTuple):
     objective: np.ndarray
     costs: np.ndarray
     cuts: np.ndarray
+    codes: np.ndarray
     num_motions: int
 
 
@@ -56,8 +59,8 @@ def cluster_trajectories(
     """Group trajectories by motion.
 
     ``energy`` makes groupings from every draw of hypotheses, by spectral clustering and by merging of pieces
-    (`Candidates`, `merge_by_energy`), and takes the one of minimal `Energy`. If the number of motions is not given, it
-    is the number whose `Candidates` have the smallest mean energy over the draws.
+    (`Candidates`, `merge_by_energy`), and refines the one of minimal `Energy` (`refine_grouping`). If the number of
+    motions is not given, it is the number whose `Candidates` have the smallest mean energy over the draws.
     ``sum``, ``product`` and ``coregularised`` are spectral clustering of the views' mean kernel, of their geometric
     mean and of all views, as published. `params.auto` names the other ways to find the number.
 
@@ -120,11 +123,12 @@ def cluster_trajectories(
     if num_motions is None:
         tracks = MotionTracks(points, visible, np.arange(len(points)))
         chosen = _count(found, mean, lambda: embed(1).eigenvalues, tracks, params, rng)
-    # Added after the count: they are built to have low energy, which would favour too many motions.
-    merged = [merge_by_energy(each.pieces, energy, params.pieces.num_tried).get(chosen) for each in candidates]
-    found[chosen] += [energy.minimum([in_order(labels)]) for labels in merged if labels is not None]
-    best = {count: min(groupings, key=lambda grouping: grouping.energy) for count, groupings in found.items()}
-    motion, embedding = best[chosen].labels, embed(chosen)
+    best = {count: min(drawn, key=lambda grouping: grouping.energy) for count, drawn in found.items()}
+    if candidates:
+        best[chosen] = _search(candidates, groupings[chosen], chosen, energy, params)
+    motion, embedding = in_order(best[chosen].labels), embed(chosen)
+    each = [best.get(count) for count in range(1, max_motions + 1)]
+    terms = np.array([(found.cost, found.cut, found.code) if found else (np.nan,) * 3 for found in each]).T
     if num_motions is None and params.separate:
         motion = in_order(separate_objects(points, visible, motion, params.separation))
     return TrajectoryClustering(
@@ -132,10 +136,34 @@ def cluster_trajectories(
         embedding=embedding.coordinates,
         eigenvalues=embedding.eigenvalues,
         objective=embedding.objective,
-        costs=np.array([best[count].cost if count in best else np.nan for count in range(1, max_motions + 1)]),
-        cuts=np.array([best[count].cut if count in best else np.nan for count in range(1, max_motions + 1)]),
+        costs=terms[0],
+        cuts=terms[1],
+        codes=terms[2],
         num_motions=int(motion.max()) + 1,
     )
+
+
+def _search(
+    candidates: Sequence[Candidates],
+    groupings: Sequence[Sequence[np.ndarray]],
+    count: int,
+    energy: Energy,
+    params: TrajectoryClusteringParams,
+) -> Grouping:
+    """Return the grouping of lowest energy into `count` groups, from the groupings of each draw and refinements.
+
+    Only for the chosen number of motions: what is built to have low energy would favour too many of them.
+    """
+    merged = [merge_by_energy(each.merged_pieces, energy, params.pieces.num_tried).get(count) for each in candidates]
+    labelings = [labels for drawn in groupings for labels in drawn]
+    labelings += [in_order(labels) for labels in merged if labels is not None]
+    ranked = energy.rank(list({labels.tobytes(): labels for labels in labelings}.values()))
+    pieces = [each for candidate in candidates for each in candidate.finest_pieces]
+    refined = [
+        refine_grouping(start, energy, pieces, params.num_refinements, params.pieces.num_tried)
+        for start in ranked[: params.num_refined]
+    ]
+    return min([ranked[0], *refined], key=lambda grouping: grouping.energy)
 
 
 def _clustered_kernels(by_view: Sequence[np.ndarray], method: str) -> np.ndarray:

@@ -1,6 +1,6 @@
 """The geometric cost of a grouping of trajectories: residuals under one fundamental matrix per group."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -85,20 +85,40 @@ class EpipolarCost:
         totals = [sum(self._known[group.tobytes()] for group in labeling) for labeling in groups]
         return np.array(totals) / max(self._num_observations, 1)
 
+    def of_trajectories(self, labels: np.ndarray) -> np.ndarray:
+        """Return the cost of each trajectory in each group of a labeling int (N,) with labels 0 .. K - 1.
+
+        The fundamental matrices are those of the groups as they are; summed over the trajectories of each group, the
+        costs are about the mean cost of an observation. A group too small for a matrix costs nothing.
+
+        Returns
+        -------
+        float64 (N, K)
+        """
+        costs = np.zeros((len(labels), int(labels.max()) + 1))
+        groups = labels == np.arange(costs.shape[1])[:, None]
+        for fit, (_, matrices) in self._fit_groups(groups):
+            squared, _ = _squared_distances(fit.pair, matrices)
+            costs[np.ix_(fit.pair.seen, fit.groups)] += np.minimum(squared, 1.0).T
+        return costs / max(self._num_observations, 1)
+
     def _of_groups(self, groups: np.ndarray) -> np.ndarray:
         """Return the cost float64 (K,) of groups bool (K, N)."""
         costs = np.zeros(len(groups))
+        for fit, (min_costs, _) in self._fit_groups(groups):
+            costs[fit.groups] += min_costs
+        return costs
+
+    def _fit_groups(self, groups: np.ndarray) -> Iterator[tuple[_Fits, tuple[np.ndarray, np.ndarray]]]:
+        """Yield the fits of groups bool (K, N) to each pair, with their costs and matrices (`_fit_all`)."""
         fits: list[_Fits] = []
         for pair in self._pairs:
             members = groups[:, pair.seen].astype(np.float64)
             # A fundamental matrix fits up to seven points exactly.
             fitted = np.flatnonzero(members.sum(axis=1) >= SAMPLE_SIZE)
             fits.append(_Fits(pair, fitted, members[fitted]))
-        if not fits:
-            return costs
-        for fit, min_costs in zip(fits, _fit_all(fits, self._params.num_fits), strict=True):
-            costs[fit.groups] += min_costs
-        return costs
+        if fits:
+            yield from zip(fits, _fit_all(fits, self._params.num_fits), strict=True)
 
 
 def _prepare(points: np.ndarray, visible: np.ndarray, frame0: int, frame1: int, params: EnergyParams) -> _Pair | None:
@@ -117,26 +137,29 @@ def _prepare(points: np.ndarray, visible: np.ndarray, frame0: int, frame1: int, 
     return _Pair(seen, equations, products, gradient_monomials(points0, points1), thresholds)
 
 
-def _fit_all(fits: list[_Fits], num_iterations: int) -> list[np.ndarray]:
-    """Return the smallest cost of each group over the iterations, for each pair."""
+def _fit_all(fits: list[_Fits], num_iterations: int) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return the smallest cost of each group over the iterations and its last matrix (k, 3, 3), for each pair."""
     weights = [fit.members for fit in fits]
     min_costs = [np.full(len(fit.groups), np.inf) for fit in fits]
     bounds = np.cumsum([0, *(len(fit.groups) for fit in fits)])
     for left in reversed(range(num_iterations)):
         sums = [weight @ fit.pair.products for fit, weight in zip(fits, weights, strict=True)]
         matrices = _solve(np.concatenate(sums).reshape(-1, 9, 9))
-        coefficients = gradient_coefficients(matrices)
         far = 4.0 ** max(left - _LAST_ROUNDS, 0)
         for index, fit in enumerate(fits):
-            own, pair = slice(bounds[index], bounds[index + 1]), fit.pair
-            error = matrices[own].reshape(-1, 9) @ pair.equations.T
-            gradient = np.maximum(coefficients[own] @ pair.quadratics, _MIN_GRADIENT) * pair.thresholds**2
-            squared = error**2 / gradient
+            squared, gradient = _squared_distances(fit.pair, matrices[bounds[index] : bounds[index + 1]])
             costs = (np.minimum(squared, 1.0) * fit.members).sum(axis=1)
             min_costs[index] = np.minimum(min_costs[index], costs)
             # Weight of the Geman-McClure loss on the first-order geometric error.
             weights[index] = fit.members / (gradient * (1.0 + squared / far) ** 2)
-    return min_costs
+    return list(zip(min_costs, np.split(matrices, bounds[1:-1]), strict=True))
+
+
+def _squared_distances(pair: _Pair, matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return d² / tau² of all trajectories of a pair to matrices (k, 3, 3), and the squared gradients: (k, n) each."""
+    error = matrices.reshape(-1, 9) @ pair.equations.T
+    gradient = np.maximum(gradient_coefficients(matrices) @ pair.quadratics, _MIN_GRADIENT) * pair.thresholds**2
+    return error**2 / gradient, gradient
 
 
 def _solve(normal: np.ndarray) -> np.ndarray:

@@ -6,7 +6,12 @@ from pydantic import Field, field_validator
 
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.parameters.comma_separated import split_commas
-from moseg.schemas.parameters.trajectories import KernelParams, TrajectoryClusteringParams
+from moseg.schemas.parameters.trajectories import (
+    EnergyParams,
+    KernelParams,
+    PieceParams,
+    TrajectoryClusteringParams,
+)
 from moseg.schemas.units import Unit
 
 
@@ -82,6 +87,14 @@ class CandidateParams(Frozen):
     )
 
 
+_TWO_FRAMES = TrajectoryClusteringParams(
+    energy=EnergyParams(least_unit=0.15, cut_weight=0.85, coding_weight=0.0, motion_weight=0.01),
+    pieces=PieceParams(merged="middle"),
+    num_refined=0,
+)
+"""Grouping without coding length and refinement, whose effects on the tracks of a video are not measured."""
+
+
 class TrackGroupParams(Frozen):
     """Motion groups of a balanced sample of static tracks and of the candidates' tracks."""
 
@@ -108,7 +121,7 @@ class TrackGroupParams(Frozen):
         100, ge=1, description="minimal samples of each model in each pair of frames"
     )
     kernel: KernelParams = KernelParams()
-    clustering: TrajectoryClusteringParams = TrajectoryClusteringParams()
+    clustering: TrajectoryClusteringParams = _TWO_FRAMES
 
     _split_models = field_validator("models", mode="before")(split_commas)
 

@@ -62,6 +62,11 @@ class PieceParams(Frozen):
     num_tracks: Annotated[int, Unit.COUNT] = Field(
         12, ge=1, description="maximal number of trajectories of a piece for its median residual"
     )
+    merged: Literal["middle", "finest"] = Field(
+        "finest",
+        description="pieces that are merged by energy: of the middle number, from all views, or of the largest number,"
+        " from all views but the least general",
+    )
     num_tried: Annotated[int, Unit.COUNT] = Field(
         6, ge=1, description="pairs of groups tried at each step of merging by energy"
     )
@@ -79,8 +84,26 @@ class PieceParams(Frozen):
         return tuple(sorted(value))
 
 
+class CodingParams(Frozen):
+    """Coding length of the trajectories of a group over many frames."""
+
+    noise: Annotated[float, Unit.PIXELS] = Field(
+        1.0, gt=0, description="precision to which coordinates are described, px"
+    )
+    num_frames: Annotated[int, Unit.FRAMES] = Field(
+        8, ge=3, le=64, description="frames of a window that are read, evenly spaced"
+    )
+    min_frames: Annotated[int, Unit.FRAMES] = Field(5, ge=3, description="smallest length of a window")
+    min_tracks: Annotated[int, Unit.COUNT] = Field(
+        10, ge=1, description="trajectories that span a window, below which it is ignored"
+    )
+    num_rounds: Annotated[int, Unit.COUNT] = Field(
+        10, ge=0, description="rounds in which projective depths are estimated; 0 codes for an affine camera"
+    )
+
+
 class EnergyParams(Frozen):
-    """Energy of groupings: the cost of one fundamental matrix per group and pair of frames, and the cut."""
+    """Energy of groupings: fundamental matrices of groups, the cut, and the coding length over many frames."""
 
     gap: Annotated[int, Unit.FRAMES] = Field(3, ge=1, description="frames between the two frames of a pair")
     step: Annotated[int, Unit.COUNT] = Field(2, ge=1, description="spacing of the pairs that are read")
@@ -94,14 +117,18 @@ class EnergyParams(Frozen):
         6, ge=1, description="rounds of reweighted least squares for each fundamental matrix"
     )
     least_unit: Annotated[float, Unit.RATIO] = Field(
-        0.15, gt=0, le=1, description="lower bound of the cost of a single motion, by which costs are divided"
+        0.2, gt=0, le=1, description="lower bound of the cost of a single motion, by which costs are divided"
     )
     cut_weight: Annotated[float, Unit.RATIO] = Field(
-        0.85, ge=0, description="weight of the normalised cut relative to the divided cost"
+        1.2, ge=0, description="weight of the normalised cut relative to the divided cost"
+    )
+    coding_weight: Annotated[float, Unit.RATIO] = Field(
+        2.5, ge=0, description="weight of the coding length relative to the divided cost; 0 leaves it out"
     )
     motion_weight: Annotated[float, Unit.RATIO] = Field(
-        0.01, ge=0, description="penalty on each motion if their number is found"
+        0.02, ge=0, description="penalty on each motion if their number is found"
     )
+    coding: CodingParams = CodingParams()
 
 
 class SeparationParams(Frozen):
@@ -142,6 +169,14 @@ class TrajectoryClusteringParams(Frozen):
     )
     num_starts: Annotated[int, Unit.COUNT] = Field(
         3, ge=1, description="k-means runs, of which the one of smallest inertia is used"
+    )
+    num_refined: Annotated[int, Unit.COUNT] = Field(
+        4, ge=0, description="groupings of lowest energy that are refined; 0 leaves the best as it is"
+    )
+    num_refinements: Annotated[int, Unit.COUNT] = Field(
+        8,
+        ge=1,
+        description="largest number of moves of pieces, and of rounds of moves of trajectories, of a refinement",
     )
     separate: bool = Field(True, description="unconnected objects are separate motions if the number is found")
     pieces: PieceParams = PieceParams()

@@ -25,7 +25,7 @@ def _run(params, inputs, rng):
     ]
     clustering_params = TrajectoryClusteringParams.of_recipe(params["clustering"])
     result = cluster_trajectories(draws, *points_of(inputs), params["num_motions"], clustering_params, rng)
-    arrays = ("motion", "embedding", "eigenvalues", "costs", "cuts")
+    arrays = ("motion", "embedding", "eigenvalues", "costs", "cuts", "codes")
     return Output(
         {name: getattr(result, name) for name in arrays},
         {"num_motions": int(result.num_motions), "objective": [float(value) for value in result.objective]},
@@ -56,14 +56,14 @@ def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) 
     if method != "coregularised":
         unread |= {"co_regularisation", "num_iterations", "tolerance"}
     if method != "energy":
-        unread.add("pieces")
+        unread |= {"pieces", "num_refined", "num_refinements"}
     read = params.model_copy(update={"method": method}).model_dump(mode="json", exclude=unread | {"count"})
     if counts:
         read["count"] = params.count.model_dump(mode="json", include=counts)
     return read
 
 
-MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=1, run=_run, params=_params)
+MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=2, run=_run, params=_params)
 
 STAGE = Stage(
     name="trajectory_clustering",
@@ -79,6 +79,7 @@ STAGE = Stage(
         "eigenvalues": layout("float64", "view eigenvalue"),
         "costs": layout("float64", "num_motions", "0..1, from one motion on"),
         "cuts": layout("float64", "num_motions", "from one motion on"),
+        "codes": layout("float64", "num_motions", "share of one motion's, from one motion on"),
     },
     tasks=(MOTION_GROUPS,),
 )

@@ -49,7 +49,8 @@ def clip(tmp_path):
     _put(store, recipes[1], {"labels": LABELS})
     graph = TrajectoryGraph(TrajectoryLeaves("clip", recipes[0].ref, recipes[1].ref, 2), CONFIG)
     ref = graph.clustering(FUSED)
-    arrays = {"embedding": np.zeros((5, 2)), "eigenvalues": np.zeros((1, 2)), "costs": np.zeros(2), "cuts": np.zeros(2)}
+    arrays = {"embedding": np.zeros((5, 2)), "eigenvalues": np.zeros((1, 2)), "costs": np.zeros(2)}
+    arrays |= {"cuts": np.zeros(2), "codes": np.zeros(2)}
     _put(store, graph.recipes[ref], {"motion": GROUPS, **arrays}, {"num_motions": 2, "objective": [0.0]})
     return store, graph
 
