@@ -11,11 +11,11 @@ import numpy as np
 from moseg.schemas.parameters import HypothesisParams, TrackGroupParams
 from moseg.tasks.point_models import POINT_MODELS
 from moseg.tasks.trajectories import (
+    HypothesisResiduals,
     View,
     cluster_trajectories,
     draw_hypotheses,
-    hypothesis_residuals,
-    trajectory_kernel,
+    trajectory_kernels,
 )
 
 
@@ -81,8 +81,8 @@ def _views(points: np.ndarray, visible: np.ndarray, params: TrackGroupParams, rn
     for name in (name for name in POINT_MODELS if name in params.models):
         model = POINT_MODELS[name]
         hypotheses = draw_hypotheses(points, visible, model, drawing, rng)
-        residuals = hypothesis_residuals(hypotheses, points, visible, model)
-        views.append(View(trajectory_kernel(residuals, params.kernel), residuals))
+        residuals = HypothesisResiduals(hypotheses, points, visible, model)
+        views.append(View(trajectory_kernels(residuals, 1, params.kernel)[0], residuals))
     return views
 
 

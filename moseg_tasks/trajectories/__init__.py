@@ -2,15 +2,16 @@
 
 from moseg.tasks.trajectories.candidates import View
 from moseg.tasks.trajectories.cluster import TrajectoryClustering, cluster_trajectories
-from moseg.tasks.trajectories.kernel import trajectory_kernel
-from moseg.tasks.trajectories.trajectory_hypotheses import Hypotheses, draw_hypotheses, hypothesis_residuals
+from moseg.tasks.trajectories.hypothesis_residuals import HypothesisResiduals
+from moseg.tasks.trajectories.kernel import trajectory_kernels
+from moseg.tasks.trajectories.trajectory_hypotheses import Hypotheses, draw_hypotheses
 
 __all__ = [
     "Hypotheses",
+    "HypothesisResiduals",
     "TrajectoryClustering",
     "View",
     "cluster_trajectories",
     "draw_hypotheses",
-    "hypothesis_residuals",
-    "trajectory_kernel",
+    "trajectory_kernels",
 ]

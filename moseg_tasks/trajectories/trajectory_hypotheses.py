@@ -1,4 +1,4 @@
-"""Hypotheses of a point model from minimal samples of trajectories, and the residuals of all trajectories."""
+"""Hypotheses of a point model from minimal samples of trajectories."""
 
 from typing import NamedTuple
 
@@ -8,8 +8,6 @@ from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import HypothesisParams
 from moseg.tasks.geometry.ransac import draw_samples
 from moseg.tasks.point_models import Correspondences, PointModel
-
-_LARGEST = float(np.finfo(np.float16).max)
 
 
 class Hypotheses(NamedTuple):
@@ -67,28 +65,6 @@ def draw_hypotheses(
             expected=f"{model.sample_size} seen together in {model.num_frames} frames at gaps {gaps}",
         )
     return Hypotheses(np.stack(parameters), np.array(frames, dtype=np.int32))
-
-
-def hypothesis_residuals(
-    hypotheses: Hypotheses, points: np.ndarray, visible: np.ndarray, model: PointModel
-) -> np.ndarray:
-    """Return the distance of every trajectory to every hypothesis.
-
-    Returns
-    -------
-    residual : float16 (S, H, track)
-        px; NaN for trajectories not visible in all frames of a set. Only their order is used, for which eleven bits
-        are enough: they resolve relative differences of a thousandth.
-    """
-    num_sets, num_hypotheses = hypotheses.parameters.shape[:2]
-    residual = np.full((num_sets, num_hypotheses, len(points)), np.nan, np.float16)
-    for found, parameters, frames in zip(residual, hypotheses.parameters, hypotheses.frames, strict=True):
-        seen = np.flatnonzero(visible[:, frames].all(axis=1))
-        # Distances that overflow single precision count as the largest.
-        with np.errstate(over="ignore"):
-            squared = model.residual(parameters, Correspondences(points[seen][:, frames]), np.float32)
-        found[:, seen] = np.minimum(np.sqrt(squared), _LARGEST)
-    return residual
 
 
 def _frame_sets(num_frames: int, size: int, gaps: tuple[int, ...]) -> list[list[int]]:

@@ -19,10 +19,10 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "d69d5bc3028ca613",
-    "oc-depth": "e835632d15abd2a1",
-    "oc": "b34000ab630df31a",
-    "trajs": "698027635dfcb64a",
+    "fused": "95fe6940ac4b4a1f",
+    "oc-depth": "49dea9fe5359f17c",
+    "oc": "fbf8bfcaa96241e8",
+    "trajs": "746708c76a4f948d",
     "base": "9c1395d22e8f4510",
     "flow": "8978fb0e3d6f04db",
     "tracks": "40105c5dd1e527c5",

@@ -16,8 +16,8 @@ BEHIND_FLOW = {"flow", "flow_model", "flow_residual"} | GROUPS
 BEHIND_DEPTH = {"depth", "flow_model", "flow_residual"} | GROUPS
 BEHIND_TRACKS = {"tracks", "fundamental", "fundamental_residual"} | GROUPS
 GOLDEN = {
-    "paper": "d81935e073868e1c",
-    "modern": "d89e741e9df95786",
+    "paper": "597b4822d0422a9f",
+    "modern": "e173e826fba36f59",
 }
 
 

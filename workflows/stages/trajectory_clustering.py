@@ -1,30 +1,35 @@
 """Trajectory clustering: motion groups of a clip's trajectories from the kernels of one or several point models."""
 
-import numpy as np
+from collections.abc import Sequence
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import TrajectoryClusteringParams
 from moseg.schemas.parameters.clustering import COUNT_READS
-from moseg.workflows.stages.hypotheses import points_of
+from moseg.workflows.stages.hypotheses import points_of, read_hypotheses
+from moseg.workflows.stages.model_codes import model_params, point_model_of
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.trajectories import View, cluster_trajectories
+    from moseg.tasks.trajectories import HypothesisResiduals, View, cluster_trajectories
 
+    points, visible = points_of(inputs)
     kernels = [model.array("kernel") for model in inputs.all("kernels")]
     num_draws = len(kernels[0])
     residuals = [[None] * num_draws] * len(kernels)
-    if "residuals" in inputs:
-        residuals = [np.split(model.array("residual"), num_draws, axis=1) for model in inputs.all("residuals")]
+    if "hypotheses" in inputs:
+        residuals = [
+            HypothesisResiduals(read_hypotheses(drawn), points, visible, point_model_of(model)).draws(num_draws)
+            for drawn, model in zip(inputs.all("hypotheses"), params["models"], strict=True)
+        ]
     draws = [
         [View(kernel[draw], residual[draw]) for kernel, residual in zip(kernels, residuals, strict=True)]
         for draw in range(num_draws)
     ]
     clustering_params = TrajectoryClusteringParams.of_recipe(params["clustering"])
-    result = cluster_trajectories(draws, *points_of(inputs), params["num_motions"], clustering_params, rng)
+    result = cluster_trajectories(draws, points, visible, params["num_motions"], clustering_params, rng)
     arrays = ("motion", "embedding", "eigenvalues", "costs", "cuts")
     return Output(
         {name: getattr(result, name) for name in arrays},
@@ -37,11 +42,12 @@ def clustering_method(config: PipelineConfig, num_views: int) -> str:
     return config.trajectory_clustering.method if num_views > 1 else "sum"
 
 
-def _params(config: PipelineConfig, num_views: int, num_motions: int | None) -> dict:
-    """Return the parameters that a clustering of so many views reads; `num_motions` is None if it has to be found."""
-    method = clustering_method(config, num_views)
+def _params(config: PipelineConfig, models: Sequence[str], num_motions: int | None) -> dict:
+    """Return the parameters that a clustering of these models reads; `num_motions` is None if it has to be found."""
+    method = clustering_method(config, len(models))
     read = read_params(config.trajectory_clustering, method, is_auto=num_motions is None)
-    return {"num_motions": num_motions, "clustering": read}
+    read_models = {"models": [model_params("point", model) for model in models]} if method == "energy" else {}
+    return {"num_motions": num_motions, "clustering": read, **read_models}
 
 
 def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) -> dict:
@@ -63,7 +69,7 @@ def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) 
     return read
 
 
-MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=1, run=_run, params=_params)
+MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=2, run=_run, params=_params)
 
 STAGE = Stage(
     name="trajectory_clustering",
@@ -71,7 +77,7 @@ STAGE = Stage(
     inputs={
         "kernels": "affinity under every point model",
         "trajectories": "points of the clip",
-        "residuals": "residuals under every point model, for clustering by energy",
+        "hypotheses": "of every point model, for clustering by energy",
     },
     arrays={
         "motion": layout("uint16", "track", "motion group"),
