@@ -4,6 +4,7 @@ from moseg.tasks.trajectories.candidates import View
 from moseg.tasks.trajectories.cluster import TrajectoryClustering, cluster_trajectories
 from moseg.tasks.trajectories.hypothesis_residuals import HypothesisResiduals
 from moseg.tasks.trajectories.kernel import trajectory_kernels
+from moseg.tasks.trajectories.landmarks import assign_motions, choose_landmarks
 from moseg.tasks.trajectories.trajectory_hypotheses import Hypotheses, draw_hypotheses
 
 __all__ = [
@@ -11,6 +12,8 @@ __all__ = [
     "HypothesisResiduals",
     "TrajectoryClustering",
     "View",
+    "assign_motions",
+    "choose_landmarks",
     "cluster_trajectories",
     "draw_hypotheses",
     "trajectory_kernels",

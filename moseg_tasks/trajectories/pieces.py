@@ -3,7 +3,7 @@
 from functools import lru_cache
 
 import numpy as np
-from scipy.cluster.hierarchy import cut_tree, linkage
+from scipy.cluster.hierarchy import linkage
 from scipy.spatial.distance import squareform
 
 from moseg.schemas.parameters import PieceParams
@@ -54,7 +54,10 @@ def link_pieces(affinity: np.ndarray) -> np.ndarray:
         return np.zeros((1, 1), dtype=np.int64)
     distance = 1.0 - (affinity + affinity.T) / 2
     np.fill_diagonal(distance, 0.0)
-    return cut_tree(linkage(squareform(distance, checks=False), "average")).T[::-1]
+    groups = [np.arange(len(affinity))]
+    for index, pair in enumerate(linkage(squareform(distance, checks=False), "average")[:, :2]):
+        groups.append(np.where(np.isin(groups[-1], pair), len(affinity) + index, groups[-1]))
+    return np.stack([np.unique(labels, return_inverse=True)[1] for labels in reversed(groups)])
 
 
 def _members(pieces: np.ndarray, max_tracks: int) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Hypotheses of a point model from minimal samples of trajectories."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -31,7 +32,9 @@ def draw_hypotheses(
     """Fit a model to minimal samples of the trajectories seen in all frames of each set.
 
     A set is `model.num_frames` frames at equal distance, one for each first frame and each of `params.gaps`; sets that
-    share fewer trajectories than a sample are ignored.
+    share fewer trajectories than a sample are ignored. In a long clip, every second, third, ... set is used, so that a
+    trajectory takes part in at most `params.max_sets` on average: time grows with the number of trajectories, not with
+    their length.
 
     Parameters
     ----------
@@ -40,7 +43,7 @@ def draw_hypotheses(
     visible : bool (track, frame)
     model : PointModel
     params : HypothesisParams
-        `num_hypotheses`, `num_draws` and `gaps` are read; the models of a draw are consecutive.
+        `num_hypotheses`, `num_draws`, `gaps` and `max_sets` are read; the models of a draw are consecutive.
     rng : numpy.random.Generator
 
     Raises
@@ -49,7 +52,7 @@ def draw_hypotheses(
         If no set of frames shares enough trajectories.
     """
     parameters, frames = [], []
-    for chosen in _frame_sets(points.shape[1], model.num_frames, params.gaps):
+    for chosen in _sampled_sets(visible, model.num_frames, params):
         seen = np.flatnonzero(visible[:, chosen].all(axis=1))
         if len(seen) < model.sample_size:
             continue
@@ -67,11 +70,16 @@ def draw_hypotheses(
     return Hypotheses(np.stack(parameters), np.array(frames, dtype=np.int32))
 
 
-def _frame_sets(num_frames: int, size: int, gaps: tuple[int, ...]) -> list[list[int]]:
-    """Return all sets of `size` frames at equal distance."""
-    return [
-        list(range(first, first + size * gap, gap)) for gap in gaps for first in range(num_frames - (size - 1) * gap)
+def _sampled_sets(visible: np.ndarray, size: int, params: HypothesisParams) -> list[list[int]]:
+    """Return sets of `size` frames at equal distance: all, or every n-th of each gap."""
+    num_frames = visible.shape[1]
+    by_gap = [
+        [list(range(first, first + size * gap, gap)) for first in range(num_frames - (size - 1) * gap)]
+        for gap in params.gaps
     ]
+    total = sum(np.count_nonzero(visible[:, chosen].all(axis=1)) for sets in by_gap for chosen in sets)
+    stride = max(1, math.ceil(total / max(len(visible), 1) / params.max_sets))
+    return [chosen for sets in by_gap for chosen in sets[::stride]]
 
 
 def _minimal_samples(num_points: int, size: int, num_samples: int, rng: np.random.Generator) -> np.ndarray:

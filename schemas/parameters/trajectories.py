@@ -24,6 +24,13 @@ class HypothesisParams(Frozen):
         (1,), description="frames between neighbouring frames of a pair or triple; all gaps are used"
     )
 
+    max_sets: Annotated[int, Unit.COUNT] = Field(
+        60,
+        ge=1,
+        description="pairs (or triples) of frames in which a trajectory takes part on average; if there are more, they"
+        " are spaced out evenly",
+    )
+
     _split_gaps = field_validator("gaps", mode="before")(split_commas)
 
     @field_validator("gaps")
@@ -44,6 +51,12 @@ class KernelParams(Frozen):
         10.0,
         ge=0,
         description="power of the affinities before a row's neighbours are selected by information; 0 keeps all",
+    )
+    max_tracks: Annotated[int, Unit.COUNT] = Field(
+        3000,
+        ge=1,
+        description="number of trajectories above which this many landmarks are clustered, and the others are assigned"
+        " to their groups",
     )
 
 

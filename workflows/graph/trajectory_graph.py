@@ -9,7 +9,6 @@ from moseg.schemas.recipes import Recipe
 from moseg.tasks.point_models import POINT_MODELS
 from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.trajectory_leaves import TrajectoryLeaves
-from moseg.workflows.stages.trajectory_clustering import clustering_method
 
 
 class TrajectoryGraph:
@@ -36,9 +35,11 @@ class TrajectoryGraph:
         models = sorted(self._config.point_models(variant), key=list(POINT_MODELS).index)
         motions = self._config.clustering.motions
         num_motions = self.leaves.num_motions if motions == "gt" else motions
-        inputs = {"kernels": tuple(self.kernel(model) for model in models), "trajectories": self.leaves.trajectories}
-        if clustering_method(self._config, len(models)) == "energy":
-            inputs["hypotheses"] = tuple(self.hypotheses(model) for model in models)
+        inputs = {
+            "kernels": tuple(map(self.kernel, models)),
+            "hypotheses": tuple(map(self.hypotheses, models)),
+            "trajectories": self.leaves.trajectories,
+        }
         found = None if num_motions == "auto" else num_motions
         return self._nodes.add("trajectory_clustering", inputs, models=models, num_motions=found)
 

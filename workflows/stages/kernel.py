@@ -10,10 +10,13 @@ from moseg.workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.trajectories import HypothesisResiduals, trajectory_kernels
+    from moseg.tasks.trajectories import HypothesisResiduals, choose_landmarks, trajectory_kernels
 
-    residuals = HypothesisResiduals(read_hypotheses(inputs["hypotheses"]), *points_of(inputs), point_model_of(params))
+    points, visible = points_of(inputs)
     kernel_params = KernelParams.of_recipe(params["kernel"])
+    tracks = choose_landmarks(points, visible, kernel_params.max_tracks)
+    hypotheses = read_hypotheses(inputs["hypotheses"])
+    residuals = HypothesisResiduals(hypotheses, points[tracks], visible[tracks], point_model_of(params))
     return Output({"kernel": trajectory_kernels(residuals, params["num_draws"], kernel_params)})
 
 
@@ -26,8 +29,8 @@ ORDERED_RESIDUALS = Task("kernel", "ordered-residuals", version=2, run=_run, par
 
 STAGE = Stage(
     name="kernel",
-    about="affinity of a clip's trajectories under one point model",
+    about="affinity of a clip's trajectories, or of landmarks among many, under one point model",
     inputs={"hypotheses": "of the model", "trajectories": "points of the clip"},
-    arrays={"kernel": layout("float32", "draw track track")},
+    arrays={"kernel": layout("float32", "draw landmark landmark")},
     tasks=(ORDERED_RESIDUALS,),
 )

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import TrajectoryClusteringParams
@@ -13,28 +15,39 @@ from moseg.workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.trajectories import HypothesisResiduals, View, cluster_trajectories
+    from moseg.tasks.trajectories import (
+        HypothesisResiduals,
+        View,
+        assign_motions,
+        choose_landmarks,
+        cluster_trajectories,
+    )
 
     points, visible = points_of(inputs)
+    hypotheses, models = map(read_hypotheses, inputs.all("hypotheses")), map(point_model_of, params["models"])
+    found = list(zip(hypotheses, models, strict=True))
     kernels = [model.array("kernel") for model in inputs.all("kernels")]
-    num_draws = len(kernels[0])
-    residuals = [[None] * num_draws] * len(kernels)
-    if "hypotheses" in inputs:
-        residuals = [
-            HypothesisResiduals(read_hypotheses(drawn), points, visible, point_model_of(model)).draws(num_draws)
-            for drawn, model in zip(inputs.all("hypotheses"), params["models"], strict=True)
-        ]
+    num_draws, num_landmarks = kernels[0].shape[:2]
+    tracks = choose_landmarks(points, visible, num_landmarks)
+    own = [
+        HypothesisResiduals(drawn, points[tracks], visible[tracks], model).draws(num_draws) for drawn, model in found
+    ]
     draws = [
-        [View(kernel[draw], residual[draw]) for kernel, residual in zip(kernels, residuals, strict=True)]
+        [View(kernel[draw], residual[draw]) for kernel, residual in zip(kernels, own, strict=True)]
         for draw in range(num_draws)
     ]
     clustering_params = TrajectoryClusteringParams.of_recipe(params["clustering"])
-    result = cluster_trajectories(draws, points, visible, params["num_motions"], clustering_params, rng)
-    arrays = ("motion", "embedding", "eigenvalues", "costs", "cuts")
-    return Output(
-        {name: getattr(result, name) for name in arrays},
-        {"num_motions": int(result.num_motions), "objective": [float(value) for value in result.objective]},
-    )
+    result = cluster_trajectories(draws, points[tracks], visible[tracks], params["num_motions"], clustering_params, rng)
+    motion = result.motion
+    if len(tracks) < len(points):
+        everything = [HypothesisResiduals(drawn, points, visible, model) for drawn, model in found]
+        motion = assign_motions(tracks, motion, everything, params["window"]).astype(np.uint16)
+    arrays = {name: getattr(result, name) for name in ("embedding", "eigenvalues", "costs", "cuts")}
+    attributes = {
+        "num_motions": int(result.num_motions),
+        "objective": [float(value) for value in result.objective],
+    }
+    return Output({"motion": motion, **arrays}, attributes)
 
 
 def clustering_method(config: PipelineConfig, num_views: int) -> str:
@@ -46,8 +59,8 @@ def _params(config: PipelineConfig, models: Sequence[str], num_motions: int | No
     """Return the parameters that a clustering of these models reads; `num_motions` is None if it has to be found."""
     method = clustering_method(config, len(models))
     read = read_params(config.trajectory_clustering, method, is_auto=num_motions is None)
-    read_models = {"models": [model_params("point", model) for model in models]} if method == "energy" else {}
-    return {"num_motions": num_motions, "clustering": read, **read_models}
+    codes = [model_params("point", model) for model in models]
+    return {"num_motions": num_motions, "clustering": read, "models": codes, "window": config.kernel.window}
 
 
 def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) -> dict:
@@ -77,11 +90,11 @@ STAGE = Stage(
     inputs={
         "kernels": "affinity under every point model",
         "trajectories": "points of the clip",
-        "hypotheses": "of every point model, for clustering by energy",
+        "hypotheses": "of every point model",
     },
     arrays={
         "motion": layout("uint16", "track", "motion group"),
-        "embedding": layout("float64", "track coordinate"),
+        "embedding": layout("float64", "landmark coordinate"),
         "eigenvalues": layout("float64", "view eigenvalue"),
         "costs": layout("float64", "num_motions", "0..1, from one motion on"),
         "cuts": layout("float64", "num_motions", "from one motion on"),

@@ -92,6 +92,18 @@ def test_every_gap_has_its_pairs():
     assert found.frames.tolist() == [[0, 1], [1, 2], [2, 3], [3, 4], [0, 3], [1, 4]]
 
 
+def test_sets_of_a_long_clip_are_spaced_out():
+    visible = np.ones((20, 101), bool)
+    points = np.random.default_rng(0).uniform(0, 500, (20, 101, 2))
+    params = HypothesisParams(num_hypotheses=5, num_draws=1, max_sets=20)
+    found = draw_hypotheses(points, visible, POINT_MODELS["affine"], params, np.random.default_rng(0))
+    assert found.frames[:, 0].tolist() == list(range(0, 100, 5)) and (np.diff(found.frames) == 1).all()
+    # Short trajectories keep all their sets.
+    visible = np.arange(101) // 20 == np.arange(20)[:, None] // 4
+    found = draw_hypotheses(points, visible, POINT_MODELS["affine"], params, np.random.default_rng(0))
+    assert len(found.frames) == 5 * 19
+
+
 def test_only_the_generator_changes_the_samples():
     assert np.array_equal(_all(_residuals("affine", seed=1)[1]), _all(_residuals("affine", seed=1)[1]))
     assert not np.array_equal(_all(_residuals("affine", seed=1)[1]), _all(_residuals("affine", seed=2)[1]))

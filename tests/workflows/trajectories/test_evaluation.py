@@ -168,6 +168,15 @@ def test_the_objective_never_falls(evaluate, tmp_path):
         assert objective and all(np.diff(objective) >= -1e-9)
 
 
+def test_landmarks_are_clustered_and_the_others_follow(evaluate, tmp_path):
+    report, _ = evaluate("--motions", "gt", "--set", "kernel.max_tracks=40")
+    for score in report["rows"][0]["sequences"].values():
+        assert score["error"] <= 10 and score["num_motions"] == 2
+    store = open_store(str(tmp_path / "store"))
+    assert {store.manifest(ref).array("kernel").shape for ref in store.refs("kernel")} == {(2, 40, 40)}
+    assert {store.manifest(ref).array("motion").shape for ref in store.refs("trajectory_clustering")} == {(65,)}
+
+
 def test_a_gap_longer_than_the_clip_is_bad_input(moseg, clips, tmp_path):
     options = ("--set", "hypotheses.gaps=50", "--quiet", "--store", tmp_path / "store")
     ran = moseg("eval", "--dataset", "kt3dmoseg", "--root", clips, *options)
