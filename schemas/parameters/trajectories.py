@@ -128,6 +128,21 @@ class SeparationParams(Frozen):
     )
 
 
+class OutlierParams(Frozen):
+    """Trajectories that follow no motion: they are not clustered, but join the most similar group afterwards."""
+
+    num_neighbours: Annotated[int, Unit.COUNT] = Field(
+        5, ge=1, description="number of trajectories of largest affinity whose mean affinity is compared"
+    )
+    min_affinity: Annotated[float, Unit.SHARE] = Field(
+        0.5,
+        ge=0,
+        le=1,
+        description="share of the upper quartile of this mean over all trajectories, below which one is an outlier;"
+        " 0 keeps all",
+    )
+
+
 class TrajectoryClusteringParams(Frozen):
     """Clustering of trajectories by the kernels of one or several models; ``clustering.motions`` is the number."""
 
@@ -160,3 +175,4 @@ class TrajectoryClusteringParams(Frozen):
     pieces: PieceParams = PieceParams()
     energy: EnergyParams = EnergyParams()
     separation: SeparationParams = SeparationParams()
+    outliers: OutlierParams = OutlierParams()

@@ -2,8 +2,6 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import TrajectoryClusteringParams
@@ -15,39 +13,25 @@ from moseg.workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.trajectories import (
-        HypothesisResiduals,
-        View,
-        assign_motions,
-        choose_landmarks,
-        cluster_trajectories,
-    )
+    from moseg.tasks.trajectories import ModelKernels, group_trajectories
 
-    points, visible = points_of(inputs)
-    hypotheses, models = map(read_hypotheses, inputs.all("hypotheses")), map(point_model_of, params["models"])
-    found = list(zip(hypotheses, models, strict=True))
-    kernels = [model.array("kernel") for model in inputs.all("kernels")]
-    num_draws, num_landmarks = kernels[0].shape[:2]
-    tracks = choose_landmarks(points, visible, num_landmarks)
-    own = [
-        HypothesisResiduals(drawn, points[tracks], visible[tracks], model).draws(num_draws) for drawn, model in found
-    ]
-    draws = [
-        [View(kernel[draw], residual[draw]) for kernel, residual in zip(kernels, own, strict=True)]
-        for draw in range(num_draws)
+    views = [
+        ModelKernels(point_model_of(model), read_hypotheses(drawn), affinity.array("kernel"))
+        for model, drawn, affinity in zip(
+            params["models"], inputs.all("hypotheses"), inputs.all("kernels"), strict=True
+        )
     ]
     clustering_params = TrajectoryClusteringParams.of_recipe(params["clustering"])
-    result = cluster_trajectories(draws, points[tracks], visible[tracks], params["num_motions"], clustering_params, rng)
-    motion = result.motion
-    if len(tracks) < len(points):
-        everything = [HypothesisResiduals(drawn, points, visible, model) for drawn, model in found]
-        motion = assign_motions(tracks, motion, everything, params["window"]).astype(np.uint16)
-    arrays = {name: getattr(result, name) for name in ("embedding", "eigenvalues", "costs", "cuts")}
+    found = group_trajectories(
+        *points_of(inputs), views, params["num_motions"], clustering_params, params["window"], rng
+    )
+    arrays = {name: getattr(found.clustering, name) for name in ("embedding", "eigenvalues", "costs", "cuts")}
     attributes = {
-        "num_motions": int(result.num_motions),
-        "objective": [float(value) for value in result.objective],
+        "num_motions": int(found.clustering.num_motions),
+        "num_outliers": found.num_outliers,
+        "objective": [float(value) for value in found.clustering.objective],
     }
-    return Output({"motion": motion, **arrays}, attributes)
+    return Output({"motion": found.motion, **arrays}, attributes)
 
 
 def clustering_method(config: PipelineConfig, num_views: int) -> str:
@@ -75,7 +59,7 @@ def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) 
     if method != "coregularised":
         unread |= {"co_regularisation", "num_iterations", "tolerance"}
     if method != "energy":
-        unread.add("pieces")
+        unread |= {"pieces", "outliers"}
     read = params.model_copy(update={"method": method}).model_dump(mode="json", exclude=unread | {"count"})
     if counts:
         read["count"] = params.count.model_dump(mode="json", include=counts)
