@@ -30,8 +30,9 @@ class TrajectoryClustering(NamedTuple):
         Leading eigenvalues of each clustered kernel's normalised affinity, descending.
     objective : float64 (iterations,)
         Objective of co-regularisation after each round; for a single kernel the sum of its leading eigenvalues.
-    costs, cuts : float64 (K,)
-        Geometric cost and normalised cut of the best grouping into 1 .. K motions (`Grouping`), NaN if there is none.
+    costs, cuts, codes : float64 (K,)
+        Geometric cost, normalised cut and coding length of the best grouping into 1 .. K motions (`Grouping`), NaN if
+        there is none.
     num_motions : int
         Number of groups.
     """
@@ -42,6 +43,7 @@ class TrajectoryClustering(NamedTuple):
     objective: np.ndarray
     costs: np.ndarray
     cuts: np.ndarray
+    codes: np.ndarray
     num_motions: int
 
 
@@ -125,6 +127,8 @@ def cluster_trajectories(
     found[chosen] += [energy.minimum([in_order(labels)]) for labels in merged if labels is not None]
     best = {count: min(groupings, key=lambda grouping: grouping.energy) for count, groupings in found.items()}
     motion, embedding = best[chosen].labels, embed(chosen)
+    each = [best.get(count) for count in range(1, max_motions + 1)]
+    terms = np.array([(found.cost, found.cut, found.code) if found else (np.nan,) * 3 for found in each]).T
     if num_motions is None and params.separate:
         motion = in_order(separate_objects(points, visible, motion, params.separation))
     return TrajectoryClustering(
@@ -132,8 +136,9 @@ def cluster_trajectories(
         embedding=embedding.coordinates,
         eigenvalues=embedding.eigenvalues,
         objective=embedding.objective,
-        costs=np.array([best[count].cost if count in best else np.nan for count in range(1, max_motions + 1)]),
-        cuts=np.array([best[count].cut if count in best else np.nan for count in range(1, max_motions + 1)]),
+        costs=terms[0],
+        cuts=terms[1],
+        codes=terms[2],
         num_motions=int(motion.max()) + 1,
     )
 

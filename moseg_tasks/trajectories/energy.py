@@ -1,4 +1,4 @@
-"""The energy of a grouping: residuals of its groups under rigid motions, and the affinity that it cuts."""
+"""The energy of a grouping: residuals and coding length of its groups, and the affinity that it cuts."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from moseg.schemas.parameters import EnergyParams
+from moseg.tasks.trajectories.coding_length import CodingLength
 from moseg.tasks.trajectories.epipolar_cost import EpipolarCost
 
 
@@ -17,17 +18,20 @@ class Grouping(NamedTuple):
     """Mean truncated cost of an observation, as a share of that under a single motion or of `least_unit`."""
     cut: float
     """Normalised cut, 0 .. number of groups."""
+    code: float
+    """Coding length over many frames, as a share of that of a single motion."""
     energy: float
-    """Weighted sum of cost, cut and number of motions."""
+    """Weighted sum of cost, cut, code and number of motions."""
 
 
 class Energy:
-    """``cost + cut_weight * cut + motion_weight * K`` of groupings of the same trajectories into K motions.
+    """``cost + cut_weight * cut + coding_weight * code + motion_weight * K`` of groupings into K motions.
 
-    Neither of the first two terms is sufficient. One fundamental matrix explains two movers of the same direction, or a
+    None of the first three terms is sufficient. One fundamental matrix explains two movers of the same direction, or a
     mover along the camera's path and the background, nearly as well as a single one: the cost alone would rather split
-    the background. The cut alone splits the background where few hypotheses span the image. The third term merges
-    motions if two explain the data only slightly better than one.
+    the background. The cut alone splits the background where few hypotheses span the image. Under a nearly affine
+    camera, one motion may explain any two frames; the code compares many frames, but only of the trajectories that span
+    them. The last term merges motions if two explain the data only slightly better than one.
 
     Parameters
     ----------
@@ -41,6 +45,7 @@ class Energy:
 
     def __init__(self, points: np.ndarray, visible: np.ndarray, kernel: np.ndarray, params: EnergyParams):
         self._cost = EpipolarCost(points, visible, params)
+        self._code = CodingLength(points, visible, params.coding) if params.coding_weight else None
         self._kernel = kernel
         self._params = params
         # Bounded below: if one motion explains the data well, a relative gain by a second one is not significant.
@@ -53,16 +58,17 @@ class Energy:
     def minimum(self, labelings: Sequence[np.ndarray]) -> Grouping:
         """Return the labeling of minimal energy, the first of equals."""
         costs = self._cost.of_labelings(labelings) / self._unit
-        return min(map(self._grouping, labelings, costs), key=lambda grouping: grouping.energy)
+        codes = self._code.of_labelings(labelings) if self._code else np.zeros(len(labelings))
+        return min(map(self._grouping, labelings, costs, codes), key=lambda grouping: grouping.energy)
 
     def cut(self, labels: np.ndarray) -> float:
         """Return the normalised cut of a labeling."""
         return normalised_cut(self._kernel, labels)
 
-    def _grouping(self, labels: np.ndarray, cost: float) -> Grouping:
-        cut, num_motions = self.cut(labels), len(np.unique(labels))
-        energy = float(cost) + self._params.cut_weight * cut + self._params.motion_weight * num_motions
-        return Grouping(labels, float(cost), cut, energy)
+    def _grouping(self, labels: np.ndarray, cost: float, code: float) -> Grouping:
+        params, cut, num_motions = self._params, self.cut(labels), len(np.unique(labels))
+        energy = float(cost) + params.cut_weight * cut + params.coding_weight * float(code)
+        return Grouping(labels, float(cost), cut, float(code), energy + params.motion_weight * num_motions)
 
 
 def normalised_cut(kernel: np.ndarray, labels: np.ndarray) -> float:

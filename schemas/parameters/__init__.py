@@ -48,6 +48,7 @@ from moseg.schemas.parameters.track_surfaces import TrackSurfaceParams
 from moseg.schemas.parameters.track_window import TrackWindowParams
 from moseg.schemas.parameters.tracks import TrackParams
 from moseg.schemas.parameters.trajectories import (
+    CodingParams,
     EnergyParams,
     HypothesisParams,
     KernelParams,
@@ -66,6 +67,7 @@ __all__ = [
     "CandidateParams",
     "ClipParams",
     "ClusteringParams",
+    "CodingParams",
     "ComponentParams",
     "DeaotParams",
     "DenseTrackParams",

@@ -6,7 +6,7 @@ from pydantic import Field, field_validator
 
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.parameters.comma_separated import split_commas
-from moseg.schemas.parameters.trajectories import KernelParams, TrajectoryClusteringParams
+from moseg.schemas.parameters.trajectories import EnergyParams, KernelParams, TrajectoryClusteringParams
 from moseg.schemas.units import Unit
 
 
@@ -82,6 +82,10 @@ class CandidateParams(Frozen):
     )
 
 
+_TWO_FRAMES = TrajectoryClusteringParams(energy=EnergyParams(coding_weight=0.0))
+"""Grouping without the coding length, whose effect on tracks of a video is not measured."""
+
+
 class TrackGroupParams(Frozen):
     """Motion groups of a balanced sample of static tracks and of the candidates' tracks."""
 
@@ -108,7 +112,7 @@ class TrackGroupParams(Frozen):
         100, ge=1, description="minimal samples of each model in each pair of frames"
     )
     kernel: KernelParams = KernelParams()
-    clustering: TrajectoryClusteringParams = TrajectoryClusteringParams()
+    clustering: TrajectoryClusteringParams = _TWO_FRAMES
 
     _split_models = field_validator("models", mode="before")(split_commas)
 

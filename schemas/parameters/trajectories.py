@@ -92,8 +92,26 @@ class PieceParams(Frozen):
         return tuple(sorted(value))
 
 
+class CodingParams(Frozen):
+    """Coding length of the trajectories of a group over many frames."""
+
+    noise: Annotated[float, Unit.PIXELS] = Field(
+        1.0, gt=0, description="precision to which coordinates are described, px"
+    )
+    num_frames: Annotated[int, Unit.FRAMES] = Field(
+        8, ge=3, le=64, description="frames of a window that are read, evenly spaced"
+    )
+    min_frames: Annotated[int, Unit.FRAMES] = Field(5, ge=3, description="smallest length of a window")
+    min_tracks: Annotated[int, Unit.COUNT] = Field(
+        10, ge=1, description="trajectories that span a window, below which it is ignored"
+    )
+    num_rounds: Annotated[int, Unit.COUNT] = Field(
+        10, ge=0, description="rounds in which projective depths are estimated; 0 codes for an affine camera"
+    )
+
+
 class EnergyParams(Frozen):
-    """Energy of groupings: the cost of one fundamental matrix per group and pair of frames, and the cut."""
+    """Energy of groupings: fundamental matrices of groups, the cut, and the coding length over many frames."""
 
     gap: Annotated[int, Unit.FRAMES] = Field(3, ge=1, description="frames between the two frames of a pair")
     step: Annotated[int, Unit.COUNT] = Field(2, ge=1, description="spacing of the pairs that are read")
@@ -112,9 +130,13 @@ class EnergyParams(Frozen):
     cut_weight: Annotated[float, Unit.RATIO] = Field(
         0.85, ge=0, description="weight of the normalised cut relative to the divided cost"
     )
+    coding_weight: Annotated[float, Unit.RATIO] = Field(
+        2.0, ge=0, description="weight of the coding length relative to the divided cost; 0 leaves it out"
+    )
     motion_weight: Annotated[float, Unit.RATIO] = Field(
         0.01, ge=0, description="penalty on each motion if their number is found"
     )
+    coding: CodingParams = CodingParams()
 
 
 class SeparationParams(Frozen):

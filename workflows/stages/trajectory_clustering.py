@@ -25,7 +25,7 @@ def _run(params, inputs, rng):
     found = group_trajectories(
         *points_of(inputs), views, params["num_motions"], clustering_params, params["window"], rng
     )
-    arrays = {name: getattr(found.clustering, name) for name in ("embedding", "eigenvalues", "costs", "cuts")}
+    arrays = {name: getattr(found.clustering, name) for name in ("embedding", "eigenvalues", "costs", "cuts", "codes")}
     attributes = {
         "num_motions": int(found.clustering.num_motions),
         "num_outliers": found.num_outliers,
@@ -82,6 +82,7 @@ STAGE = Stage(
         "eigenvalues": layout("float64", "view eigenvalue"),
         "costs": layout("float64", "num_motions", "0..1, from one motion on"),
         "cuts": layout("float64", "num_motions", "from one motion on"),
+        "codes": layout("float64", "num_motions", "share of one motion's, from one motion on"),
     },
     tasks=(MOTION_GROUPS,),
 )

@@ -35,6 +35,7 @@ def complete(monkeypatch, capsys):
         ("moseg segment a.mp4 --sens", ["--sensitivity"]),
         ("moseg eval --dataset kt3d", ["kt3dinsmoseg", "kt3dmoseg"]),
         ("moseg datasets show davis1", ["davis16"]),
+        ("moseg eval --dataset hop", ["hopkins155", "hopkins12"]),
         ("moseg eval --variant o", ["oc-depth", "oc"]),
         ("moseg segment a.mp4 --preset ", ["weights-free", "paper", "modern"]),
         ("moseg plan --quality b", ["best"]),

@@ -46,6 +46,14 @@ def test_trajectories_are_found_in_the_clip_or_beside_it_in_any_letter_case(clip
     assert pickle.loads(pickle.dumps(source)) == source
 
 
+def test_a_point_without_a_label_is_not_scored(clip):
+    fields = {"ySparse": np.ones((3, 4, 3)), "GtLabel": np.array([1, 0, 2, 0])}
+    savemat(clip / NAME, {"Data": fields})
+    found = open_clip(clip.parent).labelled_points.read()
+    assert found.visible.any(axis=1).tolist() == [True, False, True, False]
+    assert found.labels.tolist() == [0, 0, 2, 0]
+
+
 def test_points_keep_the_frames_own_size(clip):
     write_tracks(clip / NAME)
     assert open_clip(clip.parent, max_side=3).labelled_points.size == (4, 6)

@@ -14,6 +14,7 @@ from moseg.workflows.graph import TrajectoryGraph, TrajectoryLeaves
 from moseg.workflows.reports.clip_layers import (
     CLIP_SIDE,
     RIGHT_COLOUR,
+    UNLABELLED_COLOUR,
     WRONG_COLOUR,
     clip_extent,
     gather_clip_pictures,
@@ -48,7 +49,8 @@ def clip(tmp_path):
     _put(store, recipes[1], {"labels": LABELS})
     graph = TrajectoryGraph(TrajectoryLeaves("clip", recipes[0].ref, recipes[1].ref, 2), CONFIG)
     ref = graph.clustering(FUSED)
-    arrays = {"embedding": np.zeros((5, 2)), "eigenvalues": np.zeros((1, 2)), "costs": np.zeros(2), "cuts": np.zeros(2)}
+    arrays = {"embedding": np.zeros((5, 2)), "eigenvalues": np.zeros((1, 2)), "costs": np.zeros(2)}
+    arrays |= {"cuts": np.zeros(2), "codes": np.zeros(2)}
     _put(store, graph.recipes[ref], {"motion": GROUPS, **arrays}, {"num_motions": 2, "objective": [0.0]})
     return store, graph
 
@@ -111,6 +113,30 @@ def test_the_matching_is_the_one_that_is_scored():
         matched = match_groups(predicted, truth)
         wrong = [matched.get(group) != label for group, label in zip(predicted.tolist(), truth.tolist(), strict=True)]
         assert 100 * np.mean(wrong) == pytest.approx(clustering_error(predicted, truth))
+
+
+def test_trajectories_without_a_label_do_not_take_part_in_the_matching():
+    """Group 7 holds the most trajectories of label 1 only if those without a label do not count."""
+    truth, predicted = np.array([1, 1, 1, 2, 0, 0, 0]), np.array([7, 7, 8, 8, 8, 8, 9])
+    assert match_groups(predicted, truth) == {7: 1, 8: 2}
+
+
+def test_trajectories_without_a_label_have_a_colour_of_their_own(tmp_path, clip):
+    store, graph = clip
+    recipe = leaf_recipe("trajectory_labels", "4" * 64)
+    _put(store, recipe, {"labels": np.array([1, 1, 0, 2, 2], np.uint16)})
+    graph = TrajectoryGraph(graph.leaves._replace(labels=recipe.ref), CONFIG)
+    ref = graph.clustering(FUSED)
+    assert store.has(ref)
+    pictures = gather_clip_pictures(store, graph, CONFIG, (FUSED,), 4)
+    for name in ("ground truth", "errors (fused)"):
+        layer = _layer(pictures, name)
+        assert _colours_at_points(layer.pictures[-1])[2] == as_hex(UNLABELLED_COLOUR)
+        assert layer.legend[-1].meaning == "no label, not scored: 1 trajectory"
+    meanings = [entry.meaning for entry in _layer(pictures, "errors (fused)").legend]
+    assert meanings[:2] == ["right: 4 trajectories", "wrong: 0 trajectories"]
+    named = [entry.meaning for entry in _layer(pictures, "motions (fused)").legend]
+    assert named == ["motion 0, matched with label 2: 3 trajectories", "motion 5, matched with label 1: 2 trajectories"]
 
 
 def test_absent_artifacts_are_named(clip):

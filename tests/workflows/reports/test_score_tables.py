@@ -2,7 +2,7 @@
 
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.scores import SequenceScore, StillScore
-from moseg.schemas.trajectory_scores import TrajectoryMean, TrajectoryRow, TrajectoryScore
+from moseg.schemas.trajectory_scores import GroupMean, TrajectoryMean, TrajectoryRow, TrajectoryScore
 from moseg.workflows.reports.content import Better
 from moseg.workflows.reports.facts import parameter_rows
 from moseg.workflows.reports.published_scores import PAPER_ROWS, PUBLISHED_ERRORS
@@ -71,6 +71,30 @@ def test_tables_over_seeds_have_the_spread():
     fused, _ = clip_tables("kt3dmoseg", (_row("fused", spread=0.5),))
     assert fused.columns[-1] == "spread of error" and fused.rows[0] == ("clip", (12.5, 3, 2, 0.5))
     assert {len(values) for _, values in fused.rows} == {len(fused.better)} == {len(fused.decimals)} == {4}
+
+
+def _group(error, num_sequences):
+    figures = {"error": error, "median_error": error / 2, "num_motions_correct": 50.0}
+    return GroupMean(**figures, num_sequences=num_sequences, num_published=120)
+
+
+def test_errors_by_group_precede_the_published_ones_of_the_same_columns():
+    rows = tuple(
+        _row(name).model_copy(update={"groups": {"two motions": _group(error, 60), "a new group": _group(9.0, 2)}})
+        for name, error in (("fused", 1.0), ("trajs", 3.0))
+    )
+    _, _, _, means, published_means, medians, published_medians = clip_tables("hopkins155", rows)
+    assert means.columns == ("mean error %", "two motions (60 of 120)", "a new group (2 of 120)")
+    assert means.rows == (("fused", (1.0, 9.0)), ("trajs", (3.0, 9.0))) and means.better == (Better.LESS,) * 2
+    assert medians.rows == (("fused", (0.5, 4.5)), ("trajs", (1.5, 4.5)))
+    assert published_means.is_published and published_means.columns == means.columns
+    assert published_medians.is_published and published_medians.columns == medians.columns
+    assert dict(published_means.rows)["RSIM*"] == (0.78, None) and dict(published_means.rows)["SCC"] == (1.41, None)
+    assert dict(published_medians.rows)["LSA*"] == (0.59, None) and dict(published_medians.rows)["SCC"] == (None, None)
+
+
+def test_clips_of_another_data_set_have_no_published_rows():
+    assert [table.is_published for table in clip_tables("mine", (_row("fused"),))] == [False]
 
 
 def test_parameters_that_differ_are_listed_as_a_user_writes_them():

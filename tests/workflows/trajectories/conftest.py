@@ -13,8 +13,8 @@ def _rotation(degrees):
     return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
 
 
-def _clip(seed):
-    """Points float64 (N, F, 2) px, visible bool (N, F) and labels (N) of one clip."""
+def _clip(seed, hidden):
+    """Points (N, F, 2) px, visible bool (N, F) and labels (N) of one clip; `hidden` is the share of hidden points."""
     rng = np.random.default_rng(seed)
     static = rng.uniform((-8, -2, 8), (8, 2, 30), (NUM_STATIC, 3))
     moving = rng.uniform((-3, -1.5, 10), (1, 1.5, 14), (NUM_MOVING, 3))
@@ -25,17 +25,17 @@ def _clip(seed):
         seen = (scene - frame * np.array([0.1, 0, 0.6])) @ _rotation(0.4 * frame)
         points[:, frame] = FOCAL * seen[:, :2] / seen[:, 2:] + CENTRE
     points += rng.normal(0, 0.02, points.shape)
-    visible = rng.random(points.shape[:2]) < 0.9
-    visible[0] = False  # as one trajectory of the release
+    visible = rng.random(points.shape[:2]) < 1 - hidden
+    visible[0] = hidden == 0  # as one trajectory of the release
     return points, visible, np.repeat([1, 2], [NUM_STATIC, NUM_MOVING])
 
 
 @pytest.fixture(scope="session")
 def write_clip():
-    """Writes one clip as the release does; `seed` makes another one of it."""
+    """Writes one clip as the release does; `seed` makes another one of it, `hidden` is the share of hidden points."""
 
-    def write(path, seed=0):
-        points, visible, labels = _clip(seed)
+    def write(path, seed=0, hidden=0.1):
+        points, visible, labels = _clip(seed, hidden)
         shown = np.where(visible[..., None], np.concatenate([points, np.ones((*visible.shape, 1))], axis=-1), 0)
         fields = {"ySparse": shown.transpose(2, 0, 1), "visibleSparse": visible.astype(np.uint8)}
         path.parent.mkdir(parents=True, exist_ok=True)
