@@ -59,7 +59,7 @@ class Parameter:
 @cache
 def list_parameters() -> Mapping[str, Parameter]:
     """Return every parameter of the pipeline by ``stage.name``, in the order of the stages."""
-    return {parameter.name: parameter for parameter in _walk(PipelineConfig, ())}
+    return {parameter.name: parameter for parameter in _walk(PipelineConfig(), ())}
 
 
 @cache
@@ -82,16 +82,17 @@ def stage_model(field: FieldInfo) -> type[BaseModel] | None:
     return kind if isinstance(kind, type) and issubclass(kind, BaseModel) else None
 
 
-def _walk(model: type[BaseModel], path: tuple[str, ...]) -> Iterator[Parameter]:
-    for name, field in model.model_fields.items():
-        inner = stage_model(field)
-        if inner is not None:
-            yield from _walk(inner, (*path, name))
+def _walk(defaults: BaseModel, path: tuple[str, ...]) -> Iterator[Parameter]:
+    for name, field in type(defaults).model_fields.items():
+        # A stage may have other defaults for the parameters of a stage within it than that stage has alone.
+        default = getattr(defaults, name)
+        if stage_model(field) is not None:
+            yield from _walk(default, (*path, name))
             continue
         unit = next((each for each in field.metadata if isinstance(each, Unit)), None)
         kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
         description = (field.description or "").removesuffix(f", {unit}")
-        yield Parameter((*path, name), field.default, kind, unit, description)
+        yield Parameter((*path, name), default, kind, unit, description)
 
 
 def _walk_stages(model: type[BaseModel], path: tuple[str, ...]) -> Iterator[tuple[str, str]]:
