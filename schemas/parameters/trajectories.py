@@ -25,7 +25,7 @@ class HypothesisParams(Frozen):
     )
 
     max_sets: Annotated[int, Unit.COUNT] = Field(
-        60,
+        20,
         ge=1,
         description="pairs (or triples) of frames in which a trajectory takes part on average; if there are more, they"
         " are spaced out evenly",
@@ -115,6 +115,11 @@ class EnergyParams(Frozen):
 
     gap: Annotated[int, Unit.FRAMES] = Field(3, ge=1, description="frames between the two frames of a pair")
     step: Annotated[int, Unit.COUNT] = Field(2, ge=1, description="spacing of the pairs that are read")
+    max_pairs: Annotated[int, Unit.COUNT] = Field(
+        60,
+        ge=1,
+        description="pairs in which a trajectory takes part on average; if there are more, they are spaced out evenly",
+    )
     threshold: Annotated[float, Unit.PIXELS] = Field(
         0.5, gt=0, description="tau: Sampson distance at which the cost of an observation reaches 1, px"
     )
