@@ -44,11 +44,13 @@ def projective_depths(points: np.ndarray, num_rounds: int) -> np.ndarray:
     basis = np.zeros((0, 0))
     for _ in range(num_rounds):
         ahead = depths + _MOMENTUM * (depths - previous)
-        scaled = rows * np.tile(ahead, 3)
+        scaled = (rows.reshape(num, 3, num_frames) * ahead[:, None]).reshape(rows.shape)
         basis = _leading_vectors(scaled.T @ scaled, basis)
-        product = rows * ((scaled @ basis) @ basis.T)
-        product = product[:, :num_frames] + product[:, num_frames : 2 * num_frames] + product[:, 2 * num_frames :]
-        previous, depths = depths, _balance(np.clip(product / squared, 1 / _FARTHEST, _FARTHEST))
+        product = (scaled @ basis) @ basis.T
+        product *= rows
+        ratio = product[:, :num_frames] + product[:, num_frames : 2 * num_frames] + product[:, 2 * num_frames :]
+        ratio /= squared
+        previous, depths = depths, _balance(np.clip(ratio, 1 / _FARTHEST, _FARTHEST))
     return depths
 
 
@@ -61,6 +63,9 @@ def _leading_vectors(scatter: np.ndarray, before: np.ndarray) -> np.ndarray:
 
 def _balance(depths: np.ndarray) -> np.ndarray:
     """Scale depths to mean 1 over the frames and over the trajectories: the scale of each is not determined."""
-    depths = depths / depths.mean(axis=1, keepdims=True)
-    depths /= depths.mean(axis=0)
-    return depths / depths.mean(axis=1, keepdims=True)
+    # Products with a vector are faster than means of short rows.
+    over_tracks, over_frames = (np.full(count, 1 / count) for count in depths.shape)
+    depths = depths / (depths @ over_frames)[:, None]
+    depths /= over_tracks @ depths
+    depths /= (depths @ over_frames)[:, None]
+    return depths
