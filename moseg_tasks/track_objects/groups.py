@@ -76,7 +76,7 @@ def group_tracks(
 
 def _views(points: np.ndarray, visible: np.ndarray, params: TrackGroupParams, rng: np.random.Generator) -> list[View]:
     """Return the view of each model, from the least general to the most."""
-    drawing = HypothesisParams(num_hypotheses=params.num_hypotheses, num_draws=1)
+    drawing = HypothesisParams(num_hypotheses=params.num_hypotheses, num_draws=1, gaps=(1,))
     views = []
     for name in (name for name in POINT_MODELS if name in params.models):
         model = POINT_MODELS[name]

@@ -51,7 +51,7 @@ class Candidates:
     def __init__(self, views: Sequence[View], max_motions: int, params: TrajectoryClusteringParams, seed: int):
         self._num_starts = params.num_starts
         self._seed = seed
-        self._middle = len(params.pieces.counts) // 2
+        self._num_counts = len(params.pieces.counts)
         self._embeddings: list[np.ndarray] = []
         self._oversegmentations: list[_Oversegmentation] = []
         max_clusters = min(max(*params.pieces.counts, max_motions), len(views[0].kernel))
@@ -69,7 +69,12 @@ class Candidates:
     @property
     def pieces(self) -> np.ndarray:
         """Return the pieces int (N,) of the middle number, from all views together."""
-        return self._oversegmentations[self._middle].pieces
+        return self._oversegmentations[self._num_counts // 2].pieces
+
+    @property
+    def finest_pieces(self) -> list[np.ndarray]:
+        """Return the pieces int (N,) of the largest number, of each set of views."""
+        return [each.pieces for each in self._oversegmentations[self._num_counts - 1 :: self._num_counts]]
 
     def of(self, num_motions: int) -> list[np.ndarray]:
         """Return the different labelings int (N,) into at most `num_motions` groups."""

@@ -14,6 +14,7 @@ from moseg.tasks.clustering.spectral import embed_views
 from moseg.tasks.trajectories.candidates import Candidates, View, in_order
 from moseg.tasks.trajectories.energy import Energy, Grouping
 from moseg.tasks.trajectories.merging import merge_by_energy
+from moseg.tasks.trajectories.refinement import refine_grouping
 from moseg.tasks.trajectories.separation import separate_objects
 
 
@@ -58,8 +59,8 @@ def cluster_trajectories(
     """Group trajectories by motion.
 
     ``energy`` makes groupings from every draw of hypotheses, by spectral clustering and by merging of pieces
-    (`Candidates`, `merge_by_energy`), and takes the one of minimal `Energy`. If the number of motions is not given, it
-    is the number whose `Candidates` have the smallest mean energy over the draws.
+    (`Candidates`, `merge_by_energy`), and refines the one of minimal `Energy` (`refine_grouping`). If the number of
+    motions is not given, it is the number whose `Candidates` have the smallest mean energy over the draws.
     ``sum``, ``product`` and ``coregularised`` are spectral clustering of the views' mean kernel, of their geometric
     mean and of all views, as published. `params.auto` names the other ways to find the number.
 
@@ -126,7 +127,10 @@ def cluster_trajectories(
     merged = [merge_by_energy(each.pieces, energy, params.pieces.num_tried).get(chosen) for each in candidates]
     found[chosen] += [energy.minimum([in_order(labels)]) for labels in merged if labels is not None]
     best = {count: min(groupings, key=lambda grouping: grouping.energy) for count, groupings in found.items()}
-    motion, embedding = best[chosen].labels, embed(chosen)
+    if candidates and params.num_refinements:
+        finest = [pieces for each in candidates for pieces in each.finest_pieces]
+        best[chosen] = refine_grouping(best[chosen], energy, finest, params.num_refinements, params.pieces.num_tried)
+    motion, embedding = in_order(best[chosen].labels), embed(chosen)
     each = [best.get(count) for count in range(1, max_motions + 1)]
     terms = np.array([(found.cost, found.cut, found.code) if found else (np.nan,) * 3 for found in each]).T
     if num_motions is None and params.separate:

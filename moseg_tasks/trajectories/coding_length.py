@@ -9,6 +9,9 @@ from moseg.schemas.parameters import CodingParams
 from moseg.tasks.trajectories.projective_depths import MIN_TRACKS, projective_depths
 from moseg.tasks.trajectories.track_windows import TrackWindow, track_windows
 
+_DIRECTIONS = 3
+"""Dimensions of a rigid motion's trajectories about their mean under an affine camera."""
+
 
 class _Group(NamedTuple):
     """Bits of a group without its labels, and its trajectories: float64 (windows,) each."""
@@ -22,19 +25,20 @@ class CodingLength:
 
     Two frames constrain a rigid motion weakly: a fundamental matrix leaves the position along the epipolar line free,
     and under a nearly affine camera one matrix may explain two motions. Over many frames the trajectories of a rigid
-    motion lie in a subspace of few dimensions, and the trajectories of two motions in one of more. The bits of n
-    trajectories, rows of a matrix Y of D coordinates about their mean, are those of a Gaussian of the same covariance,
+    motion lie in a subspace of few dimensions, and those of two motions in one of more. The bits of n trajectories in a
+    window of D / 2 frames are those of samples of a Gaussian,
 
         (n + min(D, 2n)) / 2 * log2 det(I + Y'Y / (n noise²)) - n log2(n / N),
 
-    where N is the number of trajectories of the window. The last term describes the labels. The coordinates of a group
-    that codes itself need at least as many bits as its covariance has parameters; the bound 2n keeps small groups from
-    paying for directions that they do not have.
+    where the rows of Y are the coordinates about their mean, and N is the number of trajectories of the window. The
+    n / 2 log2 det describe the coordinates in the subspace, D / 2 log2 det the subspace, and the last term the labels.
+    D is at most 2n, so that small groups do not pay for directions that they do not have. The coordinates of a few
+    frames are read, because more of a smooth motion hardly change the determinant, but the subspace is paid for in all.
 
     The subspace has four dimensions for an affine camera. Perspective adds dimensions, so that a deep background would
     be described better in two parts. Each group is therefore coded twice, as it is and with its trajectories multiplied
     by projective depths (`projective_depths`), which restores the four dimensions; the depths are linear in the
-    structure, and add four parameters a frame, `D log2 n` bits. The smaller number counts.
+    structure, which adds four parameters a frame, `D log2 n` bits. The smaller number counts.
 
     Parameters
     ----------
@@ -67,6 +71,26 @@ class CodingLength:
             return np.ones(len(labelings))
         return np.array([self._bits(labels) for labels in labelings]) / self._unit
 
+    def of_trajectories(self, labels: np.ndarray) -> np.ndarray:
+        """Return the bits by which each group of a labeling int (N,), 0 .. K - 1, grows with each trajectory.
+
+        To first order, and as a share of the bits of one motion. An affine camera is assumed: the depths of a
+        trajectory in a group of which it is not a member are not known.
+
+        Returns
+        -------
+        float64 (N, K)
+        """
+        growth = np.zeros((len(labels), int(labels.max()) + 1))
+        for window in self._windows if self._unit > 0 else ():
+            rows = window.points.reshape(len(window.tracks), -1)
+            own = labels[window.tracks]
+            for label in np.unique(own):
+                share = np.mean(own == label)
+                bits = _growth(rows, own == label, 2 * window.length, self._params.noise)
+                growth[window.tracks, label] += (bits - np.log2(share)) / self._unit
+        return growth
+
     def _bits(self, labels: np.ndarray) -> float:
         """Return the bits of a labeling, over all windows."""
         total = 0.0
@@ -88,23 +112,36 @@ class CodingLength:
     def _of_tracks(self, window: TrackWindow, own: np.ndarray) -> float:
         """Return the bits of the trajectories bool (n,) of a window."""
         points = window.points[own]
-        if not len(points):
+        num, dimension = len(points), 2 * window.length
+        if not num:
             return 0.0
-        noise = self._params.noise
-        bits = gaussian_bits(points, noise)
-        if len(points) >= MIN_TRACKS:
+        spectrum = _spectrum_bits(points, self._params.noise)
+        factor = (num + min(dimension, 2 * num)) / 2
+        bits, depth_bits = factor * float(spectrum.sum()), dimension * float(np.log2(num))
+        # Depths can only save what the affine subspace leaves.
+        if num >= MIN_TRACKS and factor * float(spectrum[:-_DIRECTIONS].sum()) > depth_bits:
             centred = points - points.mean(axis=(0, 1))
-            depths = projective_depths(centred, self._params.num_rounds)
-            num_depth_bits = 2 * points.shape[1] * np.log2(len(points))
-            bits = min(bits, gaussian_bits(centred * depths[..., None], noise) + num_depth_bits)
+            scaled = centred * projective_depths(centred, self._params.num_rounds)[..., None]
+            bits = min(bits, factor * float(_spectrum_bits(scaled, self._params.noise).sum()) + depth_bits)
         return bits
 
 
-def gaussian_bits(points: np.ndarray, noise: float) -> float:
-    """Return the bits that describe trajectories (n, frame, xy) as samples of one Gaussian, up to `noise`, px."""
-    num, dimension = len(points), 2 * points.shape[1]
-    rows = points.reshape(num, dimension)
-    rows = (rows - rows.mean(axis=0)) / (noise * np.sqrt(num))
-    scatter = rows @ rows.T if num < dimension else rows.T @ rows
+def _spectrum_bits(points: np.ndarray, noise: float) -> np.ndarray:
+    """Return log2 of the variances of trajectories (n, frame, xy) plus 1, ascending, in units of `noise`, px."""
+    rows = points.reshape(len(points), -1)
+    rows = (rows - rows.mean(axis=0)) / (noise * np.sqrt(len(points)))
+    scatter = rows @ rows.T if len(rows) < rows.shape[1] else rows.T @ rows
+    return np.log2(1 + np.maximum(np.linalg.eigvalsh(scatter), 0))
+
+
+def _growth(rows: np.ndarray, own: np.ndarray, dimension: int, noise: float) -> np.ndarray:
+    """Return the derivative of a group's bits by the weight of each row (n, D), for the group `own` bool (n,)."""
+    members = rows[own]
+    num, extra = len(members), min(dimension, 2 * len(members))
+    centred = (rows - members.mean(axis=0)) / noise
+    scatter = centred[own].T @ centred[own] / num
+    inverse = np.linalg.inv(np.eye(len(scatter)) + scatter)
     _, log_determinant = np.linalg.slogdet(np.eye(len(scatter)) + scatter)
-    return (num + min(dimension, 2 * num)) / 2 * float(log_determinant) / np.log(2)
+    distance = np.einsum("nd,nd->n", centred @ inverse, centred) - np.sum(scatter * inverse)
+    slope = 1.5 if extra < dimension else 0.5
+    return (slope * log_determinant + (num + extra) / (2 * num) * distance) / np.log(2)

@@ -65,6 +65,19 @@ class Energy:
         """Return the sums of the affinities between the groups of a labeling, float64 (K, K)."""
         return group_affinities(self._kernel, labels)
 
+    def gradient(self, labels: np.ndarray) -> np.ndarray:
+        """Return the energy of each trajectory in each group of a labeling int (N,), 0 .. K - 1, to first order.
+
+        The difference of two groups is about the change of the energy if a trajectory alone moves from one to the
+        other: float64 (N, K).
+        """
+        params = self._params
+        slope = self._cost.of_trajectories(labels) / self._unit
+        slope += params.cut_weight * normalised_cut_gradient(self._kernel, labels)
+        if self._code:
+            slope += params.coding_weight * self._code.of_trajectories(labels)
+        return slope
+
     def _grouping(self, labels: np.ndarray, cost: float, code: float) -> Grouping:
         params, cut, num_motions = self._params, normalised_cut(self._kernel, labels), len(np.unique(labels))
         energy = float(cost) + params.cut_weight * cut + params.coding_weight * float(code)
@@ -98,3 +111,15 @@ def group_affinities(kernel: np.ndarray, labels: np.ndarray) -> np.ndarray:
     """Return the sums of a kernel's entries between groups, float64 (K, K) in the order of the labels."""
     members = (labels[:, None] == np.unique(labels)).astype(kernel.dtype)
     return (members.T @ (kernel @ members)).astype(np.float64)
+
+
+def normalised_cut_gradient(kernel: np.ndarray, labels: np.ndarray) -> np.ndarray:
+    """Return the derivatives of `normalised_cut` by the membership of each row in each group: float64 (N, K).
+
+    `labels` are 0 .. K - 1, each in use. A row counts as moving alone.
+    """
+    members = (labels[:, None] == np.arange(int(labels.max()) + 1)).astype(kernel.dtype)
+    shared, degree = kernel @ members, kernel.sum(axis=1)
+    inside, total = np.einsum("nk,nk->k", members, shared), degree @ members
+    slope = inside * degree[:, None] - 2 * shared * total
+    return np.divide(slope, total**2, out=np.zeros(slope.shape), where=total > 0).astype(np.float64)

@@ -1,7 +1,7 @@
 """The geometric cost of a grouping of trajectories: residuals under one fundamental matrix per group."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -39,6 +39,17 @@ class _Pairs(NamedTuple):
     """float64 (S, 12, n): quadratic monomials of x0, then of x1."""
     thresholds: np.ndarray
     """float64 (S, n): squared tau of each trajectory, in the unit of the coordinates."""
+
+
+class _Fits(NamedTuple):
+    """Fits of K groups to S pairs."""
+
+    is_fitted: np.ndarray
+    """bool (S, K): whether a group has enough trajectories; the others are to be ignored."""
+    costs: np.ndarray
+    """float64 (S, K)"""
+    matrices: np.ndarray
+    """float64 (S, K, 3, 3)"""
 
 
 class EpipolarCost:
@@ -90,11 +101,36 @@ class EpipolarCost:
         totals = [sum(self._known[group.tobytes()] for group in labeling) for labeling in groups]
         return np.array(totals) / max(self._num_observations, 1)
 
+    def of_trajectories(self, labels: np.ndarray) -> np.ndarray:
+        """Return the cost of each trajectory in each group of a labeling int (N,) with labels 0 .. K - 1.
+
+        The fundamental matrices are those of the groups as they are; summed over the trajectories of each group, the
+        costs are about the mean cost of an observation. A group too small for a matrix costs nothing.
+
+        Returns
+        -------
+        float64 (N, K)
+        """
+        costs = np.zeros((len(labels), int(labels.max()) + 1))
+        groups = labels == np.arange(costs.shape[1])[:, None]
+        for pairs, fits in self._fit_groups(groups):
+            squared, _ = _squared_distances(pairs, fits.matrices)
+            squared = np.where(fits.is_fitted[..., None], np.minimum(squared, 1.0), 0)
+            for tracks, is_seen, each in zip(pairs.tracks, pairs.is_seen, squared, strict=True):
+                costs[tracks[is_seen]] += each[:, is_seen].T
+        return costs / max(self._num_observations, 1)
+
     def _of_groups(self, groups: np.ndarray) -> np.ndarray:
         """Return the cost float64 (K,) of groups bool (K, N)."""
         costs = np.zeros(len(groups))
+        for _, fits in self._fit_groups(groups):
+            costs += np.where(fits.is_fitted, fits.costs, 0).sum(axis=0)
+        return costs
+
+    def _fit_groups(self, groups: np.ndarray) -> Iterator[tuple[_Pairs, _Fits]]:
+        """Yield the fits of groups bool (K, N) to some of the pairs at a time."""
         if self._pairs is None:
-            return costs
+            return
         num_pairs, num_tracks = self._pairs.tracks.shape
         size = max(1, _BLOCK // (len(groups) * num_tracks))
         for start in range(0, num_pairs, size):
@@ -102,9 +138,7 @@ class EpipolarCost:
             members = np.moveaxis(groups[:, pairs.tracks] & pairs.is_seen, 0, 1)
             # A fundamental matrix fits up to seven points exactly.
             is_fitted = np.count_nonzero(members, axis=2) >= SAMPLE_SIZE
-            min_costs = _fit(pairs, members.astype(np.float64), self._params.num_fits)
-            costs += np.where(is_fitted, min_costs, 0).sum(axis=0)
-        return costs
+            yield pairs, _Fits(is_fitted, *_fit(pairs, members.astype(np.float64), self._params.num_fits))
 
 
 def _sampled_pairs(visible: np.ndarray, gap: int, params: EnergyParams) -> range:
@@ -146,13 +180,14 @@ def _prepare(
     return data
 
 
-def _fit(pairs: _Pairs, members: np.ndarray, num_iterations: int) -> np.ndarray:
-    """Return the smallest cost over the iterations, float64 (S, K), of groups with members float64 (S, K, n)."""
+def _fit(pairs: _Pairs, members: np.ndarray, num_iterations: int) -> tuple[np.ndarray, np.ndarray]:
+    """Fit groups with members float64 (S, K, n): smallest costs over the iterations (S, K), last (S, K, 3, 3)."""
     weights, shape = members, members.shape[:2]
     min_costs = np.full(shape, np.inf)
     for left in reversed(range(num_iterations)):
         matrices = _solve((weights @ pairs.products).reshape(-1, len(_ROWS))[:, _ENTRY])
-        squared, gradient = _squared_distances(pairs, matrices.reshape(*shape, 3, 3))
+        matrices = matrices.reshape(*shape, 3, 3)
+        squared, gradient = _squared_distances(pairs, matrices)
         min_costs = np.minimum(min_costs, np.einsum("skn,skn->sk", np.minimum(squared, 1.0), members))
         if left:
             # Weight of the Geman-McClure loss on the first-order geometric error.
@@ -161,7 +196,7 @@ def _fit(pairs: _Pairs, members: np.ndarray, num_iterations: int) -> np.ndarray:
             squared *= squared
             squared *= gradient
             weights = np.divide(members, squared, out=squared)
-    return min_costs
+    return min_costs, matrices
 
 
 def _squared_distances(pairs: _Pairs, matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -15,11 +15,15 @@ class TrackWindow(NamedTuple):
     tracks : int (n,)
         Indices of the trajectories.
     points : float64 (n, frame, xy)
-        px, at frames evenly spaced over the window; interpolated where a trajectory is hidden for a short time.
+        px, at frames evenly spaced over the window; interpolated where a trajectory is hidden
+        for less than twice the spacing of these frames.
+    length : int
+        Number of frames of the window.
     """
 
     tracks: np.ndarray
     points: np.ndarray
+    length: int
 
 
 def track_windows(points: np.ndarray, visible: np.ndarray, params: CodingParams) -> list[TrackWindow]:
@@ -48,19 +52,17 @@ def track_windows(points: np.ndarray, visible: np.ndarray, params: CodingParams)
     # In the middle of equal parts, so that a trajectory that starts a little later still counts.
     count = min(params.num_frames, length)
     inside = ((np.arange(count) + 0.5) * length / count).astype(int)
-    max_hidden = -(-length // count)
-    windows = (_window(points, before, after, start + inside, max_hidden) for start in starts)
+    windows = (_window(points, before, after, start + inside, length) for start in starts)
     return [window for window in windows if len(window.tracks) >= params.min_tracks]
 
 
-def _window(
-    points: np.ndarray, before: np.ndarray, after: np.ndarray, frames: np.ndarray, max_hidden: int
-) -> TrackWindow:
+def _window(points: np.ndarray, before: np.ndarray, after: np.ndarray, frames: np.ndarray, length: int) -> TrackWindow:
     """Return the points of some frames, from the nearest frames before and after that show them, int (N, frame)."""
+    max_hidden = 2 * -(-length // len(frames))
     before, after = before[:, frames], after[:, frames]
     is_known = (before >= 0) & (after < points.shape[1]) & (after - before <= max_hidden)
     tracks = np.flatnonzero(is_known.all(axis=1))
     before, after = before[tracks], after[tracks]
     weight = np.divide(frames - before, after - before, out=np.zeros(before.shape), where=after > before)[..., None]
     rows = tracks[:, None]
-    return TrackWindow(tracks, (1 - weight) * points[rows, before] + weight * points[rows, after])
+    return TrackWindow(tracks, (1 - weight) * points[rows, before] + weight * points[rows, after], length)

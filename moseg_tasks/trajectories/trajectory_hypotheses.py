@@ -1,6 +1,7 @@
 """Hypotheses of a point model from minimal samples of trajectories."""
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -32,9 +33,9 @@ def draw_hypotheses(
     """Fit a model to minimal samples of the trajectories seen in all frames of each set.
 
     A set is `model.num_frames` frames at equal distance, one for each first frame and each of `params.gaps`; sets that
-    share fewer trajectories than a sample are ignored. In a long clip, every second, third, ... set is used, so that a
-    trajectory takes part in at most `params.max_sets` on average: time grows with the number of trajectories, not with
-    their length.
+    share fewer trajectories than a sample are ignored. If none shares enough, as in a clip of two frames, the gaps are
+    reduced until one does. In a long clip, every second, third, ... set is used, so that a trajectory takes part in at
+    most `params.max_sets` on average: time grows with the number of trajectories, not with their length.
 
     Parameters
     ----------
@@ -51,34 +52,34 @@ def draw_hypotheses(
     InputError
         If no set of frames shares enough trajectories.
     """
-    parameters, frames = [], []
-    for chosen in _sampled_sets(visible, model.num_frames, params):
-        seen = np.flatnonzero(visible[:, chosen].all(axis=1))
-        if len(seen) < model.sample_size:
-            continue
-        num_samples = params.num_draws * params.num_hypotheses
-        samples = seen[_minimal_samples(len(seen), model.sample_size, num_samples, rng)]
-        parameters.append(model.fit(Correspondences(points[samples][..., chosen, :])))
-        frames.append(chosen)
+    parameters, frames, gaps = [], [], params.gaps
+    while gaps and not frames:
+        for chosen in _sampled_sets(visible, model.num_frames, gaps, params.max_sets):
+            seen = np.flatnonzero(visible[:, chosen].all(axis=1))
+            if len(seen) < model.sample_size:
+                continue
+            num_samples = params.num_draws * params.num_hypotheses
+            samples = seen[_minimal_samples(len(seen), model.sample_size, num_samples, rng)]
+            parameters.append(model.fit(Correspondences(points[samples][..., chosen, :])))
+            frames.append(chosen)
+        gaps = sorted({gap - 1 for gap in gaps} - {0})
     if not frames:
-        gaps = ", ".join(map(str, params.gaps))
         raise InputError(
             f"too few trajectories for the {model.name} model",
             got=f"{len(points)} in {points.shape[1]} frames",
-            expected=f"{model.sample_size} seen together in {model.num_frames} frames at gaps {gaps}",
+            expected=f"{model.sample_size} seen together in {model.num_frames} frames",
         )
     return Hypotheses(np.stack(parameters), np.array(frames, dtype=np.int32))
 
 
-def _sampled_sets(visible: np.ndarray, size: int, params: HypothesisParams) -> list[list[int]]:
+def _sampled_sets(visible: np.ndarray, size: int, gaps: Sequence[int], max_sets: int) -> list[list[int]]:
     """Return sets of `size` frames at equal distance: all, or every n-th of each gap."""
     num_frames = visible.shape[1]
     by_gap = [
-        [list(range(first, first + size * gap, gap)) for first in range(num_frames - (size - 1) * gap)]
-        for gap in params.gaps
+        [list(range(first, first + size * gap, gap)) for first in range(num_frames - (size - 1) * gap)] for gap in gaps
     ]
     total = sum(np.count_nonzero(visible[:, chosen].all(axis=1)) for sets in by_gap for chosen in sets)
-    stride = max(1, math.ceil(total / max(len(visible), 1) / params.max_sets))
+    stride = max(1, math.ceil(total / max(len(visible), 1) / max_sets))
     return [chosen for sets in by_gap for chosen in sets[::stride]]
 
 

@@ -82,8 +82,8 @@ class CandidateParams(Frozen):
     )
 
 
-_TWO_FRAMES = TrajectoryClusteringParams(energy=EnergyParams(coding_weight=0.0))
-"""Grouping without the coding length, whose effect on tracks of a video is not measured."""
+_TWO_FRAMES = TrajectoryClusteringParams(energy=EnergyParams(coding_weight=0.0), num_refinements=0)
+"""Grouping without coding length and refinement, whose effects on the tracks of a video are not measured."""
 
 
 class TrackGroupParams(Frozen):

@@ -21,7 +21,9 @@ class HypothesisParams(Frozen):
         2, ge=1, description="independent draws, each with its own kernels; the groupings of all draws are compared"
     )
     gaps: Annotated[tuple[PositiveInt, ...], Unit.FRAMES] = Field(
-        (1,), description="frames between neighbouring frames of a pair or triple; all gaps are used"
+        (3,),
+        description="frames between neighbouring frames of a pair or triple; all gaps are used, smaller ones in clips"
+        " too short for any",
     )
 
     max_sets: Annotated[int, Unit.COUNT] = Field(
@@ -197,6 +199,12 @@ class TrajectoryClusteringParams(Frozen):
     )
     num_starts: Annotated[int, Unit.COUNT] = Field(
         3, ge=1, description="k-means runs, of which the one of smallest inertia is used"
+    )
+    num_refinements: Annotated[int, Unit.COUNT] = Field(
+        8,
+        ge=0,
+        description="largest number of moves of pieces, and of rounds of moves of trajectories, by which the best"
+        " grouping is refined; 0 leaves it as it is",
     )
     separate: bool = Field(True, description="unconnected objects are separate motions if the number is found")
     pieces: PieceParams = PieceParams()

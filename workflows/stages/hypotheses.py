@@ -41,7 +41,7 @@ def _params(config: PipelineConfig, model: str) -> dict:
     return {**model_params("point", model), "hypotheses": config.hypotheses.model_dump(mode="json")}
 
 
-MINIMAL_SAMPLES = Task("hypotheses", "minimal-samples", version=2, run=_run, params=_params)
+MINIMAL_SAMPLES = Task("hypotheses", "minimal-samples", version=3, run=_run, params=_params)
 
 STAGE = Stage(
     name="hypotheses",

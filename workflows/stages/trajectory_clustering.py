@@ -59,7 +59,7 @@ def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) 
     if method != "coregularised":
         unread |= {"co_regularisation", "num_iterations", "tolerance"}
     if method != "energy":
-        unread |= {"pieces", "outliers"}
+        unread |= {"pieces", "outliers", "num_refinements"}
     read = params.model_copy(update={"method": method}).model_dump(mode="json", exclude=unread | {"count"})
     if counts:
         read["count"] = params.count.model_dump(mode="json", include=counts)

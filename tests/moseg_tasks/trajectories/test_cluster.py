@@ -22,7 +22,7 @@ from moseg.tasks.trajectories import (
 )
 
 MODELS = ("affine", "homography", "fundamental")
-DRAWN = HypothesisParams(num_hypotheses=100, num_draws=2)
+DRAWN = HypothesisParams(num_hypotheses=100, num_draws=2, gaps=(1,))
 PARAMS = TrajectoryClusteringParams(pieces=PieceParams(counts=(5, 7)), energy=EnergyParams(step=1))
 
 

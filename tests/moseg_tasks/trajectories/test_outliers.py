@@ -69,9 +69,28 @@ def test_random_tracks_take_no_motion_of_their_own(rigid_clip):
     points, visible = _with_random_tracks(clip, 60)
     found = _group(points, visible, 3, TrajectoryClusteringParams())
     assert clustering_error(found.motion[:150], clip.labels) <= 5
-    assert 40 <= found.num_outliers <= 80 and found.motion.max() == 2
+    assert found.num_outliers >= 20 and found.motion.max() == 2
 
 
 def test_published_methods_cluster_outliers_too(rigid_clip):
     points, visible = _with_random_tracks(rigid_clip((40, 20)), 20)
     assert _group(points, visible, 2, TrajectoryClusteringParams(method="sum")).num_outliers == 0
+
+
+def test_two_frames_are_enough_for_exact_motions(rigid_clip):
+    clip = rigid_clip((80, 40, 30), num_frames=2, hidden=0)
+    found = _group(clip.points, clip.visible, 3, TrajectoryClusteringParams())
+    assert clustering_error(found.motion, clip.labels) <= 5
+
+
+def test_trajectories_that_never_overlap_in_time_are_grouped(rigid_clip):
+    clip = rigid_clip((80, 40), num_frames=12, hidden=0)
+    clip.visible[::2, 6:] = clip.visible[1::2, :6] = False
+    for count in (2, None):
+        found = _group(clip.points, clip.visible, count, TrajectoryClusteringParams())
+        assert found.motion.shape == (120,) and 1 <= found.clustering.num_motions <= 6
+
+
+def test_points_that_stand_still_are_one_motion():
+    points = np.repeat(np.random.default_rng(0).uniform(0, 500, (60, 1, 2)), 8, axis=1)
+    assert not _group(points, np.ones((60, 8), bool), None, TrajectoryClusteringParams()).motion.any()

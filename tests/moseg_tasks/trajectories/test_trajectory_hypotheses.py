@@ -31,7 +31,7 @@ POINTS, VISIBLE = _tracks()
 
 
 def _residuals(model, seed=0, **params):
-    hypothesis_params = HypothesisParams(**{"num_hypotheses": 100, "num_draws": 1, **params})
+    hypothesis_params = HypothesisParams(**{"num_hypotheses": 100, "num_draws": 1, "gaps": (1,), **params})
     rng = np.random.default_rng(seed)
     found = draw_hypotheses(POINTS, VISIBLE, POINT_MODELS[model], hypothesis_params, rng)
     return found, HypothesisResiduals(found, POINTS, VISIBLE, POINT_MODELS[model])
@@ -95,13 +95,25 @@ def test_every_gap_has_its_pairs():
 def test_sets_of_a_long_clip_are_spaced_out():
     visible = np.ones((20, 101), bool)
     points = np.random.default_rng(0).uniform(0, 500, (20, 101, 2))
-    params = HypothesisParams(num_hypotheses=5, num_draws=1, max_sets=20)
+    params = HypothesisParams(num_hypotheses=5, num_draws=1, gaps=(1,), max_sets=20)
     found = draw_hypotheses(points, visible, POINT_MODELS["affine"], params, np.random.default_rng(0))
     assert found.frames[:, 0].tolist() == list(range(0, 100, 5)) and (np.diff(found.frames) == 1).all()
     # Short trajectories keep all their sets.
     visible = np.arange(101) // 20 == np.arange(20)[:, None] // 4
     found = draw_hypotheses(points, visible, POINT_MODELS["affine"], params, np.random.default_rng(0))
     assert len(found.frames) == 5 * 19
+
+
+def test_gaps_are_reduced_in_clips_that_are_too_short():
+    params, model = HypothesisParams(num_hypotheses=5, num_draws=1, gaps=(3,)), POINT_MODELS["affine"]
+    for num_frames, gap in ((5, 3), (3, 2), (2, 1)):
+        drawn = draw_hypotheses(
+            POINTS[:, :num_frames], VISIBLE[:, :num_frames], model, params, np.random.default_rng(0)
+        )
+        assert set(np.diff(drawn.frames).ravel()) == {gap}
+    # So they are if trajectories are too short.
+    visible = np.arange(NUM_FRAMES) // 2 == np.arange(NUM_TRACKS)[:, None] % 3
+    assert draw_hypotheses(POINTS, visible, model, params, np.random.default_rng(0)).frames.tolist() == [[0, 1], [2, 3]]
 
 
 def test_only_the_generator_changes_the_samples():
