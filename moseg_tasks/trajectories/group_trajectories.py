@@ -70,7 +70,12 @@ def group_trajectories(
     landmarks = choose_landmarks(points, visible, num_landmarks)
     mean = np.mean([view.kernels.mean(axis=0) for view in views], axis=0)
     sets_outliers_aside = params.method == "energy"
-    is_outlier = find_outliers(mean, params.outliers) if sets_outliers_aside else np.zeros(num_landmarks, bool)
+    is_outlier = np.zeros(num_landmarks, bool)
+    if sets_outliers_aside:
+        general = views[-1]
+        residuals = HypothesisResiduals(general.hypotheses, points[landmarks], visible[landmarks], general.model)
+        distances = residuals.draws(num_draws)[0].nearest_distances(window)
+        is_outlier = find_outliers(mean, distances, params.outliers)
     kept = np.flatnonzero(~is_outlier)
     own_points, own_visible = points[landmarks[kept]], visible[landmarks[kept]]
     by_view = []

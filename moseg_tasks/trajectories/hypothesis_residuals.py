@@ -82,6 +82,25 @@ class HypothesisResiduals:
             self._all.append(self._of_tracks(np.arange(num_tracks), slice(0, num_all)))
         return self._all[0][:, tracks, self._columns]
 
+    def nearest_distances(self, window: float) -> np.ndarray:
+        """Return how far each trajectory is from a share `window` of the hypotheses nearest to it.
+
+        Returns
+        -------
+        float32 (N,)
+            px, the median over the sets that show the trajectory; NaN without such a set.
+        """
+        count = min(max(1, round(window * self.num_hypotheses)), self.num_hypotheses)
+        codes = np.full(self.is_seen.shape, NOT_SEEN, np.uint16)
+        for index, nearest in enumerate(codes):
+            seen, found = self.of_set(index)
+            nearest[seen] = np.partition(found, count - 1, axis=1)[:, count - 1]
+        codes.sort(axis=0)
+        num_seen = self.is_seen.sum(axis=0)
+        medians = codes[np.maximum(num_seen - 1, 0) // 2, np.arange(codes.shape[1])]
+        squared = ((medians.astype(np.uint32) + _FIRST_CODE) << _DROPPED_BITS).view(np.float32)
+        return np.where(num_seen > 0, np.sqrt(squared), np.float32(np.nan))
+
     def _of_tracks(self, tracks: np.ndarray, columns: slice) -> np.ndarray:
         codes = np.full((len(self.is_seen), len(tracks), columns.stop - columns.start), NOT_SEEN, np.uint16)
         for index, (found, is_seen) in enumerate(zip(codes, self.is_seen[:, tracks], strict=True)):

@@ -164,11 +164,11 @@ class OutlierParams(Frozen):
         5, ge=1, description="number of trajectories of largest affinity whose mean affinity is compared"
     )
     min_affinity: Annotated[float, Unit.SHARE] = Field(
-        0.5,
+        0.4,
         ge=0,
         le=1,
-        description="share of the upper quartile of this mean over all trajectories, below which one is an outlier;"
-        " 0 keeps all",
+        description="share of the upper quartile of this mean over all trajectories, below which one is an outlier; the"
+        " mean of one far from all hypotheses is reduced before; 0 keeps all",
     )
 
 

@@ -23,6 +23,10 @@ def _kernel(num_outliers=0, seed=0):
     return kernel
 
 
+def _find(kernel, distances=None):
+    return find_outliers(kernel, np.ones(len(kernel)) if distances is None else distances, PARAMS)
+
+
 def _with_random_tracks(clip, num_outliers, seed=0):
     rng = np.random.default_rng(seed)
     num_frames = clip.points.shape[1]
@@ -43,17 +47,25 @@ def _group(points, visible, num_motions, params):
 
 @pytest.mark.parametrize("num_outliers", [0, 5, 50])
 def test_outliers_are_found_and_small_groups_are_kept(num_outliers):
-    found = find_outliers(_kernel(num_outliers), PARAMS)
+    found = _find(_kernel(num_outliers))
     assert not found[: len(GROUPS)].any() and found[len(GROUPS) :].all()
 
 
 def test_a_scale_of_affinities_changes_nothing():
-    assert np.array_equal(find_outliers(0.01 * _kernel(5), PARAMS), find_outliers(_kernel(5), PARAMS))
+    assert np.array_equal(_find(0.01 * _kernel(5)), _find(_kernel(5)))
+
+
+def test_trajectories_far_from_all_hypotheses_are_outliers_although_they_agree():
+    distances = np.where(GROUPS == 1, 60.0, 1.0)
+    kernel = _kernel() * np.where(GROUPS[:, None] & GROUPS, 0.9, 1)
+    assert np.array_equal(_find(kernel, distances), GROUPS == 1)
+    assert not _find(kernel, np.where(GROUPS == 1, 10.0, 1.0)).any()
+    assert not _find(kernel, np.where(GROUPS == 1, np.nan, 1.0)).any()
 
 
 def test_few_trajectories_and_no_affinities_give_no_outliers():
-    assert not find_outliers(_kernel()[:9, :9], PARAMS).any()
-    assert not find_outliers(np.zeros((30, 30)), PARAMS).any()
+    assert not _find(_kernel()[:6, :6]).any()
+    assert not _find(np.zeros((30, 30))).any()
 
 
 def test_an_outlier_joins_the_group_that_is_most_like_it():
