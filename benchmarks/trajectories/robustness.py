@@ -21,6 +21,9 @@ from segment_tracks import segment_tracks
 from moseg.schemas.configs import PipelineConfig
 from moseg.tasks.metrics import clustering_error
 
+FAILED = 10.0
+"""Error in percent above which a clip counts as failed."""
+
 
 class Case(NamedTuple):
     """One clip under one disturbance."""
@@ -45,9 +48,9 @@ def error_of(case: Case) -> tuple[float, bool]:
     return float(error), found.clustering.num_motions == num_motions
 
 
-def curve(cases: list[Case], found: list[tuple[float, bool]]) -> list[dict[str, float]]:
+def curve(cases: list[Case], found: list[tuple[float, bool]]) -> dict[str, dict[str, float]]:
     """Return the figures at each strength: mean and median over clips, and the spread of the mean over seeds."""
-    points = []
+    points = {}
     for strength in sorted({case.strength for case in cases}):
         own = [(case, each) for case, each in zip(cases, found, strict=True) if case.strength == strength]
         errors = [error for _, (error, _) in own]
@@ -55,16 +58,13 @@ def curve(cases: list[Case], found: list[tuple[float, bool]]) -> list[dict[str, 
         for case, (error, _) in own:
             by_seed[case.seed].append(error)
         means = [np.mean(each) for each in by_seed.values()]
-        points.append(
-            {
-                "strength": strength,
-                "error": float(np.mean(errors)),
-                "median_error": float(np.median(errors)),
-                "failed": float(100 * np.mean(np.array(errors) > 10)),
-                "num_motions_correct": float(100 * np.mean([is_right for _, (_, is_right) in own])),
-                "spread": float(np.std(means, ddof=1)) if len(means) > 1 else 0.0,
-            }
-        )
+        points[f"{strength:g}"] = {
+            "error": float(np.mean(errors)),
+            "median_error": float(np.median(errors)),
+            "failed": float(100 * np.mean(np.array(errors) > FAILED)),
+            "num_motions_correct": float(100 * np.mean([is_right for _, (_, is_right) in own])),
+            "spread": float(np.std(means, ddof=1)) if len(means) > 1 else 0.0,
+        }
     return points
 
 
@@ -93,9 +93,8 @@ def main() -> None:
             ]
             curves[name] = curve(cases, list(pool.map(error_of, cases, chunksize=4)))
             print(f"\n{name:12} {'error':>7} {'median':>7} {'failed':>7} {'right':>7} {'spread':>7}")
-            for point in curves[name]:
-                figures = (point[key] for key in ("error", "median_error", "failed", "num_motions_correct", "spread"))
-                print(f"{point['strength']:12g} " + " ".join(f"{figure:7.2f}" for figure in figures), flush=True)
+            for strength, point in curves[name].items():
+                print(f"{strength:>12} " + " ".join(f"{figure:7.2f}" for figure in point.values()), flush=True)
     if options.json is not None:
         result = {"dataset": options.dataset, "clips": len(clips), "motions": options.motions, "curves": curves}
         options.json.write_text(json.dumps(result), encoding="utf-8")

@@ -31,9 +31,13 @@ STYLE = """
 """
 
 
-def draw(curves: dict[str, list[dict[str, float]]], clips: int) -> str:
+Curve = dict[str, dict[str, float]]
+"""Figures by strength."""
+
+
+def draw(curves: dict[str, Curve], clips: int) -> str:
     """Return the picture as SVG."""
-    highest = max(point["error"] for curve in curves.values() for point in curve)
+    highest = max(point["error"] for curve in curves.values() for point in curve.values())
     top = max(5.0, 5.0 * -(-highest // 5))
     width, height = LEFT + len(curves) * (WIDTH + GAP), TOP + HEIGHT + 52
     parts = [
@@ -51,12 +55,12 @@ def draw(curves: dict[str, list[dict[str, float]]], clips: int) -> str:
     return "\n".join([*parts, "</svg>\n"])
 
 
-def _diagram(name: str, curve: list[dict[str, float]], left: float, top: float, has_labels: bool) -> list[str]:
+def _diagram(name: str, curve: Curve, left: float, top: float, has_labels: bool) -> list[str]:
     title, factor = TITLES[name]
-    bottom, last = TOP + HEIGHT, curve[-1]["strength"]
+    bottom, last = TOP + HEIGHT, max(map(float, curve))
 
-    def place(point: dict[str, float], key: str) -> str:
-        return f"{left + WIDTH * point['strength'] / last:.1f} {bottom - HEIGHT * point[key] / top:.1f}"
+    def place(strength: str, key: str) -> str:
+        return f"{left + WIDTH * float(strength) / last:.1f} {bottom - HEIGHT * curve[strength][key] / top:.1f}"
 
     parts = []
     for step in range(6):
@@ -64,13 +68,13 @@ def _diagram(name: str, curve: list[dict[str, float]], left: float, top: float, 
         parts.append(f'<path class="grid" d="M{left} {y:.1f}h{WIDTH}"/>')
         if has_labels:
             parts.append(f'<text x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{value:g}</text>')
-    for point in curve:
-        x = left + WIDTH * point["strength"] / last
-        parts.append(f'<text x="{x:.1f}" y="{bottom + 16}" text-anchor="middle">{factor * point["strength"]:g}</text>')
+    for strength in curve:
+        x = left + WIDTH * float(strength) / last
+        parts.append(f'<text x="{x:.1f}" y="{bottom + 16}" text-anchor="middle">{factor * float(strength):g}</text>')
     for key in LINES:
-        parts.append(f'<path class="{key}" d="M{" L".join(place(point, key) for point in curve)}"/>')
-        for point in curve:
-            x, y = place(point, key).split()
+        parts.append(f'<path class="{key}" d="M{" L".join(place(strength, key) for strength in curve)}"/>')
+        for strength in curve:
+            x, y = place(strength, key).split()
             parts.append(f'<circle class="{key}" cx="{x}" cy="{y}" r="2.5"/>')
     parts.append(f'<path class="axis" d="M{left} {TOP}v{HEIGHT}h{WIDTH}"/>')
     parts.append(f'<text x="{left + WIDTH / 2}" y="{bottom + 36}" text-anchor="middle">{title}</text>')
