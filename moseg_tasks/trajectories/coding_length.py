@@ -58,6 +58,8 @@ class CodingLength:
         self._params = params
         self._windows = track_windows(points, visible, params)
         self._sizes = np.array([len(window.tracks) for window in self._windows], dtype=np.float64)
+        self.coverage = float(self._sizes.mean() / max(len(points), 1)) if self._windows else 0.0
+        """Share of all trajectories that a window shows, on average."""
         self._known: dict[bytes, _Group] = {}
         everything = np.zeros(len(points), int)
         self._unit = self._bits(everything)

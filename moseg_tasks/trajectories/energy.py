@@ -47,6 +47,8 @@ class Energy:
         self._cost = EpipolarCost(points, visible, params)
         self._code = CodingLength(points, visible, params.coding) if params.coding_weight else None
         self._kernel = kernel
+        # The code of the few trajectories that span a window says little about the others.
+        self._coding_weight = params.coding_weight * (self._code.coverage if self._code else 0.0)
         self._params = params
         # Bounded below: if one motion explains the data well, a relative gain by a second one is not significant.
         self._unit = max(float(self._cost.of_labelings([np.zeros(len(points), int)])[0]), params.least_unit)
@@ -75,12 +77,12 @@ class Energy:
         slope = self._cost.of_trajectories(labels) / self._unit
         slope += params.cut_weight * normalised_cut_gradient(self._kernel, labels)
         if self._code:
-            slope += params.coding_weight * self._code.of_trajectories(labels)
+            slope += self._coding_weight * self._code.of_trajectories(labels)
         return slope
 
     def _grouping(self, labels: np.ndarray, cost: float, code: float) -> Grouping:
         params, cut, num_motions = self._params, normalised_cut(self._kernel, labels), len(np.unique(labels))
-        energy = float(cost) + params.cut_weight * cut + params.coding_weight * float(code)
+        energy = float(cost) + params.cut_weight * cut + self._coding_weight * float(code)
         return Grouping(labels, float(cost), cut, float(code), energy + params.motion_weight * num_motions)
 
 
