@@ -52,6 +52,7 @@ docs-check: setup
 docs-pictures: setup
 	.venv/bin/python docs/tools/draw_graph.py
 	.venv/bin/python docs/tools/make_pictures.py
+	.venv/bin/python docs/tools/draw_curves.py
 
 results: setup
 	.venv/bin/python docs/tools/write_results.py $(if $(RERUN),--rerun '$(RERUN)') $(if $(DAVIS),--davis "$(DAVIS)") $(if $(KT3DMOSEG),--kt3dmoseg "$(KT3DMOSEG)") $(if $(STILL),--still "$(STILL)") $(ARGS)

@@ -315,6 +315,22 @@ def _peers() -> Rows:
     return [("", *(f"{each}, {data}" for data in ("DAVIS", "synthetic") for each in columns)), *rows]
 
 
+_SIZES = (
+    *(f"{count} frames" for count in (2, 5, 25, 100, 1000)),
+    "1000 frames, short tracks",
+    *(f"{count} tracks" for count in (1000, 3000, 10000, 20000)),
+)
+
+
+def _trajectory_sizes() -> Rows:
+    rows = []
+    for name in _SIZES:
+        numbers = ("num_tracks:d", "num_frames:d", "length:d", "seconds", "peak_mib:.0f", "error", "num_motions:d")
+        rows.append(tuple(f"{{trajectory-sizes/{name}/{number}}}" for number in numbers))
+    head = ("trajectories", "frames", "of each", "seconds", "peak, MiB", "error", "motions found, of 3")
+    return [head, *rows]
+
+
 TABLES = {
     "readme": [
         ("data", "", "Pu", "Ru", "Fu", "J"),
@@ -373,6 +389,7 @@ TABLES = {
     "trajectories": _trajectories(),
     "trajectory-counts": _counts(),
     "trajectory-seeds": _other_seeds(),
+    "trajectory-sizes": _trajectory_sizes(),
     "held-out": _held_out(),
     "confidence": _confidence(),
     "peers": _peers(),

@@ -11,11 +11,11 @@ import numpy as np
 from moseg.schemas.parameters import HypothesisParams, TrackGroupParams
 from moseg.tasks.point_models import POINT_MODELS
 from moseg.tasks.trajectories import (
+    HypothesisResiduals,
     View,
     cluster_trajectories,
     draw_hypotheses,
-    hypothesis_residuals,
-    trajectory_kernel,
+    trajectory_kernels,
 )
 
 
@@ -76,13 +76,13 @@ def group_tracks(
 
 def _views(points: np.ndarray, visible: np.ndarray, params: TrackGroupParams, rng: np.random.Generator) -> list[View]:
     """Return the view of each model, from the least general to the most."""
-    drawing = HypothesisParams(num_hypotheses=params.num_hypotheses, num_draws=1)
+    drawing = HypothesisParams(num_hypotheses=params.num_hypotheses, num_draws=1, gaps=(1,))
     views = []
     for name in (name for name in POINT_MODELS if name in params.models):
         model = POINT_MODELS[name]
         hypotheses = draw_hypotheses(points, visible, model, drawing, rng)
-        residuals = hypothesis_residuals(hypotheses, points, visible, model)
-        views.append(View(trajectory_kernel(residuals, params.kernel), residuals))
+        residuals = HypothesisResiduals(hypotheses, points, visible, model)
+        views.append(View(trajectory_kernels(residuals, 1, params.kernel)[0], residuals))
     return views
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from moseg.schemas.parameters import TrajectoryClusteringParams
 from moseg.tasks.clustering.kmeans import cluster_many_points
 from moseg.tasks.clustering.spectral import leading_eigenpairs, normalise_affinity, unit_rows
+from moseg.tasks.trajectories.hypothesis_residuals import HypothesisResiduals
 from moseg.tasks.trajectories.pieces import link_pieces, piece_affinity
 
 
@@ -16,8 +17,8 @@ class View(NamedTuple):
 
     kernel: np.ndarray
     """float32 (N, N): sparsified ordered residual kernel."""
-    residual: np.ndarray | None
-    """float16 (S, H, N): px. Only read by the energy method."""
+    residual: HypothesisResiduals | None
+    """Only read by the energy method."""
 
 
 class _Oversegmentation(NamedTuple):

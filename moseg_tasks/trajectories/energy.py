@@ -65,6 +65,10 @@ class Energy:
         codes = self._code.of_labelings(labelings) if self._code else np.zeros(len(labelings))
         return sorted(map(self._grouping, labelings, costs, codes), key=lambda grouping: grouping.energy)
 
+    def group_affinities(self, labels: np.ndarray) -> np.ndarray:
+        """Return the sums of the affinities between the groups of a labeling, float64 (K, K)."""
+        return group_affinities(self._kernel, labels)
+
     def gradient(self, labels: np.ndarray) -> np.ndarray:
         """Return the energy of each trajectory in each group of a labeling int (N,), 0 .. K - 1, to first order.
 
@@ -78,12 +82,8 @@ class Energy:
             slope += params.coding_weight * self._code.of_trajectories(labels)
         return slope
 
-    def cut(self, labels: np.ndarray) -> float:
-        """Return the normalised cut of a labeling."""
-        return normalised_cut(self._kernel, labels)
-
     def _grouping(self, labels: np.ndarray, cost: float, code: float) -> Grouping:
-        params, cut, num_motions = self._params, self.cut(labels), len(np.unique(labels))
+        params, cut, num_motions = self._params, normalised_cut(self._kernel, labels), len(np.unique(labels))
         energy = float(cost) + params.cut_weight * cut + params.coding_weight * float(code)
         return Grouping(labels, float(cost), cut, float(code), energy + params.motion_weight * num_motions)
 
@@ -106,10 +106,15 @@ def normalised_cut(kernel: np.ndarray, labels: np.ndarray) -> float:
     ----------
     J. Shi and J. Malik, "Normalized cuts and image segmentation", PAMI 2000, equation 2.
     """
-    members = (labels[:, None] == np.unique(labels)).astype(kernel.dtype)
-    degrees = kernel.sum(axis=1) @ members
-    inside = np.einsum("nk,nk->k", members, kernel @ members)
+    affinities = group_affinities(kernel, labels)
+    inside, degrees = np.diag(affinities), affinities.sum(axis=1)
     return float(np.sum(1.0 - np.divide(inside, degrees, out=np.zeros_like(inside), where=degrees > 0)))
+
+
+def group_affinities(kernel: np.ndarray, labels: np.ndarray) -> np.ndarray:
+    """Return the sums of a kernel's entries between groups, float64 (K, K) in the order of the labels."""
+    members = (labels[:, None] == np.unique(labels)).astype(kernel.dtype)
+    return (members.T @ (kernel @ members)).astype(np.float64)
 
 
 def normalised_cut_gradient(kernel: np.ndarray, labels: np.ndarray) -> np.ndarray:

@@ -1,5 +1,6 @@
 """The geometric cost of a grouping of trajectories: residuals under one fundamental matrix per group."""
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -15,27 +16,40 @@ _MIN_GRADIENT = 1e-20
 """Squared gradient of the error, in coordinates of unit size, below which a point lies on the epipole."""
 
 
-class _Pair(NamedTuple):
-    """Data of the fits to two frames, of the trajectories visible in both."""
+_ROWS, _COLUMNS = np.triu_indices(9)
+_ENTRY = np.zeros((9, 9), np.int64)
+_ENTRY[_ROWS, _COLUMNS] = _ENTRY[_COLUMNS, _ROWS] = np.arange(len(_ROWS))
+"""Place of each entry of a symmetric matrix among its 45 entries above and on the diagonal."""
+_BLOCK = 2**16
+"""Observations times groups that are fitted at once, so that work arrays fit in the processor's cache."""
 
-    seen: np.ndarray
-    """int (n,)"""
+
+class _Pairs(NamedTuple):
+    """Data of the fits to S pairs of frames, of up to n trajectories visible in both."""
+
+    tracks: np.ndarray
+    """int (S, n)"""
+    is_seen: np.ndarray
+    """bool (S, n): False for the rest of a pair that shows fewer."""
     equations: np.ndarray
-    """float64 (n, 9): rows of x1' F x0."""
+    """float64 (S, n, 9): rows of x1' F x0."""
     products: np.ndarray
-    """float64 (n, 81): their outer products."""
+    """float64 (S, n, 45): their outer products."""
     quadratics: np.ndarray
-    """float64 (12, n): quadratic monomials of x0, then of x1."""
+    """float64 (S, 12, n): quadratic monomials of x0, then of x1."""
     thresholds: np.ndarray
-    """float64 (n,): tau of each trajectory, in the unit of the coordinates."""
+    """float64 (S, n): squared tau of each trajectory, in the unit of the coordinates."""
 
 
 class _Fits(NamedTuple):
-    """The groups fitted to one pair: their indices, and their members float64 (k, n) among its trajectories."""
+    """Fits of K groups to S pairs."""
 
-    pair: _Pair
-    groups: np.ndarray
-    members: np.ndarray
+    is_fitted: np.ndarray
+    """bool (S, K): whether a group has enough trajectories; the others are to be ignored."""
+    costs: np.ndarray
+    """float64 (S, K)"""
+    matrices: np.ndarray
+    """float64 (S, K, 3, 3)"""
 
 
 class EpipolarCost:
@@ -65,10 +79,12 @@ class EpipolarCost:
     def __init__(self, points: np.ndarray, visible: np.ndarray, params: EnergyParams):
         self._params = params
         gap = min(params.gap, points.shape[1] - 1)
-        firsts = range(0, points.shape[1] - gap, params.step) if gap > 0 else ()
-        pairs = (_prepare(points, visible, first, first + gap, params) for first in firsts)
-        self._pairs = [pair for pair in pairs if pair is not None]
-        self._num_observations = sum(len(pair.seen) for pair in self._pairs)
+        firsts = _sampled_pairs(visible, gap, params) if gap > 0 else ()
+        pairs = [(first, first + gap) for first in firsts]
+        seen = [np.flatnonzero(visible[:, pair].all(axis=1)) for pair in pairs]
+        enough = [index for index, tracks in enumerate(seen) if len(tracks) >= SAMPLE_SIZE]
+        self._num_observations = sum(len(seen[index]) for index in enough)
+        self._pairs = _prepare(points, [pairs[index] for index in enough], [seen[index] for index in enough], params)
         self._known: dict[bytes, float] = {}
 
     def of_labelings(self, labelings: Sequence[np.ndarray]) -> np.ndarray:
@@ -97,69 +113,101 @@ class EpipolarCost:
         """
         costs = np.zeros((len(labels), int(labels.max()) + 1))
         groups = labels == np.arange(costs.shape[1])[:, None]
-        for fit, (_, matrices) in self._fit_groups(groups):
-            squared, _ = _squared_distances(fit.pair, matrices)
-            costs[np.ix_(fit.pair.seen, fit.groups)] += np.minimum(squared, 1.0).T
+        for pairs, fits in self._fit_groups(groups):
+            squared, _ = _squared_distances(pairs, fits.matrices)
+            squared = np.where(fits.is_fitted[..., None], np.minimum(squared, 1.0), 0)
+            for tracks, is_seen, each in zip(pairs.tracks, pairs.is_seen, squared, strict=True):
+                costs[tracks[is_seen]] += each[:, is_seen].T
         return costs / max(self._num_observations, 1)
 
     def _of_groups(self, groups: np.ndarray) -> np.ndarray:
         """Return the cost float64 (K,) of groups bool (K, N)."""
         costs = np.zeros(len(groups))
-        for fit, (min_costs, _) in self._fit_groups(groups):
-            costs[fit.groups] += min_costs
+        for _, fits in self._fit_groups(groups):
+            costs += np.where(fits.is_fitted, fits.costs, 0).sum(axis=0)
         return costs
 
-    def _fit_groups(self, groups: np.ndarray) -> Iterator[tuple[_Fits, tuple[np.ndarray, np.ndarray]]]:
-        """Yield the fits of groups bool (K, N) to each pair, with their costs and matrices (`_fit_all`)."""
-        fits: list[_Fits] = []
-        for pair in self._pairs:
-            members = groups[:, pair.seen].astype(np.float64)
+    def _fit_groups(self, groups: np.ndarray) -> Iterator[tuple[_Pairs, _Fits]]:
+        """Yield the fits of groups bool (K, N) to some of the pairs at a time."""
+        if self._pairs is None:
+            return
+        num_pairs, num_tracks = self._pairs.tracks.shape
+        size = max(1, _BLOCK // (len(groups) * num_tracks))
+        for start in range(0, num_pairs, size):
+            pairs = _Pairs(*(array[start : start + size] for array in self._pairs))
+            members = np.moveaxis(groups[:, pairs.tracks] & pairs.is_seen, 0, 1)
             # A fundamental matrix fits up to seven points exactly.
-            fitted = np.flatnonzero(members.sum(axis=1) >= SAMPLE_SIZE)
-            fits.append(_Fits(pair, fitted, members[fitted]))
-        if fits:
-            yield from zip(fits, _fit_all(fits, self._params.num_fits), strict=True)
+            is_fitted = np.count_nonzero(members, axis=2) >= SAMPLE_SIZE
+            yield pairs, _Fits(is_fitted, *_fit(pairs, members.astype(np.float64), self._params.num_fits))
 
 
-def _prepare(points: np.ndarray, visible: np.ndarray, frame0: int, frame1: int, params: EnergyParams) -> _Pair | None:
-    """Return the data of the fits to a pair, in coordinates of about unit size; None for too few trajectories."""
-    seen = np.flatnonzero(visible[:, frame0] & visible[:, frame1])
-    if len(seen) < SAMPLE_SIZE:
+def _sampled_pairs(visible: np.ndarray, gap: int, params: EnergyParams) -> range:
+    """Return the first frames of the pairs: one in `params.step`, fewer in long clips."""
+    num_firsts = visible.shape[1] - gap
+    seen = np.count_nonzero(visible[:, :num_firsts] & visible[:, gap:])
+    mean = seen / params.step / max(len(visible), 1)
+    return range(0, num_firsts, params.step * max(1, math.ceil(mean / params.max_pairs)))
+
+
+def _prepare(
+    points: np.ndarray, pairs: list[tuple[int, int]], seen: list[np.ndarray], params: EnergyParams
+) -> _Pairs | None:
+    """Return the data of the fits to pairs, each in coordinates of about unit size; None without a pair."""
+    if not pairs:
         return None
-    both = points[seen][:, [frame0, frame1]].astype(np.float64)
-    both -= both.mean(axis=(0, 1))
-    scale = float(np.sqrt(np.mean(both**2))) or 1.0
-    points0, points1 = np.moveaxis(both / scale, 1, 0)
-    displacement = np.sum((points1 - points0) ** 2, axis=1)
-    thresholds = np.sqrt((params.threshold / scale) ** 2 + params.relative**2 * displacement)
-    equations = epipolar_equations(points0, points1)
-    products = (equations[:, :, None] * equations[:, None, :]).reshape(len(seen), 81)
-    return _Pair(seen, equations, products, gradient_monomials(points0, points1), thresholds)
+    shape = len(pairs), max(map(len, seen))
+    data = _Pairs(
+        np.zeros(shape, np.int64),
+        np.zeros(shape, bool),
+        np.zeros((*shape, 9)),
+        np.zeros((*shape, len(_ROWS))),
+        np.zeros((len(pairs), 12, shape[1])),
+        np.ones(shape),
+    )
+    for index, (pair, tracks) in enumerate(zip(pairs, seen, strict=True)):
+        own = slice(len(tracks))
+        both = points[tracks[:, None], pair].astype(np.float64)
+        both -= both.mean(axis=(0, 1))
+        scale = float(np.sqrt(np.mean(both**2))) or 1.0
+        points0, points1 = np.moveaxis(both / scale, 1, 0)
+        displacement = np.sum((points1 - points0) ** 2, axis=1)
+        equations = epipolar_equations(points0, points1)
+        data.tracks[index, own], data.is_seen[index, own] = tracks, True
+        data.equations[index, own] = equations
+        data.products[index, own] = equations[:, _ROWS] * equations[:, _COLUMNS]
+        data.quadratics[index, :, own] = gradient_monomials(points0, points1)
+        data.thresholds[index, own] = (params.threshold / scale) ** 2 + params.relative**2 * displacement
+    return data
 
 
-def _fit_all(fits: list[_Fits], num_iterations: int) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return the smallest cost of each group over the iterations and its last matrix (k, 3, 3), for each pair."""
-    weights = [fit.members for fit in fits]
-    min_costs = [np.full(len(fit.groups), np.inf) for fit in fits]
-    bounds = np.cumsum([0, *(len(fit.groups) for fit in fits)])
+def _fit(pairs: _Pairs, members: np.ndarray, num_iterations: int) -> tuple[np.ndarray, np.ndarray]:
+    """Fit groups with members float64 (S, K, n): smallest costs over the iterations (S, K), last (S, K, 3, 3)."""
+    weights, shape = members, members.shape[:2]
+    min_costs = np.full(shape, np.inf)
     for left in reversed(range(num_iterations)):
-        sums = [weight @ fit.pair.products for fit, weight in zip(fits, weights, strict=True)]
-        matrices = _solve(np.concatenate(sums).reshape(-1, 9, 9))
-        far = 4.0 ** max(left - _LAST_ROUNDS, 0)
-        for index, fit in enumerate(fits):
-            squared, gradient = _squared_distances(fit.pair, matrices[bounds[index] : bounds[index + 1]])
-            costs = (np.minimum(squared, 1.0) * fit.members).sum(axis=1)
-            min_costs[index] = np.minimum(min_costs[index], costs)
+        matrices = _solve((weights @ pairs.products).reshape(-1, len(_ROWS))[:, _ENTRY])
+        matrices = matrices.reshape(*shape, 3, 3)
+        squared, gradient = _squared_distances(pairs, matrices)
+        min_costs = np.minimum(min_costs, np.einsum("skn,skn->sk", np.minimum(squared, 1.0), members))
+        if left:
             # Weight of the Geman-McClure loss on the first-order geometric error.
-            weights[index] = fit.members / (gradient * (1.0 + squared / far) ** 2)
-    return list(zip(min_costs, np.split(matrices, bounds[1:-1]), strict=True))
+            squared /= 4.0 ** max(left - _LAST_ROUNDS, 0)
+            squared += 1.0
+            squared *= squared
+            squared *= gradient
+            weights = np.divide(members, squared, out=squared)
+    return min_costs, matrices
 
 
-def _squared_distances(pair: _Pair, matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return d² / tau² of all trajectories of a pair to matrices (k, 3, 3), and the squared gradients: (k, n) each."""
-    error = matrices.reshape(-1, 9) @ pair.equations.T
-    gradient = np.maximum(gradient_coefficients(matrices) @ pair.quadratics, _MIN_GRADIENT) * pair.thresholds**2
-    return error**2 / gradient, gradient
+def _squared_distances(pairs: _Pairs, matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return d² / tau² of all trajectories to matrices (S, K, 3, 3), and the squared gradients: (S, K, n) each."""
+    gradient = gradient_coefficients(matrices) @ pairs.quadratics
+    np.maximum(gradient, _MIN_GRADIENT, out=gradient)
+    gradient *= pairs.thresholds[:, None]
+    squared = matrices.reshape(*matrices.shape[:2], 9) @ np.swapaxes(pairs.equations, 1, 2)
+    squared *= squared
+    squared /= gradient
+    return squared, gradient
 
 
 def _solve(normal: np.ndarray) -> np.ndarray:

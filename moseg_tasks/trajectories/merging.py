@@ -32,10 +32,19 @@ def merge_by_energy(pieces: np.ndarray, energy: Energy, num_tried: int) -> dict[
         found[count] = labels
         if count == 1:
             return found
-        unions = [_merge(labels, *pair) for pair in combinations(range(count), 2)]
-        cuts = np.array([energy.cut(union) for union in unions])
-        nearest = np.argsort(cuts, kind="stable")[:num_tried]
-        labels = energy.minimum([unions[index] for index in nearest]).labels
+        pairs = list(combinations(range(count), 2))
+        nearest = np.argsort(_cuts_of_unions(energy.group_affinities(labels), pairs), kind="stable")[:num_tried]
+        labels = energy.minimum([_merge(labels, *pairs[index]) for index in nearest]).labels
+
+
+def _cuts_of_unions(affinities: np.ndarray, pairs: list[tuple[int, int]]) -> np.ndarray:
+    """Return the normalised cut after each merge of two groups, less what is the same for all merges."""
+    first, second = np.array(pairs).T
+    inside, degrees = np.diag(affinities), affinities.sum(axis=1)
+    share = np.divide(inside, degrees, out=np.zeros_like(inside), where=degrees > 0)
+    both, total = inside[first] + inside[second] + 2 * affinities[first, second], degrees[first] + degrees[second]
+    united = np.divide(both, total, out=np.zeros_like(both), where=total > 0)
+    return share[first] + share[second] - united
 
 
 def _merge(labels: np.ndarray, first: int, second: int) -> np.ndarray:

@@ -41,19 +41,31 @@ def projective_depths(points: np.ndarray, num_rounds: int) -> np.ndarray:
     rows = np.concatenate([x, y, np.ones_like(x)], axis=1)
     squared = x**2 + y**2 + 1
     depths = previous = np.ones((num, num_frames))
+    basis = np.zeros((0, 0))
     for _ in range(num_rounds):
         ahead = depths + _MOMENTUM * (depths - previous)
-        scaled = rows * np.tile(ahead, 3)
-        _, vectors = np.linalg.eigh(scaled.T @ scaled)
-        basis = vectors[:, -_RANK:]
-        product = rows * ((scaled @ basis) @ basis.T)
-        product = product[:, :num_frames] + product[:, num_frames : 2 * num_frames] + product[:, 2 * num_frames :]
-        previous, depths = depths, _balance(np.clip(product / squared, 1 / _FARTHEST, _FARTHEST))
+        scaled = (rows.reshape(num, 3, num_frames) * ahead[:, None]).reshape(rows.shape)
+        basis = _leading_vectors(scaled.T @ scaled, basis)
+        product = (scaled @ basis) @ basis.T
+        product *= rows
+        ratio = product[:, :num_frames] + product[:, num_frames : 2 * num_frames] + product[:, 2 * num_frames :]
+        ratio /= squared
+        previous, depths = depths, _balance(np.clip(ratio, 1 / _FARTHEST, _FARTHEST))
     return depths
+
+
+def _leading_vectors(scatter: np.ndarray, before: np.ndarray) -> np.ndarray:
+    """Return the four leading eigenvectors; in later rounds by power iterations from those of the round before."""
+    if not before.size:
+        return np.linalg.eigh(scatter)[1][:, -_RANK:]
+    return np.linalg.qr(scatter @ (scatter @ before))[0]
 
 
 def _balance(depths: np.ndarray) -> np.ndarray:
     """Scale depths to mean 1 over the frames and over the trajectories: the scale of each is not determined."""
-    depths = depths / depths.mean(axis=1, keepdims=True)
-    depths /= depths.mean(axis=0)
-    return depths / depths.mean(axis=1, keepdims=True)
+    # Products with a vector are faster than means of short rows.
+    over_tracks, over_frames = (np.full(count, 1 / count) for count in depths.shape)
+    depths = depths / (depths @ over_frames)[:, None]
+    depths /= over_tracks @ depths
+    depths /= (depths @ over_frames)[:, None]
+    return depths

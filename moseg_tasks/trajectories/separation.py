@@ -1,5 +1,7 @@
 """Separation of motion groups into objects that do not touch."""
 
+import math
+
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
@@ -7,6 +9,9 @@ from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.distance import cdist
 
 from moseg.schemas.parameters import SeparationParams
+
+_MAX_FRAMES = 60
+"""Frames of a trajectory, on average, in which distances are measured; in a long clip, they are spaced out evenly."""
 
 
 def separate_objects(
@@ -56,7 +61,8 @@ def _nearest(points: np.ndarray, visible: np.ndarray, count: int) -> csr_array:
     """Return whether j is among the nearest trajectories of i: sparse (N, N)."""
     num = len(points)
     total, together = np.zeros((num, num), np.float32), np.zeros((num, num), np.float32)
-    for frame in range(points.shape[1]):
+    stride = max(1, math.ceil(np.count_nonzero(visible) / max(num, 1) / _MAX_FRAMES))
+    for frame in range(0, points.shape[1], stride):
         seen = np.flatnonzero(visible[:, frame])
         both = np.ix_(seen, seen)
         total[both] += cdist(points[seen, frame], points[seen, frame])

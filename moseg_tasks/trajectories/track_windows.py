@@ -27,11 +27,11 @@ class TrackWindow(NamedTuple):
 
 
 def track_windows(points: np.ndarray, visible: np.ndarray, params: CodingParams) -> list[TrackWindow]:
-    """Return overlapping windows of a clip, each as long as half of the trajectories.
+    """Return overlapping windows of a clip, shorter than the median trajectory, so that many span each.
 
-    A window is the whole clip if trajectories are complete. Windows start half a window after each other, and the last
-    ends with the clip; those that fewer than `params.min_tracks` trajectories span are left out. A clip of fewer than
-    `params.min_frames` has none: trajectories so short tell where a point is, not how it moves.
+    A window is the whole clip if the median trajectory is complete. Windows start half a window after each other, and
+    the last ends with the clip; those that fewer than `params.min_tracks` trajectories span are left out. A clip of
+    fewer than `params.min_frames` has none: trajectories so short tell where a point is, not how it moves.
 
     Parameters
     ----------
@@ -47,7 +47,9 @@ def track_windows(points: np.ndarray, visible: np.ndarray, params: CodingParams)
     seen = after[:, 0] < num_frames
     if not seen.any() or num_frames < params.min_frames:
         return []
-    length = min(num_frames, max(params.min_frames, int(np.median((before[:, -1] - after[:, 0] + 1)[seen]))))
+    span = int(np.median((before[:, -1] - after[:, 0] + 1)[seen]))
+    length = num_frames if span == num_frames else max(params.min_frames, int(params.window_share * span))
+    length = min(num_frames, length)
     starts = [*range(0, num_frames - length, max(1, length // 2)), num_frames - length]
     # In the middle of equal parts, so that a trajectory that starts a little later still counts.
     count = min(params.num_frames, length)

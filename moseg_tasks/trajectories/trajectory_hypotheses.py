@@ -1,5 +1,7 @@
-"""Hypotheses of a point model from minimal samples of trajectories, and the residuals of all trajectories."""
+"""Hypotheses of a point model from minimal samples of trajectories."""
 
+import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -8,8 +10,6 @@ from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import HypothesisParams
 from moseg.tasks.geometry.ransac import draw_samples
 from moseg.tasks.point_models import Correspondences, PointModel
-
-_LARGEST = float(np.finfo(np.float16).max)
 
 
 class Hypotheses(NamedTuple):
@@ -33,7 +33,9 @@ def draw_hypotheses(
     """Fit a model to minimal samples of the trajectories seen in all frames of each set.
 
     A set is `model.num_frames` frames at equal distance, one for each first frame and each of `params.gaps`; sets that
-    share fewer trajectories than a sample are ignored.
+    share fewer trajectories than a sample are ignored. If none shares enough, as in a clip of two frames, the gaps are
+    reduced until one does. In a long clip, every second, third, ... set is used, so that a trajectory takes part in at
+    most `params.max_sets` on average: time grows with the number of trajectories, not with their length.
 
     Parameters
     ----------
@@ -42,7 +44,7 @@ def draw_hypotheses(
     visible : bool (track, frame)
     model : PointModel
     params : HypothesisParams
-        `num_hypotheses`, `num_draws` and `gaps` are read; the models of a draw are consecutive.
+        `num_hypotheses`, `num_draws`, `gaps` and `max_sets` are read; the models of a draw are consecutive.
     rng : numpy.random.Generator
 
     Raises
@@ -50,52 +52,35 @@ def draw_hypotheses(
     InputError
         If no set of frames shares enough trajectories.
     """
-    parameters, frames = [], []
-    for chosen in _frame_sets(points.shape[1], model.num_frames, params.gaps):
-        seen = np.flatnonzero(visible[:, chosen].all(axis=1))
-        if len(seen) < model.sample_size:
-            continue
-        num_samples = params.num_draws * params.num_hypotheses
-        samples = seen[_minimal_samples(len(seen), model.sample_size, num_samples, rng)]
-        parameters.append(model.fit(Correspondences(points[samples][..., chosen, :])))
-        frames.append(chosen)
+    parameters, frames, gaps = [], [], params.gaps
+    while gaps and not frames:
+        for chosen in _sampled_sets(visible, model.num_frames, gaps, params.max_sets):
+            seen = np.flatnonzero(visible[:, chosen].all(axis=1))
+            if len(seen) < model.sample_size:
+                continue
+            num_samples = params.num_draws * params.num_hypotheses
+            samples = seen[_minimal_samples(len(seen), model.sample_size, num_samples, rng)]
+            parameters.append(model.fit(Correspondences(points[samples][..., chosen, :])))
+            frames.append(chosen)
+        gaps = sorted({gap - 1 for gap in gaps} - {0})
     if not frames:
-        gaps = ", ".join(map(str, params.gaps))
         raise InputError(
             f"too few trajectories for the {model.name} model",
             got=f"{len(points)} in {points.shape[1]} frames",
-            expected=f"{model.sample_size} seen together in {model.num_frames} frames at gaps {gaps}",
+            expected=f"{model.sample_size} seen together in {model.num_frames} frames",
         )
     return Hypotheses(np.stack(parameters), np.array(frames, dtype=np.int32))
 
 
-def hypothesis_residuals(
-    hypotheses: Hypotheses, points: np.ndarray, visible: np.ndarray, model: PointModel
-) -> np.ndarray:
-    """Return the distance of every trajectory to every hypothesis.
-
-    Returns
-    -------
-    residual : float16 (S, H, track)
-        px; NaN for trajectories not visible in all frames of a set. Only their order is used, for which eleven bits
-        are enough: they resolve relative differences of a thousandth.
-    """
-    num_sets, num_hypotheses = hypotheses.parameters.shape[:2]
-    residual = np.full((num_sets, num_hypotheses, len(points)), np.nan, np.float16)
-    for found, parameters, frames in zip(residual, hypotheses.parameters, hypotheses.frames, strict=True):
-        seen = np.flatnonzero(visible[:, frames].all(axis=1))
-        # Distances that overflow single precision count as the largest.
-        with np.errstate(over="ignore"):
-            squared = model.residual(parameters, Correspondences(points[seen][:, frames]), np.float32)
-        found[:, seen] = np.minimum(np.sqrt(squared), _LARGEST)
-    return residual
-
-
-def _frame_sets(num_frames: int, size: int, gaps: tuple[int, ...]) -> list[list[int]]:
-    """Return all sets of `size` frames at equal distance."""
-    return [
-        list(range(first, first + size * gap, gap)) for gap in gaps for first in range(num_frames - (size - 1) * gap)
+def _sampled_sets(visible: np.ndarray, size: int, gaps: Sequence[int], max_sets: int) -> list[list[int]]:
+    """Return sets of `size` frames at equal distance: all, or every n-th of each gap."""
+    num_frames = visible.shape[1]
+    by_gap = [
+        [list(range(first, first + size * gap, gap)) for first in range(num_frames - (size - 1) * gap)] for gap in gaps
     ]
+    total = sum(np.count_nonzero(visible[:, chosen].all(axis=1)) for sets in by_gap for chosen in sets)
+    stride = max(1, math.ceil(total / max(len(visible), 1) / max_sets))
+    return [chosen for sets in by_gap for chosen in sets[::stride]]
 
 
 def _minimal_samples(num_points: int, size: int, num_samples: int, rng: np.random.Generator) -> np.ndarray:

@@ -23,13 +23,19 @@ class ConfidenceParams(Frozen):
         8.0, ge=0, description="pixels that are added to what an object covers, so that single pixels count little"
     )
     sure_offset: Annotated[float, Unit.RATIO] = Field(
-        -1.32, description="logit of the expected precision where the mean probability in the mask is 1/2"
+        -1.32,
+        ge=-20,
+        le=20,
+        description="logit of the expected precision where the mean probability in the mask is 1/2",
     )
     sure_slope: Annotated[float, Unit.RATIO] = Field(
         1.57, gt=0, description="growth of this logit with that of the mean probability"
     )
     complete_offset: Annotated[float, Unit.RATIO] = Field(
-        -0.33, description="logit of the expected recall where the mask covers half of the probability around it"
+        -0.33,
+        ge=-20,
+        le=20,
+        description="logit of the expected recall where the mask covers half of the probability around it",
     )
     complete_slope: Annotated[float, Unit.RATIO] = Field(
         1.1, gt=0, description="growth of this logit with that of the share of the probability"

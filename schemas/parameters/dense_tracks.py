@@ -42,7 +42,7 @@ class DenseTrackParams(Frozen):
         0.7, gt=0, description="maximal forward-backward error of a tracked point, px"
     )
     doubtful: Annotated[float, Unit.PIXELS] = Field(
-        0.1,
+        0.05,
         ge=0,
         description="forward-backward error of a point tracked from the dense flow from which it is tracked without it"
         " too, px",

@@ -21,7 +21,16 @@ class HypothesisParams(Frozen):
         2, ge=1, description="independent draws, each with its own kernels; the groupings of all draws are compared"
     )
     gaps: Annotated[tuple[PositiveInt, ...], Unit.FRAMES] = Field(
-        (1,), description="frames between neighbouring frames of a pair or triple; all gaps are used"
+        (3,),
+        description="frames between neighbouring frames of a pair or triple; all gaps are used, smaller ones in clips"
+        " too short for any",
+    )
+
+    max_sets: Annotated[int, Unit.COUNT] = Field(
+        20,
+        ge=1,
+        description="pairs (or triples) of frames in which a trajectory takes part on average; if there are more, they"
+        " are spaced out evenly",
     )
 
     _split_gaps = field_validator("gaps", mode="before")(split_commas)
@@ -44,6 +53,12 @@ class KernelParams(Frozen):
         10.0,
         ge=0,
         description="power of the affinities before a row's neighbours are selected by information; 0 keeps all",
+    )
+    max_tracks: Annotated[int, Unit.COUNT] = Field(
+        3000,
+        ge=1,
+        description="number of trajectories above which this many landmarks are clustered, and the others are assigned"
+        " to their groups",
     )
 
 
@@ -93,6 +108,12 @@ class CodingParams(Frozen):
     num_frames: Annotated[int, Unit.FRAMES] = Field(
         8, ge=3, le=64, description="frames of a window that are read, evenly spaced"
     )
+    window_share: Annotated[float, Unit.SHARE] = Field(
+        0.85,
+        gt=0,
+        le=1,
+        description="length of a window relative to the median trajectory, unless that is as long as the clip",
+    )
     min_frames: Annotated[int, Unit.FRAMES] = Field(5, ge=3, description="smallest length of a window")
     min_tracks: Annotated[int, Unit.COUNT] = Field(
         10, ge=1, description="trajectories that span a window, below which it is ignored"
@@ -107,6 +128,11 @@ class EnergyParams(Frozen):
 
     gap: Annotated[int, Unit.FRAMES] = Field(3, ge=1, description="frames between the two frames of a pair")
     step: Annotated[int, Unit.COUNT] = Field(2, ge=1, description="spacing of the pairs that are read")
+    max_pairs: Annotated[int, Unit.COUNT] = Field(
+        60,
+        ge=1,
+        description="pairs in which a trajectory takes part on average; if there are more, they are spaced out evenly",
+    )
     threshold: Annotated[float, Unit.PIXELS] = Field(
         0.5, gt=0, description="tau: Sampson distance at which the cost of an observation reaches 1, px"
     )
@@ -139,6 +165,21 @@ class SeparationParams(Frozen):
     )
     min_tracks: Annotated[int, Unit.COUNT] = Field(
         8, ge=1, description="trajectories below which a part is not a separate motion"
+    )
+
+
+class OutlierParams(Frozen):
+    """Trajectories that follow no motion: they are not clustered, but join the most similar group afterwards."""
+
+    num_neighbours: Annotated[int, Unit.COUNT] = Field(
+        5, ge=1, description="number of trajectories of largest affinity whose mean affinity is compared"
+    )
+    min_affinity: Annotated[float, Unit.SHARE] = Field(
+        0.4,
+        ge=0,
+        le=1,
+        description="share of the upper quartile of this mean over all trajectories, below which one is an outlier; the"
+        " mean of one far from all hypotheses is reduced before; 0 keeps all",
     )
 
 
@@ -182,3 +223,4 @@ class TrajectoryClusteringParams(Frozen):
     pieces: PieceParams = PieceParams()
     energy: EnergyParams = EnergyParams()
     separation: SeparationParams = SeparationParams()
+    outliers: OutlierParams = OutlierParams()

@@ -66,7 +66,7 @@ def test_the_summary_names_the_frames_of_a_folder_and_keeps_its_keys(squares_out
     summary = json.loads((squares_out / "motion.json").read_text())
     assert summary["frames"] == [f"{number:05d}.png" for number in range(10)]
     described = {"name", "num_frames", "width", "height", "fps", "num_motions", "objects", "frames", "choices"}
-    assert summary.keys() == described | {"video", "numbers"}
+    assert summary.keys() == described | {"video", "numbers", "look_at"}
 
 
 def test_the_overlay_has_the_style_asked_for(squares_out):

@@ -154,7 +154,18 @@ def test_a_range_without_two_frames_is_one_line(moseg, clip, store, tmp_path, ki
 def test_results_say_which_frames_they_are_and_reuse_what_the_whole_left(moseg, clip, store, tmp_path):
     def segmented(*given):
         out = tmp_path / "out"
-        command = ("segment", clip / "video.mkv", "--quality", "fast", "--store", store, "--out", out, "--quiet")
+        command = (
+            "segment",
+            clip / "video.mkv",
+            "--quality",
+            "fast",
+            "--store",
+            store,
+            "--out",
+            out,
+            "--quiet",
+            "--keep-cues",
+        )
         ran = moseg(*command, *given)
         assert (ran.code, ran.err) == (0, "")
         return json.loads((out / "motion.json").read_text()), ran.out

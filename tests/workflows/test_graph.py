@@ -19,10 +19,10 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "e5b3e09b76e9335e",
-    "oc-depth": "518b7d1ec2b549c7",
-    "oc": "6d66ffa4af947005",
-    "trajs": "d0fcc6e45ff5d6f1",
+    "fused": "82968fcce08c5e9c",
+    "oc-depth": "67c9c66f9ae37101",
+    "oc": "b756a820d21a4899",
+    "trajs": "a8bd01482f190968",
     "base": "48e859fa5300348c",
     "flow": "ec6907edf2d34677",
     "tracks": "24751eca5cb028de",

@@ -16,8 +16,8 @@ BEHIND_FLOW = {"flow", "flow_model", "flow_residual"} | GROUPS
 BEHIND_DEPTH = {"depth", "flow_model", "flow_residual"} | GROUPS
 BEHIND_TRACKS = {"tracks", "fundamental", "fundamental_residual"} | GROUPS
 GOLDEN = {
-    "paper": "af1d90406f92a5da",
-    "modern": "a9c9b2327f62911e",
+    "paper": "7dde4765a27801ce",
+    "modern": "eaca0064f582dfeb",
 }
 
 

@@ -9,7 +9,6 @@ from moseg.schemas.recipes import Recipe
 from moseg.tasks.point_models import POINT_MODELS
 from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.trajectory_leaves import TrajectoryLeaves
-from moseg.workflows.stages.trajectory_clustering import clustering_method
 
 
 class TrajectoryGraph:
@@ -36,20 +35,18 @@ class TrajectoryGraph:
         models = sorted(self._config.point_models(variant), key=list(POINT_MODELS).index)
         motions = self._config.clustering.motions
         num_motions = self.leaves.num_motions if motions == "gt" else motions
-        inputs = {"kernels": tuple(self.kernel(model) for model in models), "trajectories": self.leaves.trajectories}
-        if clustering_method(self._config, len(models)) == "energy":
-            inputs["residuals"] = tuple(self.residuals(model) for model in models)
+        inputs = {
+            "kernels": tuple(map(self.kernel, models)),
+            "hypotheses": tuple(map(self.hypotheses, models)),
+            "trajectories": self.leaves.trajectories,
+        }
         found = None if num_motions == "auto" else num_motions
-        return self._nodes.add("trajectory_clustering", inputs, num_views=len(models), num_motions=found)
+        return self._nodes.add("trajectory_clustering", inputs, models=models, num_motions=found)
 
     def kernel(self, model: str) -> str:
         """Return the reference of the affinity between trajectories under one model."""
-        return self._nodes.add("kernel", {"residuals": self.residuals(model)})
-
-    def residuals(self, model: str) -> str:
-        """Return the reference of the distances of all trajectories to all hypotheses of one model."""
         inputs = {"hypotheses": self.hypotheses(model), "trajectories": self.leaves.trajectories}
-        return self._nodes.add("hypothesis_residual", inputs, model=model)
+        return self._nodes.add("kernel", inputs, model=model)
 
     def hypotheses(self, model: str) -> str:
         """Return the reference of the hypotheses of one model; no other recipe of this graph reads the seed."""

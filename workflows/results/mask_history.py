@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from enum import StrEnum
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 
 WINDOW = 5
@@ -126,6 +125,9 @@ def find_changes(areas: Sequence[int], num_parts: Sequence[int], is_at_edge: Seq
 
 def _measure(mask: np.ndarray) -> tuple[int, int, bool]:
     """Return area, number of large components, and whether it touches the border, of a mask bool (y, x)."""
+    # Only here: commands that compute nothing start without it.
+    import cv2
+
     pixels = mask.view(np.uint8)
     x, y, width, height = cv2.boundingRect(pixels)
     is_at_edge = x == 0 or y == 0 or x + width == mask.shape[1] or y + height == mask.shape[0]

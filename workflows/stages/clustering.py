@@ -72,7 +72,7 @@ def _params(config: PipelineConfig, num_views: int, num_motions: int | None, has
     return {"num_motions": num_motions, "clustering": read}
 
 
-MOTION_GROUPS = Task("clustering", "motion-groups", version=4, run=_run, params=_params)
+MOTION_GROUPS = Task("clustering", "motion-groups", version=5, run=_run, params=_params)
 
 STAGE = Stage(
     name="clustering",

@@ -7,7 +7,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import HypothesisParams
-from moseg.workflows.stages.inputs import Inputs
+from moseg.workflows.stages.inputs import ArtifactView, Inputs
 from moseg.workflows.stages.model_codes import model_params, point_model_of
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
@@ -16,6 +16,14 @@ from moseg.workflows.stages.task import Output, Task
 def points_of(inputs: Inputs) -> tuple[np.ndarray, np.ndarray]:
     """Return the points float64 (track, frame, xy), px, of a clip, and bool (track, frame) where they are visible."""
     return inputs["trajectories"].cached("points"), inputs["trajectories"].cached("visible")
+
+
+def read_hypotheses(drawn: ArtifactView):
+    """Return the `Hypotheses` of one point model from their artifact."""
+    from moseg.tasks.trajectories import Hypotheses
+
+    flat, frames = drawn.array("parameters"), drawn.array("frames")
+    return Hypotheses(flat.reshape(*flat.shape[:2], *drawn.attributes["shape"]), frames)
 
 
 def _run(params, inputs, rng):
@@ -33,7 +41,7 @@ def _params(config: PipelineConfig, model: str) -> dict:
     return {**model_params("point", model), "hypotheses": config.hypotheses.model_dump(mode="json")}
 
 
-MINIMAL_SAMPLES = Task("hypotheses", "minimal-samples", version=1, run=_run, params=_params)
+MINIMAL_SAMPLES = Task("hypotheses", "minimal-samples", version=3, run=_run, params=_params)
 
 STAGE = Stage(
     name="hypotheses",

@@ -27,7 +27,6 @@ from moseg.workflows.stages import (
     fundamental,
     fundamental_residual,
     hypotheses,
-    hypothesis_residual,
     instances,
     kernel,
     linking,
@@ -69,7 +68,7 @@ STAGES: dict[str, Stage] = {
         *(sightings, proposals, linking, rigid_support),
         *(depth, tracks, fundamental, fundamental_residual, flow_model, flow_residual, object_hypotheses),
         *(affinity, clustering, segmentation, moves_now, confidence),
-        *(hypotheses, hypothesis_residual, kernel, trajectory_clustering),
+        *(hypotheses, kernel, trajectory_clustering),
         score,
     )
 }

@@ -1,35 +1,37 @@
 """Trajectory clustering: motion groups of a clip's trajectories from the kernels of one or several point models."""
 
-import numpy as np
+from collections.abc import Sequence
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import TrajectoryClusteringParams
 from moseg.schemas.parameters.clustering import COUNT_READS
-from moseg.workflows.stages.hypotheses import points_of
+from moseg.workflows.stages.hypotheses import points_of, read_hypotheses
+from moseg.workflows.stages.model_codes import model_params, point_model_of
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.trajectories import View, cluster_trajectories
+    from moseg.tasks.trajectories import ModelKernels, group_trajectories
 
-    kernels = [model.array("kernel") for model in inputs.all("kernels")]
-    num_draws = len(kernels[0])
-    residuals = [[None] * num_draws] * len(kernels)
-    if "residuals" in inputs:
-        residuals = [np.split(model.array("residual"), num_draws, axis=1) for model in inputs.all("residuals")]
-    draws = [
-        [View(kernel[draw], residual[draw]) for kernel, residual in zip(kernels, residuals, strict=True)]
-        for draw in range(num_draws)
+    views = [
+        ModelKernels(point_model_of(model), read_hypotheses(drawn), affinity.array("kernel"))
+        for model, drawn, affinity in zip(
+            params["models"], inputs.all("hypotheses"), inputs.all("kernels"), strict=True
+        )
     ]
     clustering_params = TrajectoryClusteringParams.of_recipe(params["clustering"])
-    result = cluster_trajectories(draws, *points_of(inputs), params["num_motions"], clustering_params, rng)
-    arrays = ("motion", "embedding", "eigenvalues", "costs", "cuts", "codes")
-    return Output(
-        {name: getattr(result, name) for name in arrays},
-        {"num_motions": int(result.num_motions), "objective": [float(value) for value in result.objective]},
+    found = group_trajectories(
+        *points_of(inputs), views, params["num_motions"], clustering_params, params["window"], rng
     )
+    arrays = {name: getattr(found.clustering, name) for name in ("embedding", "eigenvalues", "costs", "cuts", "codes")}
+    attributes = {
+        "num_motions": int(found.clustering.num_motions),
+        "num_outliers": found.num_outliers,
+        "objective": [float(value) for value in found.clustering.objective],
+    }
+    return Output({"motion": found.motion, **arrays}, attributes)
 
 
 def clustering_method(config: PipelineConfig, num_views: int) -> str:
@@ -37,11 +39,12 @@ def clustering_method(config: PipelineConfig, num_views: int) -> str:
     return config.trajectory_clustering.method if num_views > 1 else "sum"
 
 
-def _params(config: PipelineConfig, num_views: int, num_motions: int | None) -> dict:
-    """Return the parameters that a clustering of so many views reads; `num_motions` is None if it has to be found."""
-    method = clustering_method(config, num_views)
+def _params(config: PipelineConfig, models: Sequence[str], num_motions: int | None) -> dict:
+    """Return the parameters that a clustering of these models reads; `num_motions` is None if it has to be found."""
+    method = clustering_method(config, len(models))
     read = read_params(config.trajectory_clustering, method, is_auto=num_motions is None)
-    return {"num_motions": num_motions, "clustering": read}
+    codes = [model_params("point", model) for model in models]
+    return {"num_motions": num_motions, "clustering": read, "models": codes, "window": config.kernel.window}
 
 
 def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) -> dict:
@@ -56,14 +59,14 @@ def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) 
     if method != "coregularised":
         unread |= {"co_regularisation", "num_iterations", "tolerance"}
     if method != "energy":
-        unread |= {"pieces", "num_refined", "num_refinements"}
+        unread |= {"pieces", "outliers", "num_refined", "num_refinements"}
     read = params.model_copy(update={"method": method}).model_dump(mode="json", exclude=unread | {"count"})
     if counts:
         read["count"] = params.count.model_dump(mode="json", include=counts)
     return read
 
 
-MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=2, run=_run, params=_params)
+MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=3, run=_run, params=_params)
 
 STAGE = Stage(
     name="trajectory_clustering",
@@ -71,11 +74,11 @@ STAGE = Stage(
     inputs={
         "kernels": "affinity under every point model",
         "trajectories": "points of the clip",
-        "residuals": "residuals under every point model, for clustering by energy",
+        "hypotheses": "of every point model",
     },
     arrays={
         "motion": layout("uint16", "track", "motion group"),
-        "embedding": layout("float64", "track coordinate"),
+        "embedding": layout("float64", "landmark coordinate"),
         "eigenvalues": layout("float64", "view eigenvalue"),
         "costs": layout("float64", "num_motions", "0..1, from one motion on"),
         "cuts": layout("float64", "num_motions", "from one motion on"),

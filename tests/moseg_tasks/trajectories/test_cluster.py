@@ -14,15 +14,15 @@ from moseg.schemas.parameters import (
 from moseg.tasks.metrics import clustering_error
 from moseg.tasks.point_models import POINT_MODELS
 from moseg.tasks.trajectories import (
+    HypothesisResiduals,
     View,
     cluster_trajectories,
     draw_hypotheses,
-    hypothesis_residuals,
-    trajectory_kernel,
+    trajectory_kernels,
 )
 
 MODELS = ("affine", "homography", "fundamental")
-DRAWN = HypothesisParams(num_hypotheses=100, num_draws=2)
+DRAWN = HypothesisParams(num_hypotheses=100, num_draws=2, gaps=(1,))
 PARAMS = TrajectoryClusteringParams(pieces=PieceParams(counts=(5, 7)), energy=EnergyParams(step=1))
 
 
@@ -30,8 +30,9 @@ def _draws(points, visible, models=MODELS, seed=0):
     rng, by_model = np.random.default_rng(seed), []
     for name in models:
         found = draw_hypotheses(points, visible, POINT_MODELS[name], DRAWN, rng)
-        residuals = np.split(hypothesis_residuals(found, points, visible, POINT_MODELS[name]), DRAWN.num_draws, axis=1)
-        by_model.append([View(trajectory_kernel(residual, KernelParams()), residual) for residual in residuals])
+        residuals = HypothesisResiduals(found, points, visible, POINT_MODELS[name])
+        kernels = trajectory_kernels(residuals, DRAWN.num_draws, KernelParams())
+        by_model.append(list(map(View, kernels, residuals.draws(DRAWN.num_draws))))
     return list(zip(*by_model, strict=True))
 
 

@@ -109,7 +109,7 @@ def test_windows_overlap_and_end_with_the_clip():
         visible[track, start : start + 11] = True
     points = np.broadcast_to(np.arange(40.0)[None, :, None], (60, 40, 2))
     windows = track_windows(points, visible, PARAMS.model_copy(update={"min_tracks": 1}))
-    assert all(window.length == 11 for window in windows) and len(windows) > 4
+    assert all(window.length == int(11 * PARAMS.window_share) for window in windows) and len(windows) > 4
     assert all((np.diff(window.points[..., 0], axis=1) > 0).all() for window in windows)
 
 

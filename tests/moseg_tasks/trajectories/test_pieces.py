@@ -4,52 +4,88 @@ import numpy as np
 import pytest
 
 from moseg.schemas.parameters import PieceParams
-from moseg.tasks.trajectories.pieces import link_pieces, piece_affinity
+from moseg.tasks.trajectories.hypothesis_residuals import NOT_SEEN, distance_codes
+from moseg.tasks.trajectories.pieces import _lower_medians, link_pieces, piece_affinity
 
 NUM_SETS, NUM_HYPOTHESES = 4, 100
 PIECES = np.repeat([0, 1, 2], 10)
 PARAMS = PieceParams(window=0.1)
 
 
-def _residual(seed=0):
+class Residuals:
+    """The distancess of given distances (S, H, N), NaN where not seen."""
+
+    def __init__(self, distances):
+        self.is_seen = np.isfinite(distances[:, 0])
+        self.num_hypotheses = distances.shape[1]
+        codes = distance_codes(distances.astype(np.float32) ** 2)
+        codes[np.isnan(distances)] = NOT_SEEN
+        self._codes = np.swapaxes(codes, 1, 2)
+
+    def of_tracks(self, tracks):
+        return self._codes[:, tracks]
+
+
+def _distances(seed=0):
     """Pieces 0 and 1 are near to the first ten hypotheses, piece 2 to the last ten."""
     rng = np.random.default_rng(seed)
-    residual = rng.uniform(1, 2, (NUM_SETS, NUM_HYPOTHESES, len(PIECES)))
-    residual[:, :10, PIECES < 2] -= 0.9
-    residual[:, -10:, PIECES == 2] -= 0.9
-    return residual.astype(np.float16)
+    distances = rng.uniform(1, 2, (NUM_SETS, NUM_HYPOTHESES, len(PIECES)))
+    distances[:, :10, PIECES < 2] -= 0.9
+    distances[:, -10:, PIECES == 2] -= 0.9
+    return distances
+
+
+def _affinity(distances, pieces=PIECES, params=PARAMS):
+    return piece_affinity(Residuals(distances), pieces, params)
 
 
 def test_pieces_near_the_same_hypotheses_are_alike():
-    affinity = piece_affinity(_residual(), PIECES, PARAMS)
+    affinity = _affinity(_distances())
     assert affinity[0, 1] > 0.9 and affinity[0, 2] < 0.01
     np.testing.assert_allclose(affinity, affinity.T)
     np.testing.assert_array_equal(np.diag(affinity), 1)
 
 
 def test_a_few_outliers_of_a_piece_change_nothing():
-    residual = _residual()
-    residual[:, :, [0, 10]] = np.random.default_rng(1).uniform(0, 50, (NUM_SETS, NUM_HYPOTHESES, 2))
-    assert piece_affinity(residual, PIECES, PARAMS)[0, 1] > 0.9
+    distances = _distances()
+    distances[:, :, [0, 10]] = np.random.default_rng(1).uniform(0, 50, (NUM_SETS, NUM_HYPOTHESES, 2))
+    assert _affinity(distances)[0, 1] > 0.9
 
 
 def test_sets_that_do_not_show_both_pieces_take_no_part():
-    residual = _residual()
-    residual[1:, :, PIECES == 1] = np.nan
-    assert piece_affinity(residual, PIECES, PARAMS)[0, 1] > 0.9
-    residual[0, :, PIECES == 0] = np.nan
-    assert piece_affinity(residual, PIECES, PARAMS)[0, 1] == 0
+    distances = _distances()
+    distances[1:, :, PIECES == 1] = np.nan
+    assert _affinity(distances)[0, 1] > 0.9
+    distances[0, :, PIECES == 0] = np.nan
+    assert _affinity(distances)[0, 1] == 0
 
 
 def test_a_piece_of_one_trajectory_takes_part():
     pieces = np.append(PIECES, 3)
-    residual = np.concatenate([_residual(), _residual()[:, :, -1:]], axis=2)
-    assert piece_affinity(residual, pieces, PARAMS)[2, 3] > 0.5
+    distances = np.concatenate([_distances(), _distances()[:, :, -1:]], axis=2)
+    assert _affinity(distances, pieces)[2, 3] > 0.5
 
 
 def test_names_of_pieces_do_not_matter():
-    swapped = piece_affinity(_residual(), 2 - PIECES, PARAMS)
-    np.testing.assert_allclose(swapped, piece_affinity(_residual(), PIECES, PARAMS)[::-1, ::-1])
+    swapped = _affinity(_distances(), 2 - PIECES)
+    np.testing.assert_allclose(swapped, _affinity(_distances())[::-1, ::-1])
+
+
+def test_the_median_of_a_piece_is_that_of_its_visible_trajectories():
+    rng = np.random.default_rng(2)
+    distances = rng.uniform(1, 2, (NUM_SETS, NUM_HYPOTHESES, len(PIECES)))
+    distances[1, :, [0, 4, 5]] = distances[2, :, :9] = np.nan
+    seen = ~np.isnan(distances[:, 0])
+    params = PARAMS.model_copy(update={"min_tracks": 1, "num_tracks": 9})
+    chosen = np.stack([np.flatnonzero(piece == PIECES)[np.linspace(0, 9, 9).round().astype(int)] for piece in range(3)])
+    medians = _lower_medians(Residuals(distances), chosen, seen[:, chosen])
+    for index, piece in np.ndindex(NUM_SETS, 3):
+        own = distances[index][:, chosen[piece]]
+        own = np.sort(own[:, ~np.isnan(own[0])], axis=1)
+        if own.size:
+            expected = distance_codes(own[:, (own.shape[1] - 1) // 2].astype(np.float32) ** 2)
+            assert np.array_equal(medians[index, piece], expected)
+    assert np.isfinite(_affinity(distances, params=params)).all()
 
 
 @pytest.mark.parametrize(("count", "groups"), [(1, [0, 0, 0]), (2, [0, 0, 1]), (3, [0, 1, 2])])

@@ -78,7 +78,7 @@ def test_a_recording_that_lost_its_index_is_no_video(refuse, write_video):
     path = write_video()
     content = path.read_bytes()
     path.write_bytes(content[: content.index(b"moov") - 4])
-    refuse(path, "not a video", path)
+    refuse(path, "video without an index", path)
 
 
 @pytest.mark.parametrize("name", ["cut.mp4", "cut.mkv", "cut.webm"])

@@ -31,7 +31,10 @@ def test_the_list_has_every_parameter_with_its_default():
     assert len(parameters) > 200
     config = PipelineConfig()
     for name, parameter in parameters.items():
-        assert value_of(config, parameter) == parameter.default == LEAVES[name].default
+        assert value_of(config, parameter) == parameter.default
+        if not name.startswith("track_groups.clustering."):
+            # That stage has its own defaults for the clustering within it.
+            assert parameter.default == LEAVES[name].default
 
 
 @pytest.mark.parametrize("name", LEAVES)

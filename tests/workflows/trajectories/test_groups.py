@@ -88,10 +88,11 @@ def test_the_page_has_published_rows_below_the_measured_ones(moseg, hopkins, pag
     by_group = [table for table in logged.scores if "by group" in table.title]
     published = [table for table in logged.scores if table.is_published]
     assert [table.columns for table in by_group] == [table.columns for table in published]
-    assert [len(table.rows) for table in by_group] == [4, 4]
-    for (variant, figures), row in zip(by_group[0].rows, report["rows"], strict=True):
-        assert variant == row["variant"]
-        assert figures == tuple(group["error"] for group in row["groups"].values())
+    # Variants with the same errors share a row.
+    shown = {variant: figures for names, figures in by_group[0].rows for variant in names.split(", ")}
+    assert shown.keys() == {row["variant"] for row in report["rows"]}
+    for row in report["rows"]:
+        assert shown[row["variant"]] == tuple(group["error"] for group in row["groups"].values())
     methods = PUBLISHED_GROUPS["hopkins155"].methods
     assert [name for name, _ in published[0].rows] == list(methods)
     assert dict(published[0].rows)["RSIM*"][1] == 0.78 and dict(published[1].rows)["RSIM*"][1] == 0.0
@@ -112,7 +113,7 @@ def test_a_trajectory_without_a_label_is_neither_scored_nor_a_motion(moseg, mtpv
     errors = [clustering_error(motion[labels > 0], labels[labels > 0]) for motion in found]
     assert len(found) == 2 and score["error"] in [pytest.approx(error) for error in errors]
     # As if 0 were a motion, a quarter of the trajectories would be wrong.
-    assert score["error"] < 15 < clustering_error(found[0], labels)
+    assert score["error"] < 20 < clustering_error(found[0], labels)
 
 
 def test_hidden_points_stay_hidden_and_others_are_visible(moseg, mtpv):
