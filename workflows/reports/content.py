@@ -43,7 +43,8 @@ class ScoreTable(NamedTuple):
 class ObjectRow(NamedTuple):
     """One moving object: its colour in the overlay (``#rrggbb``), when it is seen and moves, and how large it is.
 
-    `num_moving` is the number of frames in which it moves now; None where that is not known.
+    `num_moving` is the number of frames in which it moves now, `sure_percent` and `complete_percent` are the expected
+    precision and recall of its masks; None where that is not known.
     """
 
     identity: int
@@ -55,6 +56,8 @@ class ObjectRow(NamedTuple):
     mean_area_percent: float
     tag: str | None = None
     num_moving: int | None = None
+    sure_percent: float | None = None
+    complete_percent: float | None = None
 
 
 class StageRow(NamedTuple):

@@ -164,8 +164,11 @@ def _follow_objects(view: SequenceView, variant: Variant, fps: float, missing: l
             yield labels
 
     name = view.graph.leaves.name
-    moves = _read_moves(view, variant)
-    summary = summarise_sequence(name, read_labels(), fps, found.num_motions, found.motions, found.tags, moves=moves)
+    moves = _read_frames(view, view.graph.moves_now(variant), "moves")
+    sure, complete = (_read_frames(view, view.graph.confidences(variant), key) for key in ("sure", "complete"))
+    confidences = None if sure is None or complete is None else zip(sure, complete, strict=True)
+    known = {"moves": moves, "confidences": confidences}
+    summary = summarise_sequence(name, read_labels(), fps, found.num_motions, found.motions, found.tags, **known)
     colours = all_colours()
     rows = tuple(
         ObjectRow(
@@ -178,6 +181,8 @@ def _follow_objects(view: SequenceView, variant: Variant, fps: float, missing: l
             mean_area_percent=100 * each.mean_area_fraction,
             tag=each.tag,
             num_moving=_count(each.moving_frames),
+            sure_percent=None if each.sure is None else 100 * each.sure,
+            complete_percent=None if each.complete is None else 100 * each.complete,
         )
         for each in summary.objects
     )
@@ -185,12 +190,11 @@ def _follow_objects(view: SequenceView, variant: Variant, fps: float, missing: l
     return _FollowedObjects(rows, timelines, archiver.finish() if rows else None)
 
 
-def _read_moves(view: SequenceView, variant: Variant) -> Iterator[np.ndarray] | None:
-    """Return whether objects move in each frame; None where a run did not ask for that, or not in all frames."""
-    refs = view.graph.moves_now(variant)
+def _read_frames(view: SequenceView, refs: tuple[str | None, ...], name: str) -> Iterator[np.ndarray] | None:
+    """Return the rows of an array of all sections; None where a run did not ask for it, or not in all frames."""
     if None in refs or {*refs} - view.store.present({*refs}):
         return None
-    return chain.from_iterable(view.store.read(ref, "moves") for ref in refs)
+    return chain.from_iterable(view.store.read(ref, name) for ref in refs)
 
 
 def _count(runs: tuple[tuple[int, int], ...] | None) -> int | None:

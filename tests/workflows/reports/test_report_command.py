@@ -282,4 +282,5 @@ def test_a_user_s_video_is_reported(squares, moseg, pages, tmp_path):
         assert (made.title, made.scores) == ("für dich: fused", ())
         (sequence,) = made.sequences
         assert sequence.video.fps == 12 and len(sequence.objects) > 0
+        assert all(0 < row.sure_percent <= 100 and 0 < row.complete_percent <= 100 for row in sequence.objects)
         assert sequence.variants[0].eigenvalues.how.startswith("Given: 2 (clustering.motions)")
