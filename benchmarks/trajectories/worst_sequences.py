@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+from PIL import Image
 
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
 from moseg.schemas.parameters import EnergyParams, PieceParams, TrajectoryClusteringParams
@@ -122,11 +123,10 @@ def main() -> None:
     outcomes.sort(key=lambda outcome: -outcome.errors[0])
     for outcome in outcomes:
         print(f"{outcome.name:30s} before {outcome.errors[0]:5.1f}  after {outcome.errors[1]:5.1f}")
-    cv2.imwrite(
-        arguments.out,
-        np.vstack([draw_outcome(outcome) for outcome in outcomes[: arguments.count]]),
-        [cv2.IMWRITE_PNG_COMPRESSION, 9],
-    )
+    drawn = np.vstack([draw_outcome(outcome) for outcome in outcomes[: arguments.count]])
+    picture = Image.fromarray(cv2.cvtColor(drawn, cv2.COLOR_BGR2RGB))
+    # A few colours in a fifth of the space.
+    picture.quantize(48, dither=Image.Dither.NONE).save(arguments.out, optimize=True)
 
 
 if __name__ == "__main__":

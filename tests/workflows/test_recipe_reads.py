@@ -121,10 +121,10 @@ def test_clusterings_of_trajectories_read_what_their_recipes_name():
     rng = np.random.default_rng(1)
     points = (rng.random((14, 1, 2)) * 400 + rng.random((14, NUM_FRAMES, 2))).astype(np.float64)
     kernel = np.exp(-rng.random((2, 14, 14))).astype(np.float32)
-    drawn = {"kernel": kernel + kernel.transpose(0, 2, 1), "residual": rng.random((NUM_FRAMES - 1, 40, 14))}
-    drawn["residual"] = drawn["residual"].astype(np.float16)
+    kernels = _Artifact(arrays={"kernel": kernel + kernel.transpose(0, 2, 1)})
     clip = _Artifact(arrays={"points": points, "visible": np.ones((14, NUM_FRAMES), bool)})
     leaves = TrajectoryLeaves(name="toy", trajectories=_ref("trajectories", 0), labels=_ref("labels", 0), num_motions=2)
+    drawn: dict[str, _Artifact] = {}
     fields, done = ("method", "auto"), set()
     choices = itertools.product(*(_values(TrajectoryClusteringParams, field) for field in fields), (True, False))
     for (method, auto, separate), motions in itertools.product(choices, ("auto", "gt")):
@@ -149,9 +149,13 @@ def test_clusterings_of_trajectories_read_what_their_recipes_name():
             is_refused = clustering.get("auto") == "stability" and clustering["method"] != "energy"
             if not is_refused and str(recipe.params) not in done:
                 done.add(str(recipe.params))
-                models = [_Artifact(arrays=drawn)] * len(recipe.inputs["kernels"])
-                given = {"kernels": models, "trajectories": clip}
-                _run(recipe, given | ({"residuals": models} if "residuals" in recipe.inputs else {}))
+                for ref in recipe.inputs["hypotheses"]:
+                    if ref not in drawn:
+                        made = _run(graph.recipes[ref], {"trajectories": clip})
+                        drawn[ref] = _Artifact(arrays=made.arrays, attributes=made.attributes)
+                hypotheses = [drawn[ref] for ref in recipe.inputs["hypotheses"]]
+                models = [kernels] * len(recipe.inputs["kernels"])
+                _run(recipe, {"hypotheses": hypotheses, "kernels": models, "trajectories": clip})
     assert len(done) > 30
 
 

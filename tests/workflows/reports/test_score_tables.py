@@ -115,7 +115,7 @@ def test_parameters_that_differ_are_listed_as_a_user_writes_them():
         "affinity.excess": ("false", "true"),
         "clustering.motions": ("gt", "auto"),
         "clustering.count.gap": ("5", "3"),
-        "hypotheses.gaps": ("1,2", "1"),
+        "hypotheses.gaps": ("1,2", "3"),
     }
     assert all(row.description for row in parameter_rows(config))
 
