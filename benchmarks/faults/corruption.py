@@ -87,8 +87,11 @@ def damage_once(intact: Intact, ledger: Ledger, kind: str, damage: str, rng: ran
     case, root = f"{damage} of {kind}", intact.folder / "damaged"
     shutil.copytree(intact.root, root)
     store = open_store(str(root), create=False)
+    # Nobody reads the pack of an artifact without arrays: a score is in its manifest.
     inflicted = {
-        ref: inflict(folder_of(root, ref), kind, damage, rng) for ref in choose_artifacts(intact.manifests, rng)
+        ref: inflict(folder_of(root, ref), kind, damage, rng)
+        for ref in choose_artifacts(intact.manifests, rng)
+        if kind != "pack" or intact.manifests[ref].arrays
     }
     damaged = {ref: damage for ref, damage in inflicted.items() if damage is not None}
     found = {result.ref for result in store.verify() if not result.is_intact}

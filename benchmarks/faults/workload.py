@@ -34,7 +34,7 @@ class Workload(NamedTuple):
         if name == "eval":
             work = ["eval", "--dataset", "folder", "--root", str(self.root), "--json", str(out)]
         else:
-            work = ["segment", str(self.root / "squares" / "frames"), "--out", str(out)]
+            work = ["segment", str(self.root / "squares" / "frames"), "--out", str(out), "--keep-cues"]
         samples = f"fundamental.num_samples={self.num_samples}"
         return [*MOSEG, *work, f"--store={store}", "--quiet", *SECTIONS, "--set", samples, *options]
 

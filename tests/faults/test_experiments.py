@@ -49,7 +49,7 @@ def test_a_run_killed_on_an_object_store_leaves_complete_artifacts(experiment):
 
 
 def test_damage_to_every_task_is_found_and_repaired(experiment):
-    table = experiment("corruption.py", "--frames", 5, "--cases", "chunk:flipped byte")
+    table = experiment("corruption.py", "--frames", 5, "--cases", "pack:flipped byte")
     ((_, _, num_tasks, found, met, made, at_the_end),) = rows(table)
     assert int(num_tasks) >= 15 and int(met) >= 1
     assert num_tasks == found == made
