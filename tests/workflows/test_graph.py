@@ -19,13 +19,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "82968fcce08c5e9c",
-    "oc-depth": "67c9c66f9ae37101",
-    "oc": "b756a820d21a4899",
-    "trajs": "a8bd01482f190968",
-    "base": "48e859fa5300348c",
+    "fused": "3c4d2d7a67051e54",
+    "oc-depth": "60fe123427bb38a3",
+    "oc": "239e2447a28879f5",
+    "trajs": "ef1230d7b6585d64",
+    "base": "2cbb8f098c577c3d",
     "flow": "ec6907edf2d34677",
-    "tracks": "24751eca5cb028de",
+    "tracks": "d88726691db535b8",
 }
 
 

@@ -17,6 +17,8 @@ from moseg.workflows.stages.task import Output, Task
 _EVIDENCE_PARAMS = frozenset({"threshold", "sharpness"})
 PASSES = ("past", "future")
 """Names of the passes, in the order of the flows' directions: to the previous and to the next frame."""
+CARRIED = "carried"
+"""Array with the last result of a pass, not rounded as the others are: where a video is cut leaves no trace."""
 
 
 def mean_of_passes(inputs: Inputs, role: str, name: str) -> np.ndarray:
@@ -55,9 +57,9 @@ def _run(params, inputs, rng):
         (see(*each) for each in zip(frames, networks, consistency, strict=True)),
         pass_flows(frames, direction),
         (weigh(agreement) for agreement in consistency),
-        carried_row(inputs, "maps", params["from"]),
+        carried_row(inputs),
     )
-    return Output({"maps": np.ascontiguousarray(accumulated[order])})
+    return Output({"maps": np.ascontiguousarray(accumulated[order]), CARRIED: accumulated[-1]})
 
 
 def pass_direction(origin: str) -> tuple[int, slice]:
@@ -72,12 +74,9 @@ def pass_flows(frames, direction: int):
     return (to_float32(frame.array("flows")[direction]) for frame in frames)
 
 
-def carried_row(inputs: Inputs, name: str, origin: str) -> np.ndarray | None:
-    """Return the array row with which a pass continues from the section before; None in its first section."""
-    if "carried" not in inputs:
-        return None
-    row = inputs["carried"].shape(name)[0] - 1 if origin == "past" else 0
-    return inputs["carried"].rows(name, row, row + 1)[0]
+def carried_row(inputs: Inputs) -> np.ndarray | None:
+    """Return what a pass continues with from the section before; None in its first section."""
+    return inputs["carried"].array(CARRIED) if "carried" in inputs else None
 
 
 def _params(config: PipelineConfig, origin: str) -> dict:
@@ -96,7 +95,7 @@ def _foreground(params) -> ForegroundParams:
     return ForegroundParams.of_recipe(params["foreground"])
 
 
-ALONG_FLOW = Task("accumulation", "along-flow", version=2, run=_run, params=_params, is_cue=True)
+ALONG_FLOW = Task("accumulation", "along-flow", version=3, run=_run, params=_params, is_cue=True)
 
 STAGE = Stage(
     name="accumulation",
@@ -107,6 +106,9 @@ STAGE = Stage(
         "consistency": "of their flows",
         "carried": "the same pass in the section before",
     },
-    arrays={"maps": layout("float16", "frame y x map", "0..1: strict saliency, saliency, consistency", step=1 / 256)},
+    arrays={
+        "maps": layout("float16", "frame y x map", "0..1: strict saliency, saliency, consistency", step=1 / 256),
+        CARRIED: layout("float16", "y x map", "the maps of the pass's last frame"),
+    },
     tasks=(ALONG_FLOW,),
 )

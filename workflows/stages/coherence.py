@@ -4,7 +4,7 @@ import numpy as np
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
-from moseg.workflows.stages.accumulation import carried_row, pass_direction, pass_flows
+from moseg.workflows.stages.accumulation import CARRIED, carried_row, pass_direction, pass_flows
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -19,16 +19,16 @@ def _run(params, inputs, rng):
         (to_float32(misfit) for misfit in misfits),
         pass_flows(frames, direction),
         [params["memory"]] * len(frames),
-        carried_row(inputs, "misfit", params["from"]),
+        carried_row(inputs),
     )
-    return Output({"misfit": np.ascontiguousarray(accumulated[order])})
+    return Output({"misfit": np.ascontiguousarray(accumulated[order]), CARRIED: accumulated[-1]})
 
 
 def _params(config: PipelineConfig, origin: str) -> dict:
     return {"from": origin, "memory": config.accumulation.memory}
 
 
-ALONG_FLOW = Task("coherence", "along-flow", version=2, run=_run, params=_params, is_cue=True)
+ALONG_FLOW = Task("coherence", "along-flow", version=3, run=_run, params=_params, is_cue=True)
 
 STAGE = Stage(
     name="coherence",
@@ -38,6 +38,9 @@ STAGE = Stage(
         "own_motion": "deviations of their pixels",
         "carried": "the same pass in the section before",
     },
-    arrays={"misfit": layout("float16", "frame y x", "log(1 + squared deviation in spreads)", step=1 / 64)},
+    arrays={
+        "misfit": layout("float16", "frame y x", "log(1 + squared deviation in spreads)", step=1 / 64),
+        CARRIED: layout("float16", "y x", "the deviation in the pass's last frame"),
+    },
     tasks=(ALONG_FLOW,),
 )

@@ -5,7 +5,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import ForegroundParams, MotionMemoryParams
-from moseg.workflows.stages.accumulation import carried_row, mean_of_passes, pass_direction, pass_flows
+from moseg.workflows.stages.accumulation import CARRIED, carried_row, mean_of_passes, pass_direction, pass_flows
 from moseg.workflows.stages.own_motion import EVIDENCE_PARAMS
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
@@ -24,9 +24,9 @@ def _run(params, inputs, rng):
         (motion_odds(maps[..., 1], memory, foreground) for maps in seen),
         pass_flows(inputs.all("saliency")[order], direction),
         (np.float32(memory.memory) * to_float32(agreement[direction]) for agreement in consistency),
-        carried_row(inputs, "odds", params["from"]),
+        carried_row(inputs),
     )
-    return Output({"odds": np.ascontiguousarray(remembered[order])})
+    return Output({"odds": np.ascontiguousarray(remembered[order]), CARRIED: remembered[-1]})
 
 
 def _params(config: PipelineConfig, origin: str) -> dict:
@@ -37,7 +37,7 @@ def _params(config: PipelineConfig, origin: str) -> dict:
     }
 
 
-ALONG_FLOW = Task("motion_memory", "along-flow", version=1, run=_run, params=_params, is_cue=True)
+ALONG_FLOW = Task("motion_memory", "along-flow", version=2, run=_run, params=_params, is_cue=True)
 
 STAGE = Stage(
     name="motion_memory",
@@ -49,6 +49,9 @@ STAGE = Stage(
         "accumulation_future": "saliency accumulated from the future",
         "carried": "the same pass in the section before",
     },
-    arrays={"odds": layout("float16", "frame y x", "odds of motion")},
+    arrays={
+        "odds": layout("float16", "frame y x", "odds of motion"),
+        CARRIED: layout("float16", "y x", "the odds in the pass's last frame"),
+    },
     tasks=(ALONG_FLOW,),
 )
