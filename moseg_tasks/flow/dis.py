@@ -16,8 +16,10 @@ _PRESETS = {
 }
 _FINEST = {"ultrafast": 2, "fast": 2, "medium": 1, "fine": 0}
 """Finest level of each preset's pyramid; each level has half the resolution of the one before."""
-# Of the grid at which the search ends. On a smaller one OpenCV raises, returns NaN or crashes.
-_MIN_SIDE = 12
+# Of a frame. On a smaller one OpenCV raises, returns NaN or crashes.
+_MIN_SIDE = 32
+# Of the grid at which the search ends; OpenCV refuses smaller images.
+_MIN_GRID = 12
 
 
 def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> np.ndarray:
@@ -31,8 +33,8 @@ def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) ->
 def search_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> np.ndarray:
     """Estimate the flow on the grid at which the search ends: of full, half or a quarter of the frames' size.
 
-    Between the vectors of this grid OpenCV interpolates, as `enlarge_flow` does. Frames for which this grid
-    has a side under 12 px are extended by replicating their border, and the flow is enlarged and cropped.
+    Between the vectors of this grid OpenCV interpolates, as `enlarge_flow` does. Frames with a side
+    under 32 px are extended by replicating their border, and the flow is cropped; it is of full size.
 
     Parameters
     ----------
@@ -61,13 +63,14 @@ def search_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> n
         raise InputError("frames of a pair differ in size", got=image1.shape[:2], expected=image0.shape[:2])
     height, width = image0.shape[:2]
     search = cv2.DISOpticalFlow_create(_PRESETS[params.preset])
-    search.setFinestScale(0)
     level = _FINEST[params.preset]
-    gray0, gray1 = _searchable_gray(image0, level), _searchable_gray(image1, level)
-    flow = search.calc(_reduced(gray0, level), _reduced(gray1, level), None) * np.float32(2**level)
-    if gray0.shape == (height, width):
-        return flow
-    return np.ascontiguousarray(enlarge_flow(flow, gray0.shape)[:height, :width])
+    if min(height, width) < max(_MIN_SIDE, _MIN_GRID << level):
+        # OpenCV chooses the levels of such a frame by itself.
+        flow = search.calc(_searchable_gray(image0), _searchable_gray(image1), None)
+        return np.ascontiguousarray(flow[:height, :width])
+    search.setFinestScale(0)
+    reduced = (_reduced(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), level) for image in (image0, image1))
+    return search.calc(*reduced, None) * np.float32(2**level)
 
 
 def _reduced(gray: np.ndarray, level: int) -> np.ndarray:
@@ -77,10 +80,9 @@ def _reduced(gray: np.ndarray, level: int) -> np.ndarray:
     return cv2.resize(gray, size, interpolation=cv2.INTER_AREA) if level else gray
 
 
-def _searchable_gray(image: np.ndarray, level: int) -> np.ndarray:
-    """Convert to grey levels, extended below and to the right to the smallest side that DIS can search at a level."""
+def _searchable_gray(image: np.ndarray) -> np.ndarray:
+    """Convert to grey levels, extended below and to the right to the smallest side that DIS can search."""
     height, width = image.shape[:2]
     gray = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
-    side = _MIN_SIDE << level
-    below, right = max(side - height, 0), max(side - width, 0)
+    below, right = max(_MIN_SIDE - height, 0), max(_MIN_SIDE - width, 0)
     return cv2.copyMakeBorder(gray, 0, below, 0, right, cv2.BORDER_REPLICATE) if below or right else gray
