@@ -53,7 +53,7 @@ class Requests:
         self.is_store = False
         """Whether this process has found the marker here."""
         self.is_current = True
-        """Whether the marker is that of this version's format."""
+        """Return whether the marker is that of this version's format."""
 
     def __reduce__(self):
         return requests_for, (self.url,)

@@ -70,12 +70,12 @@ class FrameRange:
 
     @property
     def is_whole(self) -> bool:
-        """Whether all frames are chosen."""
+        """Return whether all frames are chosen."""
         return self == FrameRange()
 
     @property
     def has_times(self) -> bool:
-        """Whether frames are chosen by their times."""
+        """Return whether frames are chosen by their times."""
         return any(each is not None and each.is_time for each in (self.start, self.end, self.every))
 
     def choose(self, times_sec: Iterable[float]) -> Iterator[int]:

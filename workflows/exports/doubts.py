@@ -1,4 +1,4 @@
-"""What is worth a look in a result: objects that shrink at once, rest, or are doubtful or incomplete."""
+"""Doubts about a result, each worth a look: objects that shrink at once, rest, or are doubtful or incomplete."""
 
 from collections.abc import Iterable, Sequence
 

@@ -25,7 +25,7 @@ _SLOWEST = Fraction(1, _LARGEST_DENOMINATOR)
 
 
 class Encoding(NamedTuple):
-    """How a video is encoded.
+    """Encoding of a video.
 
     Attributes
     ----------

@@ -19,7 +19,7 @@ HEAD_BYTES = 1 << 20
 
 @dataclass(frozen=True)
 class FrameOrigin:
-    """Where frames come from.
+    """Origin of the frames of a result.
 
     Attributes
     ----------

@@ -12,7 +12,7 @@ NONE = dict.fromkeys(("scheduler", "tls_ca", "tls_cert", "tls_key"))
 
 @pytest.fixture
 def user(tmp_path, monkeypatch):
-    """Have a home folder and no variable that names a store."""
+    """Set a home folder, and no variable that names a store."""
     monkeypatch.delenv("MOSEG_STORE")
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     monkeypatch.setenv("HOME", str(tmp_path / "home"))

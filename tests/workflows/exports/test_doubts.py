@@ -1,4 +1,4 @@
-"""What is worth a look in a result is told in one line an object."""
+"""Doubts about a result: one line an object."""
 
 import numpy as np
 import pytest
