@@ -34,6 +34,7 @@ from moseg.schemas.parameters import (
     LinkingParams,
     MotionMemoryParams,
     MotionNetworkParams,
+    MotionPromptParams,
     MotionProofParams,
     MovesNowParams,
     ObjectHypothesisParams,
@@ -81,8 +82,18 @@ class TrajectoryVariant(StrEnum):
     AFFINE = "affine"
 
 
+ProposalSource = Literal["auto", "saliency", "tracks", "motion-prompts", "detections", "groundtruth", "folder"]
+"""Where object proposals come from."""
 MOTION_SOURCES = ("auto", "saliency", "tracks")
+"""Sources of proposals whose masks are made from motion."""
+MOVING_SOURCES = (*MOTION_SOURCES, "motion-prompts")
 """Sources of proposals that propose objects because they move."""
+BY_CAMERA = ("auto", "motion-prompts")
+"""Sources of proposals for which the camera's motion in a stretch chooses between saliency and tracks."""
+SALIENCY_SOURCES = (*BY_CAMERA, "saliency")
+"""Sources of proposals that may read motion saliency."""
+POINT_PROMPTED = ("sam2",)
+"""Networks for masks that take points as prompts."""
 
 
 class SectionParams(Frozen):
@@ -100,11 +111,12 @@ class PipelineConfig(Frozen):
     max_side: Annotated[int, Unit.PIXELS] = Field(
         1280, ge=16, description="frames with a longer side are reduced to this for analysis, px"
     )
-    proposal_source: Literal["auto", "saliency", "tracks", "detections", "groundtruth", "folder"] = Field(
+    proposal_source: ProposalSource = Field(
         "auto",
         description="object proposals: auto (saliency or tracks, by the camera's motion in each stretch of the video),"
-        " motion saliency, tracks (groups of dense point tracks that no rigid scene explains), detections (objects that"
-        " networks name, find, outline and track), the ground truth's objects, or a folder of masks",
+        " motion saliency, tracks (groups of dense point tracks that no rigid scene explains), motion-prompts (objects"
+        " that networks outline and track, prompted by the regions of auto), detections (objects that networks name,"
+        " find, outline and track), the ground truth's objects, or a folder of masks",
     )
     fused_flow_model: Annotated[str, ChoiceOf("fused_flow_model")] = Field(
         "oc_depth", description="flow model that the fused variant combines"
@@ -117,6 +129,7 @@ class PipelineConfig(Frozen):
     grounding_dino: GroundingDinoParams = GroundingDinoParams()
     sam_hq: SamHqParams = SamHqParams()
     sam2: Sam2Params = Sam2Params()
+    motion_prompts: MotionPromptParams = MotionPromptParams()
     instances: InstanceParams = InstanceParams()
     seeds: SeedParams = SeedParams()
     deaot: DeaotParams = DeaotParams()

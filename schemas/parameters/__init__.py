@@ -22,6 +22,7 @@ from moseg.schemas.parameters.instances import InstanceParams, SeedParams
 from moseg.schemas.parameters.linking import LinkingParams
 from moseg.schemas.parameters.motion_memory import MotionMemoryParams
 from moseg.schemas.parameters.motion_network import MotionNetworkParams
+from moseg.schemas.parameters.motion_prompts import MotionPromptParams
 from moseg.schemas.parameters.motion_proof import MotionProofParams
 from moseg.schemas.parameters.moves_now import MovesNowParams
 from moseg.schemas.parameters.network_training import NetworkTrainingParams
@@ -92,6 +93,7 @@ __all__ = [
     "MotionCountParams",
     "MotionMemoryParams",
     "MotionNetworkParams",
+    "MotionPromptParams",
     "MotionProofParams",
     "MovesNowParams",
     "NetworkTrainingParams",

@@ -26,7 +26,8 @@ def test_a_parameter_takes_the_methods_that_are_listed(choice):
 @pytest.mark.parametrize("stage", [stage for stage in STAGES.values() if stage.choices], ids=lambda stage: stage.name)
 def test_every_method_of_a_stage_with_a_choice_is_listed(stage):
     listed = {backend.method for choice in stage.choices for backend in choice.backends}
-    assert {task.method for task in stage.tasks} - {"given"} <= listed
+    # The same backend has another task where regions prompt it in place of boxes.
+    assert {task.method.removesuffix("-prompts") for task in stage.tasks} - {"given"} <= listed
 
 
 @pytest.mark.parametrize("stage", STAGES.values(), ids=lambda stage: stage.name)

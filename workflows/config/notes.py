@@ -19,6 +19,8 @@ def evaluation_notes(config: PipelineConfig, variants: Sequence[Variant], option
         chosen = config.detections
         named = chosen.tagger if chosen.tags is None else f"tags {', '.join(chosen.tags)}"
         proposals += f" ({named}; grounding-dino; {chosen.masks}; {chosen.tracker})"
+    elif proposals == "motion-prompts":
+        proposals += f" ({config.detections.masks}; {config.detections.tracker})"
     notes = [f"proposals {proposals}, flow {config.flow.method}, tracks {config.tracks.method}"]
     if config.depth.method == "none":
         without = [variant.value for variant in (Variant.FUSED, Variant.OC_DEPTH, Variant.OC) if variant in variants]

@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.configs import POINT_PROMPTED, PipelineConfig
 from moseg.schemas.errors import InputError
-from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES
+from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES, SOURCE_DEFAULTS
 from moseg.schemas.spelling import unknown_name
 from moseg.workflows.config.parameter_errors import parameter_error
 
@@ -32,8 +32,13 @@ PARAMETER_OF = {f"--{cue}": parameter for cue, parameter in CUES.items()} | {
 SETS_OF = {"--preset": PRESETS, "--geometry": GEOMETRIES, "--quality": QUALITIES}
 """Options that choose many parameters by one name, each with its sets of values by name."""
 
-READ_BY = {"detections": ("detections",), "track_objects": ("auto", "tracks")}
-"""Stages whose options change something with some sources of proposals alone, each with these sources."""
+READ_BY = {
+    "detections": ("detections",),
+    "detections.masks": ("motion-prompts", "detections"),
+    "detections.tracker": ("motion-prompts", "detections"),
+    "track_objects": ("motion-prompts", "auto", "tracks"),
+}
+"""Stages or parameters whose options change something with some sources of proposals alone, each with these sources."""
 
 
 class Choice(NamedTuple):
@@ -87,12 +92,14 @@ class PipelineChoices:
             got = ", ".join(f"{kind}={name!r}" for kind, name in self.names.items())
             expected = "one of the two; a mapping of single parameters goes with a preset"
             raise InputError("a whole configuration beside a choice", got=got, expected=expected)
-        values = choose_preset(**self.names)
-        _merge(values, self.given_values())
+        values, given = choose_preset(**self.names), self.given_values()
         for choice in self.chosen:
-            _assign(values, choice.parameter, choice.value)
+            _assign(given, choice.parameter, choice.value)
         for name, value in self.settings:
-            _assign(values, name, value)
+            _assign(given, name, value)
+        # What a source of proposals implies is more specific than the preset, and less than the user's own choice.
+        _merge(values, SOURCE_DEFAULTS.get(str(given.get("proposal_source")), {}))
+        _merge(values, given)
         return _validate(values)
 
     def read(self) -> PipelineConfig:
@@ -132,13 +139,17 @@ class PipelineChoices:
         """Raise InputError where an option would change nothing, because proposals come from elsewhere."""
         given = {choice.parameter: choice for choice in self.chosen}
         for parameter, choice in given.items():
-            sources = READ_BY.get(parameter.partition(".")[0])
+            sources = READ_BY.get(parameter, READ_BY.get(parameter.partition(".")[0]))
             if sources is not None and config.proposal_source not in sources:
                 expected = " or ".join(f"--proposals {source}" for source in sources)
                 if any(preset.get("proposal_source") in sources for preset in PRESETS.values()):
                     expected += ", or a preset that has it"
                 what, got = f"an option of {sources[-1]}", f"proposals {config.proposal_source}"
                 raise InputError(what, where=choice.option, got=got, expected=expected)
+        masks = config.detections.masks
+        if config.proposal_source == "motion-prompts" and masks not in POINT_PROMPTED:
+            expected = " or ".join(f"--masks {name}" for name in POINT_PROMPTED)
+            raise InputError("a network that takes no points as prompts", where="--masks", got=masks, expected=expected)
         if {"detections.tags", "detections.tagger"} <= given.keys():
             got = f"--tags {given['detections.tags'].value}"
             raise InputError("nothing to tag", where="--tagger", got=got, expected="one of the two")

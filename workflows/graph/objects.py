@@ -1,6 +1,6 @@
 """Objects: proposals of every section, and their identities over the sequence."""
 
-from moseg.schemas.configs import MOTION_SOURCES
+from moseg.schemas.configs import BY_CAMERA, MOTION_SOURCES
 from moseg.schemas.stretch_choice import StretchChoice
 from moseg.workflows.graph.cached_method import cached_method
 from moseg.workflows.graph.foreground import Foreground
@@ -62,17 +62,28 @@ class Objects:
 
     def source_of(self, index: int) -> str:
         """Return the source of a section's proposals; saliency if it was left open and not chosen."""
-        if self._config.proposal_source != "auto":
+        return self._config.proposal_source if self._is_prompted else self.regions_of(index)
+
+    def regions_of(self, index: int) -> str:
+        """Return where a section's moving regions come from, which prompt networks or are the proposals themselves.
+
+        Proposals that are not made from motion have no such regions; their source is returned.
+        """
+        if self._config.proposal_source not in BY_CAMERA:
             return self._config.proposal_source
         choice = self._choice_of(index)
         return "saliency" if choice is None else choice.proposals
+
+    @property
+    def _is_prompted(self) -> bool:
+        return self._config.proposal_source == "motion-prompts"
 
     def is_compared(self, index: int) -> bool:
         """Return whether a section's objects are compared with a rigid scene."""
         use = self._config.rigid_support.use
         if use != "auto":
             return use == "always"
-        if self.source_of(index) == "tracks":
+        if self.regions_of(index) == "tracks":
             return True
         choice = self._choice_of(index)
         return choice is not None and choice.shows_depth
@@ -86,13 +97,13 @@ class Objects:
 
     @property
     def uses_saliency(self) -> bool:
-        """Return whether the proposals of any section are made from saliency, which then covers the whole video."""
-        return any(self.source_of(index) == "saliency" for index in range(len(self._sections)))
+        """Return whether the moving regions of any section come from saliency, which then covers the whole video."""
+        return any(self.regions_of(index) == "saliency" for index in range(len(self._sections)))
 
     def labelled_until(self, index: int) -> int:
         """Return the end of the frames in which a section's objects are labelled."""
         section = self._sections[index]
-        if self._config.proposal_source == "detections":
+        if self._config.proposal_source == "detections" or self._is_prompted:
             # The next section continues the objects that were tracked into its first frame.
             return min(section.stop + 1, len(self._leaves.frames))
         if self.source_of(index) == "tracks":
@@ -106,9 +117,15 @@ class Objects:
             place = {"start": section.start, "stop": section.proposal_stop}
             given = {"shape": self._leaves.shape, "void": self._leaves.masks_void}
             return self._nodes.add("proposals", {"masks": masks}, **place, **given)
-        if self._config.proposal_source == "detections":
+        if self._config.proposal_source == "detections" or self._is_prompted:
             return self._track_objects(index)
-        if self.source_of(index) == "tracks":
+        return self._regions(index)
+
+    @cached_method
+    def _regions(self, index: int) -> str:
+        """Return the reference of the masks of a section's moving regions."""
+        section = self._sections[index]
+        if self.regions_of(index) == "tracks":
             return self.track_proposals.proposals(index)
         frames = self._leaves.frames[section.start : section.proposal_stop]
         inputs = {
@@ -126,10 +143,17 @@ class Objects:
 
     def _seeds(self, index: int) -> str:
         """Return the reference of the objects of a section's first frame, linked with those tracked into it."""
-        inputs = {"found": self._instances(self._sections[index].start)}
+        start = self._sections[index].start
+        inputs = {"found": self._prompted(index) if self._is_prompted else self._instances(start)}
         if index:
             inputs["tracked"] = self.proposals(index - 1)
         return self._nodes.add("seeds", inputs)
+
+    def _prompted(self, index: int) -> str:
+        """Return the reference of the objects that moving regions prompt in a section's first frame."""
+        prompts = self._nodes.add("motion_prompts", {"regions": self._regions(index)})
+        frame = self._leaves.frames[self._sections[index].start]
+        return self._nodes.add("instances", {"frame": frame, "prompts": prompts})
 
     def _instances(self, frame: int) -> str:
         """Return the reference of the objects that the networks find in one frame."""

@@ -72,7 +72,7 @@ class SequenceGraph:
         """Return the references of whether objects move now, one a section; None where saliency is not read."""
         num_frames, refs = len(self.leaves.frames), []
         for index, (section, labels) in enumerate(zip(self._sections, self.segmentations(variant), strict=True)):
-            if self.objects.source_of(index) != "saliency":
+            if self.objects.regions_of(index) != "saliency":
                 refs.append(None)
                 continue
             saliency = self.foreground.saliency(section.start, section.stop)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from itertools import chain
 
-from moseg.schemas.configs import MOTION_SOURCES, PipelineConfig
+from moseg.schemas.configs import MOVING_SOURCES, PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.workflows.datasets import SequenceSource, TrajectorySource
 from moseg.workflows.engine.ingest import IngestJob
@@ -70,7 +70,7 @@ def ingest_jobs(source: SequenceSource, config: PipelineConfig, annotated: bool)
         add("depth", "given_depth", source.depth, f"depth: {config.depth.method}")
     if config.flow.method in GIVEN_SOURCES:
         add("flow_forward", "given_flow", source.flow_forward, f"flow: {config.flow.method}")
-        if config.proposal_source in MOTION_SOURCES:
+        if config.proposal_source in MOVING_SOURCES:
             if config.flow.method == "folder" and source.flow_backward is None:
                 raise InputError(
                     f"--proposals {config.proposal_source} needs flow in both directions",

@@ -6,7 +6,7 @@ Without the choice, the graph would have to hold the recipes of both sources, an
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.configs import BY_CAMERA, PipelineConfig
 from moseg.schemas.recipes import Recipe
 from moseg.schemas.stretch_choice import StretchChoice
 from moseg.workflows.engine.session import Session
@@ -27,7 +27,7 @@ class ChoiceRecipes(NamedTuple):
 
 def choice_recipes(leaves: Sequence[SequenceLeaves], config: PipelineConfig) -> ChoiceRecipes:
     """Return the recipes of the choices that a configuration leaves open; none where it names the source."""
-    if config.proposal_source != "auto":
+    if config.proposal_source not in BY_CAMERA:
         return ChoiceRecipes({}, tuple(() for _ in leaves))
     writers = [Stretches(each, config) for each in leaves]
     refs = tuple(writer.choices() for writer in writers)

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from moseg.schemas.configs import MOTION_SOURCES, Variant
+from moseg.schemas.configs import MOVING_SOURCES, Variant
 from moseg.tasks.flow.flow_grid import full_flow
 from moseg.workflows.exports.colour_maps import (
     DEPTH_COLOURS,
@@ -39,7 +39,7 @@ def plan_cue_layers(view: SequenceView, variants: Sequence[Variant]) -> list[Pla
     if has_saliency:
         refs = tuple(view.graph.frame_cues.saliency(frame) for frame in frames)
         layers.append(PlannedLayer("motion saliency", refs, lambda: _make_saliency(view)))
-    if view.config.proposal_source in MOTION_SOURCES or models - {"trajs"}:
+    if view.config.proposal_source in MOVING_SOURCES or models - {"trajs"}:
         refs = tuple(view.graph.frame_cues.flow(frame, frame + 1) for frame in _with_next(view))
         layers.append(PlannedLayer("optical flow", refs, lambda: _make_flow(view)))
     if has_saliency:

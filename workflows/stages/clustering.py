@@ -1,7 +1,7 @@
 """Clustering: motion groups of a sequence's objects from the affinities of one or several motion models."""
 
 from moseg.schemas.arrays import layout
-from moseg.schemas.configs import MOTION_SOURCES, PipelineConfig
+from moseg.schemas.configs import MOVING_SOURCES, PipelineConfig
 from moseg.schemas.parameters import ClusteringParams
 from moseg.schemas.parameters.clustering import COUNT_READS, READ_TRACKS
 from moseg.workflows.stages.stage import Stage
@@ -54,7 +54,7 @@ def _params(config: PipelineConfig, num_views: int, num_motions: int | None, has
     params, is_auto = config.clustering, num_motions is None
     by_agreement = params.static == "agreement"
     if params.static == "auto":
-        by_agreement = config.proposal_source in MOTION_SOURCES
+        by_agreement = config.proposal_source in MOVING_SOURCES
     unread = {"motions", "count"}
     if not is_auto:
         unread |= {"auto", "static"}

@@ -1,8 +1,11 @@
-"""Instances: objects of a frame, the best mask of each that the detections show."""
+"""Instances: objects of a frame, the best mask of each that detections or moving regions show."""
+
+import numpy as np
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.parameters import InstanceParams, Sam2Params, SamHqParams
+from moseg.schemas.parameters import InstanceParams, MotionPromptParams, Sam2Params, SamHqParams
+from moseg.workflows.stages.motion_prompts import choice_params
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
 from moseg.workflows.stages.task import Network, Output, Task
@@ -22,13 +25,38 @@ def _run_sam2(params, inputs, rng):
     return _outline(build_sam2_image, segment_boxes_sam2, Sam2Params.of_recipe(params["sam2"]), params, inputs)
 
 
-def _outline(build, segment_boxes, network_params, params, inputs):
-    from moseg.tasks.instances import paint_instances, select_instances
+def _run_sam2_prompts(params, inputs, rng):
+    from moseg.tasks.instances.motion_prompts import MotionPrompts, choose_masks
+    from moseg.tasks.instances.sam2 import segment_prompts_sam2
+    from moseg.tasks.networks.sam2 import build_sam2_image
 
+    read, found = MotionPromptParams.of_recipe(params["motion_prompts"]), inputs["prompts"]
+    labels, boxes, points = (found.array(name) for name in ("labels", "boxes", "points"))
+    prompts = MotionPrompts(labels, boxes, points, np.array(found.attributes["regions"], np.intp))
+    with open_network(build_sam2_image, inputs["weights"]) as network:
+        masks, quality = segment_prompts_sam2(
+            network,
+            inputs["frame"].cached("image"),
+            None if read.use == "points" else boxes,
+            None if read.use == "box" else points,
+            Sam2Params.of_recipe(params["sam2"]),
+        )
+    region, chosen = choose_masks(masks, quality, prompts, read)
+    return _select(masks[region, chosen], quality[region, chosen], [""] * len(region), params)
+
+
+def _outline(build, segment_boxes, network_params, params, inputs):
     boxes, scores = (inputs["detections"].array(name) for name in ("boxes", "scores"))
     tags = inputs["detections"].attributes["tags"]
     with open_network(build, inputs["weights"]) as network:
         masks, _ = segment_boxes(network, inputs["frame"].cached("image"), boxes, network_params)
+    return _select(masks, scores, tags, params)
+
+
+def _select(masks, scores, tags, params):
+    """Return the output of the masks that are objects of their own."""
+    from moseg.tasks.instances import paint_instances, select_instances
+
     instance_params = InstanceParams.of_recipe(params["instances"])
     kept = select_instances(masks, scores, instance_params)
     painted = paint_instances(masks[kept], scores[kept], instance_params.min_area)
@@ -49,6 +77,16 @@ def _sam2_params(config: PipelineConfig) -> dict:
     return {"sam2": network, "instances": config.instances.model_dump(mode="json")}
 
 
+def _sam2_prompts_params(config: PipelineConfig) -> dict:
+    return {**_sam2_params(config), "motion_prompts": choice_params(config)}
+
+
+def _method(config: PipelineConfig) -> str | None:
+    if config.proposal_source == "motion-prompts":
+        return f"{config.detections.masks}-prompts"
+    return config.detections.masks if config.proposal_source == "detections" else None
+
+
 SAM_HQ = Task(
     "instances",
     "sam-hq",
@@ -65,17 +103,30 @@ SAM2 = Task(
     params=_sam2_params,
     network=Network("sam2", "sam2.weights", "sam2.1-hiera-large", ("config.json",)),
 )
+SAM2_PROMPTS = Task(
+    "instances",
+    "sam2-prompts",
+    version=1,
+    run=_run_sam2_prompts,
+    params=_sam2_prompts_params,
+    network=SAM2.network,
+)
 
 STAGE = Stage(
     name="instances",
     about="objects that the networks find in a frame",
-    inputs={"frame": "the frame", "detections": "boxes of its objects", "weights": "of the network"},
+    inputs={
+        "frame": "the frame",
+        "detections": "boxes of its objects",
+        "prompts": "points and boxes of its moving regions, in place of the detections",
+        "weights": "of the network",
+    },
     arrays={
         "labels": layout("uint16", "y x", "object of the frame, 0 = background"),
         "scores": layout("float64", "object"),
     },
-    tasks=(SAM_HQ, SAM2),
-    method=lambda config: config.detections.masks if config.proposal_source == "detections" else None,
+    tasks=(SAM_HQ, SAM2, SAM2_PROMPTS),
+    method=_method,
     choices=(
         Choice(
             "masks",

@@ -3,7 +3,7 @@
 import threading
 
 from moseg.schemas.arrays import layout
-from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.configs import SALIENCY_SOURCES, PipelineConfig
 from moseg.schemas.parameters import SaliencyParams
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
@@ -17,7 +17,7 @@ _FIT_PARAMS = frozenset(
 
 def uses_motion_network(config: PipelineConfig) -> bool:
     """Return whether a configuration looks for moving objects with the network."""
-    return config.motion_network.use == "always" and config.proposal_source in ("auto", "saliency")
+    return config.motion_network.use == "always" and config.proposal_source in SALIENCY_SOURCES
 
 
 def _run(params, inputs, rng):

@@ -159,7 +159,7 @@ def _sam2_params(config: PipelineConfig) -> dict:
 
 
 def _method(config: PipelineConfig) -> str:
-    if config.proposal_source == "detections":
+    if config.proposal_source in ("detections", "motion-prompts"):
         return config.detections.tracker
     if config.proposal_source == "auto":
         # The graph names the method of each section.
@@ -219,6 +219,7 @@ STAGE = Stage(
                 Backend("auto", "saliency or tracks, by the camera's motion in each stretch of the video"),
                 Backend("saliency", "motion saliency"),
                 Backend("tracks", "dense point tracks that no rigid scene explains"),
+                Backend("motion-prompts", "objects outlined and tracked by networks, prompted by moving regions"),
                 Backend("detections", "named, found, outlined and tracked objects"),
                 Backend("groundtruth", "annotated objects (an oracle)"),
                 Backend("folder", "your own masks"),

@@ -32,6 +32,7 @@ from moseg.workflows.stages import (
     linking,
     motion_memory,
     motion_network,
+    motion_prompts,
     motion_proof,
     moves_now,
     moving_tracks,
@@ -60,7 +61,7 @@ from moseg.workflows.stages.task import Task
 STAGES: dict[str, Stage] = {
     module.STAGE.name: module.STAGE
     for module in (
-        *(tags, detections, instances, seeds),
+        *(tags, detections, motion_prompts, instances, seeds),
         scene_parallax,
         *(flow, background, saliency, motion_network, consistency, accumulation, motion_memory, own_motion, coherence),
         *(appearance, motion_proof, video_network, foreground, components),

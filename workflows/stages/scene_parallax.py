@@ -1,6 +1,6 @@
 """Scene parallax: the camera's motion in a stretch of video, the source of proposals that suits it, and its depth."""
 
-from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.configs import BY_CAMERA, PipelineConfig
 from moseg.schemas.parameters import RigidityParams, SceneParallaxParams
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
@@ -42,5 +42,5 @@ STAGE = Stage(
     inputs={"frames": "frames of the pairs at fixed places of the stretch, and those between them"},
     arrays={},
     tasks=(EPIPOLAR,),
-    method=lambda config: "epipolar" if config.proposal_source == "auto" else None,
+    method=lambda config: "epipolar" if config.proposal_source in BY_CAMERA else None,
 )

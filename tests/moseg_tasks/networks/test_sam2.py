@@ -5,12 +5,14 @@ import numpy as np
 import pytest
 import torch
 from safetensors.torch import load
+from torch.nn import functional
 from transformers import Sam2Config, Sam2Model, Sam2VideoConfig, Sam2VideoModel
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.sam2 import Sam2Params
-from moseg.tasks.instances.sam2 import segment_boxes_sam2
+from moseg.tasks.instances.sam2 import segment_boxes_sam2, segment_prompts_sam2
 from moseg.tasks.networks import Checkpoint
+from moseg.tasks.networks.frame_tensor import Resizing, frame_tensor
 from moseg.tasks.networks.sam2 import build_sam2_image, build_sam2_video
 from moseg.workflows.weights.tiny.sam2 import make_sam2
 
@@ -166,6 +168,58 @@ def test_half_precision_is_near_full(model, image, in_half_precision, relative_e
     # The decoder works in single precision.
     assert logits.dtype == torch.float32
     assert relative_error(logits, segment()[2]) < 0.25
+
+
+POINTS = np.array([[[40, 35], [30, 40]], [[95, 65], [100, 60]], [[15, 15], [5, 5]], [[50, 70], [80, 60]]], np.float32)
+
+
+@pytest.mark.parametrize(("boxes", "points"), [(BOXES, POINTS), (BOXES, None), (None, POINTS)])
+def test_prompts_get_three_masks_as_from_the_network_itself(boxes, points, model, image):
+    masks, quality = segment_prompts_sam2(model, image, boxes, points, Sam2Params(boxes_per_pass=3))
+    assert (masks.dtype, masks.shape) == (np.bool_, (4, 3, 96, 128))
+    assert (quality.dtype, quality.shape) == (np.float64, (4, 3))
+    pixels = frame_tensor(image, (128, 128), model.device, Resizing.TORCH_BILINEAR)
+    given = {}
+    if boxes is not None:
+        given["input_boxes"] = torch.from_numpy(boxes * np.float32([1, 128 / 96, 1, 128 / 96]))[None]
+    if points is not None:
+        given["input_points"] = torch.from_numpy(points * np.float32([1, 128 / 96]))[None]
+        given["input_labels"] = torch.ones((1, 4, 2), dtype=torch.int32)
+    with torch.inference_mode():
+        expected = model(pixels, **given)
+    logits = functional.interpolate(expected.pred_masks[0], size=(96, 128), mode="bilinear")
+    assert (masks == (logits > 0).numpy()).mean() > 0.999
+    np.testing.assert_allclose(quality, expected.iou_scores[0].double().numpy(), atol=1e-5)
+
+
+def test_points_and_boxes_reach_the_decoder(model, image):
+    outputs = []
+    with model.register_forward_hook(lambda _module, _inputs, output: outputs.append(output.pred_masks)):
+        for boxes, points in ((BOXES, POINTS), (BOXES, POINTS[::-1]), (BOXES[::-1], POINTS), (None, POINTS)):
+            segment_prompts_sam2(model, image, boxes, points, PARAMS)
+    first, *others = outputs
+    assert not any(torch.equal(first, other) for other in others)
+
+
+def test_no_prompts_give_no_masks(model, image):
+    masks, quality = segment_prompts_sam2(model, image, BOXES[:0], POINTS[:0], PARAMS)
+    assert masks.shape == (0, 3, 96, 128) and quality.shape == (0, 3)
+
+
+@pytest.mark.parametrize(
+    ("boxes", "points", "what"),
+    [
+        (None, None, "no prompts"),
+        (BOXES, POINTS[0], "not points"),
+        (BOXES, POINTS[:, :0], "not points"),
+        (BOXES, POINTS * np.nan, "not points"),
+        (BOXES[:2], POINTS, "not one box for the points of each object"),
+        (BOXES[:, :3], POINTS, "not boxes"),
+    ],
+)
+def test_invalid_prompts_are_refused(model, image, boxes, points, what):
+    with pytest.raises(InputError, match=what):
+        segment_prompts_sam2(model, image, boxes, points, PARAMS)
 
 
 @pytest.mark.parametrize("boxes", [BOXES[0], BOXES[:, :3], BOXES[:, [2, 1, 0, 3]], BOXES * np.nan])
