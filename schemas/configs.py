@@ -22,6 +22,7 @@ from moseg.schemas.parameters import (
     DepthParams,
     DetectionParams,
     DptDinov2Params,
+    EdgeTamParams,
     FlowModelParams,
     FlowParams,
     ForegroundParams,
@@ -92,7 +93,7 @@ BY_CAMERA = ("auto", "motion-prompts")
 """Sources of proposals for which the camera's motion in a stretch chooses between saliency and tracks."""
 SALIENCY_SOURCES = (*BY_CAMERA, "saliency")
 """Sources of proposals that may read motion saliency."""
-POINT_PROMPTED = ("sam2",)
+POINT_PROMPTED = ("sam2", "edgetam")
 """Networks for masks that take points as prompts."""
 
 
@@ -129,6 +130,7 @@ class PipelineConfig(Frozen):
     grounding_dino: GroundingDinoParams = GroundingDinoParams()
     sam_hq: SamHqParams = SamHqParams()
     sam2: Sam2Params = Sam2Params()
+    edgetam: EdgeTamParams = EdgeTamParams()
     motion_prompts: MotionPromptParams = MotionPromptParams()
     instances: InstanceParams = InstanceParams()
     seeds: SeedParams = SeedParams()

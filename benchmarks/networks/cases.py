@@ -27,6 +27,7 @@ from moseg.tasks.instances.sam_hq import segment_boxes_sam_hq
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.deaot import build_deaot
 from moseg.tasks.networks.depth import build_depth_anything, build_dpt_dinov2
+from moseg.tasks.networks.edgetam import build_edgetam_image, build_edgetam_video
 from moseg.tasks.networks.grounding_dino import build_grounding_dino
 from moseg.tasks.networks.pips import build_pips
 from moseg.tasks.networks.raft import build_raft
@@ -179,6 +180,8 @@ CASES: dict[str, Case] = {
     "sam2.1-hiera-large": Case(_PROMPTED, partial(published.sam2, True), build_sam2_image, _run_sam2_image),
     "sam2.1-hiera-tiny-video": Case(_TRACKED, partial(published.sam2, False), build_sam2_video, _run_sam2_video),
     "sam2.1-hiera-large-video": Case(_TRACKED, partial(published.sam2, True), build_sam2_video, _run_sam2_video),
+    "edgetam": Case(_PROMPTED, published.edgetam, build_edgetam_image, _run_sam2_image),
+    "edgetam-video": Case(_TRACKED, published.edgetam, build_edgetam_video, _run_sam2_video),
     "deaot-r50-l": Case("5 objects, memory full", published.deaot, build_deaot, _run_deaot),
     "pips": Case(f"8 frames, {NUM_POINTS} points; one run", published.pips, build_pips, _run_pips),
     "raft-large": Case(_FLOW, partial(published.raft, False), build_raft, _run_raft),

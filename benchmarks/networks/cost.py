@@ -24,6 +24,8 @@ NAMES = (
     "sam2.1-hiera-large",
     "sam2.1-hiera-tiny-video",
     "sam2.1-hiera-large-video",
+    "edgetam",
+    "edgetam-video",
     "deaot-r50-l",
     "pips",
     "raft-large",

@@ -1,5 +1,7 @@
 """Networks of the published sizes with random weights, as the checkpoints that production builds them from."""
 
+import json
+
 import torch
 from torch.nn import init
 from transformers import (
@@ -8,6 +10,8 @@ from transformers import (
     Dinov2Config,
     DPTConfig,
     DPTForDepthEstimation,
+    EdgeTamVideoConfig,
+    EdgeTamVideoModel,
     GroundingDinoConfig,
     GroundingDinoForObjectDetection,
     PreTrainedConfig,
@@ -20,6 +24,7 @@ from transformers import (
 
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.deaot import Deaot, DeaotConfig
+from moseg.tasks.networks.edgetam.repvit import RepVitConfig
 from moseg.tasks.networks.pips import Pips, PipsConfig
 from moseg.tasks.networks.raft import Raft
 from moseg.tasks.networks.raft.config import LARGE, SMALL
@@ -83,6 +88,17 @@ def sam2(is_large: bool) -> Checkpoint:
         backbone |= {"window_size_per_stage": [8, 4, 16, 8], "global_attention_blocks": [23, 33, 43]}
         vision |= {"backbone_channel_list": widths[::-1]}
     return _checkpoint(Sam2VideoModel, Sam2VideoConfig(vision_config=vision))
+
+
+def edgetam() -> Checkpoint:
+    """Return ``edgetam.yaml`` of the authors' code; the image encoder is named as in the published file."""
+    vision = {"model_type": "edgetam_vision_model", "backbone_config": RepVitConfig()}
+    switches = ("enable_occlusion_spatial_embedding", "enable_temporal_pos_encoding_for_object_pointers")
+    config = EdgeTamVideoConfig(vision_config=vision, **dict.fromkeys(switches, False))
+    checkpoint = _checkpoint(EdgeTamVideoModel, config)
+    content = json.loads(checkpoint.documents["config.json"])
+    content["vision_config"]["backbone_config"] = {"model_type": "timm_wrapper", "architecture": "repvit_m1"}
+    return checkpoint._replace(documents={"config.json": json.dumps(content)})
 
 
 def dpt_dinov2(is_large: bool) -> Checkpoint:

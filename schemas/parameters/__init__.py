@@ -35,7 +35,7 @@ from moseg.schemas.parameters.refinement import RefinementParams
 from moseg.schemas.parameters.rigid_support import RigidSupportParams
 from moseg.schemas.parameters.rigidity import RigidityParams
 from moseg.schemas.parameters.saliency import SaliencyParams
-from moseg.schemas.parameters.sam2 import Sam2Params
+from moseg.schemas.parameters.sam2 import EdgeTamParams, Sam2Params
 from moseg.schemas.parameters.sam_hq import SamHqParams
 from moseg.schemas.parameters.scene_parallax import SceneParallaxParams
 from moseg.schemas.parameters.track_masks import TrackMaskParams
@@ -78,6 +78,7 @@ __all__ = [
     "DepthParams",
     "DetectionParams",
     "DptDinov2Params",
+    "EdgeTamParams",
     "EnergyParams",
     "FlowModelParams",
     "FlowParams",

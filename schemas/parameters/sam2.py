@@ -1,4 +1,4 @@
-"""Parameters of SAM 2.1: masks from boxes, and masks tracked through a video."""
+"""Parameters of SAM 2.1 and EdgeTAM: masks from prompts, and masks tracked through a video."""
 
 from typing import Annotated
 
@@ -24,3 +24,9 @@ class Sam2Params(Frozen):
         description="frames back that the memory of an object reaches, beside its first; the network itself looks at "
         "15 at most, at the masks of the last 6. These take 1.5 MB a frame and object, in float32",
     )
+
+
+class EdgeTamParams(Sam2Params):
+    """Weights of EdgeTAM, and bounds on its memory, which are those of SAM 2.1."""
+
+    weights: str = Field("edgetam", description="weights item; `moseg backends` lists them")

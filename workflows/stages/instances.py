@@ -4,7 +4,7 @@ import numpy as np
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.parameters import InstanceParams, MotionPromptParams, Sam2Params, SamHqParams
+from moseg.schemas.parameters import EdgeTamParams, InstanceParams, MotionPromptParams, Sam2Params, SamHqParams
 from moseg.workflows.stages.motion_prompts import choice_params
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
@@ -25,21 +25,40 @@ def _run_sam2(params, inputs, rng):
     return _outline(build_sam2_image, segment_boxes_sam2, Sam2Params.of_recipe(params["sam2"]), params, inputs)
 
 
+def _run_edgetam(params, inputs, rng):
+    from moseg.tasks.instances.sam2 import segment_boxes_sam2
+    from moseg.tasks.networks.edgetam import build_edgetam_image
+
+    network_params = EdgeTamParams.of_recipe(params["edgetam"])
+    return _outline(build_edgetam_image, segment_boxes_sam2, network_params, params, inputs)
+
+
 def _run_sam2_prompts(params, inputs, rng):
+    from moseg.tasks.networks.sam2 import build_sam2_image
+
+    return _outline_prompted(build_sam2_image, Sam2Params.of_recipe(params["sam2"]), params, inputs)
+
+
+def _run_edgetam_prompts(params, inputs, rng):
+    from moseg.tasks.networks.edgetam import build_edgetam_image
+
+    return _outline_prompted(build_edgetam_image, EdgeTamParams.of_recipe(params["edgetam"]), params, inputs)
+
+
+def _outline_prompted(build, network_params, params, inputs):
     from moseg.tasks.instances.motion_prompts import MotionPrompts, choose_masks
     from moseg.tasks.instances.sam2 import segment_prompts_sam2
-    from moseg.tasks.networks.sam2 import build_sam2_image
 
     read, found = MotionPromptParams.of_recipe(params["motion_prompts"]), inputs["prompts"]
     labels, boxes, points = (found.array(name) for name in ("labels", "boxes", "points"))
     prompts = MotionPrompts(labels, boxes, points, np.array(found.attributes["regions"], np.intp))
-    with open_network(build_sam2_image, inputs["weights"]) as network:
+    with open_network(build, inputs["weights"]) as network:
         masks, quality = segment_prompts_sam2(
             network,
             inputs["frame"].cached("image"),
             None if read.use == "points" else boxes,
             None if read.use == "box" else points,
-            Sam2Params.of_recipe(params["sam2"]),
+            network_params,
         )
     region, chosen = choose_masks(masks, quality, prompts, read)
     return _select(masks[region, chosen], quality[region, chosen], [""] * len(region), params)
@@ -71,14 +90,26 @@ def _sam_hq_params(config: PipelineConfig) -> dict:
     return {"sam_hq": network, "instances": config.instances.model_dump(mode="json")}
 
 
+TRACKER_PARAMS = frozenset({"weights", "objects_per_pass", "memory_reach"})
+"""Parameters of SAM 2.1 and EdgeTAM that masks of one frame do not read."""
+
+
 def _sam2_params(config: PipelineConfig) -> dict:
-    # The other parameters are those of the tracker.
-    network = config.sam2.model_dump(mode="json", exclude={"weights", "objects_per_pass", "memory_reach"})
+    network = config.sam2.model_dump(mode="json", exclude=TRACKER_PARAMS)
     return {"sam2": network, "instances": config.instances.model_dump(mode="json")}
+
+
+def _edgetam_params(config: PipelineConfig) -> dict:
+    network = config.edgetam.model_dump(mode="json", exclude=TRACKER_PARAMS)
+    return {"edgetam": network, "instances": config.instances.model_dump(mode="json")}
 
 
 def _sam2_prompts_params(config: PipelineConfig) -> dict:
     return {**_sam2_params(config), "motion_prompts": choice_params(config)}
+
+
+def _edgetam_prompts_params(config: PipelineConfig) -> dict:
+    return {**_edgetam_params(config), "motion_prompts": choice_params(config)}
 
 
 def _method(config: PipelineConfig) -> str | None:
@@ -111,6 +142,22 @@ SAM2_PROMPTS = Task(
     params=_sam2_prompts_params,
     network=SAM2.network,
 )
+EDGETAM = Task(
+    "instances",
+    "edgetam",
+    version=1,
+    run=_run_edgetam,
+    params=_edgetam_params,
+    network=Network("edgetam", "edgetam.weights", "edgetam", ("config.json",)),
+)
+EDGETAM_PROMPTS = Task(
+    "instances",
+    "edgetam-prompts",
+    version=1,
+    run=_run_edgetam_prompts,
+    params=_edgetam_prompts_params,
+    network=EDGETAM.network,
+)
 
 STAGE = Stage(
     name="instances",
@@ -125,7 +172,7 @@ STAGE = Stage(
         "labels": layout("uint16", "y x", "object of the frame, 0 = background"),
         "scores": layout("float64", "object"),
     },
-    tasks=(SAM_HQ, SAM2, SAM2_PROMPTS),
+    tasks=(SAM_HQ, SAM2, SAM2_PROMPTS, EDGETAM, EDGETAM_PROMPTS),
     method=_method,
     choices=(
         Choice(
@@ -135,6 +182,7 @@ STAGE = Stage(
             (
                 Backend("sam-hq", "SAM-HQ", TRANSFORMERS, SAM_HQ.network),
                 Backend("sam2", "SAM 2.1", TRANSFORMERS, SAM2.network),
+                Backend("edgetam", "EdgeTAM", TRANSFORMERS, EDGETAM.network),
             ),
         ),
     ),

@@ -6,7 +6,14 @@ import numpy as np
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import MOTION_SOURCES, PipelineConfig
-from moseg.schemas.parameters import DeaotParams, RefinementParams, Sam2Params, TrackMaskParams, TrackSurfaceParams
+from moseg.schemas.parameters import (
+    DeaotParams,
+    EdgeTamParams,
+    RefinementParams,
+    Sam2Params,
+    TrackMaskParams,
+    TrackSurfaceParams,
+)
 from moseg.workflows.stages.components import join_rows
 from moseg.workflows.stages.flow import read_flow
 from moseg.workflows.stages.moving_tracks import tracks_of
@@ -111,6 +118,13 @@ def _run_sam2(params, inputs, rng):
     return _track(build_sam2_video, track_masks_sam2, Sam2Params.of_recipe(params["sam2"]), inputs)
 
 
+def _run_edgetam(params, inputs, rng):
+    from moseg.tasks.networks.edgetam import build_edgetam_video
+    from moseg.tasks.proposals.sam2 import track_masks_sam2
+
+    return _track(build_edgetam_video, track_masks_sam2, EdgeTamParams.of_recipe(params["edgetam"]), inputs)
+
+
 def _track(build, track_masks, tracker_params, inputs):
     from moseg.tasks.proposals.boxes import object_boxes
 
@@ -158,6 +172,10 @@ def _sam2_params(config: PipelineConfig) -> dict:
     return {"sam2": config.sam2.model_dump(mode="json", exclude={"weights", "boxes_per_pass"})}
 
 
+def _edgetam_params(config: PipelineConfig) -> dict:
+    return {"edgetam": config.edgetam.model_dump(mode="json", exclude={"weights", "boxes_per_pass"})}
+
+
 def _method(config: PipelineConfig) -> str:
     if config.proposal_source in ("detections", "motion-prompts"):
         return config.detections.tracker
@@ -186,6 +204,14 @@ SAM2 = Task(
     params=_sam2_params,
     network=Network("sam2", "sam2.weights", "sam2.1-hiera-large", ("config.json",)),
 )
+EDGETAM = Task(
+    "proposals",
+    "edgetam",
+    version=1,
+    run=_run_edgetam,
+    params=_edgetam_params,
+    network=Network("edgetam", "edgetam.weights", "edgetam", ("config.json",)),
+)
 
 STAGE = Stage(
     name="proposals",
@@ -208,7 +234,7 @@ STAGE = Stage(
         "scores": layout("float64", "object"),
         "boxes": layout("int32", "object frame xyxy", "px, -1 where absent"),
     },
-    tasks=(SALIENCY, DENSE_TRACKS, GIVEN_MASKS, DEAOT, SAM2),
+    tasks=(SALIENCY, DENSE_TRACKS, GIVEN_MASKS, DEAOT, SAM2, EDGETAM),
     method=_method,
     choices=(
         Choice(
@@ -232,6 +258,7 @@ STAGE = Stage(
             (
                 Backend("deaot", "DeAOT", network=DEAOT.network),
                 Backend("sam2", "SAM 2.1 video", TRANSFORMERS, SAM2.network),
+                Backend("edgetam", "EdgeTAM", TRANSFORMERS, EDGETAM.network),
             ),
         ),
     ),

@@ -201,6 +201,14 @@ CATALOGUE: tuple[WeightsItem, ...] = (
     _sam_hq("base", NO_COMMIT, 379_000_000),
     _sam_hq("large", NO_COMMIT, 1_255_000_000),
     _sam_hq("huge", "9d9d53502fbf666297e7eb3804f64137f930055e", 2_571_000_000),
+    _hub_item(
+        "edgetam",
+        "edgetam",
+        "yonigozlan/EdgeTAM-hf",
+        NO_COMMIT,
+        {"config.json": UNKNOWN, "model.safetensors": UNKNOWN},
+        approximate_size=56_000_000,
+    ),
     _sam2(
         "tiny",
         "de431c4043854a71d8101e17995dfe596bf101a5",

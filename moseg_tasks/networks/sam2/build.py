@@ -1,9 +1,9 @@
 """The image network and the video network of SAM 2.1."""
 
-from torch.nn import functional
-from transformers import Sam2Config, Sam2Model, Sam2VideoConfig, Sam2VideoModel
+from transformers import Sam2Config, Sam2Model, Sam2VideoConfig, Sam2VideoInferenceSession, Sam2VideoModel
 
 from moseg.tasks.networks.checkpoint import Checkpoint
+from moseg.tasks.networks.sam2.first_mask import FirstMaskAsByAuthors
 from moseg.tasks.networks.transformers_model import build_transformers
 
 
@@ -26,24 +26,10 @@ def build_sam2_image(checkpoint: Checkpoint) -> Sam2Model:
     return build_transformers(Sam2Model, Sam2Config, checkpoint)
 
 
-class Sam2Video(Sam2VideoModel):
-    """The video network, run as by its authors where the first mask of an object is given.
+class Sam2Video(FirstMaskAsByAuthors, Sam2VideoModel):
+    """The video network, run as by its authors where the first mask of an object is given."""
 
-    transformers 5.23 then takes the object's pointer from the best of three masks and stores the given mask unchanged
-    in memory. The authors take the pointer from the single mask, and store the given mask resampled from a quarter of
-    its size.
-    """
-
-    def _single_frame_forward(self, *args, **kwargs):
-        if kwargs.get("input_masks") is not None:
-            kwargs.setdefault("multimask_output", False)
-        return super()._single_frame_forward(*args, **kwargs)
-
-    def _use_mask_as_output(self, *args, **kwargs):
-        found = super()._use_mask_as_output(*args, **kwargs)
-        side = (self.image_size, self.image_size)
-        found.high_res_masks = functional.interpolate(found.pred_masks, size=side, mode="bilinear")
-        return found
+    session_class = Sam2VideoInferenceSession
 
 
 def build_sam2_video(checkpoint: Checkpoint) -> Sam2Video:

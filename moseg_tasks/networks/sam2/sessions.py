@@ -1,22 +1,20 @@
-"""SAM 2.1's memory of the objects that it tracks, kept as small as possible."""
+"""SAM 2.1's and EdgeTAM's memory of the objects that they track, kept as small as possible."""
 
 from collections.abc import Iterator
 
 import numpy as np
 import torch
 from torch.nn import functional
-from transformers import Sam2VideoInferenceSession, Sam2VideoModel
+from transformers import Sam2VideoInferenceSession
 
-from moseg.tasks.networks.sam2.build import network_side
+from moseg.tasks.networks.sam2.build import Sam2Video, network_side
 
 # Parts of an output of the network: those that only the frame itself needs, and those that the next few frames need.
 _OF_ITS_FRAME = ("pred_masks", "high_res_masks")
 _OF_MASK_MEMORY = ("maskmem_features", "maskmem_pos_enc")
 
 
-def start_sessions(
-    model: Sam2VideoModel, seeds: np.ndarray, objects_per_session: int
-) -> list[Sam2VideoInferenceSession]:
+def start_sessions(model: Sam2Video, seeds: np.ndarray, objects_per_session: int) -> list[Sam2VideoInferenceSession]:
     """Create sessions for frame 0, with the seeds as its masks.
 
     The masks of all objects of a session are encoded in one pass, so their number bounds the memory needed.
@@ -24,7 +22,7 @@ def start_sessions(
 
     Parameters
     ----------
-    model : Sam2VideoModel
+    model : Sam2Video or EdgeTamVideo
     seeds : uint16 (y, x)
         Objects in the first frame, 0 = background.
     objects_per_session : int
@@ -33,7 +31,7 @@ def start_sessions(
     objects = np.unique(seeds[seeds > 0]).tolist()
     sessions = []
     for some in _parts(objects, objects_per_session):
-        session = Sam2VideoInferenceSession(
+        session = model.session_class(
             video_height=seeds.shape[0],
             video_width=seeds.shape[1],
             inference_device=model.device,

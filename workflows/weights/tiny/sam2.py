@@ -14,10 +14,10 @@ from transformers import Sam2VideoConfig, Sam2VideoModel
 from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint, save_to_bytes
 
 # Object pointers are cut into pieces of a memory's 64 channels, and two is the least that works.
-_WIDTH, _MEMORY = 128, 64
-_SIDE, _GRID = 128, 8
+WIDTH, MEMORY = 128, 64
+SIDE, GRID = 128, 8
 # How strongly `outside` shows in channel 0, and the part of it at which a mask ends.
-_OUTSIDE, _END = 4.0, 0.5
+OUTSIDE, _END = 4.0, 0.5
 # Gain of the logits: masks are 0 or 1 when they are remembered.
 _CERTAINTY = 5.0
 # In channel 1 of memory, where object pointers are 0 and the encoding of places adds 1 at most.
@@ -33,10 +33,10 @@ def make_sam2(seed: int) -> TinyCheckpoint:
         torch.manual_seed(seed)
         model = Sam2VideoModel(_config()).eval()
         for name, tensor in model.state_dict().items():
-            _randomise(name, tensor)
-        _place_tokens(model)
-        _compare_with_corners(model.mask_decoder.transformer.layers[0])
-        _show_inside(model)
+            randomise(name, tensor)
+        place_tokens(model)
+        compare_with_corners(model.mask_decoder.transformer.layers[0])
+        show_inside(model)
         _remember_masks(model.memory_encoder)
         _look_up_masks(model.memory_attention.layers[0].cross_attn_image)
     return TinyCheckpoint(save_to_bytes(model.half()))
@@ -46,7 +46,7 @@ def _config() -> Sam2VideoConfig:
     backbone = {
         "model_type": "sam2_hiera_det_model",
         "hidden_size": 8,
-        "image_size": [_SIDE, _SIDE],
+        "image_size": [SIDE, SIDE],
         "blocks_per_stage": [1, 1, 2, 1],
         "embed_dim_per_stage": [8, 16, 24, 32],
         "num_attention_heads_per_stage": [1, 1, 1, 2],
@@ -58,11 +58,11 @@ def _config() -> Sam2VideoConfig:
         "model_type": "sam2_vision_model",
         "backbone_config": backbone,
         "backbone_channel_list": [32, 24, 16, 8],
-        "backbone_feature_sizes": [[4 * _GRID] * 2, [2 * _GRID] * 2, [_GRID] * 2],
-        "fpn_hidden_size": _WIDTH,
+        "backbone_feature_sizes": [[4 * GRID] * 2, [2 * GRID] * 2, [GRID] * 2],
+        "fpn_hidden_size": WIDTH,
     }
     decoder = {
-        "hidden_size": _WIDTH,
+        "hidden_size": WIDTH,
         "mlp_dim": 16,
         "num_hidden_layers": 1,
         "num_attention_heads": 4,
@@ -71,27 +71,27 @@ def _config() -> Sam2VideoConfig:
     }
     return Sam2VideoConfig(
         vision_config=vision,
-        prompt_encoder_config={"hidden_size": _WIDTH, "image_size": _SIDE, "mask_input_channels": 8},
+        prompt_encoder_config={"hidden_size": WIDTH, "image_size": SIDE, "mask_input_channels": 8},
         mask_decoder_config=decoder,
-        image_size=_SIDE,
-        memory_attention_hidden_size=_WIDTH,
+        image_size=SIDE,
+        memory_attention_hidden_size=WIDTH,
         memory_attention_num_layers=1,
         memory_attention_downsample_rate=2,
         memory_attention_feed_forward_hidden_size=16,
-        memory_attention_rope_feat_sizes=[_GRID, _GRID],
-        memory_encoder_hidden_size=_WIDTH,
-        memory_encoder_output_channels=_MEMORY,
-        mask_downsampler_embed_dim=_WIDTH,
+        memory_attention_rope_feat_sizes=[GRID, GRID],
+        memory_encoder_hidden_size=WIDTH,
+        memory_encoder_output_channels=MEMORY,
+        mask_downsampler_embed_dim=WIDTH,
         mask_downsampler_stride=4,
         mask_downsampler_kernel_size=4,
         mask_downsampler_padding=0,
         memory_fuser_num_layers=1,
-        memory_fuser_embed_dim=_WIDTH,
+        memory_fuser_embed_dim=WIDTH,
         memory_fuser_intermediate_dim=16,
     )
 
 
-def _randomise(name: str, tensor: torch.Tensor) -> None:
+def randomise(name: str, tensor: torch.Tensor) -> None:
     """Set weights of unit gain in the backbone, of a small one elsewhere; no biases; initial normalisations."""
     if tensor.ndim > 1 and tensor.is_floating_point():
         gain = 1.0 if "backbone" in name else 0.05
@@ -100,7 +100,7 @@ def _randomise(name: str, tensor: torch.Tensor) -> None:
         init.zeros_(tensor)
 
 
-def _pattern(length: int, first: int) -> torch.Tensor:
+def pattern(length: int, first: int) -> torch.Tensor:
     """Return +1 and -1 in turn from a channel on, 0 before it."""
     pattern = torch.ones(length)
     pattern[1::2] = -1
@@ -110,10 +110,10 @@ def _pattern(length: int, first: int) -> torch.Tensor:
 
 # Channels of a token: 0 and 1 its place, 2 which corner of a box; then whether it is a mask's or another token; then
 # whether it is a corner.
-_KIND, _IS_CORNER = slice(4, 64), slice(66, _WIDTH)
+_KIND, _IS_CORNER = slice(4, 64), slice(66, WIDTH)
 
 
-def _place_tokens(model: Sam2VideoModel) -> None:
+def place_tokens(model: Sam2VideoModel) -> None:
     """Encode positions by sines so slow that they are nearly linear; distinguish corners and other tokens."""
     for embedding in (model.shared_image_embedding, model.prompt_encoder.shared_embedding):
         embedding.positional_embedding.zero_()
@@ -127,23 +127,23 @@ def _place_tokens(model: Sam2VideoModel) -> None:
         token.weight.zero_()
         token.weight[:, _KIND] = kinds
     prompts.no_mask_embed.weight.zero_()
-    model.no_memory_embedding[:] = _pattern(_WIDTH, 2)
+    model.no_memory_embedding[:] = pattern(WIDTH, 2)
     for conv in model.vision_encoder.neck.convs:
         conv.weight[:2] = 0
 
 
-def _compare_with_corners(layer: torch.nn.Module) -> None:
+def compare_with_corners(layer: torch.nn.Module) -> None:
     """Compute at each position of the image on how many sides it is outside the box.
 
     There is a head for each side: it attends to its corner if the position lies beyond it, else to other tokens.
     """
-    kinds = _pattern(_WIDTH, 0)
+    kinds = pattern(WIDTH, 0)
     kinds[: _KIND.start] = kinds[_KIND.stop :] = 0
     # Self-attention first marks the corners: these attend to each other only, by their last channels.
     alike = layer.self_attn
     for projection in (alike.q_proj, alike.k_proj, alike.v_proj):
-        projection.weight.copy_(torch.eye(_WIDTH))
-    num_flags = _WIDTH - _IS_CORNER.start
+        projection.weight.copy_(torch.eye(WIDTH))
+    num_flags = WIDTH - _IS_CORNER.start
     alike.o_proj.weight.zero_()
     alike.o_proj.weight[:, _IS_CORNER] = kinds[:, None] / num_flags
     alike.o_proj.bias[:] = -_END * kinds
@@ -164,18 +164,18 @@ def _compare_with_corners(layer: torch.nn.Module) -> None:
         compare.k_proj.weight[other, axis] = corner * steepness
         compare.k_proj.weight[one, 2] = corner * steepness
         compare.k_proj.weight[one, _IS_CORNER] = (level - steepness) / num_flags
-        compare.v_proj.weight[place] = kinds / (2 * (_WIDTH * kinds.abs().sum()).sqrt())
+        compare.v_proj.weight[place] = kinds / (2 * (WIDTH * kinds.abs().sum()).sqrt())
         compare.v_proj.bias[place] = 0.5
-        compare.o_proj.weight[0, place] = _OUTSIDE
+        compare.o_proj.weight[0, place] = OUTSIDE
 
 
-def _show_inside(model: Sam2VideoModel) -> None:
+def show_inside(model: Sam2VideoModel) -> None:
     """Turn that number into the masks' logits, and mark every object as visible."""
     decoder = model.mask_decoder
     decoder.upscale_conv1.weight[0, 0] = 1
-    decoder.upscale_conv1.bias.copy_(_pattern(_WIDTH // 4, 1))
+    decoder.upscale_conv1.bias.copy_(pattern(WIDTH // 4, 1))
     decoder.upscale_conv2.weight[0, 0] = 1
-    decoder.upscale_conv2.bias[1] = _OUTSIDE * _END
+    decoder.upscale_conv2.bias[1] = OUTSIDE * _END
     for network in decoder.output_hypernetworks_mlps:
         network.proj_out.bias[0], network.proj_out.bias[1] = -_CERTAINTY, _CERTAINTY
     decoder.pred_obj_score_head.proj_out.bias.fill_(10)
@@ -185,7 +185,7 @@ def _remember_masks(encoder: torch.nn.Module) -> None:
     """Store a mask in channel 0 of memory, with a constant that distinguishes memory from object pointers."""
     for layer in encoder.mask_downsampler.layers:
         layer.conv.weight[0, 0] = 1 / layer.conv.weight[0, 0].numel()
-        layer.conv.bias.copy_(_pattern(len(layer.conv.bias), 1))
+        layer.conv.bias.copy_(pattern(len(layer.conv.bias), 1))
     encoder.mask_downsampler.layers[0].conv.weight[0, 0] /= 10
     encoder.mask_downsampler.final_conv.weight[0, 0] = 1
     span = _CODE_INSIDE - _CODE_OUTSIDE
@@ -196,7 +196,7 @@ def _remember_masks(encoder: torch.nn.Module) -> None:
 def _look_up_masks(attention: torch.nn.Module) -> None:
     """Read the memory at the same position, by the rotary encoding alone."""
     # The first sines of either axis, which turn fastest from place to place.
-    alike = torch.zeros(_WIDTH // 2).view(2, -1)
+    alike = torch.zeros(WIDTH // 2).view(2, -1)
     alike[:, [0, 2, 4]] = 1
     alike = alike.flatten()
     for projection in (attention.q_proj, attention.k_proj, attention.v_proj, attention.o_proj):
@@ -204,5 +204,5 @@ def _look_up_masks(attention: torch.nn.Module) -> None:
     attention.q_proj.bias.copy_(80 * alike)
     attention.k_proj.weight[:, 1] = alike / _IS_MEMORY
     attention.v_proj.weight[0, 0], attention.v_proj.bias[0] = -1, 1
-    attention.o_proj.weight[0, 0] = _OUTSIDE
-    attention.o_proj.bias.copy_(_pattern(_WIDTH, 2))
+    attention.o_proj.weight[0, 0] = OUTSIDE
+    attention.o_proj.bias.copy_(pattern(WIDTH, 2))
