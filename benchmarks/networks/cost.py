@@ -26,6 +26,8 @@ NAMES = (
     "sam2.1-hiera-large-video",
     "deaot-r50-l",
     "pips",
+    "bootstapir",
+    "bootstapir-256",
     "raft-large",
     "raft-small",
     "dpt-dinov2-small",
