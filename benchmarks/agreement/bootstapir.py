@@ -31,6 +31,8 @@ SIDES = (256, 512)
 HEIGHT, WIDTH = 240, 427
 MOVE_SCALE = 0.1
 """Factor of the layer that moves points: random weights of full size move them by a frame's width in an iteration."""
+HIDDEN_LOGITS = (-1.0, -1.0)
+"""Bias of the logits of being hidden and of being far off: about half of the points are then visible."""
 BARS = {torch.float64: 1e-8, torch.float32: 5e-3}
 """Largest difference of a point, px, and of a logit."""
 
@@ -124,7 +126,8 @@ def randomise(network: torch.nn.Module) -> None:
         noise = torch.randn(tensor.shape, generator=generator)
         is_gain = tensor.ndim == 1 and name.endswith("weight")
         tensor.copy_(noise / max(tensor[0].numel(), 1) ** 0.5 if tensor.ndim > 1 else 0.1 * noise + is_gain)
-    network.torch_pips_mixer.linear_1.weight.mul_(MOVE_SCALE)
+    network.torch_pips_mixer.linear_1.weight[:2] *= MOVE_SCALE
+    network.torch_cost_volume_track_mods["occ_out"].bias.copy_(torch.tensor(HIDDEN_LOGITS))
 
 
 def random_frames() -> np.ndarray:
