@@ -33,7 +33,7 @@ MOVE_SCALE = 0.1
 """Factor of the layer that moves points: random weights of full size move them by a frame's width in an iteration."""
 HIDDEN_LOGITS = (-2.0, -5.5)
 """Bias of the logits of being hidden and of being far off: about half of the points are then visible."""
-BARS = {torch.float64: 1e-8, torch.float32: 5e-3}
+BARS = {torch.float64: 1e-10, torch.float32: 1e-3}
 """Largest difference of a point, px, and of a logit."""
 
 
