@@ -99,25 +99,29 @@ def _encode_frames(
     model: BootsTapir, frames: Iterable[np.ndarray], side: int, checks: range
 ) -> tuple[list[FeatureGrid], list[np.ndarray], int]:
     """Return the maps of all frames at each size, the frames of the checks, and the number of frames."""
-    encoded: list[tuple[FeatureGrid, ...]] = []
+    by_side: dict[int, list[list[torch.Tensor]]] = {}
     checked = []
-    size = None
-    for index, frame in enumerate(frames):
-        check_frame(frame, f"frame {index}", size)
+    num_frames, size = 0, None
+    for frame in frames:
+        check_frame(frame, f"frame {num_frames}", size)
         size = frame.shape[:2]
         # As the authors resize: anisotropic, by a filter that is smooth where the frame is reduced.
         square = np.array(Image.fromarray(frame).resize((side, side), Image.Resampling.LANCZOS))
-        encoded.append(model.encode(torch.from_numpy(square)[None].to(_device(model))))
-        if index in checks:
+        for grid in model.encode(torch.from_numpy(square)[None].to(_device(model))):
+            for maps, level in zip(by_side.setdefault(grid.side, [[] for _ in grid.levels]), grid.levels, strict=True):
+                maps.append(level)
+        if num_frames in checks:
             checked.append(frame)
-    num_frames = len(encoded)
-    grids = []
-    for index in range(len(encoded[0]) if encoded else 0):
-        levels = [
-            list(level) for level in zip(*(grids_of_frame[index].levels for grids_of_frame in encoded), strict=True)
-        ]
-        grids.append(FeatureGrid(encoded[0][index].side, tuple(map(torch.cat, levels))))
+        num_frames += 1
+    grids = [FeatureGrid(side, tuple(map(_join, levels))) for side, levels in by_side.items()]
     return grids, checked, num_frames
+
+
+def _join(maps: list[torch.Tensor]) -> torch.Tensor:
+    """Concatenate the maps of frames and release them, so that only one level is held twice at a time."""
+    joined = torch.cat(maps)
+    maps.clear()
+    return joined
 
 
 def _follow(

@@ -22,6 +22,10 @@ def never(points):
     return torch.zeros(points.shape[:2], dtype=torch.bool)
 
 
+def always(points):
+    return torch.ones(points.shape[:2], dtype=torch.bool)
+
+
 class Guide(BootsTapir):
     """Moves every point by a known step a frame, px of its own image; remembers what it was asked."""
 
@@ -172,9 +176,9 @@ def test_frames_beyond_the_masks_extend_tracks_and_start_none(drift):
 
 
 def test_the_least_visibility_decides_over_both_logits(drift):
-    always = lambda points: torch.ones(points.shape[:2], dtype=torch.bool)  # noqa: E731
     seen, unseen = (float(torch.sigmoid(torch.tensor(logit))) for logit in (5.0, -5.0))
-    for model, probability in ((Guide(hidden=always), seen * unseen), (Guide(doubted=always), seen * unseen)):
+    probability = seen * unseen
+    for model in (Guide(hidden=always), Guide(doubted=always)):
         lax, strict = (
             track(model, drift(3), background(3), network_params=BootsTapirParams(side=256, min_visibility=limit))
             for limit in (0.9 * probability, 1.1 * probability)
