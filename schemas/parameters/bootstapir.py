@@ -36,5 +36,5 @@ class BootsTapirParams(Frozen):
         " frame; 0.5 is the authors'",
     )
     points_per_pass: Annotated[int, Unit.COUNT] = Field(
-        64, ge=1, description="points tracked at once: memory grows with it, about 0.4 MB a point and frame"
+        64, ge=1, description="points tracked at once: memory grows with it, about 0.3 MB a point and frame"
     )
