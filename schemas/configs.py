@@ -12,6 +12,7 @@ from moseg.schemas.parameters import (
     AccumulationParams,
     AffinityParams,
     AppearanceParams,
+    BootsTapirParams,
     CandidateParams,
     ClusteringParams,
     ComponentParams,
@@ -136,6 +137,7 @@ class PipelineConfig(Frozen):
     seeds: SeedParams = SeedParams()
     deaot: DeaotParams = DeaotParams()
     pips: PipsParams = PipsParams()
+    bootstapir: BootsTapirParams = BootsTapirParams()
     raft: RaftParams = RaftParams()
     dpt_dinov2: DptDinov2Params = DptDinov2Params()
     depth_anything_v2: DepthAnythingParams = DepthAnythingParams()

@@ -36,7 +36,7 @@ PRESETS: Mapping[str, Choices] = {
         "proposal_source": "detections",
         "detections": {"tagger": "ram-plus", "masks": "sam2", "tracker": "sam2"},
         "grounding_dino": {"weights": "grounding-dino-base"},
-        "tracks": {"method": "pips"},
+        "tracks": {"method": "bootstapir"},
         "flow": {"method": "raft"},
         "depth": {"method": "depth-anything-v2"},
     },

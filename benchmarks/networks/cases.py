@@ -10,6 +10,7 @@ import numpy as np
 import published
 
 from moseg.schemas.parameters import TrackParams
+from moseg.schemas.parameters.bootstapir import BootsTapirParams
 from moseg.schemas.parameters.deaot import DeaotParams
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams
 from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
@@ -25,6 +26,7 @@ from moseg.tasks.flow.raft import estimate_raft_flow
 from moseg.tasks.instances.sam2 import segment_boxes_sam2
 from moseg.tasks.instances.sam_hq import segment_boxes_sam_hq
 from moseg.tasks.networks import Checkpoint
+from moseg.tasks.networks.bootstapir import build_bootstapir
 from moseg.tasks.networks.deaot import build_deaot
 from moseg.tasks.networks.depth import build_depth_anything, build_dpt_dinov2
 from moseg.tasks.networks.edgetam import build_edgetam_image, build_edgetam_video
@@ -37,6 +39,7 @@ from moseg.tasks.networks.sam_hq import build_sam_hq
 from moseg.tasks.proposals.deaot import track_masks_deaot
 from moseg.tasks.proposals.sam2 import track_masks_sam2
 from moseg.tasks.tags import recognise_tags
+from moseg.tasks.tracks.bootstapir import track_points_bootstapir
 from moseg.tasks.tracks.pips import track_points_pips
 
 HEIGHT, WIDTH = 480, 854
@@ -136,11 +139,11 @@ def _run_deaot(model, clock: Clock) -> int:
     return 4
 
 
-def _run_pips(model, _: Clock) -> int:
-    params = TrackParams(background_points=NUM_POINTS)
-    frames = [np.roll(_image(), index, axis=1) for index in range(model.config.window)]
+def _run_tracks(track_points, params, model, _: Clock) -> int:
+    sampling = TrackParams(background_points=NUM_POINTS)
+    frames = [np.roll(_image(), index, axis=1) for index in range(8)]
     masks = np.zeros((1, HEIGHT, WIDTH), np.uint16)
-    track_points_pips(model, frames, masks, params, PipsParams(), np.random.default_rng(0))
+    track_points(model, frames, masks, sampling, params, np.random.default_rng(0))
     return len(frames)
 
 
@@ -162,6 +165,9 @@ def _run_depth(params, model, clock: Clock) -> int:
 _PROMPTS = f"a frame, {len(TAGS)} tags; one run"
 _PROMPTED = f"a frame, {NUM_BOXES} boxes; one run"
 _TRACKED = "2 objects, memory full"
+_POINTS = f"8 frames, {NUM_POINTS} points; one run"
+_BOOTSTAPIR = partial(_run_tracks, track_points_bootstapir, BootsTapirParams())
+_BOOTSTAPIR_256 = partial(_run_tracks, track_points_bootstapir, BootsTapirParams(side=256))
 _FLOW = f"a pair, {RaftParams().iterations} iterations"
 _DPT, _ANY_DEPTH = partial(_run_depth, DptDinov2Params()), partial(_run_depth, DepthAnythingParams())
 
@@ -183,7 +189,9 @@ CASES: dict[str, Case] = {
     "edgetam": Case(_PROMPTED, published.edgetam, build_edgetam_image, _run_sam2_image),
     "edgetam-video": Case(_TRACKED, published.edgetam, build_edgetam_video, _run_sam2_video),
     "deaot-r50-l": Case("5 objects, memory full", published.deaot, build_deaot, _run_deaot),
-    "pips": Case(f"8 frames, {NUM_POINTS} points; one run", published.pips, build_pips, _run_pips),
+    "pips": Case(_POINTS, published.pips, build_pips, partial(_run_tracks, track_points_pips, PipsParams())),
+    "bootstapir": Case(_POINTS, published.bootstapir, build_bootstapir, _BOOTSTAPIR),
+    "bootstapir-256": Case(_POINTS, published.bootstapir, build_bootstapir, _BOOTSTAPIR_256),
     "raft-large": Case(_FLOW, partial(published.raft, False), build_raft, _run_raft),
     "raft-small": Case(_FLOW, partial(published.raft, True), build_raft, _run_raft),
     "dpt-dinov2-small": Case("a frame", partial(published.dpt_dinov2, False), build_dpt_dinov2, _DPT),

@@ -28,6 +28,8 @@ NAMES = (
     "edgetam-video",
     "deaot-r50-l",
     "pips",
+    "bootstapir",
+    "bootstapir-256",
     "raft-large",
     "raft-small",
     "dpt-dinov2-small",

@@ -23,6 +23,7 @@ from transformers import (
 )
 
 from moseg.tasks.networks import Checkpoint
+from moseg.tasks.networks.bootstapir import BootsTapir, BootsTapirConfig
 from moseg.tasks.networks.deaot import Deaot, DeaotConfig
 from moseg.tasks.networks.edgetam.repvit import RepVitConfig
 from moseg.tasks.networks.pips import Pips, PipsConfig
@@ -48,6 +49,10 @@ def deaot() -> Checkpoint:
 
 def pips() -> Checkpoint:
     return Checkpoint("pips", _random_state(Pips(PipsConfig())))
+
+
+def bootstapir() -> Checkpoint:
+    return Checkpoint("bootstapir", _random_state(BootsTapir(BootsTapirConfig())))
 
 
 def raft(is_small: bool) -> Checkpoint:

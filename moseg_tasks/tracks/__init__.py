@@ -1,4 +1,4 @@
-"""Object-specific point tracks; those by PIPs are in `pips`, because only they need torch."""
+"""Object-specific point tracks; those by networks are in `pips` and `bootstapir`, because only they need torch."""
 
 from moseg.tasks.tracks.assemble import Tracks
 from moseg.tasks.tracks.assign import assign_tracks

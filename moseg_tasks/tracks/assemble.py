@@ -17,7 +17,7 @@ class Tracks(NamedTuple):
     points : float32 (N, F, 2)
         xy, px; 0 where not visible.
     visible : bool (N, F)
-        One run of consecutive frames per track.
+        One run of consecutive frames per track, except by BootsTAPIR.
     object : uint16 (N,)
         The object in which the track was sampled.
     """

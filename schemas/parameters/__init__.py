@@ -3,6 +3,7 @@
 from moseg.schemas.parameters.accumulation import AccumulationParams
 from moseg.schemas.parameters.affinity import AffinityParams, HypothesisAffinityParams
 from moseg.schemas.parameters.appearance import AppearanceParams
+from moseg.schemas.parameters.bootstapir import BootsTapirParams
 from moseg.schemas.parameters.clustering import ClusteringParams, MotionCountParams
 from moseg.schemas.parameters.components import ComponentParams
 from moseg.schemas.parameters.confidence import ConfidenceParams
@@ -66,6 +67,7 @@ __all__ = [
     "AccumulationParams",
     "AffinityParams",
     "AppearanceParams",
+    "BootsTapirParams",
     "CandidateParams",
     "ClipParams",
     "ClusteringParams",

@@ -20,7 +20,10 @@ class TrackParams(Frozen):
         160, ge=8, description="number of points in the background, spread over the frame"
     )
     resample_every: Annotated[int, Unit.FRAMES] = Field(
-        8, ge=1, description="frames between checks of a point against its object's mask; with pips 7 at most"
+        8,
+        ge=1,
+        description="frames between checks of a point against its object's mask, at which new points are sampled; with"
+        " pips 7 at most; with bootstapir each frame is checked, and new points are sampled every so often",
     )
     border: Annotated[int, Unit.PIXELS] = Field(
         6, ge=0, description="points nearer than this to the frame's border are removed, px"

@@ -17,7 +17,7 @@ BEHIND_DEPTH = {"depth", "flow_model", "flow_residual"} | GROUPS
 BEHIND_TRACKS = {"tracks", "fundamental", "fundamental_residual"} | GROUPS
 GOLDEN = {
     "paper": "7dde4765a27801ce",
-    "modern": "eaca0064f582dfeb",
+    "modern": "03484810caffa95d",
 }
 
 
@@ -145,7 +145,7 @@ def test_presets_read_the_weights_of_their_networks_only():
 
 def test_any_combination_of_backends_makes_a_graph():
     for depth in ("none", "dpt-dinov2", "depth-anything-v2"):
-        for tracks in ("lucas-kanade", "pips"):
+        for tracks in ("lucas-kanade", "pips", "bootstapir"):
             for source in ("saliency", "detections"):
                 config = _config("weights-free", depth__method=depth, tracks__method=tracks, proposal_source=source)
                 assert _graph(config).segmentations(Variant.FUSED)

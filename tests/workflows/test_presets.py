@@ -149,8 +149,9 @@ def test_another_weights_file_recomputes_its_stage_and_those_downstream(
         assert after[stage] == before[stage], stage
 
 
-def test_stages_can_be_chosen_one_by_one(segment):
-    _, ran = segment("--flow", "raft", "--depth", "depth-anything-v2", "--tracks", "pips")
+@pytest.mark.parametrize("tracks", ["pips", "bootstapir"])
+def test_stages_can_be_chosen_one_by_one(tracks, segment):
+    _, ran = segment("--flow", "raft", "--depth", "depth-anything-v2", "--tracks", tracks)
     assert ran.code == 0, ran.err
 
 
@@ -190,6 +191,7 @@ def test_truncated_weights_are_one_line(segment, weights):
     [
         ("raft-large", "paper"),
         ("pips", "paper"),
+        ("bootstapir", "modern"),
         ("dpt-dinov2-large-nyu", "paper"),
         ("depth-anything-v2-small", "modern"),
         ("sam-hq-vit-large", "paper"),

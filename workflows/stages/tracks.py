@@ -2,7 +2,7 @@
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.parameters import PipsParams, TrackParams
+from moseg.schemas.parameters import BootsTapirParams, PipsParams, TrackParams
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import OPENCV, Backend, Choice, Stage
 from moseg.workflows.stages.task import Network, Output, Task
@@ -31,6 +31,18 @@ def _run_pips(params, inputs, rng):
     return Output({"points": tracks.points, "visible": tracks.visible, "object": tracks.object}, made_on())
 
 
+def _run_bootstapir(params, inputs, rng):
+    from moseg.tasks.networks.bootstapir import build_bootstapir
+    from moseg.tasks.tracks.bootstapir import track_points_bootstapir
+
+    frames = (frame.cached("image") for frame in inputs.all("frames"))
+    masks = inputs["proposals"].cached("masks")[: params["num_frames"]]
+    sampling, network_params = TrackParams.of_recipe(params["tracks"]), BootsTapirParams.of_recipe(params["bootstapir"])
+    with open_network(build_bootstapir, inputs["weights"]) as network:
+        tracks = track_points_bootstapir(network, frames, masks, sampling, network_params, rng)
+    return Output({"points": tracks.points, "visible": tracks.visible, "object": tracks.object}, made_on())
+
+
 def _run_given(params, inputs, rng):
     from moseg.tasks.tracks import assign_tracks
 
@@ -48,10 +60,18 @@ def _lucas_kanade_params(config: PipelineConfig, num_frames: int) -> dict:
 
 
 def _pips_params(config: PipelineConfig, num_frames: int) -> dict:
+    return _network_params(config, num_frames, "pips")
+
+
+def _bootstapir_params(config: PipelineConfig, num_frames: int) -> dict:
+    return _network_params(config, num_frames, "bootstapir")
+
+
+def _network_params(config: PipelineConfig, num_frames: int, network: str) -> dict:
     return {
         "num_frames": num_frames,
         "tracks": config.tracks.model_dump(mode="json", exclude={"method"} | LUCAS_KANADE_PARAMS),
-        "pips": config.pips.model_dump(mode="json", exclude={"weights"}),
+        network: getattr(config, network).model_dump(mode="json", exclude={"weights"}),
     }
 
 
@@ -66,6 +86,14 @@ def _method(config: PipelineConfig) -> str:
 LUCAS_KANADE = Task("tracks", "lucas-kanade", version=1, run=_run_lucas_kanade, params=_lucas_kanade_params)
 PIPS = Task(
     "tracks", "pips", version=2, run=_run_pips, params=_pips_params, network=Network("pips", "pips.weights", "pips")
+)
+BOOTSTAPIR = Task(
+    "tracks",
+    "bootstapir",
+    version=1,
+    run=_run_bootstapir,
+    params=_bootstapir_params,
+    network=Network("bootstapir", "bootstapir.weights", "bootstapir"),
 )
 GIVEN_TRACKS = Task("tracks", "given", version=1, run=_run_given, params=_given_params)
 
@@ -83,7 +111,7 @@ STAGE = Stage(
         "visible": layout("bool", "track frame"),
         "object": layout("uint16", "track", "object of the section"),
     },
-    tasks=(LUCAS_KANADE, PIPS, GIVEN_TRACKS),
+    tasks=(LUCAS_KANADE, PIPS, BOOTSTAPIR, GIVEN_TRACKS),
     method=_method,
     choices=(
         Choice(
@@ -93,6 +121,7 @@ STAGE = Stage(
             (
                 Backend("lucas-kanade", "pyramidal Lucas-Kanade", OPENCV),
                 Backend("pips", "PIPs", network=PIPS.network),
+                Backend("bootstapir", "BootsTAPIR, through occlusions", network=BOOTSTAPIR.network),
                 Backend("groundtruth", "exact (synthetic)"),
                 Backend("folder", "your own tracks"),
             ),

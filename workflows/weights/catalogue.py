@@ -156,6 +156,20 @@ CATALOGUE: tuple[WeightsItem, ...] = (
         approximate_size=344_000_000,
     ),
     WeightsItem(
+        name="bootstapir",
+        architecture="bootstapir",
+        licence=APACHE,
+        files=(
+            WeightsFile(
+                name="model.pth",
+                url="https://storage.googleapis.com/dm-tapnet/bootstap/bootstapir_checkpoint_v2.pt",
+                size=218_886_140,
+                sha256="8493c7a69e02c85b9382fbb3c7b8b539b36bc08ede744b9e99feb739a0129f4b",
+            ),
+        ),
+        homepage="https://github.com/google-deepmind/tapnet",
+    ),
+    WeightsItem(
         name="deaot-r50-l",
         architecture="deaot",
         licence=BSD,

@@ -56,12 +56,12 @@ def correlate(
     # Half precision keeps three digits of a sum over all channels: too few to locate the peak of a correlation.
     with torch.autocast(points.device.type, enabled=False):
         for level, maps in enumerate(pyramid):
-            square = _correlate_square(maps, appearances, points / 2**level, radius)
+            square = correlate_square(maps, appearances, points / 2**level, radius)
             sampled.append(square.flatten(2))
         return torch.cat(sampled, dim=2) / appearances.shape[-1] ** 0.5
 
 
-def _correlate_square(maps: torch.Tensor, appearances: torch.Tensor, points: torch.Tensor, radius: int) -> torch.Tensor:
+def correlate_square(maps: torch.Tensor, appearances: torch.Tensor, points: torch.Tensor, radius: int) -> torch.Tensor:
     """Return interpolated correlations (N, S, 2 radius + 1, 2 radius + 1) around points in cells, indexed [x, y]."""
     num_frames, height, width, channels = maps.shape
     corner = points.floor()
