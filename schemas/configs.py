@@ -48,6 +48,7 @@ from moseg.schemas.parameters import (
     Sam2Params,
     SamHqParams,
     SceneParallaxParams,
+    SeaRaftParams,
     SeedParams,
     TrackFieldParams,
     TrackGroupParams,
@@ -122,6 +123,7 @@ class PipelineConfig(Frozen):
     deaot: DeaotParams = DeaotParams()
     pips: PipsParams = PipsParams()
     raft: RaftParams = RaftParams()
+    sea_raft: SeaRaftParams = SeaRaftParams()
     dpt_dinov2: DptDinov2Params = DptDinov2Params()
     depth_anything_v2: DepthAnythingParams = DepthAnythingParams()
     saliency: SaliencyParams = SaliencyParams()

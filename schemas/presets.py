@@ -37,7 +37,7 @@ PRESETS: Mapping[str, Choices] = {
         "detections": {"tagger": "ram-plus", "masks": "sam2", "tracker": "sam2"},
         "grounding_dino": {"weights": "grounding-dino-base"},
         "tracks": {"method": "pips"},
-        "flow": {"method": "raft"},
+        "flow": {"method": "sea-raft"},
         "depth": {"method": "depth-anything-v2"},
     },
 }

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import published
 
-from moseg.schemas.parameters import TrackParams
+from moseg.schemas.parameters import SeaRaftParams, TrackParams
 from moseg.schemas.parameters.deaot import DeaotParams
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams
 from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
@@ -33,6 +33,7 @@ from moseg.tasks.networks.raft import build_raft
 from moseg.tasks.networks.ram import build_ram, build_ram_plus
 from moseg.tasks.networks.sam2 import build_sam2_image, build_sam2_video
 from moseg.tasks.networks.sam_hq import build_sam_hq
+from moseg.tasks.networks.sea_raft import build_sea_raft
 from moseg.tasks.proposals.deaot import track_masks_deaot
 from moseg.tasks.proposals.sam2 import track_masks_sam2
 from moseg.tasks.tags import recognise_tags
@@ -143,11 +144,11 @@ def _run_pips(model, _: Clock) -> int:
     return len(frames)
 
 
-def _run_raft(model, clock: Clock) -> int:
+def _run_flow(params: RaftParams, model, clock: Clock) -> int:
     pair = _image()[None], np.roll(_image(), 3, axis=1)[None]
-    estimate_raft_flow(model, *pair, RaftParams(iterations=1))
+    estimate_raft_flow(model, *pair, params.model_copy(update={"iterations": 1}))
     clock.start()
-    estimate_raft_flow(model, *pair, RaftParams())
+    estimate_raft_flow(model, *pair, params)
     return 1
 
 
@@ -161,7 +162,8 @@ def _run_depth(params, model, clock: Clock) -> int:
 _PROMPTS = f"a frame, {len(TAGS)} tags; one run"
 _PROMPTED = f"a frame, {NUM_BOXES} boxes; one run"
 _TRACKED = "2 objects, memory full"
-_FLOW = f"a pair, {RaftParams().iterations} iterations"
+_FLOW, _SEA_FLOW = (f"a pair, {params.iterations} iterations" for params in (RaftParams(), SeaRaftParams()))
+_RAFT, _SEA_RAFT = partial(_run_flow, RaftParams()), partial(_run_flow, SeaRaftParams())
 _DPT, _ANY_DEPTH = partial(_run_depth, DptDinov2Params()), partial(_run_depth, DepthAnythingParams())
 
 CASES: dict[str, Case] = {
@@ -181,8 +183,10 @@ CASES: dict[str, Case] = {
     "sam2.1-hiera-large-video": Case(_TRACKED, partial(published.sam2, True), build_sam2_video, _run_sam2_video),
     "deaot-r50-l": Case("5 objects, memory full", published.deaot, build_deaot, _run_deaot),
     "pips": Case(f"8 frames, {NUM_POINTS} points; one run", published.pips, build_pips, _run_pips),
-    "raft-large": Case(_FLOW, partial(published.raft, False), build_raft, _run_raft),
-    "raft-small": Case(_FLOW, partial(published.raft, True), build_raft, _run_raft),
+    "raft-large": Case(_FLOW, partial(published.raft, False), build_raft, _RAFT),
+    "raft-small": Case(_FLOW, partial(published.raft, True), build_raft, _RAFT),
+    "sea-raft-m": Case(_SEA_FLOW, partial(published.sea_raft, False), build_sea_raft, _SEA_RAFT),
+    "sea-raft-s": Case(_SEA_FLOW, partial(published.sea_raft, True), build_sea_raft, _SEA_RAFT),
     "dpt-dinov2-small": Case("a frame", partial(published.dpt_dinov2, False), build_dpt_dinov2, _DPT),
     "dpt-dinov2-large": Case("a frame", partial(published.dpt_dinov2, True), build_dpt_dinov2, _DPT),
     "depth-anything-v2-small": Case("a frame", published.depth_anything_small, build_depth_anything, _ANY_DEPTH),

@@ -28,6 +28,8 @@ NAMES = (
     "pips",
     "raft-large",
     "raft-small",
+    "sea-raft-m",
+    "sea-raft-s",
     "dpt-dinov2-small",
     "dpt-dinov2-large",
     "depth-anything-v2-small",
