@@ -44,6 +44,18 @@ PRESETS: Mapping[str, Choices] = {
 """`paper`: the models of Huang, Chen and Zelek, sections 3.1 and 3.2; with the geometry of the same name it is their
 method, which needs the number of motions as input. `modern`: current networks under licences that allow any use."""
 
+LIGHT: Mapping[str, Choices] = {
+    "modern": {
+        "detections": {"tracker": "deaot"},
+        "grounding_dino": {"weights": "grounding-dino-tiny", "input_scale": 0.6},
+        "sam2": {"weights": "sam2.1-hiera-tiny"},
+        "deaot": {"max_side": 481},
+        "sea_raft": {"weights": "sea-raft-s", "max_side": 480},
+        "depth_anything_v2": {"short_side": 294},
+    },
+}
+"""Changes of presets for a laptop (`--light`): smaller networks and smaller inputs, any use allowed."""
+
 QUALITIES: Mapping[str, Choices] = {
     "fast": {"max_side": 427, "saliency": {"working_side": 284}},
     "default": {},

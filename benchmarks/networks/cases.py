@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import published
 
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import SeaRaftParams, TrackParams
 from moseg.schemas.parameters.deaot import DeaotParams
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams
@@ -38,6 +39,7 @@ from moseg.tasks.proposals.deaot import track_masks_deaot
 from moseg.tasks.proposals.sam2 import track_masks_sam2
 from moseg.tasks.tags import recognise_tags
 from moseg.tasks.tracks.pips import track_points_pips
+from moseg.workflows.config.pipeline_choices import choose_preset
 
 HEIGHT, WIDTH = 480, 854
 TAGS = ("person", "car", "bus", "dog", "cat", "horse", "bird", "ball", "tree", "road", "sky")
@@ -107,8 +109,8 @@ def _run_ram(tagger, clock: Clock) -> int:
     return 1
 
 
-def _run_grounding_dino(detector, _: Clock) -> int:
-    detect_objects(detector, _image(), TAGS, GroundingDinoParams())
+def _run_grounding_dino(params: GroundingDinoParams, detector, _: Clock) -> int:
+    detect_objects(detector, _image(), TAGS, params)
     return 1
 
 
@@ -128,19 +130,19 @@ def _run_sam2_video(model, clock: Clock) -> int:
     return 2
 
 
-def _run_deaot(model, clock: Clock) -> int:
+def _run_deaot(params: DeaotParams, model, clock: Clock) -> int:
     # Every frame is stored, so that the memory is full soon.
-    params = DeaotParams(memory_every=1)
+    params = params.model_copy(update={"memory_every": 1})
     num_warm = params.memory_frames + 1
     track_masks_deaot(model, _video(num_warm + 4, clock, num_warm), _seeds(5), params)
     return 4
 
 
-def _run_pips(model, _: Clock) -> int:
-    params = TrackParams(background_points=NUM_POINTS)
+def _run_pips(params: PipsParams, model, _: Clock) -> int:
+    sampling = TrackParams(background_points=NUM_POINTS)
     frames = [np.roll(_image(), index, axis=1) for index in range(model.config.window)]
     masks = np.zeros((1, HEIGHT, WIDTH), np.uint16)
-    track_points_pips(model, frames, masks, params, PipsParams(), np.random.default_rng(0))
+    track_points_pips(model, frames, masks, sampling, params, np.random.default_rng(0))
     return len(frames)
 
 
@@ -165,29 +167,45 @@ _TRACKED = "2 objects, memory full"
 _FLOW, _SEA_FLOW = (f"a pair, {params.iterations} iterations" for params in (RaftParams(), SeaRaftParams()))
 _RAFT, _SEA_RAFT = partial(_run_flow, RaftParams()), partial(_run_flow, SeaRaftParams())
 _DPT, _ANY_DEPTH = partial(_run_depth, DptDinov2Params()), partial(_run_depth, DepthAnythingParams())
+_DINO, _DEAOT, _PIPS = (
+    partial(run, params())
+    for run, params in (
+        (_run_grounding_dino, GroundingDinoParams),
+        (_run_deaot, DeaotParams),
+        (_run_pips, PipsParams),
+    )
+)
+_LIGHT = PipelineConfig.model_validate(choose_preset("modern", light=True))
 
 CASES: dict[str, Case] = {
     "ram": Case("a frame", partial(published.ram, False), build_ram, _run_ram),
     "ram-plus": Case("a frame", partial(published.ram, True), build_ram_plus, _run_ram),
-    "grounding-dino-tiny": Case(
-        _PROMPTS, partial(published.grounding_dino, False), build_grounding_dino, _run_grounding_dino
-    ),
-    "grounding-dino-base": Case(
-        _PROMPTS, partial(published.grounding_dino, True), build_grounding_dino, _run_grounding_dino
-    ),
+    "grounding-dino-tiny": Case(_PROMPTS, partial(published.grounding_dino, False), build_grounding_dino, _DINO),
+    "grounding-dino-base": Case(_PROMPTS, partial(published.grounding_dino, True), build_grounding_dino, _DINO),
     "sam-hq-vit-base": Case(_PROMPTED, partial(published.sam_hq, False), build_sam_hq, _run_sam_hq),
     "sam-hq-vit-large": Case(_PROMPTED, partial(published.sam_hq, True), build_sam_hq, _run_sam_hq),
     "sam2.1-hiera-tiny": Case(_PROMPTED, partial(published.sam2, False), build_sam2_image, _run_sam2_image),
     "sam2.1-hiera-large": Case(_PROMPTED, partial(published.sam2, True), build_sam2_image, _run_sam2_image),
     "sam2.1-hiera-tiny-video": Case(_TRACKED, partial(published.sam2, False), build_sam2_video, _run_sam2_video),
     "sam2.1-hiera-large-video": Case(_TRACKED, partial(published.sam2, True), build_sam2_video, _run_sam2_video),
-    "deaot-r50-l": Case("5 objects, memory full", published.deaot, build_deaot, _run_deaot),
-    "pips": Case(f"8 frames, {NUM_POINTS} points; one run", published.pips, build_pips, _run_pips),
+    "deaot-r50-l": Case("5 objects, memory full", published.deaot, build_deaot, _DEAOT),
+    "pips": Case(f"8 frames, {NUM_POINTS} points; one run", published.pips, build_pips, _PIPS),
     "raft-large": Case(_FLOW, partial(published.raft, False), build_raft, _RAFT),
     "raft-small": Case(_FLOW, partial(published.raft, True), build_raft, _RAFT),
     "sea-raft-m": Case(_SEA_FLOW, partial(published.sea_raft, False), build_sea_raft, _SEA_RAFT),
     "sea-raft-s": Case(_SEA_FLOW, partial(published.sea_raft, True), build_sea_raft, _SEA_RAFT),
-    "dpt-dinov2-small": Case("a frame", partial(published.dpt_dinov2, False), build_dpt_dinov2, _DPT),
-    "dpt-dinov2-large": Case("a frame", partial(published.dpt_dinov2, True), build_dpt_dinov2, _DPT),
+    "dpt-dinov2-small-nyu": Case("a frame", partial(published.dpt_dinov2, False), build_dpt_dinov2, _DPT),
+    "dpt-dinov2-large-nyu": Case("a frame", partial(published.dpt_dinov2, True), build_dpt_dinov2, _DPT),
     "depth-anything-v2-small": Case("a frame", published.depth_anything_small, build_depth_anything, _ANY_DEPTH),
+}
+
+# Networks with the parameters of `--preset modern --light`, where these differ from the defaults.
+CASES |= {
+    f"{name}@light": CASES[name]._replace(run=run)
+    for name, run in {
+        "grounding-dino-tiny": partial(_run_grounding_dino, _LIGHT.grounding_dino),
+        "deaot-r50-l": partial(_run_deaot, _LIGHT.deaot),
+        "sea-raft-s": partial(_run_flow, _LIGHT.sea_raft),
+        "depth-anything-v2-small": partial(_run_depth, _LIGHT.depth_anything_v2),
+    }.items()
 }

@@ -85,6 +85,7 @@ STAGE = Stage(
                 Backend("sam-hq", "SAM-HQ", TRANSFORMERS, SAM_HQ.network),
                 Backend("sam2", "SAM 2.1", TRANSFORMERS, SAM2.network),
             ),
+            is_once_a_section=True,
         ),
     ),
 )

@@ -230,7 +230,7 @@ STAGE = Stage(
             "--tracker",
             (
                 Backend("deaot", "DeAOT", network=DEAOT.network),
-                Backend("sam2", "SAM 2.1 video", TRANSFORMERS, SAM2.network),
+                Backend("sam2", "SAM 2.1 video", TRANSFORMERS, SAM2.network, cost_suffix="-video"),
             ),
         ),
     ),
