@@ -1,6 +1,7 @@
 """`moseg backends --why`: what each choice gives by public figures, what it costs, and under which licence."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -86,3 +87,12 @@ def test_the_command_prints_a_table_and_the_seconds_of_presets(moseg):
     (row,) = (line for line in ran.out.splitlines() if "--flow sea-raft" in line and "sea-raft-m" in line)
     assert "BSD-3-Clause" in row and " a frame" in row
     assert "    --preset modern --light: " in ran.out and "on 4 cores" in ran.out
+
+
+def test_the_document_states_the_sums_of_the_file_of_costs():
+    text = (Path(__file__).resolve().parents[2] / "docs" / "models.md").read_text(encoding="utf-8")
+    seconds = [sum_costs(_config("modern", light), light).seconds for light in (True, False)]
+    stated = re.search(r"take\s(\S+) CPU seconds per frame.*`modern` takes (\d+)\)", text)
+    assert stated.groups() == (f"{seconds[0]:.1f}", f"{seconds[1]:.0f}")
+    ratios = {size: costs.read_costs()[f"sea-raft-{size}"] / costs.read_costs()["raft-large"] for size in "ms"}
+    assert f"in that run ({ratios['m']:.2f} and {ratios['s']:.2f})" in text

@@ -1,6 +1,6 @@
 """Public figures of weights items: what each gives, as its authors or a benchmark report it.
 
-An item is listed only if its figure was read at the source that is named.
+An item is listed only if its figure was read: at the source that is named, or in a later paper that quotes it.
 """
 
 from collections.abc import Mapping
