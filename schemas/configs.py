@@ -51,6 +51,7 @@ from moseg.schemas.parameters import (
     Sam2Params,
     SamHqParams,
     SceneParallaxParams,
+    SeaRaftParams,
     SeedParams,
     TrackFieldParams,
     TrackGroupParams,
@@ -139,6 +140,7 @@ class PipelineConfig(Frozen):
     pips: PipsParams = PipsParams()
     bootstapir: BootsTapirParams = BootsTapirParams()
     raft: RaftParams = RaftParams()
+    sea_raft: SeaRaftParams = SeaRaftParams()
     dpt_dinov2: DptDinov2Params = DptDinov2Params()
     depth_anything_v2: DepthAnythingParams = DepthAnythingParams()
     saliency: SaliencyParams = SaliencyParams()

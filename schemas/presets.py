@@ -37,7 +37,7 @@ PRESETS: Mapping[str, Choices] = {
         "detections": {"tagger": "ram-plus", "masks": "sam2", "tracker": "sam2"},
         "grounding_dino": {"weights": "grounding-dino-base"},
         "tracks": {"method": "bootstapir"},
-        "flow": {"method": "raft"},
+        "flow": {"method": "sea-raft"},
         "depth": {"method": "depth-anything-v2"},
     },
 }
@@ -46,6 +46,19 @@ method, which needs the number of motions as input. `modern`: current networks u
 
 SOURCE_DEFAULTS: Mapping[str, Choices] = {"motion-prompts": {"detections": {"masks": "sam2", "tracker": "sam2"}}}
 """Values that go with a source of proposals which the user chooses: they override the preset's, not the user's own."""
+
+LIGHT: Mapping[str, Choices] = {
+    "modern": {
+        "detections": {"tracker": "deaot"},
+        "grounding_dino": {"weights": "grounding-dino-tiny", "input_scale": 0.6},
+        "sam2": {"weights": "sam2.1-hiera-tiny"},
+        "deaot": {"max_side": 481},
+        "bootstapir": {"side": 256},
+        "sea_raft": {"weights": "sea-raft-s", "max_side": 480},
+        "depth_anything_v2": {"short_side": 294},
+    },
+}
+"""Changes of presets for a laptop (`--light`): smaller networks and smaller inputs, any use allowed."""
 
 QUALITIES: Mapping[str, Choices] = {
     "fast": {"max_side": 427, "saliency": {"working_side": 284}},

@@ -9,7 +9,8 @@ import cv2
 import numpy as np
 import published
 
-from moseg.schemas.parameters import TrackParams
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.parameters import SeaRaftParams, TrackParams
 from moseg.schemas.parameters.bootstapir import BootsTapirParams
 from moseg.schemas.parameters.deaot import DeaotParams
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams
@@ -36,11 +37,13 @@ from moseg.tasks.networks.raft import build_raft
 from moseg.tasks.networks.ram import build_ram, build_ram_plus
 from moseg.tasks.networks.sam2 import build_sam2_image, build_sam2_video
 from moseg.tasks.networks.sam_hq import build_sam_hq
+from moseg.tasks.networks.sea_raft import build_sea_raft
 from moseg.tasks.proposals.deaot import track_masks_deaot
 from moseg.tasks.proposals.sam2 import track_masks_sam2
 from moseg.tasks.tags import recognise_tags
 from moseg.tasks.tracks.bootstapir import track_points_bootstapir
 from moseg.tasks.tracks.pips import track_points_pips
+from moseg.workflows.config.pipeline_choices import choose_preset
 
 HEIGHT, WIDTH = 480, 854
 TAGS = ("person", "car", "bus", "dog", "cat", "horse", "bird", "ball", "tree", "road", "sky")
@@ -110,8 +113,8 @@ def _run_ram(tagger, clock: Clock) -> int:
     return 1
 
 
-def _run_grounding_dino(detector, _: Clock) -> int:
-    detect_objects(detector, _image(), TAGS, GroundingDinoParams())
+def _run_grounding_dino(params: GroundingDinoParams, detector, _: Clock) -> int:
+    detect_objects(detector, _image(), TAGS, params)
     return 1
 
 
@@ -131,9 +134,9 @@ def _run_sam2_video(model, clock: Clock) -> int:
     return 2
 
 
-def _run_deaot(model, clock: Clock) -> int:
+def _run_deaot(params: DeaotParams, model, clock: Clock) -> int:
     # Every frame is stored, so that the memory is full soon.
-    params = DeaotParams(memory_every=1)
+    params = params.model_copy(update={"memory_every": 1})
     num_warm = params.memory_frames + 1
     track_masks_deaot(model, _video(num_warm + 4, clock, num_warm), _seeds(5), params)
     return 4
@@ -147,11 +150,11 @@ def _run_tracks(track_points, params, model, _: Clock) -> int:
     return len(frames)
 
 
-def _run_raft(model, clock: Clock) -> int:
+def _run_flow(params: RaftParams, model, clock: Clock) -> int:
     pair = _image()[None], np.roll(_image(), 3, axis=1)[None]
-    estimate_raft_flow(model, *pair, RaftParams(iterations=1))
+    estimate_raft_flow(model, *pair, params.model_copy(update={"iterations": 1}))
     clock.start()
-    estimate_raft_flow(model, *pair, RaftParams())
+    estimate_raft_flow(model, *pair, params)
     return 1
 
 
@@ -167,19 +170,23 @@ _PROMPTED = f"a frame, {NUM_BOXES} boxes; one run"
 _TRACKED = "2 objects, memory full"
 _POINTS = f"8 frames, {NUM_POINTS} points; one run"
 _BOOTSTAPIR = partial(_run_tracks, track_points_bootstapir, BootsTapirParams())
-_BOOTSTAPIR_256 = partial(_run_tracks, track_points_bootstapir, BootsTapirParams(side=256))
-_FLOW = f"a pair, {RaftParams().iterations} iterations"
+_FLOW, _SEA_FLOW = (f"a pair, {params.iterations} iterations" for params in (RaftParams(), SeaRaftParams()))
+_RAFT, _SEA_RAFT = partial(_run_flow, RaftParams()), partial(_run_flow, SeaRaftParams())
 _DPT, _ANY_DEPTH = partial(_run_depth, DptDinov2Params()), partial(_run_depth, DepthAnythingParams())
+_DINO, _DEAOT = (
+    partial(run, params())
+    for run, params in (
+        (_run_grounding_dino, GroundingDinoParams),
+        (_run_deaot, DeaotParams),
+    )
+)
+_LIGHT = PipelineConfig.model_validate(choose_preset("modern", light=True))
 
 CASES: dict[str, Case] = {
     "ram": Case("a frame", partial(published.ram, False), build_ram, _run_ram),
     "ram-plus": Case("a frame", partial(published.ram, True), build_ram_plus, _run_ram),
-    "grounding-dino-tiny": Case(
-        _PROMPTS, partial(published.grounding_dino, False), build_grounding_dino, _run_grounding_dino
-    ),
-    "grounding-dino-base": Case(
-        _PROMPTS, partial(published.grounding_dino, True), build_grounding_dino, _run_grounding_dino
-    ),
+    "grounding-dino-tiny": Case(_PROMPTS, partial(published.grounding_dino, False), build_grounding_dino, _DINO),
+    "grounding-dino-base": Case(_PROMPTS, partial(published.grounding_dino, True), build_grounding_dino, _DINO),
     "sam-hq-vit-base": Case(_PROMPTED, partial(published.sam_hq, False), build_sam_hq, _run_sam_hq),
     "sam-hq-vit-large": Case(_PROMPTED, partial(published.sam_hq, True), build_sam_hq, _run_sam_hq),
     "sam2.1-hiera-tiny": Case(_PROMPTED, partial(published.sam2, False), build_sam2_image, _run_sam2_image),
@@ -188,13 +195,26 @@ CASES: dict[str, Case] = {
     "sam2.1-hiera-large-video": Case(_TRACKED, partial(published.sam2, True), build_sam2_video, _run_sam2_video),
     "edgetam": Case(_PROMPTED, published.edgetam, build_edgetam_image, _run_sam2_image),
     "edgetam-video": Case(_TRACKED, published.edgetam, build_edgetam_video, _run_sam2_video),
-    "deaot-r50-l": Case("5 objects, memory full", published.deaot, build_deaot, _run_deaot),
+    "deaot-r50-l": Case("5 objects, memory full", published.deaot, build_deaot, _DEAOT),
     "pips": Case(_POINTS, published.pips, build_pips, partial(_run_tracks, track_points_pips, PipsParams())),
     "bootstapir": Case(_POINTS, published.bootstapir, build_bootstapir, _BOOTSTAPIR),
-    "bootstapir-256": Case(_POINTS, published.bootstapir, build_bootstapir, _BOOTSTAPIR_256),
-    "raft-large": Case(_FLOW, partial(published.raft, False), build_raft, _run_raft),
-    "raft-small": Case(_FLOW, partial(published.raft, True), build_raft, _run_raft),
-    "dpt-dinov2-small": Case("a frame", partial(published.dpt_dinov2, False), build_dpt_dinov2, _DPT),
-    "dpt-dinov2-large": Case("a frame", partial(published.dpt_dinov2, True), build_dpt_dinov2, _DPT),
+    "raft-large": Case(_FLOW, partial(published.raft, False), build_raft, _RAFT),
+    "raft-small": Case(_FLOW, partial(published.raft, True), build_raft, _RAFT),
+    "sea-raft-m": Case(_SEA_FLOW, partial(published.sea_raft, False), build_sea_raft, _SEA_RAFT),
+    "sea-raft-s": Case(_SEA_FLOW, partial(published.sea_raft, True), build_sea_raft, _SEA_RAFT),
+    "dpt-dinov2-small-nyu": Case("a frame", partial(published.dpt_dinov2, False), build_dpt_dinov2, _DPT),
+    "dpt-dinov2-large-nyu": Case("a frame", partial(published.dpt_dinov2, True), build_dpt_dinov2, _DPT),
     "depth-anything-v2-small": Case("a frame", published.depth_anything_small, build_depth_anything, _ANY_DEPTH),
+}
+
+# Networks with the parameters of `--preset modern --light`, where these differ from the defaults.
+CASES |= {
+    f"{name}@light": CASES[name]._replace(run=run)
+    for name, run in {
+        "grounding-dino-tiny": partial(_run_grounding_dino, _LIGHT.grounding_dino),
+        "deaot-r50-l": partial(_run_deaot, _LIGHT.deaot),
+        "bootstapir": partial(_run_tracks, track_points_bootstapir, _LIGHT.bootstapir),
+        "sea-raft-s": partial(_run_flow, _LIGHT.sea_raft),
+        "depth-anything-v2-small": partial(_run_depth, _LIGHT.depth_anything_v2),
+    }.items()
 }

@@ -31,7 +31,10 @@ from moseg.tasks.networks.raft import Raft
 from moseg.tasks.networks.raft.config import LARGE, SMALL
 from moseg.tasks.networks.ram import RamConfig
 from moseg.tasks.networks.ram.model import Ram, RamPlus
+from moseg.tasks.networks.sea_raft import SeaRaft
+from moseg.tasks.networks.sea_raft import config as sea_raft_sizes
 from moseg.workflows.weights.tiny.grounding_dino import make_grounding_dino
+from moseg.workflows.weights.tiny.sea_raft import to_published_name
 
 
 def ram(is_plus: bool) -> Checkpoint:
@@ -57,6 +60,12 @@ def bootstapir() -> Checkpoint:
 
 def raft(is_small: bool) -> Checkpoint:
     return Checkpoint("raft", _random_state(Raft(SMALL if is_small else LARGE)))
+
+
+def sea_raft(is_small: bool) -> Checkpoint:
+    sizes = sea_raft_sizes.SMALL if is_small else sea_raft_sizes.MEDIUM
+    state = _random_state(SeaRaft(sizes))
+    return Checkpoint("sea-raft", {to_published_name(key): value for key, value in state.items()})
 
 
 def grounding_dino(is_base: bool) -> Checkpoint:

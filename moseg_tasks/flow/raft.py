@@ -1,4 +1,4 @@
-"""RAFT optical flow of batches of frame pairs."""
+"""Optical flow of batches of frame pairs by RAFT or SEA-RAFT."""
 
 import cv2
 import numpy as np
@@ -9,19 +9,22 @@ from torch import Tensor
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.raft import RaftParams
 from moseg.tasks.networks.raft import STRIDE, Raft
+from moseg.tasks.networks.sea_raft import SeaRaft
 
 
-def estimate_raft_flow(model: Raft, images0: np.ndarray, images1: np.ndarray, params: RaftParams) -> np.ndarray:
+def estimate_raft_flow(
+    model: Raft | SeaRaft, images0: np.ndarray, images1: np.ndarray, params: RaftParams
+) -> np.ndarray:
     """Estimate the flow that maps each pixel of the first images to its position in the second.
 
     Parameters
     ----------
-    model : Raft
-        From `build_raft`, on any device.
+    model : Raft or SeaRaft
+        From `build_raft` or `build_sea_raft`, on any device.
     images0, images1 : uint8 (B, y, x, 3)
         RGB frames of one size.
-    params : RaftParams
-        Frames with a longer side than `max_side` are reduced by averaging areas.
+    params : RaftParams or SeaRaftParams
+        Those of the model. Frames with a longer side than `max_side` are reduced by averaging areas.
 
     Returns
     -------
@@ -36,6 +39,7 @@ def estimate_raft_flow(model: Raft, images0: np.ndarray, images1: np.ndarray, pa
     References
     ----------
     Teed, Deng, "RAFT: Recurrent All-Pairs Field Transforms for Optical Flow", ECCV 2020.
+    Wang, Lipson, Deng, "SEA-RAFT: Simple, Efficient, Accurate RAFT for Optical Flow", ECCV 2024.
     """
     for name, images in (("images0", images0), ("images1", images1)):
         if images.dtype != np.uint8 or images.ndim != 4 or images.shape[3] != 3 or images.size == 0:

@@ -39,6 +39,7 @@ from moseg.schemas.parameters.saliency import SaliencyParams
 from moseg.schemas.parameters.sam2 import EdgeTamParams, Sam2Params
 from moseg.schemas.parameters.sam_hq import SamHqParams
 from moseg.schemas.parameters.scene_parallax import SceneParallaxParams
+from moseg.schemas.parameters.sea_raft import SeaRaftParams
 from moseg.schemas.parameters.track_masks import TrackMaskParams
 from moseg.schemas.parameters.track_objects import (
     CandidateParams,
@@ -115,6 +116,7 @@ __all__ = [
     "Sam2Params",
     "SamHqParams",
     "SceneParallaxParams",
+    "SeaRaftParams",
     "SeedParams",
     "SeparationParams",
     "TrackFieldParams",

@@ -12,7 +12,7 @@ class FlowParams(Frozen):
     """Source of the flow of each frame pair."""
 
     method: Annotated[str, ChoiceOf("flow.method")] = Field(
-        "dis", description="backend: dis (OpenCV DIS), raft, exact maps of the data set, or a folder"
+        "dis", description="backend: dis (OpenCV DIS), raft, sea-raft, exact maps of the data set, or a folder"
     )
     preset: Literal["ultrafast", "fast", "medium", "fine"] = Field(
         "medium", description="DIS preset; fine is medium at full resolution (dis only)"

@@ -155,6 +155,34 @@ def test_stages_can_be_chosen_one_by_one(tracks, segment):
     assert ran.code == 0, ran.err
 
 
+def test_sea_raft_leaves_flow_of_each_pair_that_a_second_run_does_not_compute(segment, tmp_path):
+    computed, ran = segment("--flow", "sea-raft", "--device", "cpu")
+    assert ran.code == 0 and computed > 0, ran.err
+    store = open_store(str(tmp_path / "store"), create=False)
+    flows = [ref for ref in store.refs() if ref.startswith("flow/")]
+    assert len(flows) == 2 * (NUM_FRAMES - 1)
+    assert all(store.read(ref, "flow").shape == (96, 128, 2) for ref in flows)
+    assert segment("--flow", "sea-raft", "--device", "cpu")[0] == 0
+    assert segment("--flow", "sea-raft", "--set", "sea_raft.iterations=2")[0] > 0
+
+
+def test_sea_raft_computes_the_same_bytes_again_on_the_cpu(segment, tmp_path):
+    stores = []
+    for _ in range(2):
+        assert segment("--flow", "sea-raft", "--device", "cpu")[1].code == 0
+        stores.append(_contents(tmp_path / "store"))
+        shutil.rmtree(tmp_path / "store")
+    assert stores[0] == stores[1]
+
+
+def test_the_light_preset_gives_the_same_bytes_in_two_workers(segment, moseg, video, tmp_path):
+    computed, ran = segment("--preset", "modern", "--light")
+    assert ran.code == 0 and computed > 0, ran.err
+    arguments = ("--store", tmp_path / "other", "--out", tmp_path / "again", "--quiet", *SECTIONS)
+    assert moseg("segment", video, *arguments, "--preset", "modern", "--light", "--workers", "2").code == 0
+    assert _contents(tmp_path / "other") == _contents(tmp_path / "store")
+
+
 def test_given_tags_skip_the_tagger(segment, copy_of, weights, tmp_path):
     copy_of("paper")
     shutil.rmtree(tmp_path / "store" / "objects" / "tags")
@@ -200,6 +228,7 @@ def test_truncated_weights_are_one_line(segment, weights):
         ("ram", "paper"),
         ("ram-plus", "modern"),
         ("sam2.1-hiera-large", "modern"),
+        ("sea-raft-m", "modern"),
     ],
 )
 @pytest.mark.parametrize("how", ["missing", "unexpected"])

@@ -12,6 +12,7 @@ def load_config(
     config: ConfigLike | None = None,
     *,
     preset: str | None = None,
+    light: bool = False,
     quality: str | None = None,
     geometry: str | None = None,
     motions: int | str | None = None,
@@ -26,6 +27,8 @@ def load_config(
         such, as `moseg config dump` writes it.
     preset : 'weights-free', 'paper' or 'modern', optional
         Set of backends, weights-free by default.
+    light : bool
+        Take the preset's lighter networks, for a laptop; only ``modern`` has them.
     quality : 'fast', 'default' or 'best', optional
         What accuracy may cost.
     geometry : 'default' or 'paper', optional
@@ -51,13 +54,14 @@ def load_config(
     >>> load_config({"flow.preset": "fine"}, motions=2).flow.preset
     'fine'
     """
-    return read_choices(config, motions, preset, quality, geometry, sensitivity).make_config()
+    return read_choices(config, motions, preset, light, quality, geometry, sensitivity).make_config()
 
 
 def read_choices(
     config: ConfigLike | None,
     motions: int | str | None,
     preset: str | None,
+    light: bool,
     quality: str | None,
     geometry: str | None,
     sensitivity: float | None,
@@ -72,6 +76,7 @@ def read_choices(
     """
     check_kinds(Kind.TEXT, optional=True, preset=preset, quality=quality, geometry=geometry)
     check_kinds(Kind.TEXT_OR_COUNT, optional=True, motions=motions)
+    check_kinds(Kind.SWITCH, light=light)
     check_kinds(Kind.NUMBER, optional=True, sensitivity=sensitivity)
     check_kinds(Kind.PATH, optional=True, **cues)
     folders = {cue: os.fsdecode(path) for cue, path in cues.items() if path is not None}
@@ -80,4 +85,4 @@ def read_choices(
         chosen.append(Choice("--motions", "clustering.motions", str(motions)))
     if sensitivity is not None:
         chosen.append(Choice("--sensitivity", "track_objects.sensitivity", float(sensitivity)))
-    return PipelineChoices(config, preset, quality, geometry, tuple(chosen), folders=folders)
+    return PipelineChoices(config, preset, quality, geometry, tuple(chosen), folders=folders, light=bool(light))

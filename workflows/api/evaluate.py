@@ -27,6 +27,7 @@ def evaluate(
     list_file: str | os.PathLike | None = None,
     motions: int | str | None = None,
     preset: str | None = None,
+    light: bool = False,
     quality: str | None = None,
     geometry: str | None = None,
     sensitivity: float | None = None,
@@ -75,6 +76,8 @@ def evaluate(
         Number of motions, the background's included; ``gt`` takes it from ground truth.
     preset, quality, geometry : str, optional
         As of `segment_video`.
+    light : bool
+        As of `segment_video`.
     sensitivity : float, optional
         As of `segment_video`.
     proposals, depth, flow, tracks : path, optional
@@ -122,6 +125,7 @@ def evaluate(
             config,
             motions,
             preset,
+            light,
             quality,
             geometry,
             sensitivity,
@@ -159,6 +163,7 @@ def ablate(
     list_file: str | os.PathLike | None = None,
     motions: int | str | None = None,
     preset: str | None = None,
+    light: bool = False,
     quality: str | None = None,
     geometry: str | None = None,
     sensitivity: float | None = None,
@@ -217,6 +222,7 @@ def ablate(
             config,
             motions,
             preset,
+            light,
             quality,
             geometry,
             sensitivity,

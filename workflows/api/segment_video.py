@@ -32,6 +32,7 @@ def segment_video(
     *,
     motions: int | str | None = None,
     preset: str | None = None,
+    light: bool = False,
     quality: str | None = None,
     geometry: str | None = None,
     sensitivity: float | None = None,
@@ -76,6 +77,8 @@ def segment_video(
         Number of motions, the background's included; by default what `config` says, which is ``auto``.
     preset : 'weights-free', 'paper' or 'modern', optional
         Set of backends, weights-free by default.
+    light : bool
+        Take the preset's lighter networks, for a laptop; only ``modern`` has them.
     quality : 'fast', 'default' or 'best', optional
         What accuracy may cost.
     geometry : 'default' or 'paper', optional
@@ -165,6 +168,7 @@ def segment_video(
         config,
         motions,
         preset,
+        light,
         quality,
         geometry,
         sensitivity,

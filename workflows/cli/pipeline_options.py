@@ -23,6 +23,9 @@ class PipelineOptions:
     preset: Annotated[
         str, named_option("--preset", "Set of backends: {choices}; the other options change single ones.")
     ] = "weights-free"
+    light: Annotated[
+        bool, typer.Option("--light", help="The preset's lighter networks, for a laptop; with --preset modern.")
+    ] = False
     quality: Annotated[str, named_option("--quality", "What accuracy may cost: {choices}.")] = "default"
     motions: Annotated[
         str | None,
@@ -98,7 +101,7 @@ class PipelineOptions:
         chosen = tuple(Choice(option, PARAMETER_OF[option], value) for option, value in given.items())
         settings = tuple(map(_read_setting, self.settings or ()))
         names = (self.preset, self.quality, self.geometry)
-        return PipelineChoices(self.config_file, *names, chosen, settings, folders)
+        return PipelineChoices(self.config_file, *names, chosen, settings, folders, self.light)
 
 
 def _read_cue(cue: str, text: str | None, folders: dict[str, str]) -> str | None:

@@ -39,6 +39,7 @@ def fetch(
         str | None,
         named_option("--preset", "Every item that this preset uses."),
     ] = None,
+    light: Annotated[bool, typer.Option("--light", help="With --preset: the items of its lighter networks.")] = False,
     non_commercial: NonCommercialOption = False,
     again: Annotated[
         bool,
@@ -51,6 +52,7 @@ def fetch(
     Examples
     --------
     moseg weights fetch --preset paper
+    moseg weights fetch --preset modern --light
     moseg weights fetch raft-large pips
     """
     from moseg.workflows.weights.folder import open_weights
@@ -58,7 +60,7 @@ def fetch(
     # Asked for by name: what keeps runs from the network is not meant.
     env = {name: value for name, value in os.environ.items() if name != "MOSEG_OFFLINE"}
     weights = open_weights(env, allow_non_commercial=non_commercial, quiet=quiet)
-    chosen = [weights.item(name) for name in [*(items or []), *_items_of(preset)]]
+    chosen = [weights.item(name) for name in [*(items or []), *_items_of(preset, light)]]
     if not chosen:
         expected = "weights items, or --preset"
         raise InputError("nothing to fetch", where="moseg weights fetch", got="no item", expected=expected)
@@ -130,7 +132,7 @@ def tiny(
     moseg weights tiny tiny-weights
     moseg weights tiny tiny-weights --only raft-large,pips
     """
-    from moseg.schemas.presets import PRESETS
+    from moseg.schemas.presets import LIGHT, PRESETS
     from moseg.workflows.weights.catalogue import CATALOGUE
     from moseg.workflows.weights.folder import Weights
     from moseg.workflows.weights.tiny.make_tiny import make_tiny
@@ -138,20 +140,23 @@ def tiny(
     names = [name.strip() for name in (only or "").split(",") if name.strip()]
     if only is not None and not names:
         raise InputError("no item named", where="--only", got=repr(only), expected="names separated by commas")
-    names = names or [name for preset in PRESETS for name in _items_of(preset)]
+    sets = [*((preset, False) for preset in PRESETS), *((preset, True) for preset in LIGHT)]
+    names = names or [name for preset, is_light in sets for name in _items_of(preset, is_light)]
     catalogue = Weights(folder, {item.name: item for item in CATALOGUE})
     made = make_tiny(folder, [catalogue.item(name) for name in dict.fromkeys(names)], seed)
     print(f"{len(made)} items in {folder}: {', '.join(item.name for item in made)}")
     print(f"use them: export MOSEG_WEIGHTS={folder.resolve()}")
 
 
-def _items_of(preset: str | None) -> tuple[str, ...]:
-    from moseg.workflows.stages.needed_weights import items_of_preset
+def _items_of(preset: str | None, light: bool) -> tuple[str, ...]:
+    """Return the names of the weights items that a preset reads; raises InputError if it has no such networks."""
+    from moseg.schemas.configs import PipelineConfig
+    from moseg.workflows.stages.needed_weights import needed_items
 
-    if preset is None:
+    if preset is None and not light:
         return ()
-    choose_preset(preset)
-    return items_of_preset(preset)
+    values = choose_preset(**({} if preset is None else {"preset": preset}), light=light)
+    return tuple(needed_items(PipelineConfig.model_validate(values)))
 
 
 def _describe(verdict) -> str:

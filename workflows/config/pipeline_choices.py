@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from moseg.schemas.configs import POINT_PROMPTED, PipelineConfig
 from moseg.schemas.errors import InputError
-from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES, SOURCE_DEFAULTS
+from moseg.schemas.presets import GEOMETRIES, LIGHT, PRESETS, QUALITIES, SOURCE_DEFAULTS
 from moseg.schemas.spelling import unknown_name
 from moseg.workflows.config.parameter_errors import parameter_error
 
@@ -65,6 +65,8 @@ class PipelineChoices:
         Parameters as ``stage.name``, with their values, in the order in which `--set` gave them.
     folders : dict of str to str
         Where the user's own cues lie, by cue; `chosen` takes them from there.
+    light : bool
+        Whether the preset is taken with its lighter networks.
     """
 
     config: ConfigLike | None = None
@@ -74,11 +76,12 @@ class PipelineChoices:
     chosen: tuple[Choice, ...] = ()
     settings: tuple[tuple[str, str], ...] = ()
     folders: Mapping[str, str] = field(default_factory=dict)
+    light: bool = False
 
     @property
-    def names(self) -> dict[str, str]:
-        """The names that were given, by ``preset``, ``quality`` and ``geometry``."""
-        given = {"preset": self.preset, "quality": self.quality, "geometry": self.geometry}
+    def names(self) -> dict[str, Any]:
+        """The names that were given, by ``preset``, ``quality`` and ``geometry``; and ``light``, if it was given."""
+        given = {"preset": self.preset, "quality": self.quality, "geometry": self.geometry, "light": self.light or None}
         return {kind: name for kind, name in given.items() if name is not None}
 
     @property
@@ -155,14 +158,26 @@ class PipelineChoices:
             raise InputError("nothing to tag", where="--tagger", got=got, expected="one of the two")
 
 
-def choose_preset(preset: str = "weights-free", geometry: str = "default", quality: str = "default") -> dict[str, Any]:
-    """Return the values of a preset, a geometry and a quality; raises InputError on an unknown name."""
+def choose_preset(
+    preset: str = "weights-free", geometry: str = "default", quality: str = "default", light: bool = False
+) -> dict[str, Any]:
+    """Return the values of a preset, light or not, a geometry and a quality.
+
+    Raises
+    ------
+    InputError
+        A name is unknown, or the preset has no lighter networks.
+    """
     values: dict[str, Any] = {}
     for (option, known), name in zip(SETS_OF.items(), (preset, geometry, quality), strict=True):
         if name not in known:
             raise unknown_name(option.removeprefix("--"), name, known, where=option)
-        for stage, chosen in known[name].items():
-            values[stage] = {**values.get(stage, {}), **chosen} if isinstance(chosen, Mapping) else chosen
+        _merge(values, known[name])
+        if light and known is PRESETS:
+            if preset not in LIGHT:
+                expected = " or ".join(f"--preset {name}" for name in LIGHT)
+                raise InputError("a preset without lighter networks", where="--light", got=preset, expected=expected)
+            _merge(values, LIGHT[preset])
     return values
 
 

@@ -10,7 +10,7 @@ from moseg.workflows.config.pipeline_choices import PipelineChoices
 
 READ_PARAMETERS = ("fused_point_models", "clustering.motions", "hypotheses.", "kernel.", "trajectory_clustering.")
 """Parameters, and stages of parameters, that trajectories without images read."""
-DEFAULT_NAMES = {"preset": "weights-free", "quality": "default", "geometry": "default"}
+DEFAULT_NAMES = {"preset": "weights-free", "quality": "default", "geometry": "default", "light": False}
 
 
 @dataclass(frozen=True)

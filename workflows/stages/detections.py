@@ -59,6 +59,7 @@ STAGE = Stage(
                     option="--proposals detections",
                 ),
             ),
+            is_once_a_section=True,
         ),
     ),
 )

@@ -4,7 +4,7 @@ import numpy as np
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.parameters import FlowParams, RaftParams
+from moseg.schemas.parameters import FlowParams, RaftParams, SeaRaftParams
 from moseg.workflows.stages.inputs import ArtifactView
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import OPENCV, Backend, Choice, Stage
@@ -32,17 +32,32 @@ def _dis_params(config: PipelineConfig) -> dict:
 
 
 def _run_raft(params, inputs):
-    from moseg.tasks.flow.raft import estimate_raft_flow
     from moseg.tasks.networks.raft import build_raft
 
-    images0, images1 = (np.stack([each[role].cached("image") for each in inputs]) for role in ("frame0", "frame1"))
-    with open_network(build_raft, inputs[0]["weights"]) as network:
-        flows = estimate_raft_flow(network, images0, images1, RaftParams.of_recipe(params["raft"]))
-    return [Output({"flow": flow}, made_on()) for flow in flows]
+    return _estimate(build_raft, RaftParams.of_recipe(params["raft"]), inputs)
 
 
 def _raft_params(config: PipelineConfig) -> dict:
     return {"raft": config.raft.model_dump(mode="json", exclude={"weights"})}
+
+
+def _run_sea_raft(params, inputs):
+    from moseg.tasks.networks.sea_raft import build_sea_raft
+
+    return _estimate(build_sea_raft, SeaRaftParams.of_recipe(params["sea_raft"]), inputs)
+
+
+def _sea_raft_params(config: PipelineConfig) -> dict:
+    return {"sea_raft": config.sea_raft.model_dump(mode="json", exclude={"weights"})}
+
+
+def _estimate(build, params, inputs):
+    from moseg.tasks.flow.raft import estimate_raft_flow
+
+    images0, images1 = (np.stack([each[role].cached("image") for each in inputs]) for role in ("frame0", "frame1"))
+    with open_network(build, inputs[0]["weights"]) as network:
+        flows = estimate_raft_flow(network, images0, images1, params)
+    return [Output({"flow": flow}, made_on()) for flow in flows]
 
 
 DIS = Task("flow", "dis", version=3, run=_run_dis, params=_dis_params, is_cheap=True, is_cue=True)
@@ -54,13 +69,21 @@ RAFT = Task(
     params=_raft_params,
     network=Network("raft", "raft.weights", "raft-large"),
 )
+SEA_RAFT = Task(
+    "flow",
+    "sea-raft",
+    version=1,
+    run_together=_run_sea_raft,
+    params=_sea_raft_params,
+    network=Network("sea_raft", "sea_raft.weights", "sea-raft-m"),
+)
 
 STAGE = Stage(
     name="flow",
     about="optical flow of a frame pair",
     inputs={"frame0": "frame that the flow starts in", "frame1": "its neighbour", "weights": "of the network"},
     arrays={"flow": layout("float32", "y x uv", "px/frame; of the frames' size, or on a coarser grid", step=1 / 32)},
-    tasks=(DIS, RAFT),
+    tasks=(DIS, RAFT, SEA_RAFT),
     method=lambda config: config.flow.method,
     choices=(
         Choice(
@@ -70,6 +93,7 @@ STAGE = Stage(
             (
                 Backend("dis", "DIS, both directions", OPENCV),
                 Backend("raft", "RAFT", network=RAFT.network),
+                Backend("sea-raft", "SEA-RAFT", network=SEA_RAFT.network),
                 Backend("groundtruth", "exact (synthetic)"),
                 Backend("folder", "your own flow"),
             ),

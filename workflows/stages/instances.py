@@ -184,6 +184,7 @@ STAGE = Stage(
                 Backend("sam2", "SAM 2.1", TRANSFORMERS, SAM2.network),
                 Backend("edgetam", "EdgeTAM", TRANSFORMERS, EDGETAM.network),
             ),
+            is_once_a_section=True,
         ),
     ),
 )

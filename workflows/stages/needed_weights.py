@@ -2,7 +2,6 @@
 
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
-from moseg.schemas.presets import PRESETS
 from moseg.workflows.stages.registry import STAGES, all_choices
 from moseg.workflows.stages.task import Network
 
@@ -30,11 +29,6 @@ def networks(config: PipelineConfig) -> list[Network]:
     chosen = ((stage, stage.chosen(config)) for stage in STAGES.values())
     tasks = (task for stage, method in chosen for task in stage.tasks if task.method == method)
     return [task.network for task in tasks if task.network is not None]
-
-
-def items_of_preset(name: str) -> tuple[str, ...]:
-    """Return the names of the weights items that a preset reads."""
-    return tuple(needed_items(PipelineConfig.model_validate(PRESETS[name])))
 
 
 def parameters_of(architecture: str) -> tuple[str, ...]:

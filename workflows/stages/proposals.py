@@ -257,8 +257,8 @@ STAGE = Stage(
             "--tracker",
             (
                 Backend("deaot", "DeAOT", network=DEAOT.network),
-                Backend("sam2", "SAM 2.1 video", TRANSFORMERS, SAM2.network),
-                Backend("edgetam", "EdgeTAM", TRANSFORMERS, EDGETAM.network),
+                Backend("sam2", "SAM 2.1 video", TRANSFORMERS, SAM2.network, cost_suffix="-video"),
+                Backend("edgetam", "EdgeTAM", TRANSFORMERS, EDGETAM.network, cost_suffix="-video"),
             ),
         ),
     ),

@@ -29,6 +29,8 @@ class Backend(NamedTuple):
         None if it takes no weights.
     option : str
         Option that chooses it on the command line, if it is not the stage's option with the method.
+    cost_suffix : str
+        End of the name of its cost, after the name of the weights item, if a network is used in several ways.
     """
 
     method: str
@@ -36,6 +38,7 @@ class Backend(NamedTuple):
     code: str = OWN
     network: Network | None = None
     option: str = ""
+    cost_suffix: str = ""
 
 
 class Choice(NamedTuple):
@@ -50,12 +53,15 @@ class Choice(NamedTuple):
     option : str
         Option of the command line.
     backends : tuple of Backend
+    is_once_a_section : bool
+        Whether only the first frame of each section is processed.
     """
 
     name: str
     parameter: str
     option: str
     backends: tuple[Backend, ...]
+    is_once_a_section: bool = False
 
     def option_of(self, backend: Backend) -> str:
         """Return the option that chooses a backend on the command line."""

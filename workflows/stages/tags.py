@@ -68,6 +68,7 @@ STAGE = Stage(
                 Backend("ram-plus", "RAM++", network=RAM_PLUS.network),
                 Backend("given", "your own tags", option="--tags car,person"),
             ),
+            is_once_a_section=True,
         ),
     ),
 )

@@ -88,6 +88,13 @@ def _raft(name: str, file: str, size: int, sha256: str) -> WeightsItem:
     )
 
 
+def _sea_raft(size: str, commit: str, known: Known, num_bytes: int) -> WeightsItem:
+    """Return an item whose training ended on Spring, as the authors take for images of any kind."""
+    files, repository = {"model.safetensors": known}, f"MemorySlices/Tartan-C-T-TSKH-spring540x960-{size.upper()}"
+    name = f"sea-raft-{size}"
+    return _hub_item(name, "sea_raft", repository, commit, files, licence=BSD, approximate_size=num_bytes)
+
+
 def _ram(name: str, architecture: str, repository: str, commit: str, file: str, known: Known) -> WeightsItem:
     return _hub_item(
         name, architecture, repository, commit, {"model.pth": known}, {"model.pth": file}, others=TAG_FILES
@@ -145,6 +152,13 @@ CATALOGUE: tuple[WeightsItem, ...] = (
         4_006_189,
         "01064c6dba73b0fc9fc8edf772248560a00a3acfd62ac6677e9eeebad9680e27",
     ),
+    _sea_raft(
+        "m",
+        "ac10cb373b8a518481c682b138947798025f90e0",
+        (None, "cb8cfbf14c5e0f6734b64add383708b7ff68cc6089a0007c67165d4761346102"),
+        78_800_000,
+    ),
+    _sea_raft("s", NO_COMMIT, UNKNOWN, 35_600_000),
     _hub_item(
         "pips",
         "pips",

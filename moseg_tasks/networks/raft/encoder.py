@@ -8,7 +8,7 @@ from moseg.tasks.networks.raft.convolution import Norm, conv_norm_relu
 
 
 class Encoder(nn.Module):
-    """A stem and six residual blocks, the resolution halved three times.
+    """A stem and three stages of residual blocks, the resolution halved three times.
 
     Parameters
     ----------
@@ -20,6 +20,10 @@ class Encoder(nn.Module):
         Channels of the output.
     norm : callable or None
         Constructor of the normalisation of a number of channels.
+    in_channels : int
+        Channels of the images.
+    num_blocks : tuple of int
+        Blocks at 1/2, 1/4 and 1/8 of the size.
     """
 
     def __init__(
@@ -28,18 +32,26 @@ class Encoder(nn.Module):
         stage_channels: tuple[int, int, int],
         out_channels: int,
         norm: Norm | None,
+        in_channels: int = 3,
+        num_blocks: tuple[int, int, int] = (2, 2, 2),
     ):
         super().__init__()
         make = {"residual": ResidualBlock, "bottleneck": BottleneckBlock}[block]
+
+        def make_stage(channels: int, out: int, stride: int, count: int) -> nn.Sequential:
+            return nn.Sequential(
+                make(channels, out, stride, norm), *(make(out, out, 1, norm) for _ in range(count - 1))
+            )
+
         half, quarter, eighth = stage_channels
-        self.convnormrelu = conv_norm_relu(3, half, 7, stride=2, norm=norm)
-        self.layer1 = nn.Sequential(make(half, half, 1, norm), make(half, half, 1, norm))
-        self.layer2 = nn.Sequential(make(half, quarter, 2, norm), make(quarter, quarter, 1, norm))
-        self.layer3 = nn.Sequential(make(quarter, eighth, 2, norm), make(eighth, eighth, 1, norm))
+        self.convnormrelu = conv_norm_relu(in_channels, half, 7, stride=2, norm=norm)
+        self.layer1 = make_stage(half, half, 1, num_blocks[0])
+        self.layer2 = make_stage(half, quarter, 2, num_blocks[1])
+        self.layer3 = make_stage(quarter, eighth, 2, num_blocks[2])
         self.conv = nn.Conv2d(eighth, out_channels, 1)
 
     def forward(self, images: Tensor) -> Tensor:
-        """Map images (B, 3, y, x) in [-1, 1] to features (B, channels, y / 8, x / 8)."""
+        """Map images (B, channels, y, x) in [-1, 1] to features (B, channels, y / 8, x / 8)."""
         return self.conv(self.layer3(self.layer2(self.layer1(self.convnormrelu(images)))))
 
 

@@ -70,7 +70,7 @@ class Raft(nn.Module):
 
         # The flow is summed over the iterations and added to coordinates: half precision would round it to 1/16 cell.
         dtype = torch.promote_types(features0.dtype, torch.float32)
-        cells = _cell_grid(features0).to(dtype)
+        cells = cell_grid(features0).to(dtype)
         flow = torch.zeros_like(cells).repeat(len(images0), 1, 1, 1)
         for _ in range(iterations):
             hidden, step = self.update_block(hidden, context, correlation.look_up(cells + flow), flow)
@@ -80,7 +80,7 @@ class Raft(nn.Module):
         return upsample_convex(flow, self.mask_predictor(hidden))
 
 
-def _cell_grid(features: Tensor) -> Tensor:
+def cell_grid(features: Tensor) -> Tensor:
     """Return each cell's xy, (1, 2, h, w)."""
     y, x = (torch.arange(side, device=features.device) for side in features.shape[2:])
     return torch.stack(torch.meshgrid(x, y, indexing="xy"))[None]

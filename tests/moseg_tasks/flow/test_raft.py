@@ -4,22 +4,29 @@ import cv2
 import numpy as np
 import pytest
 import torch
+from safetensors.torch import load
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.raft import RaftParams
 from moseg.tasks.flow.raft import estimate_raft_flow
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.raft import build_raft
+from moseg.tasks.networks.sea_raft import build_sea_raft
 from moseg.workflows.weights.tiny.raft import make_raft
+from moseg.workflows.weights.tiny.sea_raft import make_sea_raft
 
 QUICK = RaftParams(iterations=3)
 
 
-@pytest.fixture(scope="module")
-def tiny():
-    files, config = make_raft(seed=0)
-    tensors = torch.load(io.BytesIO(files["model.pth"]), weights_only=True)
-    return build_raft(Checkpoint("tiny", tensors, config=config))
+@pytest.fixture(scope="module", params=["raft", "sea-raft"])
+def tiny(request):
+    """Return a network of the tiny checkpoint of each architecture."""
+    if request.param == "raft":
+        files, config = make_raft(seed=0)
+        tensors = torch.load(io.BytesIO(files["model.pth"]), weights_only=True)
+        return build_raft(Checkpoint("tiny", tensors, config=config))
+    files, config = make_sea_raft(seed=0)
+    return build_sea_raft(Checkpoint("tiny", load(files["model.safetensors"]), config=config))
 
 
 class FirstImageAsFlow(torch.nn.Module):

@@ -39,7 +39,7 @@ def complete(monkeypatch, capsys):
         ("moseg eval --variant o", ["oc-depth", "oc"]),
         ("moseg segment a.mp4 --preset ", ["weights-free", "paper", "modern"]),
         ("moseg plan --quality b", ["best"]),
-        ("moseg eval --flow ", ["dis", "raft", "groundtruth", "folder:"]),
+        ("moseg eval --flow ", ["dis", "raft", "sea-raft", "groundtruth", "folder:"]),
         ("moseg eval --depth d", ["dpt-dinov2", "depth-anything-v2"]),
         ("moseg eval --tagger ram", ["ram", "ram-plus"]),
         ("moseg eval --motions ", ["gt", "auto"]),

@@ -64,7 +64,7 @@ def test_ranges_are_written_for_people():
     assert values["kernel.window"] == "> 0 and <= 1"
     assert values["affinity.quantile"] == "0 to 1"
     assert values["affinity.excess"] == "true or false"
-    assert values["flow.method"] == "dis, raft, groundtruth, folder"
+    assert values["flow.method"] == "dis, raft, sea-raft, groundtruth, folder"
     assert values["clustering.motions"] == "gt, auto or >= 1"
     assert values["saliency.focals"] == "list of > 0"
     assert values["detections.tags"] == "list of text or null"
