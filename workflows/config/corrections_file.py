@@ -40,8 +40,8 @@ def read_corrections(given: CorrectionsLike, where: str = "corrections") -> Corr
     InputError
         Not corrections: a wrong file, version, setting, edit or value.
     """
+    where = name_source(given, where)
     if isinstance(given, str | os.PathLike):
-        where = os.fsdecode(given)
         values: Any = read_yaml(where, _KIND) or {}
         if "version" not in values:
             raise InputError("not a corrections file", where=where, got="no version", expected="version: 1")
@@ -56,6 +56,11 @@ def read_corrections(given: CorrectionsLike, where: str = "corrections") -> Corr
         raise InputError("not corrections", where=where, got=type(given).__name__, expected=expected)
     corrections = _validate(values, where)
     return corrections.model_copy(update={"settings": _plain_settings(corrections.settings, where)})
+
+
+def name_source(given: CorrectionsLike | None, argument: str) -> str:
+    """Return what corrections are called in errors: the path of their file, else the argument with them."""
+    return os.fsdecode(given) if isinstance(given, str | os.PathLike) else argument
 
 
 def spell_corrections(corrections: Corrections) -> str:

@@ -60,6 +60,8 @@ class PipelineChoices:
         Parameters as ``stage.name``, with their values, in the order in which `--set` gave them.
     folders : dict of str to str
         Where the user's own cues lie, by cue; `chosen` takes them from there.
+    corrected : mapping of str to value
+        Parameters as ``stage.name`` that corrections put in place of all others.
     """
 
     config: ConfigLike | None = None
@@ -69,6 +71,7 @@ class PipelineChoices:
     chosen: tuple[Choice, ...] = ()
     settings: tuple[tuple[str, str], ...] = ()
     folders: Mapping[str, str] = field(default_factory=dict)
+    corrected: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def names(self) -> dict[str, str]:
@@ -91,7 +94,7 @@ class PipelineChoices:
         _merge(values, self.given_values())
         for choice in self.chosen:
             _assign(values, choice.parameter, choice.value)
-        for name, value in self.settings:
+        for name, value in (*self.settings, *self.corrected.items()):
             _assign(values, name, value)
         return _validate(values)
 

@@ -5,6 +5,7 @@ variant and run that needs it.
 """
 
 from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.corrections import Rename
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.clustering import READ_TRACKS
 from moseg.schemas.recipes import Recipe
@@ -58,15 +59,34 @@ class SequenceGraph:
 
     def segmentations(self, variant: Variant) -> tuple[str, ...]:
         """Return the references of the labels of all sections."""
-        clustering = self.clustering(variant)
+        clustering, corrected = self.clustering(variant), self.corrected_objects(variant)
         refs = []
         for index, section in enumerate(self._sections):
             inputs = {"proposals": self.objects.proposals(index), "linking": self.objects.linking()}
+            place = {"section": index, "num_frames": section.stop - section.start}
+            if corrected is not None:
+                inputs["corrected"] = corrected
+                refs.append(self._nodes.add("segmentation", inputs, "corrected", **place, start=section.start))
+                continue
             if clustering is not None:
                 inputs["clustering"] = clustering
-            num_frames = section.stop - section.start
-            refs.append(self._nodes.add("segmentation", inputs, section=index, num_frames=num_frames))
+            refs.append(self._nodes.add("segmentation", inputs, **place))
         return tuple(refs)
+
+    def corrected_objects(self, variant: Variant) -> str | None:
+        """Return the reference of the objects after the user's edits; None without edits, or with names alone."""
+        edits = self.leaves.edits
+        if all(isinstance(edit, Rename) for edit in edits):
+            return None
+        inputs, clustering = {"linking": self.objects.linking()}, self.clustering(variant)
+        if clustering is not None:
+            inputs["clustering"] = clustering
+        return self._nodes.add("corrected_objects", inputs, edits=edits, num_frames=len(self.leaves.frames))
+
+    def _counted_objects(self, variant: Variant) -> dict[str, str]:
+        """Return the input that tells how many identities the labels have."""
+        corrected = self.corrected_objects(variant)
+        return {"linking": self.objects.linking()} if corrected is None else {"corrected": corrected}
 
     def moves_now(self, variant: Variant) -> tuple[str | None, ...]:
         """Return the references of whether objects move now, one a section; None where saliency is not read."""
@@ -76,7 +96,7 @@ class SequenceGraph:
                 refs.append(None)
                 continue
             saliency = self.foreground.saliency(section.start, section.stop)
-            inputs = {"segmentation": labels, "linking": self.objects.linking(), "saliency": saliency}
+            inputs = {"segmentation": labels, **self._counted_objects(variant), "saliency": saliency}
             start = min(section.start, 1)
             place = {"start": start, "num_frames": start + min(num_frames, section.stop + 1) - section.start}
             refs.append(self._nodes.add("moves_now", inputs, **place))
@@ -90,7 +110,7 @@ class SequenceGraph:
                 refs.append(None)
                 continue
             foreground = self.foreground.foreground(index)
-            inputs = {"segmentation": labels, "linking": self.objects.linking(), "foreground": foreground}
+            inputs = {"segmentation": labels, **self._counted_objects(variant), "foreground": foreground}
             refs.append(self._nodes.add("confidence", inputs))
         return tuple(refs)
 

@@ -17,6 +17,7 @@ from moseg.workflows.stages import (
     components,
     confidence,
     consistency,
+    corrected_objects,
     dense_tracks,
     depth,
     detections,
@@ -67,7 +68,7 @@ STAGES: dict[str, Stage] = {
         *(dense_tracks, rigidity, moving_tracks, track_surfaces, track_groups, track_objects),
         *(sightings, proposals, linking, rigid_support),
         *(depth, tracks, fundamental, fundamental_residual, flow_model, flow_residual, object_hypotheses),
-        *(affinity, clustering, segmentation, moves_now, confidence),
+        *(affinity, clustering, corrected_objects, segmentation, moves_now, confidence),
         *(hypotheses, kernel, trajectory_clustering),
         score,
     )
