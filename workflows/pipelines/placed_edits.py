@@ -10,7 +10,7 @@ from moseg.workflows.stages.corrected_objects import object_names
 
 
 class PlacedEdits(NamedTuple):
-    """Edits in the order in which they apply, and where each was written, for errors: ``fixes.yaml: edit 2``."""
+    """Edits in the order in which they apply, and where each was written, for errors: ``fixes.yaml: edit 2 (drop)``."""
 
     edits: tuple[Edit, ...] = ()
     places: Sequence[str] = ()
