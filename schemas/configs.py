@@ -42,6 +42,7 @@ from moseg.schemas.parameters import (
     RaftParams,
     RamParams,
     RefinementParams,
+    ResultParams,
     RigidityParams,
     RigidSupportParams,
     SaliencyParams,
@@ -156,6 +157,7 @@ class PipelineConfig(Frozen):
     object_hypotheses: ObjectHypothesisParams = ObjectHypothesisParams()
     affinity: AffinityParams = AffinityParams()
     clustering: ClusteringParams = ClusteringParams()
+    result: ResultParams = ResultParams()
     fused_point_models: tuple[str, ...] = Field(
         ("affine", "homography", "fundamental"),
         description="point models that the fused variant combines on labelled trajectories, separated by commas",

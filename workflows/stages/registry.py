@@ -36,6 +36,7 @@ from moseg.workflows.stages import (
     motion_proof,
     moves_now,
     moving_tracks,
+    object_areas,
     object_hypotheses,
     own_motion,
     proposals,
@@ -68,7 +69,7 @@ STAGES: dict[str, Stage] = {
         *(dense_tracks, rigidity, moving_tracks, track_surfaces, track_groups, track_objects),
         *(sightings, proposals, linking, rigid_support),
         *(depth, tracks, fundamental, fundamental_residual, flow_model, flow_residual, object_hypotheses),
-        *(affinity, clustering, corrected_objects, segmentation, moves_now, confidence),
+        *(affinity, clustering, object_areas, corrected_objects, segmentation, moves_now, confidence),
         *(hypotheses, kernel, trajectory_clustering),
         score,
     )
