@@ -36,13 +36,13 @@ from moseg.schemas.parameters import (
     MotionNetworkParams,
     MotionProofParams,
     MovesNowParams,
+    MovingObjectParams,
     ObjectHypothesisParams,
     OwnMotionParams,
     PipsParams,
     RaftParams,
     RamParams,
     RefinementParams,
-    ResultParams,
     RigidityParams,
     RigidSupportParams,
     SaliencyParams,
@@ -157,7 +157,7 @@ class PipelineConfig(Frozen):
     object_hypotheses: ObjectHypothesisParams = ObjectHypothesisParams()
     affinity: AffinityParams = AffinityParams()
     clustering: ClusteringParams = ClusteringParams()
-    result: ResultParams = ResultParams()
+    moving_objects: MovingObjectParams = MovingObjectParams()
     fused_point_models: tuple[str, ...] = Field(
         ("affine", "homography", "fundamental"),
         description="point models that the fused variant combines on labelled trajectories, separated by commas",

@@ -19,7 +19,7 @@ from moseg.workflows.graph.objects import Objects
 from moseg.workflows.graph.sections import cut_sections
 from moseg.workflows.graph.sequence_leaves import SequenceLeaves
 
-LAST_STAGES = {"affinity", "clustering", "result", "moves_now", "confidence"}
+LAST_STAGES = {"affinity", "clustering", "moving_objects", "moves_now", "confidence"}
 """Stages whose parameters change nothing in the recipes of objects and of their motion models."""
 
 
@@ -114,7 +114,7 @@ class SequenceGraph:
 
     def object_areas(self) -> tuple[str, ...]:
         """Return the references of how large the objects of all sections become; none if none is too small."""
-        if not self._config.result.min_area:
+        if not self._config.moving_objects.min_area:
             return ()
         return tuple(
             self._nodes.add(

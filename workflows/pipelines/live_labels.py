@@ -48,7 +48,7 @@ class LiveLabels:
         motion = np.arange(len(names)) if clustering is None else ArtifactView(store, clustering).cached("motion")
         motions = dict(zip(names[1:].tolist(), motion[1:].tolist(), strict=True))
         areas = [ArtifactView(store, ref) for ref in graph.object_areas()]
-        small = small_of(linking, areas, config.result.min_area) if areas else ()
+        small = small_of(linking, areas, config.moving_objects.min_area) if areas else ()
         corrected = replay_steps(steps_of(edits.edits), motions, len(graph.leaves.frames), edits.places, small)
         self.shown = tuple(sorted(corrected.shown))
         self.found = _found(store, graph, corrected.motions)
