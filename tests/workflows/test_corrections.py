@@ -7,11 +7,13 @@ import pytest
 from PIL import Image
 
 from moseg.schemas.errors import InputError
+from moseg.store import open_store
 from moseg.workflows.api import segment_video
 from moseg.workflows.api.open_run import open_run
 from moseg.workflows.api.run_settings import RunSettings
 from moseg.workflows.config.corrections_file import read_corrections, spell_corrections
 from moseg.workflows.config.pipeline_choices import PipelineChoices
+from moseg.workflows.reports.from_log import report_run
 
 CONFIG = {"sections.length": 4, "sections.overlap": 2}
 SETTINGS = [word for name, value in CONFIG.items() for word in ("--set", f"{name}={value}")]
@@ -257,3 +259,12 @@ def test_an_open_run_saves_what_the_command_line_writes(segment, frames, store, 
     assert {path.name for path in paths} == {"masks", "motion.json", "corrections.yaml"}
     for path in (tmp_path / "open").rglob("*.*"):
         assert path.read_bytes() == (tmp_path / "command" / path.relative_to(tmp_path / "open")).read_bytes()
+
+
+def test_the_report_of_a_run_from_its_log_has_the_corrected_objects(frames, moseg, tmp_path):
+    segment_video(
+        frames, CONFIG, store=tmp_path / "store", progress=False, keep_cues=True, corrections=EDITS, name="corrected"
+    )
+    page = report_run(open_store(str(tmp_path / "store"), create=False), "latest")
+    (panel,) = page.sequences
+    assert [(row.identity, row.tag) for row in panel.objects] == [(2, None), (4, "late")]
