@@ -158,6 +158,18 @@ def test_the_same_corrections_are_found_in_the_store_and_none_recompute_nothing(
     assert more.store_use.computed <= 10
 
 
+def test_what_is_left_out_needs_no_cues(frames, tmp_path):
+    """They are not in the store after a run that does not keep them."""
+    arguments = {"store": tmp_path / "store", "progress": False}
+    plain = segment_video(frames, CONFIG, **arguments)
+    for corrections in ([{"drop": 1}, {"rename": {"object": 2, "name": "x"}}], [{"static": 2}]):
+        done = segment_video(frames, CONFIG, corrections=corrections, **arguments)
+        assert done.store_use.computed == 4
+        (left,) = done.objects
+        before = next(each for each in plain.objects if each.identity == left.identity)
+        assert (left.sure, left.moving_frames, left.score) == (before.sure, before.moving_frames, before.score)
+
+
 def test_why_names_the_edit(frames, moseg, tmp_path):
     store = tmp_path / "store"
     listing = ("store", "ls", "--task", "segmentation", "--store", store)
