@@ -39,6 +39,7 @@ from moseg.schemas.parameters import (
     MotionPromptParams,
     MotionProofParams,
     MovesNowParams,
+    MovingObjectParams,
     ObjectHypothesisParams,
     OwnMotionParams,
     PipsParams,
@@ -175,6 +176,7 @@ class PipelineConfig(Frozen):
     object_hypotheses: ObjectHypothesisParams = ObjectHypothesisParams()
     affinity: AffinityParams = AffinityParams()
     clustering: ClusteringParams = ClusteringParams()
+    moving_objects: MovingObjectParams = MovingObjectParams()
     fused_point_models: tuple[str, ...] = Field(
         ("affine", "homography", "fundamental"),
         description="point models that the fused variant combines on labelled trajectories, separated by commas",

@@ -26,6 +26,7 @@ from moseg.schemas.parameters.motion_network import MotionNetworkParams
 from moseg.schemas.parameters.motion_prompts import MotionPromptParams
 from moseg.schemas.parameters.motion_proof import MotionProofParams
 from moseg.schemas.parameters.moves_now import MovesNowParams
+from moseg.schemas.parameters.moving_objects import MovingObjectParams
 from moseg.schemas.parameters.network_training import NetworkTrainingParams
 from moseg.schemas.parameters.object_hypotheses import ObjectHypothesisParams
 from moseg.schemas.parameters.own_motion import OwnMotionParams
@@ -100,6 +101,7 @@ __all__ = [
     "MotionPromptParams",
     "MotionProofParams",
     "MovesNowParams",
+    "MovingObjectParams",
     "NetworkTrainingParams",
     "ObjectHypothesisParams",
     "OutlierParams",

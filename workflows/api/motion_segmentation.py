@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from PIL import Image
 
+from moseg.schemas.corrections import Corrections
 from moseg.schemas.errors import InputError
 from moseg.schemas.scores import StoreUse
 from moseg.schemas.stretch_choice import StretchChoice
@@ -22,6 +23,7 @@ from moseg.workflows.api.arguments import (
     named_as_arguments,
     read_names,
 )
+from moseg.workflows.api.given_corrections import NO_CORRECTIONS, GivenCorrections
 from moseg.workflows.api.moving_object import MovingObject
 from moseg.workflows.api.notebook import draw_html
 from moseg.workflows.api.segmentation import Outputs
@@ -73,6 +75,7 @@ class MotionSegmentation:
     _store: ArtifactStore
     _stored: StoredSegmentation
     _origin: FrameOrigin
+    _given: GivenCorrections = NO_CORRECTIONS
     notes: tuple[str, ...] = ()
     look_at: tuple[str, ...] = ()
 
@@ -100,6 +103,11 @@ class MotionSegmentation:
     def frames(self) -> Iterator[np.ndarray]:
         """Yield every frame as analysed, uint8 (y, x, 3) RGB of `analysed_shape`."""
         return self._stored.frames(self._store)
+
+    @property
+    def corrections(self) -> Corrections:
+        """The corrections in force, with the digest of the video that they are for."""
+        return self._given.of_video(self._origin)
 
     @property
     def choices(self) -> tuple[StretchChoice, ...]:
@@ -239,6 +247,7 @@ class MotionSegmentation:
             dilation,
             "folder",
             self.num_frames,
+            corrections=self._given,
         )
         outputs.write(self._store, self._stored, self.fps)
         return (*outputs.paths, *outputs.export())

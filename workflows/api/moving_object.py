@@ -24,6 +24,8 @@ class MovingObject:
         Its share of the frame's pixels, 0..1, mean over those frames.
     tag : str or None
         What a network called it, where one did.
+    name : str or None
+        What a correction calls it, where one does.
     moving_frames : tuple of (int, int) or None
         First and last frame of each run of frames in which it moves now; in its other frames it rests. None if this
         is not known.
@@ -51,6 +53,7 @@ class MovingObject:
     num_frames: int
     mean_area_fraction: float
     tag: str | None = None
+    name: str | None = None
     moving_frames: tuple[tuple[int, int], ...] | None = None
     sure: float | None = None
     complete: float | None = None

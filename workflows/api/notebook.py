@@ -24,7 +24,7 @@ def draw_html(
     rows = "".join(_row(each) for each in objects[:MAX_ROWS])
     if len(objects) > MAX_ROWS:
         rows += f'<tr><td colspan="6">and {len(objects) - MAX_ROWS} more</td></tr>'
-    head = "".join(f"<th>{title}</th>" for title in ("object", "motion", "frames", "area", "score", "tag"))
+    head = "".join(f"<th>{title}</th>" for title in ("object", "motion", "frames", "area", "score", "name"))
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>" if objects else ""
     image = f'<img alt="frames with their moving objects" style="max-width:100%" src="{_data_uri(picture)}">'
     lines = "".join(f"<p>note: {escape(note)}</p>" for note in notes)
@@ -39,7 +39,8 @@ def _row(each: MovingObject) -> str:
     if each.num_frames <= each.last_frame - each.first_frame:
         frames += f" ({each.num_frames} of them)"
     score = "" if each.score is None else f"{each.score:.2f}"
-    cells = (swatch, each.motion, frames, f"{100 * each.mean_area_fraction:.2g} %", score, escape(each.tag or ""))
+    called = each.name or each.tag or ""
+    cells = (swatch, each.motion, frames, f"{100 * each.mean_area_fraction:.2g} %", score, escape(called))
     return f"<tr>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
 
 

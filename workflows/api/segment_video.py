@@ -12,12 +12,14 @@ from moseg.schemas.scores import StoreUse
 from moseg.store import ArtifactStore
 from moseg.workflows.api.arguments import Kind, check_fps, check_kinds, check_name, named_as_arguments
 from moseg.workflows.api.configuration import read_choices
+from moseg.workflows.api.given_corrections import GivenCorrections, give_corrections
 from moseg.workflows.api.motion_segmentation import MotionSegmentation
 from moseg.workflows.api.moving_object import MovingObject
 from moseg.workflows.api.process_settings import kept_process_settings
 from moseg.workflows.api.run_settings import read_run_settings
 from moseg.workflows.api.segmentation import open_source, run_segmentation
 from moseg.workflows.api.video_source import VideoLike
+from moseg.workflows.config.corrections_file import CorrectionsLike
 from moseg.workflows.config.frame_range import read_frame_range
 from moseg.workflows.config.pipeline_choices import ConfigLike
 from moseg.workflows.exports import summarise_sequence
@@ -37,6 +39,7 @@ def segment_video(
     geometry: str | None = None,
     sensitivity: float | None = None,
     variant: Variant | str = Variant.FUSED,
+    corrections: CorrectionsLike | None = None,
     proposals: str | os.PathLike | None = None,
     depth: str | os.PathLike | None = None,
     flow: str | os.PathLike | None = None,
@@ -89,6 +92,9 @@ def segment_video(
         as it is by default, or ``tracks``.
     variant : Variant or str
         Row of the paper's ablation: fused, oc-depth, oc, trajs or base.
+    corrections : Corrections, mapping, list of edits or path, optional
+        What you correct: a file as `moseg view` and `moseg segment` write it; a mapping of its ``settings`` and
+        ``edits``; or edits alone, ``[{"drop": 2}, {"merge": [3, 4]}]``.
     proposals, depth, flow, tracks : path, optional
         Your own masks, inverse depth, flow or point tracks in place of a backend: folders as `moseg segment
         --proposals folder:PATH` and its like read them.
@@ -164,6 +170,7 @@ def segment_video(
         progress=progress,
         keep_cues=keep_cues,
     )
+    given = give_corrections(corrections)
     choices = read_choices(
         config,
         motions,
@@ -177,16 +184,21 @@ def segment_video(
         flow=flow,
         tracks=tracks,
     )
+    choices = replace(choices, corrected=given.corrections.settings)
     page = None if report is None else os.fsdecode(report)
     path = os.path.abspath(os.fsdecode(video)) if isinstance(video, str | os.PathLike) else None
     chosen = read_frame_range(start, end, every)
     with kept_process_settings(), open_source(video, choices, name, chosen, fps) as (source, config):
-        read = partial(_read, FrameOrigin(path, source.frames))
-        done = run_segmentation(source, config, variant, run, read, fps, page, "motions", chosen)
+        origin = FrameOrigin(path, source.frames)
+        given.check_video(origin)
+        read = partial(_read, origin, given)
+        done = run_segmentation(source, config, variant, run, read, fps, page, "motions", chosen, given)
     return replace(done.value, store_use=done.use, notes=done.notes)
 
 
-def _read(origin: FrameOrigin, store: ArtifactStore, stored: StoredSegmentation, fps: float) -> MotionSegmentation:
+def _read(
+    origin: FrameOrigin, given: GivenCorrections, store: ArtifactStore, stored: StoredSegmentation, fps: float
+) -> MotionSegmentation:
     """Return the result; its use of the store is not known yet."""
     objects, look_at = _describe_objects(store, stored, fps)
     return MotionSegmentation(
@@ -202,6 +214,7 @@ def _read(origin: FrameOrigin, store: ArtifactStore, stored: StoredSegmentation,
         _store=store,
         _stored=stored,
         _origin=origin,
+        _given=given,
     )
 
 
@@ -227,6 +240,7 @@ def _describe_objects(
         stored.tags,
         moves=stored.moves(store),
         confidences=stored.confidences(store),
+        given_names=stored.names,
     )
     supports = {view: store.read(ref, "static_support") for view, ref in stored.affinity_refs.items()}
     if stored.rigid_support is not None:
@@ -235,10 +249,11 @@ def _describe_objects(
     objects = tuple(
         MovingObject(
             **dict(each),
+            # An object that a correction made was not compared with the background.
             static_support={
                 view: float(support[row_of[each.identity]])
                 for view, support in supports.items()
-                if not np.isnan(support[row_of[each.identity]])
+                if each.identity in row_of and not np.isnan(support[row_of[each.identity]])
             },
         )
         for each in summary.objects

@@ -9,8 +9,10 @@ from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.errors import InputError
 from moseg.schemas.scores import StoreUse
 from moseg.store import ArtifactStore
+from moseg.workflows.api.given_corrections import CORRECTIONS, NO_CORRECTIONS, GivenCorrections, check_kept
 from moseg.workflows.api.run_settings import RunSettings
 from moseg.workflows.api.video_source import VideoLike, open_video
+from moseg.workflows.config.corrections_file import spell_corrections
 from moseg.workflows.config.frame_range import WHOLE, FrameRange, Position
 from moseg.workflows.config.frame_rate import choose_fps
 from moseg.workflows.config.notes import motions_note
@@ -24,6 +26,7 @@ from moseg.workflows.exports.motion_json import SequenceSummary
 from moseg.workflows.exports.outputs import MASKS, MOTION, OVERLAY, check_outputs, check_same_video, mask_name
 from moseg.workflows.exports.overlay_style import OverlayStyle
 from moseg.workflows.exports.saved_segmentation import open_segmentation, required_origin
+from moseg.workflows.exports.write_text import write_text
 from moseg.workflows.pipelines.purpose import Purpose
 from moseg.workflows.pipelines.segment import StoredSegmentation, segment
 from moseg.workflows.pipelines.write_segmentation import write_segmentation
@@ -99,6 +102,7 @@ def run_segmentation(
     page: str | None = None,
     option: str = "--motions",
     chosen: FrameRange = WHOLE,
+    corrections: GivenCorrections = NO_CORRECTIONS,
 ) -> Segmented[Value]:
     """Segment the user's own video.
 
@@ -114,13 +118,15 @@ def run_segmentation(
         What the number of motions is given by, for notes.
     chosen : FrameRange
         Frames that `source` has of the whole, so that thinned ones play as fast.
+    corrections : GivenCorrections
+        Whose edits apply; `config` has their settings.
 
     Raises
     ------
     InputError
         The video cannot be read, or the page cannot be written.
     """
-    notes = (*source.notes, *motions_note(config, option))
+    notes = (*source.notes, *motions_note(config, option), *corrections.notes)
     rate = chosen.thinned_rate(choose_fps(fps, source.frames.describe().fps))
     shown = None if page is None else RunReport(page, source.name, config, [variant], [source.name])
     purpose, panels = Purpose("segment", notes, rate), None if shown is None else shown.panels
@@ -129,7 +135,7 @@ def run_segmentation(
         def read(stored: StoredSegmentation) -> Value:
             return use(session.store, stored, rate)
 
-        value = segment(session, source, config, variant, read, purpose, panels)
+        value = segment(session, source, config, variant, read, purpose, panels, corrections.edits)
         if shown is not None:
             shown.note_facts(session)
     line = None if shown is None else shown.write((), notes)
@@ -165,12 +171,15 @@ class Outputs:
         Which of the frames a set has: each n-th, or one in so many seconds; all where None.
     fps : float, optional
         Frames per second of images, for a step in seconds.
+    corrections : GivenCorrections
+        Those in force, which are written beside the result.
 
     Raises
     ------
     InputError
         The folder cannot be written; a file would be replaced that is not ours, or the video itself; it has the results
-        of another video; there is no such format, or it cannot hold these frames.
+        or the corrections of another video, or corrections that would be lost; there is no such format, or it cannot
+        hold these frames.
     """
 
     def __init__(
@@ -187,6 +196,7 @@ class Outputs:
         sets: Iterable[str] = (),
         step: Position | None = None,
         fps: float | None = None,
+        corrections: GivenCorrections = NO_CORRECTIONS,
     ):
         if has_full_size and origin.path is None:
             got, expected = "frames that were given as arrays", "the size analysed"
@@ -201,6 +211,10 @@ class Outputs:
                 required_origin(origin, entry.name)
         check_outputs(folder, origin.path, style is not None, argument)
         check_same_video(folder, origin, name, argument)
+        self._corrections = corrections.of_video(origin)
+        corrections.check_video(origin)
+        if self._corrections:
+            check_kept(self._folder / CORRECTIONS, corrections, argument)
         if self._formats or self._sets:
             names = origin.names or tuple(map(mask_name, range(num_frames or origin.frames.num_frames())))
             check_exports(self._formats, self._folder, as_unicode(name), names)
@@ -212,15 +226,25 @@ class Outputs:
         self, store: ArtifactStore, stored: StoredSegmentation, fps: float, quiet: bool = True
     ) -> SequenceSummary:
         """Write masks, overlay and summary, and return what the summary holds; see `write_segmentation`."""
+        if self._corrections:
+            write_text(self._folder / CORRECTIONS, spell_corrections(self._corrections))
         return write_segmentation(
             self._folder, store, stored, fps, self._style, self._origin, self._has_full_size, quiet
         )
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """What must be known about files that stay in the folder."""
+        left = self._folder / CORRECTIONS
+        if self._corrections or not left.exists():
+            return ()
+        return (f"{left} is not in force: --corrections {left} applies it",)
+
+    @property
     def paths(self) -> tuple[Path, ...]:
         """Paths that `write` writes."""
         names = (MASKS, MOTION) if self._style is None else (MASKS, OVERLAY, MOTION)
-        return tuple(self._folder / name for name in names)
+        return tuple(self._folder / name for name in (*names, *([CORRECTIONS] if self._corrections else ())))
 
     def export(self) -> tuple[Path, ...]:
         """Write the other formats, after `write`, and return their paths."""

@@ -7,9 +7,9 @@ from rich.table import Table
 from rich.text import Text
 
 from moseg.workflows.cli.tables import console
-from moseg.workflows.config.config_files import spell_value
 from moseg.workflows.config.parameter_errors import unknown_parameter
 from moseg.workflows.config.parameters import Parameter, list_parameters, list_stages
+from moseg.workflows.config.strict_yaml import spell_value
 
 _TITLE = """# Parameters
 

@@ -67,6 +67,8 @@ class PipelineChoices:
         Where the user's own cues lie, by cue; `chosen` takes them from there.
     light : bool
         Whether the preset is taken with its lighter networks.
+    corrected : mapping of str to value
+        Parameters as ``stage.name`` that corrections put in place of all others.
     """
 
     config: ConfigLike | None = None
@@ -77,6 +79,7 @@ class PipelineChoices:
     settings: tuple[tuple[str, str], ...] = ()
     folders: Mapping[str, str] = field(default_factory=dict)
     light: bool = False
+    corrected: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def names(self) -> dict[str, Any]:
@@ -98,7 +101,7 @@ class PipelineChoices:
         values, given = choose_preset(**self.names), self.given_values()
         for choice in self.chosen:
             _assign(given, choice.parameter, choice.value)
-        for name, value in self.settings:
+        for name, value in (*self.settings, *self.corrected.items()):
             _assign(given, name, value)
         # What a source of proposals implies is more specific than the preset, and less than the user's own choice.
         _merge(values, SOURCE_DEFAULTS.get(str(given.get("proposal_source")), {}))

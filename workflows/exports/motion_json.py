@@ -49,6 +49,8 @@ class ObjectSummary(Frozen):
         Its share of the frame's pixels, mean over those frames.
     tag : str or None
         Name that a network gave it, where one did.
+    name : str or None
+        Name that the user gave it by a correction.
     moving_frames : tuple of (int, int) or None
         First and last frame of each run of frames in which it moves now; in its other frames it rests. None if this
         is not known: frames whose objects do not come from motion saliency are left open.
@@ -65,6 +67,7 @@ class ObjectSummary(Frozen):
     num_frames: int = Field(ge=1)
     mean_area_fraction: float = Field(gt=0, le=1)
     tag: str | None = None
+    name: str | None = None
     moving_frames: tuple[tuple[int, int], ...] | None = None
     sure: float | None = Field(None, ge=0, le=1)
     complete: float | None = Field(None, ge=0, le=1)

@@ -24,6 +24,7 @@ def summarise_sequence(
     choices: tuple[StretchChoice, ...] = (),
     moves: Iterable[np.ndarray | None] | None = None,
     confidences: Iterable[tuple[np.ndarray, np.ndarray] | None] | None = None,
+    given_names: Mapping[int, str] | None = None,
 ) -> SequenceSummary:
     """Follow each identity through a sequence's masks.
 
@@ -49,6 +50,8 @@ def summarise_sequence(
         Whether each identity moves in each frame: 1 moves, 0 rests, -1 unseen; None where that is not known.
     confidences : iterable of two float64 (identity,) or None, optional
         Expected precision and recall of each identity's mask in each frame; None where they are not known.
+    given_names : mapping of int to str, optional
+        Names that the user gave the identities.
 
     Raises
     ------
@@ -85,7 +88,9 @@ def summarise_sequence(
         fps=fps,
         num_motions=num_motions,
         objects=tuple(
-            _summarise(each, motions[each.identity], (tags or {}).get(each.identity), size, has_moves, has_confidence)
+            _summarise(each, motions[each.identity], size, has_moves, has_confidence).model_copy(
+                update={"tag": (tags or {}).get(each.identity), "name": (given_names or {}).get(each.identity)}
+            )
             for each in seen
         ),
         frames=frames,
@@ -94,10 +99,8 @@ def summarise_sequence(
     )
 
 
-def _summarise(
-    each: FollowedObject, motion: int, tag: str | None, size: int, has_moves: bool, has_confidence: bool
-) -> ObjectSummary:
-    """Return the summary of an object in frames of `size` pixels."""
+def _summarise(each: FollowedObject, motion: int, size: int, has_moves: bool, has_confidence: bool) -> ObjectSummary:
+    """Return the summary of an object in frames of `size` pixels, without its names."""
     figures = FrameFigures(
         frame=tuple(each.frames),
         area_fraction=tuple(float(f"{area / size:.4g}") for area in each.areas),
@@ -111,7 +114,6 @@ def _summarise(
         last_frame=each.frames[-1],
         num_frames=len(each.frames),
         mean_area_fraction=float(np.mean(each.areas)) / size,
-        tag=tag,
         moving_frames=runs_of(each.moving) if has_moves else None,
         sure=mean_known(each.sure) if has_confidence else None,
         complete=mean_known(each.complete) if has_confidence else None,

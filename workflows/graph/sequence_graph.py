@@ -4,7 +4,10 @@ A `SequenceGraph` only writes recipes; it neither reads the store nor computes. 
 variant and run that needs it.
 """
 
+from copy import copy
+
 from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.corrections import Add, Drop, Erase, Paint, Rename, Static, kind_of
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.clustering import READ_TRACKS
 from moseg.schemas.recipes import Recipe
@@ -15,6 +18,9 @@ from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.objects import Objects
 from moseg.workflows.graph.sections import cut_sections
 from moseg.workflows.graph.sequence_leaves import SequenceLeaves
+
+LAST_STAGES = {"affinity", "clustering", "moving_objects", "moves_now", "confidence"}
+"""Stages whose parameters change nothing in the recipes of objects and of their motion models."""
 
 
 class SequenceGraph:
@@ -27,17 +33,33 @@ class SequenceGraph:
     foreground : Foreground
     objects : Objects
     motions : Motions
+    sections : tuple of Section
     """
 
     def __init__(self, leaves: SequenceLeaves, config: PipelineConfig):
         self._nodes = Nodes(leaves, config)
         self._config = config
         self.leaves = leaves
-        self._sections = cut_sections(len(leaves.frames), config.sections)
+        self.sections = cut_sections(len(leaves.frames), config.sections)
         self.frame_cues = FrameCues(self._nodes)
-        self.foreground = Foreground(self._nodes, self.frame_cues, self._sections)
-        self.objects = Objects(self._nodes, self.frame_cues, self.foreground, self._sections)
-        self.motions = Motions(self._nodes, self.frame_cues, self.objects, self._sections)
+        self.foreground = Foreground(self._nodes, self.frame_cues, self.sections)
+        self.objects = Objects(self._nodes, self.frame_cues, self.foreground, self.sections)
+        self.motions = Motions(self._nodes, self.frame_cues, self.objects, self.sections)
+
+    def changed(self, leaves: SequenceLeaves, config: PipelineConfig) -> "SequenceGraph":
+        """Return the graph of other leaves and another configuration, with what they have in common not written again.
+
+        That is most of it if nothing changes but edits, and parameters of the stages of `LAST_STAGES`.
+        """
+        names = type(config).model_fields
+        moved = {name for name in names if getattr(config, name) != getattr(self._config, name)}
+        if not moved <= LAST_STAGES or leaves._replace(edits=()) != self.leaves._replace(edits=()):
+            return SequenceGraph(leaves, config)
+        graph = copy(self)
+        graph._nodes, graph._config, graph.leaves = self._nodes.changed(leaves, config), config, leaves
+        if "affinity" in moved:
+            graph.motions = Motions(graph._nodes, self.frame_cues, self.objects, self.sections)
+        return graph
 
     @property
     def recipes(self) -> dict[str, Recipe]:
@@ -58,25 +80,80 @@ class SequenceGraph:
 
     def segmentations(self, variant: Variant) -> tuple[str, ...]:
         """Return the references of the labels of all sections."""
-        clustering = self.clustering(variant)
-        refs = []
-        for index, section in enumerate(self._sections):
+        return self._label(variant, self.corrected_objects(variant))
+
+    def _label(self, variant: Variant, corrected: str | None) -> tuple[str, ...]:
+        """Return the references of the labels of all sections, of corrected objects where they are given."""
+        clustering, refs = self.clustering(variant), []
+        for index, section in enumerate(self.sections):
             inputs = {"proposals": self.objects.proposals(index), "linking": self.objects.linking()}
+            place = {"section": index, "num_frames": section.stop - section.start}
+            if corrected is not None:
+                inputs["corrected"] = corrected
+                painted = self.painted(index)
+                if painted is not None:
+                    inputs["painted"] = painted
+                refs.append(self._nodes.add("segmentation", inputs, "corrected", **place, start=section.start))
+                continue
             if clustering is not None:
                 inputs["clustering"] = clustering
-            num_frames = section.stop - section.start
-            refs.append(self._nodes.add("segmentation", inputs, section=index, num_frames=num_frames))
+            refs.append(self._nodes.add("segmentation", inputs, **place))
         return tuple(refs)
+
+    def corrected_objects(self, variant: Variant) -> str | None:
+        """Return the reference of the objects after the user's edits, without small ones.
+
+        None if nothing but names is edited, and no object is too small.
+        """
+        edits, areas = self.leaves.edits, self.object_areas()
+        if not areas and all(isinstance(edit, Rename) for edit in edits):
+            return None
+        inputs, clustering = {"linking": self.objects.linking()}, self.clustering(variant)
+        if clustering is not None:
+            inputs["clustering"] = clustering
+        if areas:
+            inputs["areas"] = areas
+        return self._nodes.add("corrected_objects", inputs, edits=edits, num_frames=len(self.leaves.frames))
+
+    def object_areas(self) -> tuple[str, ...]:
+        """Return the references of how large the objects of all sections become; none if none is too small."""
+        if not self._config.moving_objects.min_area:
+            return ()
+        return tuple(
+            self._nodes.add(
+                "object_areas", {"proposals": self.objects.proposals(index)}, num_frames=section.stop - section.start
+            )
+            for index, section in enumerate(self.sections)
+        )
+
+    def painted(self, index: int) -> str | None:
+        """Return the reference of what the user painted, erased and added in a section; None without strokes in it."""
+        section = self.sections[index]
+        edits = (getattr(edit, kind_of(edit)) for edit in self.leaves.edits if isinstance(edit, Paint | Erase | Add))
+        if any(section.start <= edit.frame < section.stop for edit in edits):
+            raise InputError("strokes cannot be applied", got="paint, erase or add", expected="another edit")
+        return None
+
+    def _judged(self, variant: Variant) -> tuple[tuple[str, ...], dict[str, str]]:
+        """Return the labels in which objects are judged, and the input that tells how many identities they have.
+
+        Objects that are only left out change nothing in what is known of the others, so nothing is computed again.
+        """
+        corrected = self.corrected_objects(variant)
+        if corrected is None or all(isinstance(edit, Drop | Static | Rename) for edit in self.leaves.edits):
+            return self._label(variant, None), {"linking": self.objects.linking()}
+        return self._label(variant, corrected), {"corrected": corrected}
 
     def moves_now(self, variant: Variant) -> tuple[str | None, ...]:
         """Return the references of whether objects move now, one a section; None where saliency is not read."""
         num_frames, refs = len(self.leaves.frames), []
-        for index, (section, labels) in enumerate(zip(self._sections, self.segmentations(variant), strict=True)):
+        judged, counted = self._judged(variant)
+        for index, (section, labels) in enumerate(zip(self.sections, judged, strict=True)):
             if self.objects.regions_of(index) != "saliency":
                 refs.append(None)
                 continue
             saliency = self.foreground.saliency(section.start, section.stop)
-            inputs = {"segmentation": labels, "linking": self.objects.linking(), "saliency": saliency}
+            inputs = {"segmentation": labels, **counted, "saliency": saliency}
             start = min(section.start, 1)
             place = {"start": start, "num_frames": start + min(num_frames, section.stop + 1) - section.start}
             refs.append(self._nodes.add("moves_now", inputs, **place))
@@ -85,12 +162,13 @@ class SequenceGraph:
     def confidences(self, variant: Variant) -> tuple[str | None, ...]:
         """Return the references of how sure and complete objects are, one a section; None without a foreground."""
         refs = []
-        for index, labels in enumerate(self.segmentations(variant)):
+        judged, counted = self._judged(variant)
+        for index, labels in enumerate(judged):
             if self.objects.source_of(index) != "saliency":
                 refs.append(None)
                 continue
             foreground = self.foreground.foreground(index)
-            inputs = {"segmentation": labels, "linking": self.objects.linking(), "foreground": foreground}
+            inputs = {"segmentation": labels, **counted, "foreground": foreground}
             refs.append(self._nodes.add("confidence", inputs))
         return tuple(refs)
 
@@ -119,7 +197,7 @@ class SequenceGraph:
                 )
         inputs = {"affinities": tuple(self.motions.affinity(view) for view in views)}
         if num_motions == "auto" and params.auto in READ_TRACKS:
-            inputs["tracks"] = tuple(self.motions.tracks(index) for index in range(len(self._sections)))
+            inputs["tracks"] = tuple(self.motions.tracks(index) for index in range(len(self.sections)))
             inputs["linking"] = self.objects.linking()
         place = {"num_views": len(views), "num_motions": None if num_motions == "auto" else num_motions}
         supports = self.rigid_supports(variant)
@@ -141,4 +219,4 @@ class SequenceGraph:
     def cues(self) -> tuple[str, ...]:
         """Return the references of the tracks and of the forward flow, from which every motion model starts."""
         flows = (self.frame_cues.flow(frame, frame + 1) for frame in range(len(self.leaves.frames) - 1))
-        return (*(self.motions.tracks(index) for index in range(len(self._sections))), *flows)
+        return (*(self.motions.tracks(index) for index in range(len(self.sections))), *flows)

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from itertools import chain
 from typing import NamedTuple
 
+from moseg.schemas.corrections import Edit
 from moseg.schemas.recipes import Ref
 from moseg.schemas.stretch_choice import StretchChoice
 
@@ -42,6 +43,8 @@ class SequenceLeaves(NamedTuple):
         The weights that the configuration's networks read, by the name of their item.
     choices : tuple of StretchChoice
         The source of the proposals of every stretch, where the configuration leaves it to the camera's motion.
+    edits : tuple of Edit
+        What the user corrects, in the order in which it applies.
     """
 
     name: str
@@ -61,6 +64,7 @@ class SequenceLeaves(NamedTuple):
     motion_weights: Ref | None = None
     weights: Mapping[str, Ref] = {}
     choices: tuple[StretchChoice, ...] = ()
+    edits: tuple[Edit, ...] = ()
 
     def refs(self) -> tuple[Ref, ...]:
         """Return the references of all content and cues."""

@@ -1,6 +1,6 @@
 """Segmenting a user's own video: labels of every frame at the video's own size."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from itertools import chain, repeat
 from typing import NamedTuple, TypeVar
 
@@ -13,9 +13,10 @@ from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.session import Session
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.leaves import ingest_sequences
+from moseg.workflows.pipelines.placed_edits import NO_EDITS, PlacedEdits, check_edits
 from moseg.workflows.pipelines.purpose import SEGMENTATION, Purpose, make_subject
 from moseg.workflows.reports.panels import Panels
-from moseg.workflows.results.found_objects import read_found_objects
+from moseg.workflows.results.found_objects import read_found_objects, read_identities
 from moseg.workflows.results.rigid_support import read_rigid_support
 from moseg.workflows.sources.resize import resize_labels
 
@@ -37,7 +38,8 @@ class StoredSegmentation(NamedTuple):
     tags : dict of int to str
         Names that networks gave the objects, by identity; empty where there are none.
     rows : tuple of int
-        What the rows of residuals and affinities stand for: 0, the background, then the objects' identities.
+        What the rows of residuals and affinities stand for: 0, the background, then the identities of the objects
+        before the user's edits.
     frame_refs, label_refs : tuple of references
         The frames, and the labels of every section.
     affinity_refs : dict of str to reference
@@ -51,6 +53,8 @@ class StoredSegmentation(NamedTuple):
     moves_refs, confidence_refs : tuple of references or None
         Whether objects move now, and how sure and complete they are, one a section; None for a section where that is
         not known.
+    names : dict of int to str
+        Names that the user gave the objects, by identity.
     """
 
     name: str
@@ -68,6 +72,7 @@ class StoredSegmentation(NamedTuple):
     choices: tuple[StretchChoice, ...] = ()
     moves_refs: tuple[str | None, ...] = ()
     confidence_refs: tuple[str | None, ...] = ()
+    names: Mapping[int, str] = {}
 
     @property
     def num_frames(self) -> int:
@@ -122,6 +127,7 @@ def segment(
     use: Callable[[StoredSegmentation], Result],
     purpose: Purpose = SEGMENTATION,
     panels: Panels | None = None,
+    edits: PlacedEdits = NO_EDITS,
 ) -> Result:
     """Segment one video, reusing every artifact that exists, and return what `use` makes of it.
 
@@ -133,11 +139,13 @@ def segment(
         What the run's log records about it.
     panels : Panels, optional
         Gather what a report shows, before `use` is called.
+    edits : PlacedEdits
+        What the user corrects.
 
     Raises
     ------
     InputError
-        The video cannot be read or has fewer than two frames.
+        The video cannot be read or has fewer than two frames, or an edit names what is not there.
     """
     graphs: list[SequenceGraph] = []
 
@@ -146,14 +154,10 @@ def segment(
 
     def build():
         (leaves,) = ingest_sequences(session, [source], config, annotated=False)
+        leaves = leaves._replace(edits=edits.edits)
         graphs[:] = [SequenceGraph(leaves, config)]
-        clustering = graphs[0].clustering(variant)
-        beside = (*graphs[0].moves_now(variant), *graphs[0].confidences(variant))
-        sinks = (*graphs[0].segmentations(variant), *filter(None, beside))
-        if clustering is not None:
-            affinities, residuals = _evidence(graphs[0], config, variant)
-            sinks = (*sinks, clustering, *affinities.values(), *chain.from_iterable(residuals.values()))
-            sinks = (*sinks, *graphs[0].rigid_supports(variant))
+        check_edits(session, graphs[0], edits)
+        sinks = sinks_of(graphs[0], config, variant)
         if panels is not None:
             sinks = (*sinks, *panels.sinks(graphs[0]))
         session.log.describe(make_subject(purpose, None, config, [variant], [(leaves, fps())]))
@@ -163,28 +167,48 @@ def segment(
         graph = graphs[0]
         if panels is not None:
             panels.gather(session.store, graph, fps())
-        found = read_found_objects(session.store, graph, variant)
-        affinities, residuals = _evidence(graph, config, variant)
-        result = StoredSegmentation(
-            name=source.name,
-            shape=source.frames.describe().size,
-            analysed_shape=graph.leaves.shape,
-            num_motions=found.num_motions,
-            motions=found.motions,
-            tags=found.tags,
-            rows=(0, *found.identities),
-            frame_refs=graph.leaves.frames,
-            label_refs=graph.segmentations(variant),
-            affinity_refs=affinities,
-            residual_refs=residuals,
-            rigid_support=read_rigid_support(session.store, graph.rigid_supports(variant)),
-            choices=graph.leaves.choices,
-            moves_refs=graph.moves_now(variant),
-            confidence_refs=graph.confidences(variant),
-        )
-        return use(result)
+        return use(read_stored(session.store, graph, config, variant, source))
 
     return session.compute(build, read)
+
+
+def sinks_of(graph: SequenceGraph, config: PipelineConfig, variant: Variant) -> tuple[str, ...]:
+    """Return the references that a `StoredSegmentation` reads: labels, then what is known about them."""
+    clustering = graph.clustering(variant)
+    beside = (*graph.moves_now(variant), *graph.confidences(variant))
+    sinks = (*graph.segmentations(variant), *filter(None, beside))
+    if clustering is None:
+        return sinks
+    affinities, residuals = _evidence(graph, config, variant)
+    sinks = (*sinks, clustering, *affinities.values(), *chain.from_iterable(residuals.values()))
+    return (*sinks, *graph.rigid_supports(variant))
+
+
+def read_stored(
+    store: ArtifactStore, graph: SequenceGraph, config: PipelineConfig, variant: Variant, source: SequenceSource
+) -> StoredSegmentation:
+    """Return where the result of a graph lies, whose sinks are stored."""
+    found = read_found_objects(store, graph, variant)
+    identities, _ = read_identities(store, graph)
+    affinities, residuals = _evidence(graph, config, variant)
+    return StoredSegmentation(
+        name=source.name,
+        shape=source.frames.describe().size,
+        analysed_shape=graph.leaves.shape,
+        num_motions=found.num_motions,
+        motions=found.motions,
+        tags=found.tags,
+        rows=(0, *identities),
+        frame_refs=graph.leaves.frames,
+        label_refs=graph.segmentations(variant),
+        affinity_refs=affinities,
+        residual_refs=residuals,
+        rigid_support=read_rigid_support(store, graph.rigid_supports(variant)),
+        choices=graph.leaves.choices,
+        moves_refs=graph.moves_now(variant),
+        confidence_refs=graph.confidences(variant),
+        names=found.names,
+    )
 
 
 def _evidence(

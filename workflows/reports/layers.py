@@ -141,15 +141,15 @@ def object_legend(found: FoundObjects, is_moving_only: bool) -> tuple[LegendEntr
     """Return the colours of objects, and their identity, name and motion."""
     colours = all_colours()
     return tuple(
-        LegendEntry(as_hex(colours[identity]), _describe(identity, motion, found.tags))
+        LegendEntry(as_hex(colours[identity]), _describe(identity, motion, found.called))
         for identity, motion in found.motions.items()
         if motion or not is_moving_only
     )
 
 
-def _describe(identity: int, motion: int, tags: dict[int, str]) -> str:
-    tag = f" ({tags[identity]})" if identity in tags else ""
-    return f"object {identity}{tag}, " + (f"motion {motion}" if motion else "static")
+def _describe(identity: int, motion: int, names: dict[int, str]) -> str:
+    name = f" ({names[identity]})" if identity in names else ""
+    return f"object {identity}{name}, " + (f"motion {motion}" if motion else "static")
 
 
 def _encode(image: np.ndarray, **options) -> Picture:

@@ -168,7 +168,7 @@ def _follow_objects(view: SequenceView, variant: Variant, fps: float, missing: l
     sure, complete = (_read_frames(view, view.graph.confidences(variant), key) for key in ("sure", "complete"))
     confidences = None if sure is None or complete is None else zip(sure, complete, strict=True)
     known = {"moves": moves, "confidences": confidences}
-    summary = summarise_sequence(name, read_labels(), fps, found.num_motions, found.motions, found.tags, **known)
+    summary = summarise_sequence(name, read_labels(), fps, found.num_motions, found.motions, found.called, **known)
     colours = all_colours()
     rows = tuple(
         ObjectRow(

@@ -22,18 +22,25 @@ class FoundObjects(NamedTuple):
         Number of motion groups, including the background's.
     tags : dict of int to str
         Names from the networks; empty without them.
+    names : dict of int to str
+        Names from the user; empty without them.
     """
 
     identities: tuple[int, ...]
     motions: dict[int, int]
     num_motions: int
     tags: dict[int, str]
+    names: dict[int, str] = {}
+
+    @property
+    def called(self) -> dict[int, str]:
+        """The name of each object that has one, by identity: the user's, else that of a network."""
+        return self.tags | self.names
 
 
 def found_refs(graph: SequenceGraph, variant: Variant) -> tuple[str, ...]:
     """Return the references that `read_found_objects` reads."""
-    clustering = graph.clustering(variant)
-    return (graph.objects.linking(), *(() if clustering is None else (clustering,)))
+    return (graph.objects.linking(), *filter(None, (graph.clustering(variant), graph.corrected_objects(variant))))
 
 
 def read_identities(store: ArtifactStore, graph: SequenceGraph) -> tuple[tuple[int, ...], dict[int, str]]:
@@ -46,12 +53,29 @@ def read_identities(store: ArtifactStore, graph: SequenceGraph) -> tuple[tuple[i
 
 
 def read_found_objects(store: ArtifactStore, graph: SequenceGraph, variant: Variant) -> FoundObjects:
-    """Read the objects from the store."""
-    clustering = graph.clustering(variant)
+    """Read the objects from the store, as the user's edits leave them."""
+    clustering, corrected = graph.clustering(variant), graph.corrected_objects(variant)
     identities, tags = read_identities(store, graph)
+    names = read_names(graph)
+    if corrected is not None:
+        identities = tuple(store.attributes(corrected)["identities"])
+        motion = store.read(corrected, "motion")
+        motions = {identity: int(motion[identity]) for identity in identities}
+        kept = {identity: tag for identity, tag in tags.items() if identity in motions}
+        return FoundObjects(identities, motions, len({0, *motions.values()}), kept, names)
     if clustering is None:
         motion = np.arange(len(identities) + 1, dtype=np.uint16)
     else:
         motion = store.read(clustering, "motion")
     motions = {identity: int(group) for identity, group in zip(identities, motion[1:], strict=True)}
-    return FoundObjects(identities, motions, len(np.unique(motion)), tags)
+    return FoundObjects(identities, motions, len(np.unique(motion)), tags, names)
+
+
+def read_names(graph: SequenceGraph) -> dict[int, str]:
+    """Return the names that the user gave objects, by identity."""
+    if not graph.leaves.edits:
+        return {}
+    # Here, because programs start without the tasks.
+    from moseg.tasks.corrections.names import names_of
+
+    return names_of(graph.leaves.edits)

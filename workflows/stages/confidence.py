@@ -5,6 +5,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import ConfidenceParams
+from moseg.workflows.stages.corrected_objects import count_objects
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -16,7 +17,7 @@ def _run(params, inputs, rng):
     from moseg.tasks.half_floats import to_float32
 
     read = ConfidenceParams.of_recipe(params["confidence"])
-    labels, num_objects = inputs["segmentation"].array("labels"), inputs["linking"].attributes["num_objects"]
+    labels, num_objects = inputs["segmentation"].array("labels"), count_objects(inputs)
     found = []
     for objects, foreground in zip(labels, inputs["foreground"].array("foreground"), strict=True):
         height, width = foreground.shape
@@ -38,6 +39,7 @@ STAGE = Stage(
     inputs={
         "segmentation": "labels of the section's moving objects",
         "linking": "identities of the objects of all sections",
+        "corrected": "the objects after the user's edits, in place of them",
         "foreground": "probability to move of each pixel of the section",
     },
     arrays={

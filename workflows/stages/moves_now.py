@@ -5,6 +5,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import MovesNowParams
+from moseg.workflows.stages.corrected_objects import count_objects
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -16,7 +17,7 @@ def _run(params, inputs, rng):
     from moseg.tasks.saliency import moves_now
 
     read = MovesNowParams.of_recipe(params["moves_now"])
-    labels, num_objects = inputs["segmentation"].array("labels"), inputs["linking"].attributes["num_objects"]
+    labels, num_objects = inputs["segmentation"].array("labels"), count_objects(inputs)
     moves = []
     for t, (frame, objects) in enumerate(zip(inputs.all("saliency"), labels, strict=True), params["start"]):
         # The flow of a missing neighbour is stored as zeros.
@@ -44,6 +45,7 @@ STAGE = Stage(
     inputs={
         "segmentation": "labels of the section's moving objects",
         "linking": "identities of the objects of all sections",
+        "corrected": "the objects after the user's edits, in place of them",
         "saliency": "saliency of the section's frames",
     },
     arrays={"moves": layout("int8", "frame object", "1 moves, 0 rests, -1 unseen")},

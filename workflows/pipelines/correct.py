@@ -1,0 +1,168 @@
+"""An open run: one video whose corrections are changed again and again, with only what each change needs computed."""
+
+import time
+from collections.abc import Mapping
+from threading import RLock
+from typing import NamedTuple
+
+import numpy as np
+
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.store import ArtifactStore
+from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.engine.session import Session
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.pipelines.leaves import ingest_sequences
+from moseg.workflows.pipelines.live_labels import LiveLabels, painted_of
+from moseg.workflows.pipelines.placed_edits import NO_EDITS, PlacedEdits
+from moseg.workflows.pipelines.segment import StoredSegmentation, read_stored, sinks_of
+from moseg.workflows.results.found_objects import FoundObjects
+
+BEHIND_LEAVES = (
+    *("linking", "identity", "components", "confidence", "moves_now", "track_objects", "rigid_support"),
+    *("fundamental", "flow_model", "object_hypotheses", "affinity", "clustering", "moving_objects"),
+)
+"""Stages whose parameters change nothing in the leaves of a graph, so that a video need not be read again for them."""
+
+
+class Change(NamedTuple):
+    """What corrections made of a run.
+
+    Attributes
+    ----------
+    found : FoundObjects
+        All objects by identity, with their motion groups and names; those that are not in the result too.
+    shown : tuple of int
+        Identities of the objects of the result; of those without a pixel too.
+    frames : tuple of int
+        Frames whose labels may differ from those before, counted from 0; all, the first time.
+    num_computed : int
+        Artifacts that had to be computed.
+    seconds : float
+        Wall time.
+    """
+
+    found: FoundObjects
+    shown: tuple[int, ...]
+    frames: tuple[int, ...]
+    num_computed: int
+    seconds: float
+
+
+class OpenRun:
+    """One video in a session, and the result of the corrections in force.
+
+    It holds what every change needs again: the leaves, the graph, and where objects and motion groups lie. Labels are
+    made for the frames that are asked for, so that a change takes no longer in a longer video. Any thread may call its
+    methods; one that computes makes others that compute wait.
+
+    Parameters
+    ----------
+    session : Session
+        It should keep cues: without them a change of settings computes everything again.
+    source : SequenceSource
+    variant : Variant
+    """
+
+    def __init__(self, session: Session, source: SequenceSource, variant: Variant = Variant.FUSED):
+        self._session, self._source, self._variant = session, source, variant
+        self._lock = RLock()
+        self._graph: SequenceGraph | None = None
+        self._config: PipelineConfig | None = None
+        self._live: LiveLabels | None = None
+
+    def apply(self, config: PipelineConfig, edits: PlacedEdits = NO_EDITS) -> Change:
+        """Compute the labels under a configuration and edits, in place of those before.
+
+        The first call computes whatever the store lacks. If it raises, the result before stays in force.
+
+        Raises
+        ------
+        InputError
+            The video cannot be read, or an edit cannot be applied.
+        """
+        with self._lock:
+            started, num_before = time.perf_counter(), self._session.computed.total()
+            graphs: list[SequenceGraph] = []
+
+            def build():
+                graphs[:] = [self._write_graph(config, edits)]
+                graph = graphs[0]
+                objects = (*map(graph.objects.proposals, range(len(graph.sections))), graph.objects.linking())
+                sinks = (*objects, graph.clustering(self._variant), *graph.object_areas(), *painted_of(graph))
+                return graph.recipes, tuple(filter(None, sinks))
+
+            def read():
+                return LiveLabels(self._session.store, graphs[0], config, self._variant, edits)
+
+            # What a slider passes is no result; `judge` keeps what the user stays with.
+            live = self._session.compute(build, read, keeps=self._live is None)
+            if self._live is None:
+                import_kernels()
+            frames = live.changed_frames(self._live)
+            self._graph, self._config, self._live = graphs[0], config, live
+            num_computed = self._session.computed.total() - num_before
+            return Change(live.found, live.shown, frames, num_computed, time.perf_counter() - started)
+
+    @property
+    def num_frames(self) -> int:
+        """Frames of the video."""
+        return len(self._graph.leaves.frames)
+
+    @property
+    def analysed_shape(self) -> tuple[int, int]:
+        """Height and width of the frames as analysed, and of `labels`, px."""
+        return self._graph.leaves.shape
+
+    @property
+    def store(self) -> ArtifactStore:
+        """The store that holds the frames and all that is computed from them."""
+        return self._session.store
+
+    @property
+    def graph(self) -> SequenceGraph:
+        """The graph of the corrections in force, whose references name everything that led to the result."""
+        return self._graph
+
+    def labels(self, frame: int) -> np.ndarray:
+        """Return the labels of one frame as analysed, uint16 (y, x): 0 static, else an identity."""
+        return self._live.frame(frame)
+
+    def image(self, frame: int) -> np.ndarray:
+        """Return one frame as analysed, uint8 (y, x, 3) RGB."""
+        return self._session.store.read(self._graph.leaves.frames[frame], "image")
+
+    def judge(self) -> StoredSegmentation:
+        """Compute what else is known about the result in force, and return all of it, as `segment` does.
+
+        When objects move or rest, and how sure and complete they are: `apply` leaves that out, because it takes longer.
+        """
+        with self._lock:
+            graph, config = self._graph, self._config
+
+            def build():
+                return graph.recipes, sinks_of(graph, config, self._variant)
+
+            def read():
+                return read_stored(self._session.store, graph, config, self._variant, self._source)
+
+            return self._session.compute(build, read)
+
+    def _write_graph(self, config: PipelineConfig, edits: PlacedEdits) -> SequenceGraph:
+        """Return the graph, of the leaves that are held where the configuration leaves them as they are."""
+        if self._graph is not None and _leading(config) == _leading(self._config):
+            return self._graph.changed(self._graph.leaves._replace(edits=edits.edits), config)
+        (leaves,) = ingest_sequences(self._session, [self._source], config, annotated=False)
+        return SequenceGraph(leaves._replace(edits=edits.edits), config)
+
+
+def import_kernels() -> None:
+    """Import what changes of settings run, so that the first of them is as fast as the next."""
+    import moseg.tasks.affinity
+    import moseg.tasks.clustering
+    import moseg.tasks.rigid_support  # noqa: F401
+
+
+def _leading(config: PipelineConfig) -> Mapping[str, object]:
+    """Return the parameters that may change the leaves, by stage."""
+    return {name: getattr(config, name) for name in type(config).model_fields if name not in BEHIND_LEAVES}
