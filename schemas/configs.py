@@ -13,6 +13,7 @@ from moseg.schemas.parameters import (
     AffinityParams,
     AppearanceParams,
     CandidateParams,
+    CarryingParams,
     ClusteringParams,
     ComponentParams,
     ConfidenceParams,
@@ -27,6 +28,7 @@ from moseg.schemas.parameters import (
     ForegroundParams,
     FundamentalParams,
     GroundingDinoParams,
+    GrowingParams,
     HypothesisParams,
     IdentityParams,
     InstanceParams,
@@ -156,6 +158,8 @@ class PipelineConfig(Frozen):
     object_hypotheses: ObjectHypothesisParams = ObjectHypothesisParams()
     affinity: AffinityParams = AffinityParams()
     clustering: ClusteringParams = ClusteringParams()
+    carrying: CarryingParams = CarryingParams()
+    growing: GrowingParams = GrowingParams()
     fused_point_models: tuple[str, ...] = Field(
         ("affine", "homography", "fundamental"),
         description="point models that the fused variant combines on labelled trajectories, separated by commas",

@@ -14,6 +14,7 @@ from moseg.workflows.graph.frame_cues import FrameCues
 from moseg.workflows.graph.motions import Motions
 from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.objects import Objects
+from moseg.workflows.graph.painted_sections import PaintedSections
 from moseg.workflows.graph.sections import cut_sections
 from moseg.workflows.graph.sequence_leaves import SequenceLeaves
 
@@ -39,6 +40,7 @@ class SequenceGraph:
         self.foreground = Foreground(self._nodes, self.frame_cues, self._sections)
         self.objects = Objects(self._nodes, self.frame_cues, self.foreground, self._sections)
         self.motions = Motions(self._nodes, self.frame_cues, self.objects, self._sections)
+        self._painted = PaintedSections(self._nodes, self.frame_cues, self._sections)
 
     @property
     def recipes(self) -> dict[str, Recipe]:
@@ -66,6 +68,9 @@ class SequenceGraph:
             place = {"section": index, "num_frames": section.stop - section.start}
             if corrected is not None:
                 inputs["corrected"] = corrected
+                painted = self._painted.painted(index)
+                if painted is not None:
+                    inputs["painted"] = painted
                 refs.append(self._nodes.add("segmentation", inputs, "corrected", **place, start=section.start))
                 continue
             if clustering is not None:

@@ -13,7 +13,7 @@ from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.session import Session
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 from moseg.workflows.pipelines.leaves import ingest_sequences
-from moseg.workflows.pipelines.placed_edits import NO_EDITS, PlacedEdits, check_edits
+from moseg.workflows.pipelines.placed_edits import NO_EDITS, PlacedEdits, check_edits, with_edits
 from moseg.workflows.pipelines.segment import StoredSegmentation, read_stored, sinks_of
 from moseg.workflows.results.found_objects import FoundObjects, read_found_objects
 
@@ -165,7 +165,7 @@ class OpenRun:
         leaves = self._leaves
         if leaves is None or _leading(config) != _leading(self._config):
             (leaves,) = ingest_sequences(self._session, [self._source], config, annotated=False)
-        return SequenceGraph(leaves._replace(edits=edits.edits), config)
+        return SequenceGraph(with_edits(self._session, self._source, leaves, config, edits), config)
 
 
 def _leading(config: PipelineConfig) -> Mapping[str, object]:

@@ -3,10 +3,15 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from moseg.schemas.corrections import Edit
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.corrections import Add, Edit
+from moseg.schemas.errors import InputError
+from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.session import Session
-from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 from moseg.workflows.stages.corrected_objects import object_names
+from moseg.workflows.stages.registry import find_task
+from moseg.workflows.weights.reading import require_network_packages
 
 
 class PlacedEdits(NamedTuple):
@@ -17,6 +22,38 @@ class PlacedEdits(NamedTuple):
 
 
 NO_EDITS = PlacedEdits()
+
+
+def with_edits(
+    session: Session, source: SequenceSource, leaves: SequenceLeaves, config: PipelineConfig, given: PlacedEdits
+) -> SequenceLeaves:
+    """Return the leaves of a sequence with edits, and with what these need: the video's size, weights of SAM 2.1.
+
+    Raises
+    ------
+    InputError
+        A point of an object lies outside the video's frames, or the weights or libraries of the network are missing.
+    """
+    if not given.edits:
+        return leaves
+    size, added = source.frames.describe().size, False
+    for index, edit in enumerate(given.edits):
+        if not isinstance(edit, Add):
+            continue
+        added = added or edit.add.by == "sam2"
+        for x, y in (*edit.add.points, *edit.add.not_points):
+            if not (-0.5 <= x <= size[1] - 0.5 and -0.5 <= y <= size[0] - 0.5):
+                place = given.places[index] if given.places else f"edit {index + 1}"
+                expected = f"0 to {size[1] - 1}, 0 to {size[0] - 1}"
+                raise InputError(
+                    "a point outside the frame", where=f"{place} (add)", got=f"{x:g}, {y:g}", expected=expected
+                )
+    if added:
+        require_network_packages()
+        network = find_task("grown_object", "sam2").network
+        weights = session.name_weights({network.item(config): network.architecture})
+        leaves = leaves._replace(weights={**leaves.weights, **weights})
+    return leaves._replace(edits=given.edits, frame_size=size)
 
 
 def check_edits(session: Session, graph: SequenceGraph, given: PlacedEdits) -> None:
