@@ -63,11 +63,11 @@ def relabel_section(
     labels = np.empty(masks.shape, np.uint16)
     # Frame by frame, because NumPy converts labels that index an array to integers of four times their size.
     for t, (mask, out) in enumerate(zip(masks, labels, strict=True)):
-        label_of = _labels_at(table, start + t)
+        label_of = labels_at(table, start + t)
         out[:] = np.array([label_of.get(int(each), 0) for each in objects], np.uint16)[mask]
         if painted is None or painted[t].max() == painted[t].min() == UNTOUCHED:
             continue
-        label_of = {0: 0, **_labels_at(stroke_table, start + t)}
+        label_of = {0: 0, **labels_at(stroke_table, start + t)}
         for number in np.unique(painted[t]).tolist():
             if number >= 0:
                 out[painted[t] == number] = label_of[number]
@@ -77,7 +77,7 @@ def relabel_section(
     return labels
 
 
-def _labels_at(table: np.ndarray, frame: int) -> dict[int, int]:
-    """Return the label of each object, or number of strokes, in a frame."""
+def labels_at(table: np.ndarray, frame: int) -> dict[int, int]:
+    """Return the label of each object, or number of strokes, of a table in a frame."""
     # Rows of one object follow each other in time, so the last one that has begun remains.
     return {key: label for key, first, label in table.tolist() if first <= frame}

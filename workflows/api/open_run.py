@@ -118,7 +118,7 @@ class OpenVideo:
         return self._run.store
 
     def labels(self, frame: int) -> np.ndarray:
-        """Return labels uint16 (y, x) of one frame as analysed: 0 static, else an identity; read-only."""
+        """Return labels uint16 (y, x) of one frame as analysed: 0 static, else an identity."""
         return self._run.labels(frame)
 
     def image(self, frame: int) -> np.ndarray:

@@ -19,6 +19,12 @@ class Nodes:
         self.recipes: dict[str, Recipe] = {}
         self._without_place: dict[tuple[str, str | None], tuple[Recipe, dict[str, str]]] = {}
 
+    def changed(self, leaves: SequenceLeaves, config: PipelineConfig) -> "Nodes":
+        """Return nodes under another configuration, with the same recipes: what either writes, both have."""
+        nodes = Nodes(leaves, config)
+        nodes.recipes = self.recipes
+        return nodes
+
     def add(self, stage: str, inputs: Inputs, method: str | None = None, **place) -> str:
         """Write the recipe of a stage and return its reference.
 

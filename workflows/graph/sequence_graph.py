@@ -4,6 +4,8 @@ A `SequenceGraph` only writes recipes; it neither reads the store nor computes. 
 variant and run that needs it.
 """
 
+from copy import copy
+
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.corrections import Rename
 from moseg.schemas.errors import InputError
@@ -18,6 +20,9 @@ from moseg.workflows.graph.painted_sections import PaintedSections
 from moseg.workflows.graph.sections import cut_sections
 from moseg.workflows.graph.sequence_leaves import SequenceLeaves
 
+LAST_STAGES = {"affinity", "clustering", "moves_now", "confidence"}
+"""Stages whose parameters change nothing in the recipes of objects and of their motion models."""
+
 
 class SequenceGraph:
     """Writer of the recipes of one sequence under one configuration.
@@ -29,18 +34,35 @@ class SequenceGraph:
     foreground : Foreground
     objects : Objects
     motions : Motions
+    sections : tuple of Section
     """
 
     def __init__(self, leaves: SequenceLeaves, config: PipelineConfig):
         self._nodes = Nodes(leaves, config)
         self._config = config
         self.leaves = leaves
-        self._sections = cut_sections(len(leaves.frames), config.sections)
+        self.sections = cut_sections(len(leaves.frames), config.sections)
         self.frame_cues = FrameCues(self._nodes)
-        self.foreground = Foreground(self._nodes, self.frame_cues, self._sections)
-        self.objects = Objects(self._nodes, self.frame_cues, self.foreground, self._sections)
-        self.motions = Motions(self._nodes, self.frame_cues, self.objects, self._sections)
-        self._painted = PaintedSections(self._nodes, self.frame_cues, self._sections)
+        self.foreground = Foreground(self._nodes, self.frame_cues, self.sections)
+        self.objects = Objects(self._nodes, self.frame_cues, self.foreground, self.sections)
+        self.motions = Motions(self._nodes, self.frame_cues, self.objects, self.sections)
+        self._painted = PaintedSections(self._nodes, self.frame_cues, self.sections)
+
+    def changed(self, leaves: SequenceLeaves, config: PipelineConfig) -> "SequenceGraph":
+        """Return the graph of other leaves and another configuration, with what they have in common not written again.
+
+        That is most of it if nothing changes but edits, and parameters of the stages of `LAST_STAGES`.
+        """
+        names = type(config).model_fields
+        moved = {name for name in names if getattr(config, name) != getattr(self._config, name)}
+        if not moved <= LAST_STAGES or leaves._replace(edits=()) != self.leaves._replace(edits=()):
+            return SequenceGraph(leaves, config)
+        graph = copy(self)
+        graph._nodes, graph._config, graph.leaves = self._nodes.changed(leaves, config), config, leaves
+        if "affinity" in moved:
+            graph.motions = Motions(graph._nodes, self.frame_cues, self.objects, self.sections)
+        graph._painted = PaintedSections(graph._nodes, self.frame_cues, self.sections)
+        return graph
 
     @property
     def recipes(self) -> dict[str, Recipe]:
@@ -63,12 +85,12 @@ class SequenceGraph:
         """Return the references of the labels of all sections."""
         clustering, corrected = self.clustering(variant), self.corrected_objects(variant)
         refs = []
-        for index, section in enumerate(self._sections):
+        for index, section in enumerate(self.sections):
             inputs = {"proposals": self.objects.proposals(index), "linking": self.objects.linking()}
             place = {"section": index, "num_frames": section.stop - section.start}
             if corrected is not None:
                 inputs["corrected"] = corrected
-                painted = self._painted.painted(index)
+                painted = self.painted(index)
                 if painted is not None:
                     inputs["painted"] = painted
                 refs.append(self._nodes.add("segmentation", inputs, "corrected", **place, start=section.start))
@@ -88,6 +110,10 @@ class SequenceGraph:
             inputs["clustering"] = clustering
         return self._nodes.add("corrected_objects", inputs, edits=edits, num_frames=len(self.leaves.frames))
 
+    def painted(self, index: int) -> str | None:
+        """Return the reference of what the user painted, erased and added in a section; None where nothing reaches it."""
+        return self._painted.painted(index)
+
     def _counted_objects(self, variant: Variant) -> dict[str, str]:
         """Return the input that tells how many identities the labels have."""
         corrected = self.corrected_objects(variant)
@@ -96,7 +122,7 @@ class SequenceGraph:
     def moves_now(self, variant: Variant) -> tuple[str | None, ...]:
         """Return the references of whether objects move now, one a section; None where saliency is not read."""
         num_frames, refs = len(self.leaves.frames), []
-        for index, (section, labels) in enumerate(zip(self._sections, self.segmentations(variant), strict=True)):
+        for index, (section, labels) in enumerate(zip(self.sections, self.segmentations(variant), strict=True)):
             if self.objects.source_of(index) != "saliency":
                 refs.append(None)
                 continue
@@ -144,7 +170,7 @@ class SequenceGraph:
                 )
         inputs = {"affinities": tuple(self.motions.affinity(view) for view in views)}
         if num_motions == "auto" and params.auto in READ_TRACKS:
-            inputs["tracks"] = tuple(self.motions.tracks(index) for index in range(len(self._sections)))
+            inputs["tracks"] = tuple(self.motions.tracks(index) for index in range(len(self.sections)))
             inputs["linking"] = self.objects.linking()
         place = {"num_views": len(views), "num_motions": None if num_motions == "auto" else num_motions}
         supports = self.rigid_supports(variant)
@@ -166,4 +192,4 @@ class SequenceGraph:
     def cues(self) -> tuple[str, ...]:
         """Return the references of the tracks and of the forward flow, from which every motion model starts."""
         flows = (self.frame_cues.flow(frame, frame + 1) for frame in range(len(self.leaves.frames) - 1))
-        return (*(self.motions.tracks(index) for index in range(len(self._sections))), *flows)
+        return (*(self.motions.tracks(index) for index in range(len(self.sections))), *flows)

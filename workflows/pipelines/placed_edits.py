@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.corrections import Add, Edit
+from moseg.schemas.corrections import Edit, Growing, Point, kind_of
 from moseg.schemas.errors import InputError
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.session import Session
@@ -22,6 +22,8 @@ class PlacedEdits(NamedTuple):
 
 
 NO_EDITS = PlacedEdits()
+WITH_PIXELS = ("paint", "erase", "add")
+"""Kinds of edits that draw in a frame."""
 
 
 def with_edits(
@@ -32,28 +34,35 @@ def with_edits(
     Raises
     ------
     InputError
-        A point of an object lies outside the video's frames, or the weights or libraries of the network are missing.
+        Strokes or points of a frame that is not there, a point of an object outside the frame, or the weights or the
+        libraries of the network are missing.
     """
-    if not given.edits:
-        return leaves
-    size, added = source.frames.describe().size, False
+    size, by_network = source.frames.describe().size, False
     for index, edit in enumerate(given.edits):
-        if not isinstance(edit, Add):
+        kind = kind_of(edit)
+        if kind not in WITH_PIXELS:
             continue
-        added = added or edit.add.by == "sam2"
-        for x, y in (*edit.add.points, *edit.add.not_points):
-            if not (-0.5 <= x <= size[1] - 0.5 and -0.5 <= y <= size[0] - 0.5):
-                place = given.places[index] if given.places else f"edit {index + 1}"
-                expected = f"0 to {size[1] - 1}, 0 to {size[0] - 1}"
-                raise InputError(
-                    "a point outside the frame", where=f"{place} (add)", got=f"{x:g}, {y:g}", expected=expected
-                )
-    if added:
+        place = given.places[index] if given.places else f"edit {index + 1}"
+        value, where = getattr(edit, kind), f"{place} ({kind})"
+        if value.frame >= len(leaves.frames):
+            raise InputError("no such frame", where=where, got=value.frame, expected=f"0 to {len(leaves.frames) - 1}")
+        if isinstance(value, Growing):
+            by_network = by_network or value.by == "sam2"
+            _check_points((*value.points, *value.not_points), size, where)
+    if by_network:
         require_network_packages()
         network = find_task("grown_object", "sam2").network
         weights = session.name_weights({network.item(config): network.architecture})
         leaves = leaves._replace(weights={**leaves.weights, **weights})
     return leaves._replace(edits=given.edits, frame_size=size)
+
+
+def _check_points(points: Sequence[Point], size: tuple[int, int], where: str) -> None:
+    height, width = size
+    for x, y in points:
+        if not (-0.5 <= x <= width - 0.5 and -0.5 <= y <= height - 0.5):
+            expected = f"x from 0 to {width - 1}, y from 0 to {height - 1}"
+            raise InputError("a point outside the frame", where=where, got=f"{x:g}, {y:g}", expected=expected)
 
 
 def check_edits(session: Session, graph: SequenceGraph, given: PlacedEdits) -> None:

@@ -1,0 +1,126 @@
+"""Labels of single frames under edits, from the objects of their section, without an artifact of their own."""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from moseg.schemas.configs import Variant
+from moseg.store import ArtifactStore
+from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.pipelines.placed_edits import PlacedEdits
+from moseg.workflows.results.found_objects import FoundObjects, read_identities, read_names
+from moseg.workflows.stages.corrected_objects import object_names
+from moseg.workflows.stages.inputs import ArtifactView
+
+
+class _LiveSection(NamedTuple):
+    """What the labels of a section's frames are made from."""
+
+    start: int
+    stop: int
+    masks: ArtifactView
+    objects: np.ndarray
+    painted: ArtifactView | None
+
+
+class LiveLabels:
+    """Labels under the edits of a graph whose motion groups, proposals and painted labels are stored.
+
+    They are those that the recipes of its segmentation give, byte for byte, because the same function makes them.
+
+    Attributes
+    ----------
+    found : FoundObjects
+    shown : tuple of int
+        Identities of the objects of the result.
+    """
+
+    def __init__(self, store: ArtifactStore, graph: SequenceGraph, variant: Variant, edits: PlacedEdits):
+        from moseg.tasks.corrections.relabel import label_table
+        from moseg.tasks.corrections.replay import replay_steps
+        from moseg.tasks.corrections.steps import steps_of
+
+        linking, clustering = ArtifactView(store, graph.objects.linking()), graph.clustering(variant)
+        names = object_names(linking.attributes)
+        motion = np.arange(len(names)) if clustering is None else ArtifactView(store, clustering).cached("motion")
+        motions = dict(zip(names[1:].tolist(), motion[1:].tolist(), strict=True))
+        corrected = replay_steps(steps_of(edits.edits), motions, len(graph.leaves.frames), edits.places)
+        self.shown = tuple(sorted(corrected.shown))
+        self.found = _found(store, graph, corrected.motions)
+        self._table = label_table(corrected.runs, corrected.shown)
+        self._stroke_table = label_table(corrected.stroke_runs, corrected.shown)
+        identity = linking.cached("identity")
+        self._sections = [
+            _LiveSection(
+                section.start,
+                section.stop,
+                ArtifactView(store, graph.objects.proposals(index)),
+                names[identity[index]],
+                None if painted is None else ArtifactView(store, painted),
+            )
+            for index, (section, painted) in enumerate(zip(graph.sections, painted_of(graph), strict=True))
+        ]
+
+    def frame(self, frame: int) -> np.ndarray:
+        """Return the labels of one frame as analysed, uint16 (y, x): 0 static, else an identity."""
+        from moseg.tasks.corrections.relabel import relabel_section
+
+        section = self._section_of(frame)
+        t = frame - section.start
+        # The whole section, because the frames beside this one are asked for next.
+        masks = section.masks.cached("masks")[t : t + 1]
+        if section.painted is None:
+            return relabel_section(masks, section.objects, self._table, frame)[0]
+        painted = section.painted.cached("painted")[t : t + 1]
+        erased = section.painted.attributes.get("erased", ())
+        return relabel_section(masks, section.objects, self._table, frame, painted, erased, self._stroke_table)[0]
+
+    def changed_frames(self, before: "LiveLabels | None") -> tuple[int, ...]:
+        """Return the frames whose labels may differ from those before; all if there are none before."""
+        frames = range(self._sections[-1].stop)
+        if before is None or frames.stop != before._sections[-1].stop:
+            return tuple(frames)
+        mine, others = (_Origins(each._table, each._stroke_table, each._sections) for each in (self, before))
+        return tuple(frame for frame in frames if mine.at(frame) != others.at(frame))
+
+    def _section_of(self, frame: int) -> _LiveSection:
+        for section in self._sections:
+            if section.start <= frame < section.stop:
+                return section
+        raise IndexError(f"no frame {frame}")
+
+
+class _Origins:
+    """What decides the labels of each frame: the masks, and the label of each object and number of strokes in it."""
+
+    def __init__(self, table: np.ndarray, stroke_table: np.ndarray, sections: Sequence[_LiveSection]):
+        from moseg.tasks.corrections.relabel import labels_at
+
+        self._tables, self._sections, self._labels_at = (table, stroke_table), sections, labels_at
+        # Labels change only where a run begins.
+        self._starts = sorted({0, *table[:, 1].tolist(), *stroke_table[:, 1].tolist()})
+        self._known: dict[int, tuple[Mapping[int, int], ...]] = {}
+
+    def at(self, frame: int) -> tuple:
+        """Return what decides the labels of a frame, to be compared."""
+        start = max(each for each in self._starts if each <= frame)
+        if start not in self._known:
+            self._known[start] = tuple(self._labels_at(table, start) for table in self._tables)
+        objects, strokes = self._known[start]
+        section = next(each for each in self._sections if each.start <= frame < each.stop)
+        labels = tuple(objects.get(each, 0) for each in section.objects.tolist())
+        if section.painted is None:
+            return section.start, section.masks.ref, labels
+        return section.start, section.masks.ref, labels, section.painted.ref, strokes
+
+
+def painted_of(graph: SequenceGraph) -> tuple[str | None, ...]:
+    """Return the references of what was painted in every section."""
+    return tuple(map(graph.painted, range(len(graph.sections))))
+
+
+def _found(store: ArtifactStore, graph: SequenceGraph, motions: dict[int, int]) -> FoundObjects:
+    _, tags = read_identities(store, graph)
+    kept = {identity: tag for identity, tag in tags.items() if identity in motions}
+    return FoundObjects(tuple(motions), motions, len({0, *motions.values()}), kept, read_names(graph))
