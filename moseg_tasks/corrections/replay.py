@@ -70,8 +70,7 @@ def replay_steps(
     runs = {identity: [(0, identity)] for identity in motions}
     stroke_runs: dict[int, Runs] = {}
     for index, step in enumerate(steps):
-        place = places[index] if places else f"edit {index + 1}"
-        where = f"{place} ({step.kind})"
+        where = places[index] if places else f"edit {index + 1} ({step.kind})"
         _check(step, objects, num_frames, where)
         if step.kind in STROKES:
             if step.kind != "erase" and step.objects[0] not in objects:

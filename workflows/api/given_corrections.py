@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from moseg.schemas.corrections import Corrections, Edit
+from moseg.schemas.corrections import Corrections, Edit, kind_of
 from moseg.schemas.errors import InputError
 from moseg.workflows.config.corrections_file import CorrectionsLike, name_source, read_corrections
 from moseg.workflows.exports.frame_origin import FrameOrigin
@@ -71,7 +71,7 @@ def give_corrections(
     """
     source = name_source(corrections, argument)
     found = Corrections() if corrections is None else read_corrections(corrections, argument)
-    places = [f"{source}: edit {number}" for number in range(1, len(found.edits) + 1)]
+    places = [f"{source}: edit {number} ({kind_of(edit)})" for number, edit in enumerate(found.edits, start=1)]
     places += [option for option, _ in more]
     return GivenCorrections(found.extended(edit for _, edit in more), source, tuple(places))
 
@@ -87,11 +87,10 @@ def check_kept(path: Path, given: GivenCorrections, argument: str) -> None:
     if not path.exists():
         return
     earlier, later = read_corrections(path), given.corrections
-    has_settings = earlier.settings.keys() <= later.settings.keys()
-    if has_settings and later.edits[: len(earlier.edits)] == earlier.edits:
+    if earlier.settings.keys() <= later.settings.keys() and all(edit in later.edits for edit in earlier.edits):
         return
     if os.path.exists(given.source) and os.path.samefile(given.source, path):
         return
-    got = f"{len(earlier.edits)} edits and {len(earlier.settings)} settings, not all of them in this run"
+    got = "edits or settings that this run does not have"
     expected = f"--corrections {path} first, another {argument}, or the file moved away"
     raise InputError("corrections would be lost", where=path, got=got, expected=expected)

@@ -212,8 +212,8 @@ class Outputs:
         check_outputs(folder, origin.path, style is not None, argument)
         check_same_video(folder, origin, name, argument)
         self._corrections = corrections.of_video(origin)
-        if corrections.corrections:
-            corrections.check_video(origin)
+        corrections.check_video(origin)
+        if self._corrections:
             check_kept(self._folder / CORRECTIONS, corrections, argument)
         if self._formats or self._sets:
             names = origin.names or tuple(map(mask_name, range(num_frames or origin.frames.num_frames())))
@@ -231,6 +231,14 @@ class Outputs:
         return write_segmentation(
             self._folder, store, stored, fps, self._style, self._origin, self._has_full_size, quiet
         )
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What must be known about files that stay in the folder."""
+        left = self._folder / CORRECTIONS
+        if self._corrections or not left.exists():
+            return ()
+        return (f"{left} is not in force: --corrections {left} applies it",)
 
     @property
     def paths(self) -> tuple[Path, ...]:

@@ -8,6 +8,7 @@ import typer
 
 from moseg.schemas.configs import Variant
 from moseg.schemas.errors import InputError
+from moseg.workflows.cli.correction_options import CorrectionOptions
 from moseg.workflows.cli.export import ExportsOption, SetsOption, read_set_step
 from moseg.workflows.cli.option_groups import with_option_groups
 from moseg.workflows.cli.options import ReportOption, RunOptions, VariantOption
@@ -133,6 +134,7 @@ def segment(
     ],
     frames: FrameOptions,
     pipeline: PipelineOptions,
+    corrections: CorrectionOptions,
     run: RunOptions,
     drawing: OverlayOptions,
     out: Annotated[
@@ -172,13 +174,21 @@ def segment(
     moseg segment holiday.mp4 --preset paper --device cuda
     moseg segment holiday.mp4 --overlay cutout --side-by-side --export coco
     moseg segment holiday.mp4 --out holiday --for colmap --for-every 0.5s
+    moseg segment holiday.mp4 --out holiday --drop 2 --merge 3,4 --rename 1=car
+    moseg segment holiday.mp4 --out holiday --corrections holiday/corrections.yaml
     """
     from moseg.workflows.api.segmentation import Outputs, open_source, run_segmentation
     from moseg.workflows.api.video_inputs import find_videos, opened
     from moseg.workflows.exports.formats import choose_formats
     from moseg.workflows.exports.frame_origin import FrameOrigin
 
+    found = find_videos(videos)
+    if corrections.given and len(found) > 1:
+        got = f"{len(found)} videos"
+        raise InputError("corrections of several videos", where=corrections.given[0], got=got, expected="one video")
+    given = corrections.read()
     chosen, style, choices = frames.read(), drawing.read(), pipeline.choices()
+    choices = replace(choices, corrected=given.corrections.settings)
     # Wrong options are an error of the call, and not of each video.
     choices.read()
     choose_formats(exports or ())
@@ -198,16 +208,18 @@ def segment(
                 sets=sets or (),
                 step=step,
                 fps=frames.fps,
+                corrections=given,
             )
 
             def write(store, stored, rate):
                 return outputs.write(store, stored, rate, run.quiet)
 
-            done = run_segmentation(source, config, variant, settings, write, frames.fps, page, chosen=chosen)
+            done = run_segmentation(
+                source, config, variant, settings, write, frames.fps, page, chosen=chosen, corrections=given
+            )
             exported = outputs.export()
-        _print_outcome(done, [*(f"{folder}/{path.name}" for path in outputs.paths), *map(str, exported)])
+        _print_outcome(done, [*(f"{folder}/{path.name}" for path in outputs.paths), *map(str, exported)], outputs.notes)
 
-    found = find_videos(videos)
     if page is not None and len(found) > 1:
         raise InputError("one page for several videos", where="--report", got=f"{len(found)} videos", expected="one")
     failed = []
@@ -226,13 +238,13 @@ def segment(
         raise InputError(f"{len(failed)} of {len(found)} videos not segmented", got=got, expected="see above")
 
 
-def _print_outcome(done: "Segmented", written: list[str]) -> None:
+def _print_outcome(done: "Segmented", written: list[str], notes: tuple[str, ...]) -> None:
     count = len(done.value.objects)
     print(
         f"{count} moving object{'' if count == 1 else 's'} in {done.value.num_frames} frames: {', '.join(written)}"
         f" ({done.use.computed} artifacts computed, {done.use.reused} reused, {done.seconds:.1f} s)"
     )
-    for note in done.notes:
+    for note in (*done.notes, *notes):
         print(f"note: {note}")
     for doubt in done.value.look_at:
         print(f"look at: {doubt}")

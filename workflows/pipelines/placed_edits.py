@@ -15,7 +15,7 @@ from moseg.workflows.weights.reading import require_network_packages
 
 
 class PlacedEdits(NamedTuple):
-    """Edits in the order in which they apply, and where each was written, for errors: ``fixes.yaml: edit 2``."""
+    """Edits in the order in which they apply, and where each was written, for errors: ``fixes.yaml: edit 2 (drop)``."""
 
     edits: tuple[Edit, ...] = ()
     places: Sequence[str] = ()
