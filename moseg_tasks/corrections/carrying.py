@@ -1,8 +1,8 @@
 """A mask of one frame, carried along the flow to other frames.
 
 The mask is carried as the share of each cell of a coarse grid. Where flow and its reverse disagree, cells of like
-colour around decide; at the outline, the mask's colours against those around it. The outline at full size follows the
-frame's edges.
+colour around decide; at the outline, colours and motion of the mask against those around it. The outline at full size
+follows the frame's edges.
 """
 
 from typing import NamedTuple
@@ -12,11 +12,14 @@ import numpy as np
 
 from moseg.schemas.parameters import AppearanceParams, CarryingParams, RefinementParams
 from moseg.tasks.appearance import ColourCount, colour_bins, colour_ratio
+from moseg.tasks.corrections.own_motion import strays_from_mask
 from moseg.tasks.proposals.guided_filter import apply_coefficients, guided_coefficients
 from moseg.tasks.saliency.grid import pixel_grid, reduce_frame, squared_length
 
 _MARGIN = 4  # cells around a mask that are processed, in addition to the filter's two windows
 _SURE = 0.02  # share of a cell, from 0 or from 1, up to which colours do not decide
+_MAX_PENALTY = 8.0  # nats
+_BISECTIONS = 8
 _MIN_CONSISTENCY = np.float32(1e-3)  # weight of a cell whose flow is not consistent, so that no window is without any
 
 
@@ -96,7 +99,8 @@ def carry_mask(
     """
     grid = carried.share.shape
     nothing = carried._replace(share=np.zeros(grid, np.float32))
-    window = _window_after(carried.share, flow_forth, 2 * params.refinement.radius + _MARGIN)
+    margin = max(2 * params.refinement.radius + _MARGIN, params.carrying.surroundings)
+    window = _window_after(carried.share, flow_forth, margin)
     if window is None:
         return nothing
     flow = flow_back[window]
@@ -112,7 +116,8 @@ def carry_mask(
     reduced = reduce_frame(image, grid)[window]
     share = consistency * share + (1 - consistency) * _spread(_guide(reduced), share, consistency, params.refinement)
     evidence = np.float32(params.carrying.colour) * carried.ratio[_bins(reduced, params)]
-    share = np.where((share > _SURE) & (share < 1 - _SURE), _with_evidence(share, evidence), share)
+    evidence += strays_from_mask(flow, share, _SURE, params.carrying)
+    share = _decide_outline(share, evidence, params.carrying.growth)
     if float(share[share > _SURE].sum()) < params.carrying.min_area * carried.area:
         return nothing
     found = nothing.share
@@ -182,6 +187,24 @@ def _spread(guide: np.ndarray, share: np.ndarray, weight: np.ndarray, params: Re
         for each in (weight * share, weight)
     )
     return np.clip(weighed / np.maximum(total, _MIN_CONSISTENCY), 0, 1)
+
+
+def _decide_outline(share: np.ndarray, evidence: np.ndarray, growth: float) -> np.ndarray:
+    """Add evidence to the cells that the mask covers in part; it grows by at most the share `growth`."""
+    unsure = (share > _SURE) & (share < 1 - _SURE)
+    part, evidence = share[unsure], evidence[unsure]
+    limit = (1 + growth) * float(share.sum()) - float(share[~unsure].sum())
+    decided = _with_evidence(part, evidence)
+    if float(decided.sum()) > limit:
+        low, high = np.float32(0), np.float32(_MAX_PENALTY)
+        for _ in range(_BISECTIONS):
+            middle = (low + high) / 2
+            is_larger = float(_with_evidence(part, evidence - middle).sum()) > limit
+            low, high = (middle, high) if is_larger else (low, middle)
+        decided = _with_evidence(part, evidence - high)
+    result = share.copy()
+    result[unsure] = decided
+    return result
 
 
 def _with_evidence(share: np.ndarray, evidence: np.ndarray) -> np.ndarray:

@@ -62,9 +62,11 @@ def grow_object(
     colours = cv2.GaussianBlur(cv2.cvtColor(reduced * np.float32(1 / 255), cv2.COLOR_RGB2LAB), (0, 0), 1)
     for cell in inside:
         spot = _disc(cell, params.growing.spot, grid)
-        found, step = _region_at(saliency * _like_motion(velocity, spot, params.growing), spot, outside, params.growing)
+        moving = saliency * _like_motion(velocity, spot, params.growing)
+        found, step = _region_at(moving, spot, outside, params.growing.max_area, params.growing)
         if step < params.growing.min_step:
-            found, _ = _region_at(_like_colour(colours, spot, params.growing), spot, outside, params.growing)
+            alike = _like_colour(colours, spot, params.growing)
+            found, _ = _region_at(alike, spot, outside, params.growing.max_still_area, params.growing)
         region |= found
     region = _follow_colours(region, reduced, params)
     region &= ~_nearer(outside, inside, grid)
@@ -98,7 +100,11 @@ def _like_colour(colours: np.ndarray, spot: np.ndarray, params: GrowingParams) -
 
 
 def _region_at(
-    evidence: np.ndarray, spot: np.ndarray, outside: list[tuple[int, int]], params: GrowingParams
+    evidence: np.ndarray,
+    spot: np.ndarray,
+    outside: list[tuple[int, int]],
+    max_area: float,
+    params: GrowingParams,
 ) -> tuple[np.ndarray, float]:
     """Return the region of evidence around a spot, and the step of the mean evidence across its outline.
 
@@ -112,7 +118,7 @@ def _region_at(
         parts, _ = ndimage.label(evidence > level)
         region = ndimage.binary_fill_holes(parts == parts[y, x])
         share = region.mean()
-        if not params.min_area <= share <= params.max_area or any(region[v, u] for u, v in outside):
+        if not params.min_area <= share <= max_area or any(region[v, u] for u, v in outside):
             continue
         near = np.ones((2 * params.band + 1,) * 2, np.uint8)
         inner = region & (cv2.erode(region.astype(np.uint8), near) == 0)

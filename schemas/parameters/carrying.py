@@ -32,8 +32,17 @@ class CarryingParams(Frozen):
     colour: Annotated[float, Unit.RATIO] = Field(
         0.5, ge=0, description="weight of the log ratio of the mask's colours to those around it, at its outline"
     )
+    motion: Annotated[float, Unit.NATS] = Field(
+        1.0, ge=0, description="largest evidence against a cell at the outline that moves like what is around the mask"
+    )
+    motion_noise: Annotated[float, Unit.PIXELS_PER_FRAME] = Field(
+        0.5, gt=0, description="noise of the flow in this evidence, px/frame"
+    )
+    growth: Annotated[float, Unit.SHARE] = Field(
+        0.02, ge=0, description="share by which colours may enlarge a mask from frame to frame"
+    )
     surroundings: Annotated[int, Unit.PIXELS] = Field(
-        20, ge=1, description="width of the band around the mask whose colours are compared with its own, px"
+        20, ge=1, description="width of the band around the mask whose colours and motion are compared with its own, px"
     )
     min_consistency: Annotated[float, Unit.SHARE] = Field(
         0.1, ge=0, le=1, description="mean consistency of the flow in the mask below which it is lost"

@@ -33,6 +33,9 @@ class GrowingParams(Frozen):
         5e-4, ge=0, le=1, description="smallest area of a region, share of the frame"
     )
     max_area: Annotated[float, Unit.SHARE] = Field(0.5, gt=0, le=1, description="largest area, share of the frame")
+    max_still_area: Annotated[float, Unit.SHARE] = Field(
+        0.1, gt=0, le=1, description="largest area of a region by colour alone, share of the frame: others are scenery"
+    )
     band: Annotated[int, Unit.PIXELS] = Field(
         3, ge=1, description="width of the bands on both sides of an outline that are compared, px"
     )

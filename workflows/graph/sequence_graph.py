@@ -111,7 +111,7 @@ class SequenceGraph:
         return self._nodes.add("corrected_objects", inputs, edits=edits, num_frames=len(self.leaves.frames))
 
     def painted(self, index: int) -> str | None:
-        """Return the reference of what the user painted, erased and added in a section; None where nothing reaches it."""
+        """Return the reference of what the user painted, erased and added in a section; None if nothing did."""
         return self._painted.painted(index)
 
     def _counted_objects(self, variant: Variant) -> dict[str, str]:
