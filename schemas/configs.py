@@ -44,6 +44,7 @@ from moseg.schemas.parameters import (
     RaftParams,
     RamParams,
     RefinementParams,
+    ResultParams,
     RigidityParams,
     RigidSupportParams,
     SaliencyParams,
@@ -158,6 +159,7 @@ class PipelineConfig(Frozen):
     object_hypotheses: ObjectHypothesisParams = ObjectHypothesisParams()
     affinity: AffinityParams = AffinityParams()
     clustering: ClusteringParams = ClusteringParams()
+    result: ResultParams = ResultParams()
     carrying: CarryingParams = CarryingParams()
     growing: GrowingParams = GrowingParams()
     fused_point_models: tuple[str, ...] = Field(

@@ -1,6 +1,6 @@
 """Replay of edits on the objects of a sequence: which there are then, and which of them each pixel belongs to."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -48,6 +48,7 @@ def replay_steps(
     motions: Mapping[int, int],
     num_frames: int,
     places: Sequence[str] = (),
+    small: Container[int] = (),
 ) -> CorrectedObjects:
     """Apply steps one after the other.
 
@@ -60,13 +61,15 @@ def replay_steps(
         Frames of the sequence.
     places : sequence of str, optional
         Where each step stands, for errors.
+    small : container of int
+        Objects that move and are too small for the result, unless a step says otherwise.
 
     Raises
     ------
     InputError
         A step names an object that is not there, a number that is in use, or a frame that the sequence does not have.
     """
-    objects = {identity: _State(group, group > 0) for identity, group in motions.items()}
+    objects = {identity: _State(group, group > 0 and identity not in small) for identity, group in motions.items()}
     runs = {identity: [(0, identity)] for identity in motions}
     stroke_runs: dict[int, Runs] = {}
     for index, step in enumerate(steps):

@@ -33,6 +33,7 @@ from moseg.schemas.parameters.pips import PipsParams
 from moseg.schemas.parameters.raft import RaftParams
 from moseg.schemas.parameters.ram import RamParams
 from moseg.schemas.parameters.refinement import RefinementParams
+from moseg.schemas.parameters.result import ResultParams
 from moseg.schemas.parameters.rigid_support import RigidSupportParams
 from moseg.schemas.parameters.rigidity import RigidityParams
 from moseg.schemas.parameters.saliency import SaliencyParams
@@ -108,6 +109,7 @@ __all__ = [
     "RamParams",
     "RefinementParams",
     "RegroupParams",
+    "ResultParams",
     "RigidSupportParams",
     "RigidityParams",
     "SaliencyParams",

@@ -85,6 +85,8 @@ def test_an_open_run_has_the_labels_of_the_command_line_after_every_change(segme
         {"settings": {"clustering.motions": 2}, "edits": [{"moving": 1}, {"moving": 2}]},
         {"settings": {"affinity.scale": 0.9}, "edits": [{"static": 2}]},
         {"settings": {"components.min_area": 0.02}},
+        {"settings": {"result.min_area": 0.054}},
+        {"settings": {"result.min_area": 0.5}, "edits": [{"keep": 2}]},
         [],
     ]
     with open_run(frames, RunSettings(str(store), quiet=True), PipelineChoices(CONFIG)) as video:
@@ -115,6 +117,8 @@ def test_each_edit_does_what_it_says(labels):
         ([{"split": {"object": 2, "frame": 5, "into": 9}}, {"merge": [1, 9]}], np.where(second & late, 1, plain)),
         ([{"rename": {"object": 1, "name": "left"}}], plain),
         ({"settings": {"clustering.motions": 1}}, np.zeros_like(plain)),
+        ({"settings": {"result.min_area": 0.054}}, np.where(first, 1, 0)),
+        ({"settings": {"result.min_area": 0.5}}, np.zeros_like(plain)),
         ({"settings": {"clustering.motions": 1}, "edits": [{"keep": 2}]}, np.where(second, 2, 0)),
     ]
     for corrections, wanted in cases:
@@ -161,8 +165,7 @@ def test_why_names_the_edit(frames, moseg, tmp_path):
     new = min(set(moseg(*listing).out.split()) - before)
     ran = moseg("store", "why", new, "--store", store)
     assert (ran.code, ran.err) == (0, "")
-    assert ran.out.splitlines()[-1].startswith("  params.steps"), ran.out
-    assert ran.out.splitlines()[-1] == "?"
+    assert ran.out.splitlines()[-1] == "  params.steps[0].objects[0]: 2 here, 1 there"
 
 
 WRONG = {

@@ -20,7 +20,7 @@ from moseg.workflows.graph.painted_sections import PaintedSections
 from moseg.workflows.graph.sections import cut_sections
 from moseg.workflows.graph.sequence_leaves import SequenceLeaves
 
-LAST_STAGES = {"affinity", "clustering", "moves_now", "confidence"}
+LAST_STAGES = {"affinity", "clustering", "result", "moves_now", "confidence"}
 """Stages whose parameters change nothing in the recipes of objects and of their motion models."""
 
 
@@ -101,14 +101,30 @@ class SequenceGraph:
         return tuple(refs)
 
     def corrected_objects(self, variant: Variant) -> str | None:
-        """Return the reference of the objects after the user's edits; None without edits, or with names alone."""
-        edits = self.leaves.edits
-        if all(isinstance(edit, Rename) for edit in edits):
+        """Return the reference of the objects after the user's edits, without small ones.
+
+        None if nothing but names is edited, and no object is too small.
+        """
+        edits, areas = self.leaves.edits, self.object_areas()
+        if not areas and all(isinstance(edit, Rename) for edit in edits):
             return None
         inputs, clustering = {"linking": self.objects.linking()}, self.clustering(variant)
         if clustering is not None:
             inputs["clustering"] = clustering
+        if areas:
+            inputs["areas"] = areas
         return self._nodes.add("corrected_objects", inputs, edits=edits, num_frames=len(self.leaves.frames))
+
+    def object_areas(self) -> tuple[str, ...]:
+        """Return the references of how large the objects of all sections become; none if none is too small."""
+        if not self._config.result.min_area:
+            return ()
+        return tuple(
+            self._nodes.add(
+                "object_areas", {"proposals": self.objects.proposals(index)}, num_frames=section.stop - section.start
+            )
+            for index, section in enumerate(self.sections)
+        )
 
     def painted(self, index: int) -> str | None:
         """Return the reference of what the user painted, erased and added in a section; None if nothing did."""

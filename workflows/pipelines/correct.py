@@ -20,7 +20,7 @@ from moseg.workflows.results.found_objects import FoundObjects
 
 BEHIND_LEAVES = (
     *("linking", "identity", "components", "confidence", "moves_now", "track_objects", "rigid_support"),
-    *("fundamental", "flow_model", "object_hypotheses", "affinity", "clustering"),
+    *("fundamental", "flow_model", "object_hypotheses", "affinity", "clustering", "result"),
 )
 """Stages whose parameters change nothing in the leaves of a graph, so that a video need not be read again for them."""
 
@@ -89,11 +89,11 @@ class OpenRun:
                 graphs[:] = [self._write_graph(config, edits)]
                 graph = graphs[0]
                 objects = (*map(graph.objects.proposals, range(len(graph.sections))), graph.objects.linking())
-                sinks = (*objects, graph.clustering(self._variant), *painted_of(graph))
+                sinks = (*objects, graph.clustering(self._variant), *graph.object_areas(), *painted_of(graph))
                 return graph.recipes, tuple(filter(None, sinks))
 
             def read():
-                return LiveLabels(self._session.store, graphs[0], self._variant, edits)
+                return LiveLabels(self._session.store, graphs[0], config, self._variant, edits)
 
             live = self._session.compute(build, read)
             if self._live is None:

@@ -5,12 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from moseg.schemas.configs import Variant
+from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.placed_edits import PlacedEdits
 from moseg.workflows.results.found_objects import FoundObjects, read_identities, read_names
-from moseg.workflows.stages.corrected_objects import object_names
+from moseg.workflows.stages.corrected_objects import object_names, small_of
 from moseg.workflows.stages.inputs import ArtifactView
 
 
@@ -36,7 +36,9 @@ class LiveLabels:
         Identities of the objects of the result.
     """
 
-    def __init__(self, store: ArtifactStore, graph: SequenceGraph, variant: Variant, edits: PlacedEdits):
+    def __init__(
+        self, store: ArtifactStore, graph: SequenceGraph, config: PipelineConfig, variant: Variant, edits: PlacedEdits
+    ):
         from moseg.tasks.corrections.relabel import label_table
         from moseg.tasks.corrections.replay import replay_steps
         from moseg.tasks.corrections.steps import steps_of
@@ -45,7 +47,9 @@ class LiveLabels:
         names = object_names(linking.attributes)
         motion = np.arange(len(names)) if clustering is None else ArtifactView(store, clustering).cached("motion")
         motions = dict(zip(names[1:].tolist(), motion[1:].tolist(), strict=True))
-        corrected = replay_steps(steps_of(edits.edits), motions, len(graph.leaves.frames), edits.places)
+        areas = [ArtifactView(store, ref) for ref in graph.object_areas()]
+        small = small_of(linking, areas, config.result.min_area) if areas else ()
+        corrected = replay_steps(steps_of(edits.edits), motions, len(graph.leaves.frames), edits.places, small)
         self.shown = tuple(sorted(corrected.shown))
         self.found = _found(store, graph, corrected.motions)
         self._table = label_table(corrected.runs, corrected.shown)

@@ -1,11 +1,13 @@
-"""Corrected objects: the objects of a sequence after the user's edits, and the label of each pixel's object."""
+"""Corrected objects: the objects of a result that the user corrects, and the label of each pixel's object."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.corrections import Edit
-from moseg.workflows.stages.inputs import Inputs
+from moseg.workflows.stages.inputs import ArtifactView, Inputs
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -24,6 +26,15 @@ def object_names(attributes: dict) -> np.ndarray:
     return names
 
 
+def small_of(linking: ArtifactView, areas: Sequence[ArtifactView], min_area: float) -> frozenset[int]:
+    """Return the objects of a linking, as they are called in the labels, that are too small for the result."""
+    from moseg.tasks.corrections.areas import small_objects
+
+    names = object_names(linking.attributes)
+    objects = [names[section] for section in linking.cached("identity")]
+    return small_objects(zip(objects, [each.cached("areas") for each in areas], strict=True), min_area)
+
+
 def _run(params, inputs, rng):
     from moseg.tasks.corrections.relabel import label_table, motion_array
     from moseg.tasks.corrections.replay import replay_steps
@@ -33,7 +44,8 @@ def _run(params, inputs, rng):
     # Without motion groups each object moves.
     motion = inputs["clustering"].cached("motion") if "clustering" in inputs else np.arange(len(names))
     motions = dict(zip(names[1:].tolist(), motion[1:].tolist(), strict=True))
-    corrected = replay_steps(read_steps(params["steps"]), motions, params["num_frames"])
+    small = small_of(inputs["linking"], inputs.all("areas"), params["min_area"]) if "areas" in inputs else ()
+    corrected = replay_steps(read_steps(params["steps"]), motions, params["num_frames"], small=small)
     arrays = {
         "labels": label_table(corrected.runs, corrected.shown),
         "stroke_labels": label_table(corrected.stroke_runs, corrected.shown),
@@ -47,17 +59,19 @@ def _params(config: PipelineConfig, edits: tuple[Edit, ...], num_frames: int) ->
     # Here, because programs start without the tasks.
     from moseg.tasks.corrections.steps import recipe_steps
 
-    return {"steps": recipe_steps(edits), "num_frames": num_frames}
+    min_area = {"min_area": config.result.min_area} if config.result.min_area else {}
+    return {"steps": recipe_steps(edits), "num_frames": num_frames, **min_area}
 
 
 EDITS = Task("corrected_objects", "edits", version=1, run=_run, params=_params)
 
 STAGE = Stage(
     name="corrected_objects",
-    about="objects of a sequence after the user's edits",
+    about="objects of a sequence after the user's edits, without small ones",
     inputs={
         "linking": "identities of the objects of all sections",
         "clustering": "motion groups, for a variant that has them",
+        "areas": "how large the objects of every section become, if small ones are left out",
     },
     arrays={
         "labels": layout("int32", "run column", "object, first frame, label from there on; 0 = not in the result"),
