@@ -92,14 +92,14 @@ def test_colours_enlarge_a_mask_by_no_more_than_its_growth(render):
     small = (COLUMNS - 30) ** 2 + (ROWS - 40) ** 2 <= 9**2
     grid = (SHAPE[0] // 2, SHAPE[1] // 2)
     still, shares = np.zeros((*grid, 2), np.float32), {}
-    for growth in (0.0, 0.02, 0.5):
+    for growth in (0.0, 0.005, 0.5):
         params = PARAMS._replace(carrying=CarryingParams(growth=growth, colour=2))
         carried = start_carrying(scene.frames[0], small, grid, params)
         for frame in scene.frames[1:]:
             carried = carry_mask(carried, frame, still, still, params)
         shares[growth] = carried.share.sum() / carried.area
     assert shares[0.0] == pytest.approx(1, abs=0.01)
-    assert 1.01 < shares[0.02] < 1.02**9 + 0.01 < shares[0.5]
+    assert 1.02 < shares[0.005] < 1.005**9 + 0.01 < shares[0.5]
 
 
 def test_an_outline_follows_the_edges_at_full_size(render, iou):
