@@ -78,10 +78,9 @@ def _changes(video: OpenVideo, first: Any, repeats: int) -> dict[str, Iterator[A
             {"settings": {"affinity.excess": index % 2 == 0, "affinity.scale": 0.4 + 0.01 * index + offset}}
             for index in range(repeats)
         ],
-        "drop, then keep": [[{"drop": identity}, {"keep": identity}][: 1 + index % 2] for index in range(repeats)],
-        "static, then moving": [
-            [{"static": identity}, {"moving": identity}][: 1 + index % 2] for index in range(repeats)
-        ],
+        "result.min_area": settings("result.min_area", lambda index: 0.001 + 0.005 * index + offset),
+        "drop, keep": [[{"drop": identity}, {"keep": identity}][: 1 + index % 2] for index in range(repeats)],
+        "static, moving": [[{"static": identity}, {"moving": identity}][: 1 + index % 2] for index in range(repeats)],
         "split": [[{"split": {"object": identity, "frame": frame}}] for frame in frames],
         "rename": [[{"rename": {"object": identity, "name": f"name {index}"}}] for index in range(repeats)],
     }

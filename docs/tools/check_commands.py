@@ -46,6 +46,10 @@ NOT_RUN = (
     (r"^make (setup|clean|docs-pictures)\b", "changes the working copy or its environment"),
     (r"^(make|moseg) train\b", "trains for hours; tests/workflows/training runs it on tiny data"),
     (r"motion_network\.weights=", "needs a network that a user trained; tests/workflows/training runs it"),
+    (
+        r"^moseg segment .*--(corrections|drop|merge|split|rename)",
+        "needs objects of an earlier result; tests/workflows/test_corrections.py runs it",
+    ),
     (r"^moseg weights (fetch|verify)\b", "downloads, or reads, gigabytes of weights"),
     (r"(^| )(gs|az)://", "no server of Google or Azure to run it against"),
     (r" tls://", "needs certificates; tests/workflows/clusters runs it"),

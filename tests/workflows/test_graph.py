@@ -1,8 +1,10 @@
 """The recipes of a sequence's graph, and thus the artifacts that an option recomputes."""
 
 import pytest
+from pydantic import TypeAdapter
 
 from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.corrections import Edit
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.errors import InputError
 from moseg.workflows.engine.execution import seeded_generator
@@ -235,3 +237,56 @@ def test_keys_are_golden():
 def test_a_key_draws_the_same_numbers_everywhere():
     assert seeded_generator("0f" * 32).integers(0, 1000, 4).tolist() == [226, 45, 75, 232]
     assert seeded_generator("0f" * 32).random() != seeded_generator("1f" * 32).random()
+
+
+EDITS = TypeAdapter(tuple[Edit, ...]).validate_python(
+    [{"drop": 1}, {"rename": {"object": 2, "name": "left"}}, {"split": {"object": 2, "frame": 3, "into": 5}}]
+)
+
+
+def _labels(edits=(), variant=Variant.FUSED, **changes):
+    graph = SequenceGraph(LEAVES._replace(edits=edits), _config(**changes))
+    return graph, graph.segmentations(variant)
+
+
+@pytest.mark.parametrize("variant", Variant)
+def test_edits_add_the_corrected_objects_and_change_no_key_before_them(variant):
+    (plain, _), (corrected, labels) = _labels(variant=variant), _labels(EDITS, variant)
+    new = {recipe.task: recipe for ref, recipe in corrected.recipes.items() if ref not in plain.recipes}
+    assert set(new) == {"corrected_objects", "segmentation"}
+    assert {corrected.recipes[ref].params["method"] for ref in labels} == {"corrected"}
+    assert new["corrected_objects"].params["steps"] == [
+        {"kind": "drop", "objects": [1]},
+        {"kind": "split", "objects": [2], "frame": 3, "into": 5},
+    ]
+
+
+def test_names_alone_change_no_key():
+    assert _labels(EDITS[1:2])[1] == _labels()[1]
+
+
+def test_small_objects_are_left_out_without_another_key_before_the_result():
+    (plain, _), (changed, _) = _labels(), _labels(result__min_area=0.1)
+    new = {ref.partition("/")[0] for ref in changed.recipes} - {ref.partition("/")[0] for ref in plain.recipes}
+    assert new == {"object_areas", "corrected_objects"}
+    assert _labels(EDITS, result__min_area=0.0)[1] == _labels(EDITS)[1]
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"affinity__scale": 0.8},
+        {"clustering__motions": 2},
+        {"result__min_area": 0.1},
+        {"components__min_area": 0.1},
+    ],
+)
+@pytest.mark.parametrize("edits", [(), EDITS])
+def test_a_changed_graph_has_the_keys_of_one_that_is_written_anew(changes, edits):
+    graph, _ = _labels(affinity__quantile=0.25)
+    changed = graph.changed(LEAVES._replace(edits=edits), _config(**changes))
+    wanted, labels = _labels(edits, **changes)
+    assert changed.segmentations(Variant.FUSED) == labels
+    assert changed.moves_now(Variant.FUSED) == wanted.moves_now(Variant.FUSED)
+    assert changed.recipes.keys() >= wanted.recipes.keys()

@@ -18,6 +18,7 @@ from moseg.schemas.declared_names import find_names_by
 
 if TYPE_CHECKING:
     from moseg.schemas.configs import PipelineConfig, Variant
+    from moseg.schemas.corrections import Corrections
     from moseg.schemas.errors import InputError, MosegError
     from moseg.schemas.scores import EvaluationReport, StillReport
     from moseg.schemas.trajectory_scores import TrajectoryReport
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from moseg.workflows.plugins.registration import Method, register
 
 __all__ = [
+    "Corrections",
     "EvaluationReport",
     "InputError",
     "Method",
@@ -56,6 +58,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "Corrections": "moseg.schemas.corrections",
     "EvaluationReport": "moseg.schemas.scores",
     "InputError": "moseg.schemas.errors",
     "Method": "moseg.workflows.plugins.registration",
