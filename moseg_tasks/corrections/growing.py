@@ -146,7 +146,11 @@ def _follow_colours(region: np.ndarray, reduced: np.ndarray, params: Grower) -> 
         odds = odds / (1 - odds) * cv2.exp(np.float32(params.growing.colour_weight) * ratio[bins])
         soft = np.where((soft > _SURE) & (soft < 1 - _SURE), odds / (1 + odds), soft)
         slopes = guided_coefficients(guide, soft, refinement.radius, refinement.smoothness)
-        region = apply_coefficients(guide, *slopes) > 0.5
+        found = apply_coefficients(guide, *slopes) > 0.5
+        # Of a region as small as the filter's window nothing would be left.
+        if 2 * found.sum() < region.sum():
+            break
+        region = found
     return region
 
 

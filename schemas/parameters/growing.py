@@ -30,7 +30,7 @@ class GrowingParams(Frozen):
         0.15, ge=0, le=1, description="step of the evidence across a region's outline below which colours decide alone"
     )
     min_area: Annotated[float, Unit.SHARE] = Field(
-        5e-4, ge=0, le=1, description="smallest area of a region, share of the frame"
+        1e-4, ge=0, le=1, description="smallest area of a region, share of the frame"
     )
     max_area: Annotated[float, Unit.SHARE] = Field(0.5, gt=0, le=1, description="largest area, share of the frame")
     max_still_area: Annotated[float, Unit.SHARE] = Field(
