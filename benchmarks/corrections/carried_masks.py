@@ -9,6 +9,7 @@ random that are not close to its outline. Printed, and written as JSON, is the I
 import argparse
 import json
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import cv2
@@ -24,6 +25,7 @@ from moseg.tasks.saliency import choose_background, estimate_saliency, reduce_fl
 
 FRAME, DISTANCES, NUM_CLICKS = 20, (1, 3, 6, 10, 15, 20), 5
 CONFIG = PipelineConfig()
+HOW = "benchmarks/corrections/carried_masks.py DAVIS"
 
 
 def main() -> int:
@@ -48,7 +50,8 @@ def main() -> int:
     print("mean", {"carried": mean, "click": click})
     if options.out is not None:
         found = {"frame": FRAME, "mean": {"carried": mean, "click": click}, "sequences": rows}
-        options.out.write_text(json.dumps(found, indent=2) + "\n")
+        about = {"name": options.out.stem, "provenance": "measured apart", "how": HOW}
+        options.out.write_text(json.dumps({**about, "result": found}, indent=1) + "\n")
     return 0
 
 
@@ -62,8 +65,7 @@ def _read(folder: Path) -> tuple[list[np.ndarray], list[np.ndarray]]:
 
 
 def _pairs(images: list[np.ndarray], step: int) -> list[tuple[np.ndarray, np.ndarray]]:
-    pairs = list(zip(images, images[1:], strict=False))
-    return pairs if step == 1 else [pair[::-1] for pair in pairs]
+    return [pair[::step] for pair in pairwise(images)]
 
 
 def _carry(images, mask, forward, backward) -> dict[int, np.ndarray]:

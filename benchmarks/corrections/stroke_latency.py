@@ -48,7 +48,14 @@ def main() -> int:
     for name, row in rows.items():
         print(f"{name:12}" + "  ".join(f"{key} {value}" for key, value in row.items()))
     if options.out is not None:
-        options.out.write_text(json.dumps({**about, "edits": rows}, indent=2) + "\n")
+        how = "benchmarks/corrections/stroke_latency.py VIDEO"
+        found = {
+            "name": options.out.stem,
+            "provenance": "measured apart",
+            "how": how,
+            "result": {**about, "edits": rows},
+        }
+        options.out.write_text(json.dumps(found, indent=1) + "\n")
     return 0
 
 

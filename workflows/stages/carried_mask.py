@@ -156,4 +156,6 @@ STAGE = Stage(
         "ratio": layout("float32", "bin", "log ratio of the mask's colours to those around it"),
     },
     tasks=(STROKES, GROWN, CONTINUED),
+    # The edit chooses, not the configuration.
+    method=lambda config: None,
 )

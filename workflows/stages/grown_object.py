@@ -77,5 +77,6 @@ STAGE = Stage(
     inputs={"frame": "the frame", "saliency": "its motion saliency (region)", "weights": "of the network (sam2)"},
     arrays={"mask": layout("bool", "y x")},
     tasks=(REGION, SAM2),
+    # The edit chooses, not the configuration.
     method=lambda config: None,
 )

@@ -71,5 +71,6 @@ STAGE = Stage(
     },
     arrays={"mask": layout("bool", "frame y x")},
     tasks=(GROWN, CONTINUED),
+    # The edit chooses, not the configuration.
     method=lambda config: None,
 )
