@@ -38,13 +38,13 @@ from moseg.schemas.parameters import (
     MotionNetworkParams,
     MotionProofParams,
     MovesNowParams,
+    MovingObjectParams,
     ObjectHypothesisParams,
     OwnMotionParams,
     PipsParams,
     RaftParams,
     RamParams,
     RefinementParams,
-    ResultParams,
     RigidityParams,
     RigidSupportParams,
     SaliencyParams,
@@ -159,7 +159,7 @@ class PipelineConfig(Frozen):
     object_hypotheses: ObjectHypothesisParams = ObjectHypothesisParams()
     affinity: AffinityParams = AffinityParams()
     clustering: ClusteringParams = ClusteringParams()
-    result: ResultParams = ResultParams()
+    moving_objects: MovingObjectParams = MovingObjectParams()
     carrying: CarryingParams = CarryingParams()
     growing: GrowingParams = GrowingParams()
     fused_point_models: tuple[str, ...] = Field(

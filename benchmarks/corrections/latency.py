@@ -78,7 +78,7 @@ def _changes(video: OpenVideo, first: Any, repeats: int) -> dict[str, Iterator[A
             {"settings": {"affinity.excess": index % 2 == 0, "affinity.scale": 0.4 + 0.01 * index + offset}}
             for index in range(repeats)
         ],
-        "result.min_area": settings("result.min_area", lambda index: 0.001 + 0.005 * index + offset),
+        "moving_objects.min_area": settings("moving_objects.min_area", lambda index: 0.001 + 0.005 * index + offset),
         "drop, keep": [[{"drop": identity}, {"keep": identity}][: 1 + index % 2] for index in range(repeats)],
         "static, moving": [[{"static": identity}, {"moving": identity}][: 1 + index % 2] for index in range(repeats)],
         "split": [[{"split": {"object": identity, "frame": frame}}] for frame in frames],

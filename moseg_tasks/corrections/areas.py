@@ -5,16 +5,12 @@ from collections.abc import Iterable
 import numpy as np
 
 
-def largest_areas(masks: np.ndarray, num_objects: int) -> np.ndarray:
-    """Return the largest share of a frame that each object covers, float64 (object,), 0..1.
+def largest_areas(masks: np.ndarray) -> np.ndarray:
+    """Return the largest share of a frame that each object covers, float64 (object,), 0..1, up to the last one seen.
 
-    Parameters
-    ----------
-    masks : uint16 (T, y, x)
-        Objects of a section; 0 = background.
-    num_objects : int
-        The background included.
+    `masks` is uint16 (T, y, x), the objects of a section; 0 = background.
     """
+    num_objects = int(masks.max(initial=0)) + 1
     largest = np.zeros(num_objects)
     for mask in masks:
         counts = np.bincount(mask.ravel(), minlength=num_objects)
@@ -28,12 +24,13 @@ def small_objects(sections: Iterable[tuple[np.ndarray, np.ndarray]], min_area: f
     Parameters
     ----------
     sections : iterable of (int (object,), float64 (object,))
-        What each object of a section is called in the sequence, and its largest area; several may be one.
+        What each object of a section is called in the sequence, and the largest areas of those that are seen; several
+        may be one.
     min_area : float
         Share of the frame.
     """
     largest: dict[int, float] = {}
     for objects, areas in sections:
-        for each, area in zip(objects.tolist(), areas.tolist(), strict=True):
+        for each, area in zip(objects.tolist(), areas.tolist(), strict=False):
             largest[each] = max(largest.get(each, 0.0), area)
     return frozenset(each for each, area in largest.items() if area < min_area)

@@ -61,6 +61,8 @@ def relabel_section(
         0 static, else an identity.
     """
     labels = np.empty(masks.shape, np.uint16)
+    # Of a long video, a section has few objects.
+    table = table[np.isin(table[:, 0], objects)]
     # Frame by frame, because NumPy converts labels that index an array to integers of four times their size.
     for t, (mask, out) in enumerate(zip(masks, labels, strict=True)):
         label_of = labels_at(table, start + t)

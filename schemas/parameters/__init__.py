@@ -26,6 +26,7 @@ from moseg.schemas.parameters.motion_memory import MotionMemoryParams
 from moseg.schemas.parameters.motion_network import MotionNetworkParams
 from moseg.schemas.parameters.motion_proof import MotionProofParams
 from moseg.schemas.parameters.moves_now import MovesNowParams
+from moseg.schemas.parameters.moving_objects import MovingObjectParams
 from moseg.schemas.parameters.network_training import NetworkTrainingParams
 from moseg.schemas.parameters.object_hypotheses import ObjectHypothesisParams
 from moseg.schemas.parameters.own_motion import OwnMotionParams
@@ -33,7 +34,6 @@ from moseg.schemas.parameters.pips import PipsParams
 from moseg.schemas.parameters.raft import RaftParams
 from moseg.schemas.parameters.ram import RamParams
 from moseg.schemas.parameters.refinement import RefinementParams
-from moseg.schemas.parameters.result import ResultParams
 from moseg.schemas.parameters.rigid_support import RigidSupportParams
 from moseg.schemas.parameters.rigidity import RigidityParams
 from moseg.schemas.parameters.saliency import SaliencyParams
@@ -99,6 +99,7 @@ __all__ = [
     "MotionNetworkParams",
     "MotionProofParams",
     "MovesNowParams",
+    "MovingObjectParams",
     "NetworkTrainingParams",
     "ObjectHypothesisParams",
     "OutlierParams",
@@ -109,7 +110,6 @@ __all__ = [
     "RamParams",
     "RefinementParams",
     "RegroupParams",
-    "ResultParams",
     "RigidSupportParams",
     "RigidityParams",
     "SaliencyParams",

@@ -7,11 +7,13 @@ import pytest
 from PIL import Image
 
 from moseg.schemas.errors import InputError
+from moseg.store import open_store
 from moseg.workflows.api import segment_video
 from moseg.workflows.api.open_run import open_run
 from moseg.workflows.api.run_settings import RunSettings
 from moseg.workflows.config.corrections_file import read_corrections, spell_corrections
 from moseg.workflows.config.pipeline_choices import PipelineChoices
+from moseg.workflows.reports.from_log import report_run
 
 CONFIG = {"sections.length": 4, "sections.overlap": 2}
 SETTINGS = [word for name, value in CONFIG.items() for word in ("--set", f"{name}={value}")]
@@ -85,8 +87,8 @@ def test_an_open_run_has_the_labels_of_the_command_line_after_every_change(segme
         {"settings": {"clustering.motions": 2}, "edits": [{"moving": 1}, {"moving": 2}]},
         {"settings": {"affinity.scale": 0.9}, "edits": [{"static": 2}]},
         {"settings": {"components.min_area": 0.02}},
-        {"settings": {"result.min_area": 0.054}},
-        {"settings": {"result.min_area": 0.5}, "edits": [{"keep": 2}]},
+        {"settings": {"moving_objects.min_area": 0.054}},
+        {"settings": {"moving_objects.min_area": 0.5}, "edits": [{"keep": 2}]},
         [],
     ]
     with open_run(frames, RunSettings(str(store), quiet=True), PipelineChoices(CONFIG)) as video:
@@ -117,8 +119,8 @@ def test_each_edit_does_what_it_says(labels):
         ([{"split": {"object": 2, "frame": 5, "into": 9}}, {"merge": [1, 9]}], np.where(second & late, 1, plain)),
         ([{"rename": {"object": 1, "name": "left"}}], plain),
         ({"settings": {"clustering.motions": 1}}, np.zeros_like(plain)),
-        ({"settings": {"result.min_area": 0.054}}, np.where(first, 1, 0)),
-        ({"settings": {"result.min_area": 0.5}}, np.zeros_like(plain)),
+        ({"settings": {"moving_objects.min_area": 0.054}}, np.where(first, 1, 0)),
+        ({"settings": {"moving_objects.min_area": 0.5}}, np.zeros_like(plain)),
         ({"settings": {"clustering.motions": 1}, "edits": [{"keep": 2}]}, np.where(second, 2, 0)),
     ]
     for corrections, wanted in cases:
@@ -154,6 +156,18 @@ def test_the_same_corrections_are_found_in_the_store_and_none_recompute_nothing(
     # The objects; and labels, moves and confidences of three sections.
     more = _video(frames, store, [*EDITS, {"merge": [2, 4]}])
     assert more.store_use.computed <= 10
+
+
+def test_what_is_left_out_needs_no_cues(frames, tmp_path):
+    """They are not in the store after a run that does not keep them."""
+    arguments = {"store": tmp_path / "store", "progress": False}
+    plain = segment_video(frames, CONFIG, **arguments)
+    for corrections in ([{"drop": 1}, {"rename": {"object": 2, "name": "x"}}], [{"static": 2}]):
+        done = segment_video(frames, CONFIG, corrections=corrections, **arguments)
+        assert done.store_use.computed == 4
+        (left,) = done.objects
+        before = next(each for each in plain.objects if each.identity == left.identity)
+        assert (left.sure, left.moving_frames, left.score) == (before.sure, before.moving_frames, before.score)
 
 
 def test_why_names_the_edit(frames, moseg, tmp_path):
@@ -257,3 +271,12 @@ def test_an_open_run_saves_what_the_command_line_writes(segment, frames, store, 
     assert {path.name for path in paths} == {"masks", "motion.json", "corrections.yaml"}
     for path in (tmp_path / "open").rglob("*.*"):
         assert path.read_bytes() == (tmp_path / "command" / path.relative_to(tmp_path / "open")).read_bytes()
+
+
+def test_the_report_of_a_run_from_its_log_has_the_corrected_objects(frames, moseg, tmp_path):
+    segment_video(
+        frames, CONFIG, store=tmp_path / "store", progress=False, keep_cues=True, corrections=EDITS, name="corrected"
+    )
+    page = report_run(open_store(str(tmp_path / "store"), create=False), "latest")
+    (panel,) = page.sequences
+    assert [(row.identity, row.tag) for row in panel.objects] == [(2, None), (4, "late")]

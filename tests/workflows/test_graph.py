@@ -266,10 +266,10 @@ def test_names_alone_change_no_key():
 
 
 def test_small_objects_are_left_out_without_another_key_before_the_result():
-    (plain, _), (changed, _) = _labels(), _labels(result__min_area=0.1)
+    (plain, _), (changed, _) = _labels(), _labels(moving_objects__min_area=0.1)
     new = {ref.partition("/")[0] for ref in changed.recipes} - {ref.partition("/")[0] for ref in plain.recipes}
     assert new == {"object_areas", "corrected_objects"}
-    assert _labels(EDITS, result__min_area=0.0)[1] == _labels(EDITS)[1]
+    assert _labels(EDITS, moving_objects__min_area=0.0)[1] == _labels(EDITS)[1]
 
 
 @pytest.mark.parametrize(
@@ -278,7 +278,7 @@ def test_small_objects_are_left_out_without_another_key_before_the_result():
         {},
         {"affinity__scale": 0.8},
         {"clustering__motions": 2},
-        {"result__min_area": 0.1},
+        {"moving_objects__min_area": 0.1},
         {"components__min_area": 0.1},
     ],
 )

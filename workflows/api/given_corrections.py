@@ -36,6 +36,13 @@ class GivenCorrections(NamedTuple):
         """The edits with their places."""
         return PlacedEdits(self.corrections.edits, self.places)
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """That a result is corrected, and by how much; empty without corrections."""
+        found = {"setting": len(self.corrections.settings), "edit": len(self.corrections.edits)}
+        told = [f"{count} {name}{'' if count == 1 else 's'}" for name, count in found.items() if count]
+        return (f"corrected by {' and '.join(told)}",) if told else ()
+
     def check_video(self, origin: FrameOrigin) -> None:
         """Raise InputError if the corrections are those of another video."""
         meant = self.corrections.video

@@ -7,7 +7,7 @@ variant and run that needs it.
 from copy import copy
 
 from moseg.schemas.configs import PipelineConfig, Variant
-from moseg.schemas.corrections import Rename
+from moseg.schemas.corrections import Drop, Rename, Static
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.clustering import READ_TRACKS
 from moseg.schemas.recipes import Recipe
@@ -20,7 +20,7 @@ from moseg.workflows.graph.painted_sections import PaintedSections
 from moseg.workflows.graph.sections import cut_sections
 from moseg.workflows.graph.sequence_leaves import SequenceLeaves
 
-LAST_STAGES = {"affinity", "clustering", "result", "moves_now", "confidence"}
+LAST_STAGES = {"affinity", "clustering", "moving_objects", "moves_now", "confidence"}
 """Stages whose parameters change nothing in the recipes of objects and of their motion models."""
 
 
@@ -83,8 +83,11 @@ class SequenceGraph:
 
     def segmentations(self, variant: Variant) -> tuple[str, ...]:
         """Return the references of the labels of all sections."""
-        clustering, corrected = self.clustering(variant), self.corrected_objects(variant)
-        refs = []
+        return self._label(variant, self.corrected_objects(variant))
+
+    def _label(self, variant: Variant, corrected: str | None) -> tuple[str, ...]:
+        """Return the references of the labels of all sections, of corrected objects where they are given."""
+        clustering, refs = self.clustering(variant), []
         for index, section in enumerate(self.sections):
             inputs = {"proposals": self.objects.proposals(index), "linking": self.objects.linking()}
             place = {"section": index, "num_frames": section.stop - section.start}
@@ -117,7 +120,7 @@ class SequenceGraph:
 
     def object_areas(self) -> tuple[str, ...]:
         """Return the references of how large the objects of all sections become; none if none is too small."""
-        if not self._config.result.min_area:
+        if not self._config.moving_objects.min_area:
             return ()
         return tuple(
             self._nodes.add(
@@ -130,20 +133,26 @@ class SequenceGraph:
         """Return the reference of what the user painted, erased and added in a section; None if nothing did."""
         return self._painted.painted(index)
 
-    def _counted_objects(self, variant: Variant) -> dict[str, str]:
-        """Return the input that tells how many identities the labels have."""
+    def _judged(self, variant: Variant) -> tuple[tuple[str, ...], dict[str, str]]:
+        """Return the labels in which objects are judged, and the input that tells how many identities they have.
+
+        Objects that are only left out change nothing in what is known of the others, so nothing is computed again.
+        """
         corrected = self.corrected_objects(variant)
-        return {"linking": self.objects.linking()} if corrected is None else {"corrected": corrected}
+        if corrected is None or all(isinstance(edit, Drop | Static | Rename) for edit in self.leaves.edits):
+            return self._label(variant, None), {"linking": self.objects.linking()}
+        return self._label(variant, corrected), {"corrected": corrected}
 
     def moves_now(self, variant: Variant) -> tuple[str | None, ...]:
         """Return the references of whether objects move now, one a section; None where saliency is not read."""
         num_frames, refs = len(self.leaves.frames), []
-        for index, (section, labels) in enumerate(zip(self.sections, self.segmentations(variant), strict=True)):
+        judged, counted = self._judged(variant)
+        for index, (section, labels) in enumerate(zip(self.sections, judged, strict=True)):
             if self.objects.source_of(index) != "saliency":
                 refs.append(None)
                 continue
             saliency = self.foreground.saliency(section.start, section.stop)
-            inputs = {"segmentation": labels, **self._counted_objects(variant), "saliency": saliency}
+            inputs = {"segmentation": labels, **counted, "saliency": saliency}
             start = min(section.start, 1)
             place = {"start": start, "num_frames": start + min(num_frames, section.stop + 1) - section.start}
             refs.append(self._nodes.add("moves_now", inputs, **place))
@@ -152,12 +161,13 @@ class SequenceGraph:
     def confidences(self, variant: Variant) -> tuple[str | None, ...]:
         """Return the references of how sure and complete objects are, one a section; None without a foreground."""
         refs = []
-        for index, labels in enumerate(self.segmentations(variant)):
+        judged, counted = self._judged(variant)
+        for index, labels in enumerate(judged):
             if self.objects.source_of(index) != "saliency":
                 refs.append(None)
                 continue
             foreground = self.foreground.foreground(index)
-            inputs = {"segmentation": labels, **self._counted_objects(variant), "foreground": foreground}
+            inputs = {"segmentation": labels, **counted, "foreground": foreground}
             refs.append(self._nodes.add("confidence", inputs))
         return tuple(refs)
 

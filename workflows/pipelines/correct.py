@@ -20,7 +20,7 @@ from moseg.workflows.results.found_objects import FoundObjects
 
 BEHIND_LEAVES = (
     *("linking", "identity", "components", "confidence", "moves_now", "track_objects", "rigid_support"),
-    *("fundamental", "flow_model", "object_hypotheses", "affinity", "clustering", "result"),
+    *("fundamental", "flow_model", "object_hypotheses", "affinity", "clustering", "moving_objects"),
 )
 """Stages whose parameters change nothing in the leaves of a graph, so that a video need not be read again for them."""
 

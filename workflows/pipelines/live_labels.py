@@ -1,6 +1,9 @@
 """Labels of single frames under edits, from the objects of their section, without an artifact of their own."""
 
-from collections.abc import Mapping, Sequence
+from bisect import bisect_right
+from collections.abc import Iterator
+from itertools import pairwise
+from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -48,12 +51,13 @@ class LiveLabels:
         motion = np.arange(len(names)) if clustering is None else ArtifactView(store, clustering).cached("motion")
         motions = dict(zip(names[1:].tolist(), motion[1:].tolist(), strict=True))
         areas = [ArtifactView(store, ref) for ref in graph.object_areas()]
-        small = small_of(linking, areas, config.result.min_area) if areas else ()
+        small = small_of(linking, areas, config.moving_objects.min_area) if areas else ()
         corrected = replay_steps(steps_of(edits.edits), motions, len(graph.leaves.frames), edits.places, small)
         self.shown = tuple(sorted(corrected.shown))
         self.found = _found(store, graph, corrected.motions)
-        self._table = label_table(corrected.runs, corrected.shown)
-        self._stroke_table = label_table(corrected.stroke_runs, corrected.shown)
+        runs = corrected.runs, corrected.stroke_runs
+        self._tables = tuple(label_table(each, corrected.shown) for each in runs)
+        self._labels_at = tuple(map(_LabelsOverTime, self._tables))
         identity = linking.cached("identity")
         self._sections = [
             _LiveSection(
@@ -74,49 +78,62 @@ class LiveLabels:
         t = frame - section.start
         # The whole section, because the frames beside this one are asked for next.
         masks = section.masks.cached("masks")[t : t + 1]
+        table, strokes = self._tables
         if section.painted is None:
-            return relabel_section(masks, section.objects, self._table, frame)[0]
+            return relabel_section(masks, section.objects, table, frame)[0]
         painted = section.painted.cached("painted")[t : t + 1]
         erased = section.painted.attributes.get("erased", ())
-        return relabel_section(masks, section.objects, self._table, frame, painted, erased, self._stroke_table)[0]
+        return relabel_section(masks, section.objects, table, frame, painted, erased, strokes)[0]
 
     def changed_frames(self, before: "LiveLabels | None") -> tuple[int, ...]:
         """Return the frames whose labels may differ from those before; all if there are none before."""
-        frames = range(self._sections[-1].stop)
-        if before is None or frames.stop != before._sections[-1].stop:
-            return tuple(frames)
-        mine, others = (_Origins(each._table, each._stroke_table, each._sections) for each in (self, before))
-        return tuple(frame for frame in frames if mine.at(frame) != others.at(frame))
+        stop = self._sections[-1].stop
+        if before is None or stop != before._sections[-1].stop:
+            return tuple(range(stop))
+        # From one of these to the next, the same decides the labels of every frame.
+        starts = sorted({*self._starts(), *before._starts()})
+        changed: list[int] = []
+        for first, last in pairwise([*starts, stop]):
+            if self._origin(first) != before._origin(first):
+                changed += range(first, last)
+        return tuple(changed)
 
-    def _section_of(self, frame: int) -> _LiveSection:
-        for section in self._sections:
-            if section.start <= frame < section.stop:
-                return section
-        raise IndexError(f"no frame {frame}")
+    def _starts(self) -> Iterator[int]:
+        """Yield the frames at which a section begins, or an object becomes another one."""
+        yield from (section.start for section in self._sections)
+        yield from (
+            first for table in self._tables for first in table[:, 1].tolist() if first < self._sections[-1].stop
+        )
 
-
-class _Origins:
-    """What decides the labels of each frame: the masks, and the label of each object and number of strokes in it."""
-
-    def __init__(self, table: np.ndarray, stroke_table: np.ndarray, sections: Sequence[_LiveSection]):
-        from moseg.tasks.corrections.relabel import labels_at
-
-        self._tables, self._sections, self._labels_at = (table, stroke_table), sections, labels_at
-        # Labels change only where a run begins.
-        self._starts = sorted({0, *table[:, 1].tolist(), *stroke_table[:, 1].tolist()})
-        self._known: dict[int, tuple[Mapping[int, int], ...]] = {}
-
-    def at(self, frame: int) -> tuple:
-        """Return what decides the labels of a frame, to be compared."""
-        start = max(each for each in self._starts if each <= frame)
-        if start not in self._known:
-            self._known[start] = tuple(self._labels_at(table, start) for table in self._tables)
-        objects, strokes = self._known[start]
-        section = next(each for each in self._sections if each.start <= frame < each.stop)
+    def _origin(self, frame: int) -> tuple:
+        """Return what decides the labels of a frame, to be compared with that of another result."""
+        objects, strokes = (labels_at(frame) for labels_at in self._labels_at)
+        section = self._section_of(frame)
         labels = tuple(objects.get(each, 0) for each in section.objects.tolist())
         if section.painted is None:
             return section.start, section.masks.ref, labels
         return section.start, section.masks.ref, labels, section.painted.ref, strokes
+
+    def _section_of(self, frame: int) -> _LiveSection:
+        if not 0 <= frame < self._sections[-1].stop:
+            raise IndexError(f"no frame {frame}")
+        return self._sections[bisect_right(self._sections, frame, key=attrgetter("start")) - 1]
+
+
+class _LabelsOverTime:
+    """Labels of the objects of a table in any frame; they are made once for each frame at which some change."""
+
+    def __init__(self, table: np.ndarray):
+        self._table, self._starts = table, sorted({0, *table[:, 1].tolist()})
+        self._known: dict[int, dict[int, int]] = {}
+
+    def __call__(self, frame: int) -> dict[int, int]:
+        from moseg.tasks.corrections.relabel import labels_at
+
+        start = self._starts[bisect_right(self._starts, frame) - 1]
+        if start not in self._known:
+            self._known[start] = labels_at(self._table, start)
+        return self._known[start]
 
 
 def painted_of(graph: SequenceGraph) -> tuple[str | None, ...]:

@@ -59,7 +59,7 @@ def _params(config: PipelineConfig, edits: tuple[Edit, ...], num_frames: int) ->
     # Here, because programs start without the tasks.
     from moseg.tasks.corrections.steps import recipe_steps
 
-    min_area = {"min_area": config.result.min_area} if config.result.min_area else {}
+    min_area = {"min_area": config.moving_objects.min_area} if config.moving_objects.min_area else {}
     return {"steps": recipe_steps(edits), "num_frames": num_frames, **min_area}
 
 

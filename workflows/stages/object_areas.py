@@ -10,7 +10,7 @@ def _run(params, inputs, rng):
     from moseg.tasks.corrections.areas import largest_areas
 
     masks = inputs["proposals"].cached("masks")[: params["num_frames"]]
-    return Output({"areas": largest_areas(masks, inputs["proposals"].shape("scores")[0])})
+    return Output({"areas": largest_areas(masks)})
 
 
 def _params(config: PipelineConfig, num_frames: int) -> dict:

@@ -1,4 +1,4 @@
-"""Parameters of the result: which of the objects that move it holds."""
+"""Parameters of the moving objects that a result holds."""
 
 from typing import Annotated
 
@@ -8,8 +8,8 @@ from moseg.schemas.frozen import Frozen
 from moseg.schemas.units import Unit
 
 
-class ResultParams(Frozen):
-    """Objects that the result leaves out although they move."""
+class MovingObjectParams(Frozen):
+    """Moving objects that the result leaves out."""
 
     min_area: Annotated[float, Unit.SHARE] = Field(
         0.0,
