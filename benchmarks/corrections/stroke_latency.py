@@ -66,10 +66,12 @@ def _edits(video: OpenVideo, repeats: int) -> dict[str, list[dict[str, Any]]]:
     offset = time.time() % 1
     frame = video.num_frames // 2
     places = [(width * (0.3 + 0.05 * index) + offset, height * 0.55) for index in range(repeats)]
-    strokes = [[{"radius": 12, "points": [[x, y], [x + 20, y + 30]]}] for x, y in places]
+    strokes, others = (
+        [[{"radius": radius, "points": [[x, y], [x + 20, y + 30]]}] for x, y in places] for radius in (12, 13)
+    )
     return {
         "paint": [{"paint": {"object": NEW, "frame": frame, "strokes": each}} for each in strokes],
-        "erase": [{"erase": {"frame": frame, "strokes": each}} for each in strokes],
+        "erase": [{"erase": {"frame": frame, "strokes": each}} for each in others],
         "add": [{"add": {"object": NEW, "frame": frame, "points": [each]}} for each in places],
     }
 

@@ -152,6 +152,14 @@ def test_paint_is_exact_in_its_frame_and_carried_to_others(run, plain):
     np.testing.assert_array_equal(labels[8:], plain[8:])
 
 
+@pytest.mark.parametrize("frame", [7, 8])
+def test_a_section_of_one_frame_can_be_painted_and_reached(run, frame):
+    x, y = _static(run(end=9).labels)
+    spot = {"frame": frame, "strokes": [{"radius": 6, "points": [[x, y]]}]}
+    labels = run([{"paint": {"object": 9, **spot}}], end=9).labels
+    assert all((labels[each] == 9).any() for each in (6, 7, 8))
+
+
 def test_what_was_erased_stays_erased_through_the_section(run, plain):
     inside = np.argwhere(plain[5] == 1)
     y, x = inside[len(inside) // 2].tolist()
