@@ -167,7 +167,7 @@ def flow_on_grid(flow: np.ndarray, frame_size: tuple[int, int], grid: tuple[int,
     if flow.shape[:2] != grid:
         is_larger = flow.shape[0] > grid[0]
         flow = cv2.resize(flow, grid[::-1], interpolation=cv2.INTER_AREA if is_larger else cv2.INTER_LINEAR)
-    return flow * np.array([grid[1] / frame_size[1], grid[0] / frame_size[0]], np.float32)
+    return cv2.multiply(flow, (grid[1] / frame_size[1], grid[0] / frame_size[0], 0, 0))
 
 
 def _guide(image: np.ndarray) -> np.ndarray:

@@ -52,7 +52,7 @@ def grow_object(
     Returns
     -------
     bool (Y, X)
-        It covers the cells of the points in any case, and is connected to one of them.
+        It covers the points in any case, and what is connected to them.
     """
     grid = saliency.shape
     reduced = reduce_frame(image, grid)
@@ -70,7 +70,11 @@ def grow_object(
         region |= found
     region = _follow_colours(region, reduced, params)
     region &= ~_nearer(outside, inside, grid)
-    return _enlarge(_around(region, inside), image, params.refinement)
+    mask = _enlarge(_around(region, inside), image, params.refinement)
+    # The filter drops what is smaller than its window.
+    x, y = np.clip(np.rint(points).astype(int), 0, [image.shape[1] - 1, image.shape[0] - 1]).T
+    mask[y, x] = True
+    return mask
 
 
 def _cells(points: np.ndarray, size: tuple[int, int], grid: tuple[int, int]) -> list[tuple[int, int]]:

@@ -37,7 +37,8 @@ def with_edits(
         Strokes or points of a frame that is not there, a point of an object outside the frame, or the weights or the
         libraries of the network are missing.
     """
-    size, by_network = source.frames.describe().size, False
+    # Of leaves that are held, so that a video is not opened for every edit.
+    size, by_network = leaves.frame_size or source.frames.describe().size, False
     for index, edit in enumerate(given.edits):
         kind = kind_of(edit)
         if kind not in WITH_PIXELS:
