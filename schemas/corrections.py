@@ -23,7 +23,8 @@ def _refuse_bool(value: object) -> object:
 
 Identity = Annotated[int, BeforeValidator(_refuse_bool), Field(ge=1, le=MAX_IDENTITY)]
 FrameIndex = Annotated[int, BeforeValidator(_refuse_bool), Field(ge=0)]
-Point = tuple[float, float]
+Coordinate = Annotated[float, Field(ge=-100_000, le=100_000)]
+Point = tuple[Coordinate, Coordinate]
 Name = Annotated[
     str, StringConstraints(strip_whitespace=True, min_length=1, max_length=100, pattern=r"^[^\x00-\x1f\x7f-\x9f]*$")
 ]

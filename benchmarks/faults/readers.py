@@ -22,10 +22,12 @@ from trials import Reader
 from moseg.schemas.errors import InputError, StoreError
 from moseg.schemas.weights import PINS, WeightsItem
 from moseg.store import open_store
+from moseg.workflows.api.given_corrections import CORRECTIONS
 from moseg.workflows.cli.status_tables import status_view
 from moseg.workflows.cli.tables import console
 from moseg.workflows.cluster.connection import read_scheduler_file
 from moseg.workflows.config.config_files import read_config_file
+from moseg.workflows.config.corrections_file import read_corrections
 from moseg.workflows.datasets.selection import read_list
 from moseg.workflows.exports.owned_folder import LISTING, OwnedFolder
 from moseg.workflows.exports.ownership import is_own_annotations, is_own_archive, is_own_mask, is_own_overlay
@@ -95,6 +97,7 @@ def _readers_of_predictions(scratch: Path) -> Iterator[Reader]:
 
 def _readers_of_documents(scratch: Path) -> Iterator[Reader]:
     yield Reader("config yaml", "config.yaml", documents.config_files(), read_config_file, mutate_text)
+    yield Reader("corrections yaml", CORRECTIONS, documents.corrections_files(), read_corrections, mutate_text)
     yield Reader("weights.json", OWN_ITEMS, documents.lists_of_weights(), _in_folder(read_own_items), mutate_text)
     yield Reader("pins.json", PINS, documents.pins(), _in_folder(read_pins), mutate_text)
     yield Reader(

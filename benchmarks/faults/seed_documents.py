@@ -22,6 +22,7 @@ from moseg.schemas.events import (
 from moseg.store import open_store
 from moseg.store.owners import process_space
 from moseg.workflows.config.config_files import write_config
+from moseg.workflows.config.corrections_file import read_corrections, spell_corrections
 
 RUN = "20261122T000000-aaaaaa"
 _TIME = datetime(2026, 11, 22, tzinfo=UTC)
@@ -39,6 +40,22 @@ def config_files() -> tuple[bytes, ...]:
     )
     by_hand = "# mine\nmax_side: 640\nsections: {length: 7, overlap: 2}\nproposals:\n  method: 'saliency'\n"
     return by_hand.encode(), write_config(changed, changed_only=True).encode()
+
+
+def corrections_files() -> tuple[bytes, ...]:
+    """Return corrections with every kind of edit, as they are written."""
+    strokes = [{"radius": 9, "points": [[1, 2.5], [3, 4]]}]
+    edits = [
+        *({kind: 2} for kind in ("drop", "keep", "static", "moving")),
+        {"merge": [3, 4]},
+        {"split": {"object": 2, "frame": 31, "into": 7}},
+        {"rename": {"object": 2, "name": "a <b>: bear"}},
+        {"paint": {"object": 2, "frame": 12, "strokes": strokes}},
+        {"erase": {"frame": 12, "strokes": strokes}},
+        {"add": {"object": 8, "frame": 12, "points": [[5, 6]], "by": "sam2"}},
+    ]
+    corrections = read_corrections({"settings": {"clustering.motions": 3, "affinity.scale": 0.4}, "edits": edits})
+    return (spell_corrections(corrections).encode(),)
 
 
 def lists_of_weights() -> tuple[bytes, ...]:

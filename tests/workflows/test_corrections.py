@@ -246,6 +246,21 @@ def test_corrections_beside_a_result_are_never_lost(segment, tmp_path):
     assert (out / "corrections.yaml").read_text() == second
 
 
+def test_trials_of_an_open_run_leave_no_pins(frames, store):
+    def count_pins():
+        return len(list((store / "pins").iterdir()))
+
+    with open_run(frames, RunSettings(str(store), quiet=True), PipelineChoices(CONFIG)) as video:
+        video.apply([])
+        before = count_pins()
+        for scale in (0.31, 0.32, 0.33):
+            assert video.apply({"settings": {"affinity.scale": scale}}).num_computed == 3
+        # The session's own lease, which ends with it.
+        assert count_pins() <= before + 1
+        video.judge()
+    assert count_pins() == before + 1
+
+
 def test_what_was_in_force_stays_after_corrections_that_cannot_be_applied(frames, store):
     with open_run(frames, RunSettings(str(store), quiet=True), PipelineChoices(CONFIG)) as video:
         video.apply([{"drop": 1}])

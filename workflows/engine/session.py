@@ -203,12 +203,14 @@ class Session:
         self,
         build: Callable[[], tuple[dict[str, Recipe], Sequence[str]]],
         read: Callable[[], Result],
+        keeps: bool = True,
     ) -> Result:
         """Compute the missing sinks of the graph that `build` returns, then return what `read` returns.
 
         `build` may ingest sources, and settle a few artifacts that decide what the graph is. Both are called again
         after an artifact was found corrupt and quarantined: the corrupt one may be a leaf, which `build` ingests anew,
-        a settled one, or a sink. The same holds if another run quarantined it between the look-up and the read.
+        a settled one, or a sink. The same holds if another run quarantined it between the look-up and the read. The
+        sinks are pinned as results unless `keeps` is false: a trial among many, which may be collected once it is read.
         """
         # Only those of this computation, so that a wave's pins hold no earlier wave's.
         self._first.clear()
@@ -225,7 +227,8 @@ class Session:
                     result = read()
                     self.reused += plan.count()[1] + Counter(split_ref(ref)[0] for ref in self._settled_hits)
                     self.store.touch(plan.reuse)
-                    self._finish({**self._settled, **recipes}, (*sinks, *sorted(self._first)), bool(plan.compute))
+                    if keeps:
+                        self._finish({**self._settled, **recipes}, (*sinks, *sorted(self._first)), bool(plan.compute))
                     return result
                 except CorruptArtifactError as error:
                     if num_repairs == MAX_REPAIRS:

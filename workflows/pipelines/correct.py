@@ -95,7 +95,8 @@ class OpenRun:
             def read():
                 return LiveLabels(self._session.store, graphs[0], config, self._variant, edits)
 
-            live = self._session.compute(build, read)
+            # What a slider passes is no result; `judge` keeps what the user stays with.
+            live = self._session.compute(build, read, keeps=self._live is None)
             if self._live is None:
                 import_kernels()
             frames = live.changed_frames(self._live)
