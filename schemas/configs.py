@@ -14,6 +14,7 @@ from moseg.schemas.parameters import (
     AppearanceParams,
     BootsTapirParams,
     CandidateParams,
+    CarryingParams,
     ClusteringParams,
     ComponentParams,
     ConfidenceParams,
@@ -29,6 +30,7 @@ from moseg.schemas.parameters import (
     ForegroundParams,
     FundamentalParams,
     GroundingDinoParams,
+    GrowingParams,
     HypothesisParams,
     IdentityParams,
     InstanceParams,
@@ -177,6 +179,8 @@ class PipelineConfig(Frozen):
     affinity: AffinityParams = AffinityParams()
     clustering: ClusteringParams = ClusteringParams()
     moving_objects: MovingObjectParams = MovingObjectParams()
+    carrying: CarryingParams = CarryingParams()
+    growing: GrowingParams = GrowingParams()
     fused_point_models: tuple[str, ...] = Field(
         ("affine", "homography", "fundamental"),
         description="point models that the fused variant combines on labelled trajectories, separated by commas",

@@ -4,6 +4,7 @@ from moseg.schemas.parameters.accumulation import AccumulationParams
 from moseg.schemas.parameters.affinity import AffinityParams, HypothesisAffinityParams
 from moseg.schemas.parameters.appearance import AppearanceParams
 from moseg.schemas.parameters.bootstapir import BootsTapirParams
+from moseg.schemas.parameters.carrying import CarryingParams
 from moseg.schemas.parameters.clustering import ClusteringParams, MotionCountParams
 from moseg.schemas.parameters.components import ComponentParams
 from moseg.schemas.parameters.confidence import ConfidenceParams
@@ -18,6 +19,7 @@ from moseg.schemas.parameters.flow_models import FlowModelParams
 from moseg.schemas.parameters.foreground import ForegroundParams
 from moseg.schemas.parameters.fundamental import FundamentalParams
 from moseg.schemas.parameters.grounding_dino import GroundingDinoParams
+from moseg.schemas.parameters.growing import GrowingParams
 from moseg.schemas.parameters.identity import IdentityParams
 from moseg.schemas.parameters.instances import InstanceParams, SeedParams
 from moseg.schemas.parameters.linking import LinkingParams
@@ -71,6 +73,7 @@ __all__ = [
     "AppearanceParams",
     "BootsTapirParams",
     "CandidateParams",
+    "CarryingParams",
     "ClipParams",
     "ClusteringParams",
     "CodingParams",
@@ -89,6 +92,7 @@ __all__ = [
     "ForegroundParams",
     "FundamentalParams",
     "GroundingDinoParams",
+    "GrowingParams",
     "HypothesisAffinityParams",
     "HypothesisParams",
     "IdentityParams",

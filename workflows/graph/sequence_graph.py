@@ -7,7 +7,7 @@ variant and run that needs it.
 from copy import copy
 
 from moseg.schemas.configs import PipelineConfig, Variant
-from moseg.schemas.corrections import Add, Drop, Erase, Paint, Rename, Static, kind_of
+from moseg.schemas.corrections import Drop, Rename, Static
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.clustering import READ_TRACKS
 from moseg.schemas.recipes import Recipe
@@ -16,6 +16,7 @@ from moseg.workflows.graph.frame_cues import FrameCues
 from moseg.workflows.graph.motions import Motions
 from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.objects import Objects
+from moseg.workflows.graph.painted_sections import PaintedSections
 from moseg.workflows.graph.sections import cut_sections
 from moseg.workflows.graph.sequence_leaves import SequenceLeaves
 
@@ -45,6 +46,7 @@ class SequenceGraph:
         self.foreground = Foreground(self._nodes, self.frame_cues, self.sections)
         self.objects = Objects(self._nodes, self.frame_cues, self.foreground, self.sections)
         self.motions = Motions(self._nodes, self.frame_cues, self.objects, self.sections)
+        self._painted = PaintedSections(self._nodes, self.frame_cues, self.sections)
 
     def changed(self, leaves: SequenceLeaves, config: PipelineConfig) -> "SequenceGraph":
         """Return the graph of other leaves and another configuration, with what they have in common not written again.
@@ -59,6 +61,7 @@ class SequenceGraph:
         graph._nodes, graph._config, graph.leaves = self._nodes.changed(leaves, config), config, leaves
         if "affinity" in moved:
             graph.motions = Motions(graph._nodes, self.frame_cues, self.objects, self.sections)
+        graph._painted = PaintedSections(graph._nodes, self.frame_cues, self.sections)
         return graph
 
     @property
@@ -127,12 +130,8 @@ class SequenceGraph:
         )
 
     def painted(self, index: int) -> str | None:
-        """Return the reference of what the user painted, erased and added in a section; None without strokes in it."""
-        section = self.sections[index]
-        edits = (getattr(edit, kind_of(edit)) for edit in self.leaves.edits if isinstance(edit, Paint | Erase | Add))
-        if any(section.start <= edit.frame < section.stop for edit in edits):
-            raise InputError("strokes cannot be applied", got="paint, erase or add", expected="another edit")
-        return None
+        """Return the reference of what the user painted, erased and added in a section; None if nothing did."""
+        return self._painted.painted(index)
 
     def _judged(self, variant: Variant) -> tuple[tuple[str, ...], dict[str, str]]:
         """Return the labels in which objects are judged, and the input that tells how many identities they have.

@@ -45,6 +45,8 @@ class SequenceLeaves(NamedTuple):
         The source of the proposals of every stretch, where the configuration leaves it to the camera's motion.
     edits : tuple of Edit
         What the user corrects, in the order in which it applies.
+    frame_size : (int, int) or None
+        Height and width of the video's own frames, px, in which edits are written; known where there are edits.
     """
 
     name: str
@@ -65,6 +67,7 @@ class SequenceLeaves(NamedTuple):
     weights: Mapping[str, Ref] = {}
     choices: tuple[StretchChoice, ...] = ()
     edits: tuple[Edit, ...] = ()
+    frame_size: tuple[int, int] | None = None
 
     def refs(self) -> tuple[Ref, ...]:
         """Return the references of all content and cues."""

@@ -14,7 +14,7 @@ from moseg.workflows.engine.session import Session
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.leaves import ingest_sequences
 from moseg.workflows.pipelines.live_labels import LiveLabels, painted_of
-from moseg.workflows.pipelines.placed_edits import NO_EDITS, PlacedEdits
+from moseg.workflows.pipelines.placed_edits import NO_EDITS, PlacedEdits, with_edits
 from moseg.workflows.pipelines.segment import StoredSegmentation, read_stored, sinks_of
 from moseg.workflows.results.found_objects import FoundObjects
 
@@ -151,9 +151,10 @@ class OpenRun:
     def _write_graph(self, config: PipelineConfig, edits: PlacedEdits) -> SequenceGraph:
         """Return the graph, of the leaves that are held where the configuration leaves them as they are."""
         if self._graph is not None and _leading(config) == _leading(self._config):
-            return self._graph.changed(self._graph.leaves._replace(edits=edits.edits), config)
+            leaves = with_edits(self._session, self._source, self._graph.leaves, config, edits)
+            return self._graph.changed(leaves, config)
         (leaves,) = ingest_sequences(self._session, [self._source], config, annotated=False)
-        return SequenceGraph(leaves._replace(edits=edits.edits), config)
+        return SequenceGraph(with_edits(self._session, self._source, leaves, config, edits), config)
 
 
 def import_kernels() -> None:

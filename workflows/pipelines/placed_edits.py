@@ -3,10 +3,15 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from moseg.schemas.corrections import Edit
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.corrections import Edit, Growing, Point, kind_of
+from moseg.schemas.errors import InputError
+from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.session import Session
-from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 from moseg.workflows.stages.corrected_objects import object_names
+from moseg.workflows.stages.registry import find_task
+from moseg.workflows.weights.reading import require_network_packages
 
 
 class PlacedEdits(NamedTuple):
@@ -17,6 +22,48 @@ class PlacedEdits(NamedTuple):
 
 
 NO_EDITS = PlacedEdits()
+WITH_PIXELS = ("paint", "erase", "add")
+"""Kinds of edits that draw in a frame."""
+
+
+def with_edits(
+    session: Session, source: SequenceSource, leaves: SequenceLeaves, config: PipelineConfig, given: PlacedEdits
+) -> SequenceLeaves:
+    """Return the leaves of a sequence with edits, and with what these need: the video's size, weights of SAM 2.1.
+
+    Raises
+    ------
+    InputError
+        Strokes or points of a frame that is not there, a point of an object outside the frame, or the weights or the
+        libraries of the network are missing.
+    """
+    # Of leaves that are held, so that a video is not opened for every edit.
+    size, by_network = leaves.frame_size or source.frames.describe().size, False
+    for index, edit in enumerate(given.edits):
+        kind = kind_of(edit)
+        if kind not in WITH_PIXELS:
+            continue
+        place = given.places[index] if given.places else f"edit {index + 1}"
+        value, where = getattr(edit, kind), f"{place} ({kind})"
+        if value.frame >= len(leaves.frames):
+            raise InputError("no such frame", where=where, got=value.frame, expected=f"0 to {len(leaves.frames) - 1}")
+        if isinstance(value, Growing):
+            by_network = by_network or value.by == "sam2"
+            _check_points((*value.points, *value.not_points), size, where)
+    if by_network:
+        require_network_packages()
+        network = find_task("grown_object", "sam2").network
+        weights = session.name_weights({network.item(config): network.architecture})
+        leaves = leaves._replace(weights={**leaves.weights, **weights})
+    return leaves._replace(edits=given.edits, frame_size=size)
+
+
+def _check_points(points: Sequence[Point], size: tuple[int, int], where: str) -> None:
+    height, width = size
+    for x, y in points:
+        if not (-0.5 <= x <= width - 0.5 and -0.5 <= y <= height - 0.5):
+            expected = f"x from 0 to {width - 1}, y from 0 to {height - 1}"
+            raise InputError("a point outside the frame", where=where, got=f"{x:g}, {y:g}", expected=expected)
 
 
 def check_edits(session: Session, graph: SequenceGraph, given: PlacedEdits) -> None:

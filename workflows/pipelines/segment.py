@@ -13,7 +13,7 @@ from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.session import Session
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.leaves import ingest_sequences
-from moseg.workflows.pipelines.placed_edits import NO_EDITS, PlacedEdits, check_edits
+from moseg.workflows.pipelines.placed_edits import NO_EDITS, PlacedEdits, check_edits, with_edits
 from moseg.workflows.pipelines.purpose import SEGMENTATION, Purpose, make_subject
 from moseg.workflows.reports.panels import Panels
 from moseg.workflows.results.found_objects import read_found_objects, read_identities
@@ -154,7 +154,7 @@ def segment(
 
     def build():
         (leaves,) = ingest_sequences(session, [source], config, annotated=False)
-        leaves = leaves._replace(edits=edits.edits)
+        leaves = with_edits(session, source, leaves, config, edits)
         graphs[:] = [SequenceGraph(leaves, config)]
         check_edits(session, graphs[0], edits)
         sinks = sinks_of(graphs[0], config, variant)
