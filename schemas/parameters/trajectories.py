@@ -166,6 +166,12 @@ class SeparationParams(Frozen):
     min_tracks: Annotated[int, Unit.COUNT] = Field(
         8, ge=1, description="trajectories below which a part is not a separate motion"
     )
+    min_gap: Annotated[float, Unit.RATIO] = Field(
+        1.0,
+        ge=0,
+        description="distance of a part from the others, relative to the diagonal of the smaller, below which it is not"
+        " a separate motion",
+    )
 
 
 class OutlierParams(Frozen):
@@ -218,6 +224,18 @@ class TrajectoryClusteringParams(Frozen):
         8,
         ge=1,
         description="largest number of moves of pieces, and of rounds of moves of trajectories, of a refinement",
+    )
+    num_split: Annotated[int, Unit.COUNT] = Field(
+        2,
+        ge=0,
+        description="groupings refined that split a small piece off the best grouping into one motion less; 0 splits"
+        " none",
+    )
+    small_pieces: Annotated[int, Unit.COUNT] = Field(20, ge=1, description="number of small pieces")
+    count_margin: Annotated[float, Unit.RATIO] = Field(
+        0.15,
+        ge=0,
+        description="if the number is found: energy above the lowest of any number up to which a number is searched",
     )
     separate: bool = Field(True, description="unconnected objects are separate motions if the number is found")
     pieces: PieceParams = PieceParams()
