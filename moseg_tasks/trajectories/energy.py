@@ -25,13 +25,14 @@ class Grouping(NamedTuple):
 
 
 class Energy:
-    """``cost + cut_weight * cut + coding_weight * code + motion_weight * K`` of groupings into K motions.
+    """The energy ``cost + cut_weight * cut + coding_weight * code`` of groupings, and a penalty on many motions.
 
     None of the first three terms is sufficient. One fundamental matrix explains two movers of the same direction, or a
     mover along the camera's path and the background, nearly as well as a single one: the cost alone would rather split
     the background. The cut alone splits the background where few hypotheses span the image. Under a nearly affine
     camera, one motion may explain any two frames; the code compares many frames, but only of the trajectories that span
-    them. The last term merges motions if two explain the data only slightly better than one.
+    them. The penalty, `motion_weight` for each motion beyond `free_motions`, merges motions if one more explains the
+    data only slightly better.
 
     Parameters
     ----------
@@ -92,7 +93,8 @@ class Energy:
     def _grouping(self, labels: np.ndarray, cost: float, code: float) -> Grouping:
         params, cut, num_motions = self._params, normalised_cut(self._kernel, labels), len(np.unique(labels))
         energy = float(cost) + params.cut_weight * cut + params.coding_weight * float(code)
-        return Grouping(labels, float(cost), cut, float(code), energy + params.motion_weight * num_motions)
+        penalty = params.motion_weight * max(num_motions - params.free_motions, 0)
+        return Grouping(labels, float(cost), cut, float(code), energy + penalty)
 
 
 def normalised_cut(kernel: np.ndarray, labels: np.ndarray) -> float:

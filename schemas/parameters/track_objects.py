@@ -89,7 +89,7 @@ class CandidateParams(Frozen):
 
 
 _TWO_FRAMES = TrajectoryClusteringParams(
-    energy=EnergyParams(least_unit=0.15, cut_weight=0.85, coding_weight=0.0, motion_weight=0.01),
+    energy=EnergyParams(least_unit=0.15, cut_weight=0.85, coding_weight=0.0, motion_weight=0.01, free_motions=0),
     pieces=PieceParams(merged="middle"),
     num_refined=0,
     separation=SeparationParams(min_gap=0),

@@ -152,7 +152,10 @@ class EnergyParams(Frozen):
         2.5, ge=0, description="weight of the coding length relative to the divided cost; 0 leaves it out"
     )
     motion_weight: Annotated[float, Unit.RATIO] = Field(
-        0.02, ge=0, description="penalty on each motion if their number is found"
+        0.055, ge=0, description="penalty on each motion beyond free_motions if the number is found"
+    )
+    free_motions: Annotated[int, Unit.COUNT] = Field(
+        2, ge=0, description="motions without penalty: a clip is expected to show something that moves"
     )
     coding: CodingParams = CodingParams()
 

@@ -68,7 +68,7 @@ def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) 
     return read
 
 
-MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=4, run=_run, params=_params)
+MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=5, run=_run, params=_params)
 
 STAGE = Stage(
     name="trajectory_clustering",
