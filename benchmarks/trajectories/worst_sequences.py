@@ -21,7 +21,7 @@ from moseg.workflows.graph import TrajectoryGraph
 from moseg.workflows.pipelines.leaves import ingest_trajectories
 
 BEFORE = TrajectoryClusteringParams(
-    energy=EnergyParams(least_unit=0.15, cut_weight=0.85, coding_weight=0.0, motion_weight=0.01),
+    energy=EnergyParams(least_unit=0.15, cut_weight=0.85, coding_weight=0.0, motion_weight=0.01, free_motions=0),
     pieces=PieceParams(merged="middle"),
     num_refined=0,
 )

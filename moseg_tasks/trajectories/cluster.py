@@ -13,8 +13,7 @@ from moseg.tasks.clustering.motion_tracks import MotionTracks
 from moseg.tasks.clustering.spectral import embed_views
 from moseg.tasks.trajectories.candidates import Candidates, View, in_order
 from moseg.tasks.trajectories.energy import Energy, Grouping
-from moseg.tasks.trajectories.merging import merge_by_energy
-from moseg.tasks.trajectories.refinement import refine_grouping
+from moseg.tasks.trajectories.grouping_search import GroupingSearch
 from moseg.tasks.trajectories.separation import separate_objects
 
 
@@ -59,8 +58,9 @@ def cluster_trajectories(
     """Group trajectories by motion.
 
     ``energy`` makes groupings from every draw of hypotheses, by spectral clustering and by merging of pieces
-    (`Candidates`, `merge_by_energy`), and refines the one of minimal `Energy` (`refine_grouping`). If the number of
-    motions is not given, it is the number whose `Candidates` have the smallest mean energy over the draws.
+    (`Candidates`, `merge_by_energy`), and searches for the one of minimal `Energy` from there (`GroupingSearch`). If
+    the number of motions is not given, it is the number whose grouping has the lowest energy; without a search
+    (`params.num_refined` 0), the number whose `Candidates` have the smallest mean energy over the draws.
     ``sum``, ``product`` and ``coregularised`` are spectral clustering of the views' mean kernel, of their geometric
     mean and of all views, as published. `params.auto` names the other ways to find the number.
 
@@ -109,23 +109,27 @@ def cluster_trajectories(
         return cluster_many_points(embed(count).coordinates, count, params.num_starts, seed)
 
     counts = [max_motions] if num_motions is not None else range(1, max_motions + 1)
-    candidates = []
+    search = None
     if params.method == "energy":
         candidates = [Candidates(drawn, max_motions, params, seed) for drawn in draws]
-        groupings = {count: [each.of(count) for each in candidates] for count in counts}
+        small = cluster(min(params.small_pieces, len(points))) if params.num_refined and params.num_split else None
+        search = GroupingSearch(candidates, small, energy, params)
+        groupings = {count: search.candidates(count) for count in counts}
         # Fitting a hundred groups at once costs little more than fitting one.
         energy.prepare([labels for by_draw in groupings.values() for drawn in by_draw for labels in drawn])
     else:
         # The published methods give one grouping.
         groupings = {count: [[in_order(cluster(count))]] for count in counts}
     found = {count: [energy.minimum(drawn) for drawn in by_draw] for count, by_draw in groupings.items()}
+    if search and num_motions is None and params.auto == "energy" and params.num_refined:
+        found = _search_near_lowest(search, found, params)
     chosen = max_motions
     if num_motions is None:
         tracks = MotionTracks(points, visible, np.arange(len(points)))
         chosen = _count(found, mean, lambda: embed(1).eigenvalues, tracks, params, rng)
     best = {count: min(drawn, key=lambda grouping: grouping.energy) for count, drawn in found.items()}
-    if candidates:
-        best[chosen] = _search(candidates, groupings[chosen], chosen, energy, params)
+    if search:
+        best[chosen] = search.best(chosen, params.num_refined)
     motion, embedding = in_order(best[chosen].labels), embed(chosen)
     each = [best.get(count) for count in range(1, max_motions + 1)]
     terms = np.array([(found.cost, found.cut, found.code) if found else (np.nan,) * 3 for found in each]).T
@@ -143,27 +147,20 @@ def cluster_trajectories(
     )
 
 
-def _search(
-    candidates: Sequence[Candidates],
-    groupings: Sequence[Sequence[np.ndarray]],
-    count: int,
-    energy: Energy,
-    params: TrajectoryClusteringParams,
-) -> Grouping:
-    """Return the grouping of lowest energy into `count` groups, from the groupings of each draw and refinements.
+def _search_near_lowest(
+    search: GroupingSearch, found: dict[int, list[Grouping]], params: TrajectoryClusteringParams
+) -> dict[int, list[Grouping]]:
+    """Return the best grouping into 1, 2, ... motions, searched for numbers that are not far from the best.
 
-    Only for the chosen number of motions: what is built to have low energy would favour too many of them.
+    The candidates of one number may all cut through a motion. Their energies tell little about the number then, and
+    the search is repeated for each number within `params.count_margin` of the lowest energy.
     """
-    merged = [merge_by_energy(each.merged_pieces, energy, params.pieces.num_tried).get(count) for each in candidates]
-    labelings = [labels for drawn in groupings for labels in drawn]
-    labelings += [in_order(labels) for labels in merged if labels is not None]
-    ranked = energy.rank(list({labels.tobytes(): labels for labels in labelings}.values()))
-    pieces = [each for candidate in candidates for each in candidate.finest_pieces]
-    refined = [
-        refine_grouping(start, energy, pieces, params.num_refinements, params.pieces.num_tried)
-        for start in ranked[: params.num_refined]
-    ]
-    return min([ranked[0], *refined], key=lambda grouping: grouping.energy)
+    best = {count: min(drawn, key=lambda grouping: grouping.energy) for count, drawn in found.items()}
+    bound = min(grouping.energy for grouping in best.values()) + params.count_margin
+    return {
+        count: [search.best(count, params.num_refined) if grouping.energy <= bound else grouping]
+        for count, grouping in best.items()
+    }
 
 
 def _clustered_kernels(by_view: Sequence[np.ndarray], method: str) -> np.ndarray:
@@ -186,7 +183,7 @@ def _count(
 ) -> int:
     """Return the number of motions from the groupings of each draw into 1, 2, ... motions."""
     if params.auto == "energy":
-        # More motions fit better by chance: the mean over the draws is robust to that, the minimum is not.
+        # One grouping for each number after a search; else the mean over the draws, which is robust to lucky fits.
         return min(found, key=lambda count: np.mean([grouping.energy for grouping in found[count]]))
     if params.auto == "eigengap":
         return count_by_eigengap(spectrum(), len(found))

@@ -28,11 +28,12 @@ class CodingLength:
     motion lie in a subspace of few dimensions, and those of two motions in one of more. The bits of n trajectories in a
     window of D / 2 frames are those of samples of a Gaussian,
 
-        (n + min(D, 2n)) / 2 * log2 det(I + Y'Y / (n noise²)) - n log2(n / N),
+        (n + E) / 2 * log2 det(I + Y'Y / (n noise²)) - n log2(n / N),   1 / E² = 1 / D² + 1 / (2n)²,
 
     where the rows of Y are the coordinates about their mean, and N is the number of trajectories of the window. The
-    n / 2 log2 det describe the coordinates in the subspace, D / 2 log2 det the subspace, and the last term the labels.
-    D is at most 2n, so that small groups do not pay for directions that they do not have. The coordinates of a few
+    n / 2 log2 det describe the coordinates in the subspace, E / 2 log2 det the subspace, and the last term the labels.
+    E is D for large groups and at most 2n, so that small groups do not pay for directions that they do not have. It is
+    concave in n, so that the parts of a group together always pay for more than the whole. The coordinates of a few
     frames are read, because more of a smooth motion hardly change the determinant, but the subspace is paid for in all.
 
     The subspace has four dimensions for an affine camera. Perspective adds dimensions, so that a deep background would
@@ -116,7 +117,7 @@ class CodingLength:
         if not num:
             return 0.0
         spectrum = _spectrum_bits(points, self._params.noise)
-        factor = (num + min(dimension, 2 * num)) / 2
+        factor = (num + _directions(num, dimension)) / 2
         bits, depth_bits = factor * float(spectrum.sum()), dimension * float(np.log2(num))
         # Depths can only save what the affine subspace leaves.
         if num >= MIN_TRACKS and factor * float(spectrum[:-_DIRECTIONS].sum()) > depth_bits:
@@ -124,6 +125,11 @@ class CodingLength:
             scaled = centred * projective_depths(centred, self._params.num_rounds)[..., None]
             bits = min(bits, factor * float(_spectrum_bits(scaled, self._params.noise).sum()) + depth_bits)
         return bits
+
+
+def _directions(num: int, dimension: int) -> float:
+    """Return E: the directions of a subspace in `dimension` coordinates that `num` trajectories pay for."""
+    return (dimension**-2.0 + (2.0 * num) ** -2.0) ** -0.5
 
 
 def _spectrum_bits(points: np.ndarray, noise: float) -> np.ndarray:
@@ -137,11 +143,12 @@ def _spectrum_bits(points: np.ndarray, noise: float) -> np.ndarray:
 def _growth(rows: np.ndarray, own: np.ndarray, dimension: int, noise: float) -> np.ndarray:
     """Return the derivative of a group's bits by the weight of each row (n, D), for the group `own` bool (n,)."""
     members = rows[own]
-    num, extra = len(members), min(dimension, 2 * len(members))
+    num, directions = len(members), _directions(len(members), dimension)
     centred = (rows - members.mean(axis=0)) / noise
     scatter = centred[own].T @ centred[own] / num
     inverse = np.linalg.inv(np.eye(len(scatter)) + scatter)
     _, log_determinant = np.linalg.slogdet(np.eye(len(scatter)) + scatter)
     distance = np.einsum("nd,nd->n", centred @ inverse, centred) - np.sum(scatter * inverse)
-    slope = 1.5 if extra < dimension else 0.5
-    return (slope * log_determinant + (num + extra) / (2 * num) * distance) / np.log(2)
+    # Half the derivative of num + directions.
+    slope = (1 + 2 * (directions / (2 * num)) ** 3) / 2
+    return (slope * log_determinant + (num + directions) / (2 * num) * distance) / np.log(2)

@@ -25,13 +25,14 @@ class Grouping(NamedTuple):
 
 
 class Energy:
-    """``cost + cut_weight * cut + coding_weight * code + motion_weight * K`` of groupings into K motions.
+    """The energy ``cost + cut_weight * cut + coding_weight * code`` of groupings, and a penalty on many motions.
 
     None of the first three terms is sufficient. One fundamental matrix explains two movers of the same direction, or a
     mover along the camera's path and the background, nearly as well as a single one: the cost alone would rather split
     the background. The cut alone splits the background where few hypotheses span the image. Under a nearly affine
     camera, one motion may explain any two frames; the code compares many frames, but only of the trajectories that span
-    them. The last term merges motions if two explain the data only slightly better than one.
+    them. The penalty, `motion_weight` for each motion beyond `free_motions`, merges motions if one more explains the
+    data only slightly better.
 
     Parameters
     ----------
@@ -65,6 +66,13 @@ class Energy:
         codes = self._code.of_labelings(labelings) if self._code else np.zeros(len(labelings))
         return sorted(map(self._grouping, labelings, costs, codes), key=lambda grouping: grouping.energy)
 
+    def most_promising(self, labelings: Sequence[np.ndarray], count: int) -> list[np.ndarray]:
+        """Return the labelings of lowest cost and cut; many are compared in the time of one coding length."""
+        costs = self._cost.of_labelings(labelings) / self._unit
+        cuts = np.array([normalised_cut(self._kernel, labels) for labels in labelings])
+        order = np.argsort(costs + self._params.cut_weight * cuts, kind="stable")[:count]
+        return [labelings[index] for index in order]
+
     def group_affinities(self, labels: np.ndarray) -> np.ndarray:
         """Return the sums of the affinities between the groups of a labeling, float64 (K, K)."""
         return group_affinities(self._kernel, labels)
@@ -85,7 +93,8 @@ class Energy:
     def _grouping(self, labels: np.ndarray, cost: float, code: float) -> Grouping:
         params, cut, num_motions = self._params, normalised_cut(self._kernel, labels), len(np.unique(labels))
         energy = float(cost) + params.cut_weight * cut + params.coding_weight * float(code)
-        return Grouping(labels, float(cost), cut, float(code), energy + params.motion_weight * num_motions)
+        penalty = params.motion_weight * max(num_motions - params.free_motions, 0)
+        return Grouping(labels, float(cost), cut, float(code), energy + penalty)
 
 
 def normalised_cut(kernel: np.ndarray, labels: np.ndarray) -> float:

@@ -21,7 +21,8 @@ def separate_objects(
 
     Two cars on parallel lanes obey one fundamental matrix: their geometry does not show that they are two. A moving
     object is one connected body, so parts of a group with other trajectories or empty image between them are two
-    objects. The group with the largest convex hull is the background and is not split.
+    objects. The roof and the wheels of a bus have no trajectories between them either, but they are nearer to each
+    other than each is long. The group with the largest convex hull is the background and is not split.
 
     Parameters
     ----------
@@ -32,7 +33,8 @@ def separate_objects(
         0 .. K - 1.
     params : SeparationParams
         Two trajectories touch if one is among the `num_neighbours` nearest of the other, by their mean distance in the
-        frames that show both. Parts of fewer than `min_tracks` stay with the largest part.
+        frames that show both. Parts of fewer than `min_tracks`, and parts that are nearer to the others than
+        `min_gap` times the diagonal of the smaller, stay with the largest part.
 
     Returns
     -------
@@ -51,18 +53,39 @@ def separate_objects(
         _, part = connected_components(neighbours[own][:, own], directed=False)
         sizes = np.bincount(part)
         for other in np.flatnonzero(sizes >= params.min_tracks):
-            if other != np.argmax(sizes):
-                separated[own[part == other]] = count
+            inside, outside = own[part == other], own[part != other]
+            if other != np.argmax(sizes) and _relative_gap(points, visible, inside, outside) >= params.min_gap:
+                separated[inside] = count
                 count += 1
     return separated
+
+
+def _relative_gap(points: np.ndarray, visible: np.ndarray, first: np.ndarray, second: np.ndarray) -> float:
+    """Return the distance of two sets of trajectories by the diagonal of the smaller; infinite if never seen together.
+
+    The distance is that of their nearest points, and both are medians over the frames that show two trajectories of
+    each.
+    """
+    gaps, diagonals = [], []
+    for frame in _sampled_frames(visible):
+        seen = [points[own[visible[own, frame]], frame] for own in (first, second)]
+        if min(map(len, seen)) >= 2:
+            gaps.append(cdist(*seen).min())
+            diagonals.append([np.linalg.norm(np.ptp(place, axis=0)) for place in seen])
+    return float(np.median(gaps) / max(np.median(diagonals, axis=0).min(), 1.0)) if gaps else np.inf
+
+
+def _sampled_frames(visible: np.ndarray) -> range:
+    """Return the frames in which distances are measured."""
+    mean = np.count_nonzero(visible) / max(len(visible), 1)
+    return range(0, visible.shape[1], max(1, math.ceil(mean / _MAX_FRAMES)))
 
 
 def _nearest(points: np.ndarray, visible: np.ndarray, count: int) -> csr_array:
     """Return whether j is among the nearest trajectories of i: sparse (N, N)."""
     num = len(points)
     total, together = np.zeros((num, num), np.float32), np.zeros((num, num), np.float32)
-    stride = max(1, math.ceil(np.count_nonzero(visible) / max(num, 1) / _MAX_FRAMES))
-    for frame in range(0, points.shape[1], stride):
+    for frame in _sampled_frames(visible):
         seen = np.flatnonzero(visible[:, frame])
         both = np.ix_(seen, seen)
         total[both] += cdist(points[seen, frame], points[seen, frame])

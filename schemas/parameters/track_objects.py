@@ -10,6 +10,7 @@ from moseg.schemas.parameters.trajectories import (
     EnergyParams,
     KernelParams,
     PieceParams,
+    SeparationParams,
     TrajectoryClusteringParams,
 )
 from moseg.schemas.units import Unit
@@ -88,11 +89,13 @@ class CandidateParams(Frozen):
 
 
 _TWO_FRAMES = TrajectoryClusteringParams(
-    energy=EnergyParams(least_unit=0.15, cut_weight=0.85, coding_weight=0.0, motion_weight=0.01),
+    energy=EnergyParams(least_unit=0.15, cut_weight=0.85, coding_weight=0.0, motion_weight=0.01, free_motions=0),
     pieces=PieceParams(merged="middle"),
     num_refined=0,
+    separation=SeparationParams(min_gap=0),
 )
-"""Grouping without coding length and refinement, whose effects on the tracks of a video are not measured."""
+"""Grouping without coding length, search and distance of separate motions, whose effects on the tracks of a video are
+not measured."""
 
 
 class TrackGroupParams(Frozen):

@@ -152,7 +152,10 @@ class EnergyParams(Frozen):
         2.5, ge=0, description="weight of the coding length relative to the divided cost; 0 leaves it out"
     )
     motion_weight: Annotated[float, Unit.RATIO] = Field(
-        0.02, ge=0, description="penalty on each motion if their number is found"
+        0.055, ge=0, description="penalty on each motion beyond free_motions if the number is found"
+    )
+    free_motions: Annotated[int, Unit.COUNT] = Field(
+        2, ge=0, description="motions without penalty: a clip is expected to show something that moves"
     )
     coding: CodingParams = CodingParams()
 
@@ -165,6 +168,12 @@ class SeparationParams(Frozen):
     )
     min_tracks: Annotated[int, Unit.COUNT] = Field(
         8, ge=1, description="trajectories below which a part is not a separate motion"
+    )
+    min_gap: Annotated[float, Unit.RATIO] = Field(
+        1.0,
+        ge=0,
+        description="distance of a part from the others, relative to the diagonal of the smaller, below which it is not"
+        " a separate motion",
     )
 
 
@@ -218,6 +227,18 @@ class TrajectoryClusteringParams(Frozen):
         8,
         ge=1,
         description="largest number of moves of pieces, and of rounds of moves of trajectories, of a refinement",
+    )
+    num_split: Annotated[int, Unit.COUNT] = Field(
+        2,
+        ge=0,
+        description="groupings refined that split a small piece off the best grouping into one motion less; 0 splits"
+        " none",
+    )
+    small_pieces: Annotated[int, Unit.COUNT] = Field(20, ge=1, description="number of small pieces")
+    count_margin: Annotated[float, Unit.RATIO] = Field(
+        0.15,
+        ge=0,
+        description="if the number is found: energy above the lowest of any number up to which a number is searched",
     )
     separate: bool = Field(True, description="unconnected objects are separate motions if the number is found")
     pieces: PieceParams = PieceParams()

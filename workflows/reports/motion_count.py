@@ -76,7 +76,8 @@ def explain_tracks(found: FoundGroups, params: TrajectoryClusteringParams) -> st
             f"Found: of 1 to {most} motions those of least energy{_over_draws(params)}: what the tracks cost under one"
             " fundamental matrix a motion and pair of frames, as a share of their cost under a single motion (of"
             f" {energy.least_unit:g} where that is less), plus {energy.cut_weight:g} times the normalised cut, plus"
-            f" {energy.motion_weight:g} a motion."
+            f" {energy.coding_weight:g} times the coding length as a share of a single motion's, plus"
+            f" {energy.motion_weight:g} for each motion beyond {energy.free_motions}."
         )
     elif params.auto == "eigengap":
         how = f"Found: as many motions, at most {most}, as there are eigenvalues before {_drop(found)} (eigengap)."
@@ -104,8 +105,8 @@ def _drop(found: FoundGroups) -> str:
 
 
 def _over_draws(params: TrajectoryClusteringParams) -> str:
-    # Spectral clustering, as published, groups once.
-    return ", the mean over the draws" if params.method == "energy" else ""
+    # Spectral clustering, as published, groups once, and a search has one result.
+    return ", the mean over the draws" if params.method == "energy" and not params.num_refined else ""
 
 
 def _explain_scores(method: str, params: MotionCountParams, scores: Sequence[float]) -> str:

@@ -59,14 +59,16 @@ def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) 
     if method != "coregularised":
         unread |= {"co_regularisation", "num_iterations", "tolerance"}
     if method != "energy":
-        unread |= {"pieces", "outliers", "num_refined", "num_refinements"}
+        unread |= {"pieces", "outliers", "num_refined", "num_refinements", "num_split", "small_pieces"}
+    if method != "energy" or not is_auto or params.auto != "energy":
+        unread.add("count_margin")
     read = params.model_copy(update={"method": method}).model_dump(mode="json", exclude=unread | {"count"})
     if counts:
         read["count"] = params.count.model_dump(mode="json", include=counts)
     return read
 
 
-MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=3, run=_run, params=_params)
+MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=5, run=_run, params=_params)
 
 STAGE = Stage(
     name="trajectory_clustering",

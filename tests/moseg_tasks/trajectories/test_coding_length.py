@@ -43,6 +43,14 @@ def test_one_motion_has_length_one_and_parts_of_it_are_longer(rigid_clip):
     assert one == pytest.approx(1) and split > 1
 
 
+def test_parts_of_a_short_list_of_long_trajectories_pay_for_more_than_their_labels():
+    points, visible, labels = two_turning_bodies()
+    points, visible = np.repeat(points[labels == 0], 10, axis=1), np.repeat(visible[labels == 0], 10, axis=1)
+    one, split = CodingLength(points, visible, PARAMS).of_labelings([np.zeros(40, int), np.arange(40) % 2])
+    # The labels alone are 0.01 of the bits.
+    assert one == pytest.approx(1) and split > 1.015
+
+
 def test_depths_keep_a_scene_of_strong_perspective_together(rigid_clip):
     clip = rigid_clip((200,), num_frames=20, hidden=0)
     near = (clip.points[:, -1, 1] > np.median(clip.points[:, -1, 1])).astype(int)

@@ -41,3 +41,17 @@ def test_the_cost_decides_between_groupings_of_equal_cut(rigid_clip):
     energy = Energy(clip.points, clip.visible, everything, EnergyParams(step=1))
     wrong = np.roll(clip.labels, 20)
     assert np.array_equal(energy.minimum([wrong, clip.labels]).labels, clip.labels)
+
+
+@pytest.mark.parametrize(("free_motions", "penalties"), [(0, (0.1, 0.2, 0.3)), (2, (0, 0, 0.1))])
+def test_motions_beyond_those_that_are_free_are_penalised(free_motions, penalties, rigid_clip):
+    clip = rigid_clip((40, 30), num_frames=8)
+    kernel = np.ones((70, 70), np.float32)
+    params = EnergyParams(motion_weight=0.1, free_motions=free_motions)
+    groupings = [np.arange(70) % count for count in (1, 2, 3)]
+    penalised, free = (
+        Energy(clip.points, clip.visible, kernel, each)
+        for each in (params, params.model_copy(update={"motion_weight": 0.0}))
+    )
+    for labels, penalty in zip(groupings, penalties, strict=True):
+        assert penalised.minimum([labels]).energy - free.minimum([labels]).energy == pytest.approx(penalty)

@@ -56,3 +56,20 @@ def test_a_trajectory_that_is_never_seen_keeps_its_label():
     visible[-1] = False
     labels = (np.arange(len(points)) >= background).astype(int)
     assert separate_objects(points, visible, labels, PARAMS)[-1] == 1
+
+
+@pytest.mark.parametrize(("min_gap", "count"), [(1.0, 2), (0.0, 3)])
+def test_near_parts_of_one_long_body_are_one_motion(min_gap, count):
+    points, visible, background = _scene((200, 190), (200, 250), size=20)
+    points[background:, :, 0] = 200 + 6 * (points[background:, :, 0] - 200)
+    labels = (np.arange(len(points)) >= background).astype(int)
+    separated = separate_objects(points, visible, labels, PARAMS.model_copy(update={"min_gap": min_gap}))
+    assert len(set(separated.tolist())) == count
+
+
+def test_parts_that_are_never_seen_together_are_separate():
+    points, visible, background = _scene((80, 80), (320, 320))
+    visible[background : background + 12, 2:] = False
+    visible[background + 12 :, :2] = False
+    labels = (np.arange(len(points)) >= background).astype(int)
+    assert len(set(separate_objects(points, visible, labels, PARAMS).tolist())) == 3

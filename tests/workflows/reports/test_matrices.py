@@ -203,11 +203,14 @@ def test_the_sentence_on_the_energy_has_all_its_weights():
         separate=False, most_motions=4, energy={"least_unit": 0.2, "cut_weight": 0.7, "motion_weight": 0.03}
     )
     how = explain_tracks(FoundGroups("auto", None, 2, 400), params)
-    assert how.startswith("Found: of 1 to 4 motions those of least energy, the mean over the draws: ")
+    assert how.startswith("Found: of 1 to 4 motions those of least energy: ")
     assert "as a share of their cost under a single motion (of 0.2 where that is less)" in how
-    assert "plus 0.7 times the normalised cut, plus 0.03 a motion." in how
+    assert "plus 0.7 times the normalised cut, plus 2.5 times the coding length" in how
+    assert how.endswith("plus 0.03 for each motion beyond 2.")
     assert "of 1 to 3 motions" in explain_tracks(FoundGroups("auto", None, 2, 3), params)
-    spectral = params.model_copy(update={"method": "sum"})
+    unsearched = params.model_copy(update={"num_refined": 0})
+    assert "energy, the mean over the draws: " in explain_tracks(FoundGroups("auto", None, 2, 400), unsearched)
+    spectral = unsearched.model_copy(update={"method": "sum"})
     assert "mean over the draws" not in explain_tracks(FoundGroups("auto", None, 2, 400), spectral)
 
 

@@ -1,0 +1,84 @@
+"""Search for the grouping of lowest energy into a given number of motions."""
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from moseg.schemas.parameters import TrajectoryClusteringParams
+from moseg.tasks.trajectories.candidates import Candidates, in_order
+from moseg.tasks.trajectories.energy import Energy, Grouping
+from moseg.tasks.trajectories.merging import merge_by_energy
+from moseg.tasks.trajectories.refinement import refine_grouping
+from moseg.tasks.trajectories.splitting import split_grouping
+
+
+class GroupingSearch:
+    """Groupings of low energy for any number of motions, from the candidates of all draws of hypotheses.
+
+    The best candidates are refined. From some of them the right grouping cannot be reached by moves that each lower
+    the energy: if a large motion is in two groups and a small one in none, both have to change at once. The best
+    grouping into one motion less often lacks only the small motion, so small pieces are split off it as well.
+
+    Parameters
+    ----------
+    candidates : sequence of Candidates
+    small_pieces : int (N,), optional
+        A finer over-segmentation, whose pieces are split off. None: nothing is.
+    energy : Energy
+    params : TrajectoryClusteringParams
+    """
+
+    def __init__(
+        self,
+        candidates: Sequence[Candidates],
+        small_pieces: np.ndarray | None,
+        energy: Energy,
+        params: TrajectoryClusteringParams,
+    ):
+        self._candidates = candidates
+        self._pieces = [each for candidate in candidates for each in candidate.finest_pieces]
+        self._small_pieces = small_pieces
+        self._energy = energy
+        self._params = params
+        self._of: dict[int, list[list[np.ndarray]]] = {}
+        self._refined: dict[bytes, Grouping] = {}
+
+    def candidates(self, count: int) -> list[list[np.ndarray]]:
+        """Return the candidates of each draw, labels int (N,) of at most `count` groups."""
+        if count not in self._of:
+            self._of[count] = [each.of(count) for each in self._candidates]
+        return self._of[count]
+
+    def best(self, count: int, num_refined: int) -> Grouping:
+        """Return the grouping of lowest energy into `count` groups, from `num_refined` candidates and from splits."""
+        found = self._without_splits(count, num_refined)
+        if count == 1 or self._small_pieces is None:
+            return found
+        fewer = self._without_splits(count - 1, 1)
+        splits = split_grouping(fewer, self._energy, self._small_pieces, self._params.pieces.num_tried)
+        refined = map(self._refine, splits[: self._params.num_split])
+        return min([found, *refined], key=lambda grouping: grouping.energy)
+
+    def _without_splits(self, count: int, num_refined: int) -> Grouping:
+        """Return the best candidate, merged pieces or refinement of these."""
+        labelings = [labels for drawn in self.candidates(count) for labels in drawn]
+        labelings += [in_order(merged[count]) for merged in self._merged if count in merged]
+        ranked = self._energy.rank(list({labels.tobytes(): labels for labels in labelings}.values()))
+        return min([ranked[0], *map(self._refine, ranked[:num_refined])], key=lambda grouping: grouping.energy)
+
+    @cached_property
+    def _merged(self) -> list[dict[int, np.ndarray]]:
+        """Return the pieces of each draw merged into every number of groups."""
+        num_tried = self._params.pieces.num_tried
+        return [merge_by_energy(each.merged_pieces, self._energy, num_tried) for each in self._candidates]
+
+    def _refine(self, start: Grouping) -> Grouping:
+        """Refine a grouping, once."""
+        key = start.labels.tobytes()
+        if key not in self._refined:
+            params = self._params
+            self._refined[key] = refine_grouping(
+                start, self._energy, self._pieces, params.num_refinements, params.pieces.num_tried
+            )
+        return self._refined[key]

@@ -1,0 +1,64 @@
+"""Laws of the search for the grouping of lowest energy."""
+
+import numpy as np
+import pytest
+
+from moseg.schemas.parameters import EnergyParams, TrajectoryClusteringParams
+from moseg.tasks.metrics.clustering_error import clustering_error
+from moseg.tasks.trajectories.energy import Energy
+from moseg.tasks.trajectories.grouping_search import GroupingSearch
+from moseg.tasks.trajectories.splitting import split_grouping
+
+
+class _Candidates:
+    """Candidates of one draw that always have the same groupings."""
+
+    def __init__(self, *labelings):
+        self._labelings = labelings
+        self.merged_pieces = np.zeros(len(labelings[0]), int)
+        self.finest_pieces = [self.merged_pieces]
+
+    def of(self, count):
+        return [labels for labels in self._labelings if len(np.unique(labels)) == count]
+
+
+@pytest.fixture
+def case(rigid_clip):
+    """A clip of three motions and its energy, with an affinity by motion that is weak."""
+    clip = rigid_clip((60, 40, 20), num_frames=12, hidden=0)
+    kernel = 0.5 + 0.5 * (clip.labels[:, None] == clip.labels)
+    return clip, Energy(clip.points, clip.visible, kernel.astype(np.float32), EnergyParams(step=1, motion_weight=0))
+
+
+def test_the_best_split_is_along_the_motions(case):
+    clip, energy = case
+    two = energy.minimum([np.minimum(clip.labels, 1)])
+    pieces = np.where(clip.labels == 2, 10, np.arange(120) // 15)
+    best = split_grouping(two, energy, pieces, 6)
+    assert len(best) == 6 and [found.energy for found in best] == sorted(found.energy for found in best)
+    assert clustering_error(best[0].labels, clip.labels) == 0
+
+
+def test_pieces_too_small_for_a_motion_are_not_split_off(case):
+    clip, energy = case
+    assert split_grouping(energy.minimum([clip.labels]), energy, np.arange(120) // 5, 6) == []
+
+
+@pytest.mark.parametrize("splits", [True, False])
+def test_a_motion_without_group_is_found_though_another_has_two(case, splits):
+    clip, energy = case
+    two = np.minimum(clip.labels, 1)
+    wrong = np.where(np.arange(120) < 30, 2, two)
+    small = np.where(clip.labels == 2, 10, np.arange(120) // 15)
+    search = GroupingSearch([_Candidates(two, wrong)], small if splits else None, energy, TrajectoryClusteringParams())
+    error = clustering_error(search.best(3, 1).labels, clip.labels)
+    assert error == 0 if splits else error > 10
+
+
+def test_the_search_never_returns_more_than_the_lowest_candidate(case):
+    clip, energy = case
+    candidates = [clip.labels, np.arange(120) % 3, np.arange(120) // 40]
+    every = _Candidates(np.minimum(clip.labels, 1), *candidates)
+    search = GroupingSearch([every], np.arange(120) // 12, energy, TrajectoryClusteringParams())
+    assert search.best(3, 0).energy <= energy.minimum(candidates).energy
+    assert search.candidates(3)[0] is search.candidates(3)[0]
