@@ -13,6 +13,7 @@ from moseg.schemas.parameters import (
     AffinityParams,
     AppearanceParams,
     CandidateParams,
+    ClipSectionParams,
     ClusteringParams,
     ComponentParams,
     ConfidenceParams,
@@ -36,6 +37,7 @@ from moseg.schemas.parameters import (
     MotionNetworkParams,
     MotionProofParams,
     MovesNowParams,
+    NoiseReductionParams,
     ObjectHypothesisParams,
     OwnMotionParams,
     PipsParams,
@@ -160,8 +162,10 @@ class PipelineConfig(Frozen):
         ("affine", "homography", "fundamental"),
         description="point models that the fused variant combines on labelled trajectories, separated by commas",
     )
+    noise_reduction: NoiseReductionParams = NoiseReductionParams()
     hypotheses: HypothesisParams = HypothesisParams()
     kernel: KernelParams = KernelParams()
+    clip_sections: ClipSectionParams = ClipSectionParams()
     trajectory_clustering: TrajectoryClusteringParams = TrajectoryClusteringParams()
 
     @field_validator("fused_point_models", mode="before")

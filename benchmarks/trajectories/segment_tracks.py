@@ -10,7 +10,8 @@ from moseg.tasks.trajectories import (
     TrajectoryGroups,
     choose_landmarks,
     draw_hypotheses,
-    group_trajectories,
+    group_clip,
+    reduce_noise,
     trajectory_kernels,
 )
 
@@ -37,6 +38,7 @@ def segment_tracks(
     seed : int
         Of the hypotheses.
     """
+    points = reduce_noise(points, visible, config.noise_reduction)
     rng = np.random.default_rng(seed)
     tracks = choose_landmarks(points, visible, config.kernel.max_tracks)
     views = []
@@ -48,5 +50,5 @@ def segment_tracks(
             ModelKernels(model, drawn, trajectory_kernels(residuals, config.hypotheses.num_draws, config.kernel))
         )
     starts = np.random.default_rng(SEED_OF_STARTS)
-    clustering = config.trajectory_clustering
-    return group_trajectories(points, visible, views, num_motions, clustering, config.kernel.window, starts)
+    params = config.trajectory_clustering, config.clip_sections, config.kernel.window
+    return group_clip(points, visible, views, num_motions, *params, starts)

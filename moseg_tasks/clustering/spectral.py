@@ -69,9 +69,8 @@ def embed_views(
     """
     laplacians = [normalise_affinity(view) for view in views]
     num_eigenvalues = len(views[0]) if len(views[0]) <= FEW_ROWS else FEW_EIGENVALUES
-    pairs = [leading_eigenpairs(laplacian, max(num_eigenvalues, dimension)) for laplacian in laplacians]
-    eigenvalues = np.stack([values[:num_eigenvalues] for values, _ in pairs])
-    bases = [vectors[:, :dimension] for _, vectors in pairs]
+    eigenvalues = np.stack([leading_eigenpairs(laplacian, num_eigenvalues)[0] for laplacian in laplacians])
+    bases = [leading_eigenpairs(laplacian, dimension)[1] for laplacian in laplacians]
     history = []
     if len(views) > 1 and co_regularisation > 0:
         for _ in range(num_iterations):

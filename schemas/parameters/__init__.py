@@ -49,10 +49,12 @@ from moseg.schemas.parameters.track_surfaces import TrackSurfaceParams
 from moseg.schemas.parameters.track_window import TrackWindowParams
 from moseg.schemas.parameters.tracks import TrackParams
 from moseg.schemas.parameters.trajectories import (
+    ClipSectionParams,
     CodingParams,
     EnergyParams,
     HypothesisParams,
     KernelParams,
+    NoiseReductionParams,
     OutlierParams,
     PieceParams,
     SeparationParams,
@@ -67,6 +69,7 @@ __all__ = [
     "AppearanceParams",
     "CandidateParams",
     "ClipParams",
+    "ClipSectionParams",
     "ClusteringParams",
     "CodingParams",
     "ComponentParams",
@@ -95,6 +98,7 @@ __all__ = [
     "MotionProofParams",
     "MovesNowParams",
     "NetworkTrainingParams",
+    "NoiseReductionParams",
     "ObjectHypothesisParams",
     "OutlierParams",
     "OwnMotionParams",

@@ -35,6 +35,7 @@ from moseg.workflows.stages import (
     motion_proof,
     moves_now,
     moving_tracks,
+    noise_reduction,
     object_hypotheses,
     own_motion,
     proposals,
@@ -68,7 +69,7 @@ STAGES: dict[str, Stage] = {
         *(sightings, proposals, linking, rigid_support),
         *(depth, tracks, fundamental, fundamental_residual, flow_model, flow_residual, object_hypotheses),
         *(affinity, clustering, segmentation, moves_now, confidence),
-        *(hypotheses, kernel, trajectory_clustering),
+        *(noise_reduction, hypotheses, kernel, trajectory_clustering),
         score,
     )
 }
