@@ -22,6 +22,7 @@ from moseg.tasks.trajectories import (
 )
 
 KERNEL = KernelParams()
+SECTIONS = ClipSectionParams()
 PARAMS = TrajectoryClusteringParams()
 LENGTH = 16
 """Frames in which a trajectory is visible."""
@@ -58,10 +59,10 @@ def _views(points, visible, max_tracks):
     return views
 
 
-def _group(clip, num_motions, params=ClipSectionParams(), max_tracks=1000):
+def _group(clip, num_motions, max_tracks=1000):
     points, visible, _ = clip
     views, rng = _views(points, visible, max_tracks), np.random.default_rng(0)
-    return group_clip(points, visible, views, num_motions, PARAMS, params, KERNEL.window, rng)
+    return group_clip(points, visible, views, num_motions, PARAMS, SECTIONS, KERNEL.window, rng)
 
 
 @pytest.mark.parametrize("num_motions", [2, None])

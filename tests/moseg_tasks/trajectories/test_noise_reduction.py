@@ -35,7 +35,7 @@ def test_few_frames_stay_as_they_are(rigid_clip):
 
 
 def test_trajectories_that_slip_do_not_count_as_noise(rigid_clip):
-    clip, points = _noisy(rigid_clip, 0.05)
+    _, points = _noisy(rigid_clip, 0.05)
     walks = np.cumsum(np.random.default_rng(2).normal(0, 3, (60, points.shape[1], 2)), axis=1) + 200
     both = np.concatenate([points, walks])
     seen = np.ones(both.shape[:2], bool)
