@@ -30,6 +30,7 @@ class _Section(NamedTuple):
 def group_clip(
     points: np.ndarray,
     visible: np.ndarray,
+    is_stray: np.ndarray,
     views: Sequence[ModelKernels],
     num_motions: int | None,
     params: TrajectoryClusteringParams,
@@ -50,6 +51,8 @@ def group_clip(
     points : float64 (N, frame, xy)
         px.
     visible : bool (N, frame)
+    is_stray : bool (N,)
+        Trajectories that join the groups of the others.
     views : sequence of ModelKernels
         From the least general model to the most; kernels are those of `choose_landmarks`.
     num_motions : int, optional
@@ -60,28 +63,37 @@ def group_clip(
         Share of a set's hypotheses that a trajectory prefers.
     rng : numpy.random.Generator
     """
-    sections = []
-    landmarks = choose_landmarks(points, visible, views[0].kernels.shape[1])
-    for frames in _spans(visible, section_params):
-        section = _section(points[landmarks], visible[landmarks], views, frames, section_params.min_visible)
-        if section is not None:
-            sections.append(section)
+    all_landmarks = choose_landmarks(points, visible, views[0].kernels.shape[1])
+    follows = np.flatnonzero(~is_stray[all_landmarks])
+    if not len(follows):
+        follows = np.arange(len(all_landmarks))
+    landmarks = all_landmarks[follows]
+    own_views = [view._replace(kernels=view.kernels[:, follows[:, None], follows]) for view in views]
+    own_points, own_visible = points[landmarks], visible[landmarks]
+    spans = _spans(own_visible, section_params)
+    found = [_section(own_points, own_visible, own_views, frames, section_params.min_visible) for frames in spans]
+    sections = [section for section in found if section is not None]
+
     if len(sections) < 2:
-        return group_trajectories(points, visible, views, num_motions, params, window, rng)
+        sections = [_Section(np.arange(len(landmarks)), own_points, own_visible, own_views)]
 
     def group(section: _Section, count: int | None) -> TrajectoryGroups:
         return group_trajectories(section.points, section.visible, section.views, count, params, window, rng)
 
     found = _with_one_number(sections, num_motions, group)
-    votes = _link(sections, [each.motion for each in found], len(landmarks))
-    # Trajectories of a few frames are in no section.
-    is_grouped = votes.any(axis=1)
-    motion = in_order(votes[is_grouped].argmax(axis=1))
-    if np.count_nonzero(is_grouped) < len(points):
+    motion, clustering = found[0].motion, found[0].clustering
+    if len(sections) > 1:
+        votes = _link(sections, [each.motion for each in found], len(landmarks))
+        # Trajectories of a few frames are in no section.
+        is_grouped = votes.any(axis=1)
+        landmarks, motion = landmarks[is_grouped], in_order(votes[is_grouped].argmax(axis=1))
+        linked = [view._replace(kernels=view.kernels[:, is_grouped][:, :, is_grouped]) for view in own_views]
+        clustering = _summary(linked, [each.clustering for each in found], motion)
+    if len(landmarks) < len(points):
         everything = [HypothesisResiduals(view.hypotheses, points, visible, view.model) for view in views]
-        motion = assign_motions(landmarks[is_grouped], motion, everything, window)
-    clustering = _summary(views, [each.clustering for each in found], motion[landmarks])
-    return TrajectoryGroups(motion.astype(np.uint16), clustering, sum(each.num_outliers for each in found))
+        motion = assign_motions(landmarks, motion, everything, window)
+    num_outliers = sum(each.num_outliers for each in found) + len(all_landmarks) - len(follows)
+    return TrajectoryGroups(motion.astype(np.uint16), clustering, num_outliers)
 
 
 def _spans(visible: np.ndarray, params: ClipSectionParams) -> list[slice]:

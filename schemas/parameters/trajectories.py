@@ -81,6 +81,12 @@ class NoiseReductionParams(Frozen):
     min_visible: Annotated[int, Unit.FRAMES] = Field(
         5, ge=1, description="frames of a window in which a trajectory is seen, below which it is left as it is"
     )
+    min_stray: Annotated[float, Unit.PIXELS] = Field(
+        0.5,
+        ge=0,
+        description="distance from the directions of all motions up to which a trajectory is no stray, px, even if the"
+        " usual distance is less than a tenth of it; strays give no hypotheses and join a group after the others",
+    )
     num_rounds: Annotated[int, Unit.COUNT] = Field(
         5, ge=1, description="largest number of rounds in which trajectories far from all others are left out"
     )

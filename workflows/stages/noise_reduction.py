@@ -12,7 +12,8 @@ def _run(params, inputs, rng):
     from moseg.tasks.trajectories import reduce_noise
 
     points, visible = points_of(inputs)
-    return Output({"points": reduce_noise(points, visible, NoiseReductionParams.of_recipe(params)), "visible": visible})
+    clean = reduce_noise(points, visible, NoiseReductionParams.of_recipe(params))
+    return Output({"points": clean.points, "visible": visible, "stray": clean.is_stray})
 
 
 def _params(config: PipelineConfig) -> dict:
@@ -23,11 +24,12 @@ PROJECTION = Task("noise_reduction", "projection", version=1, run=_run, params=_
 
 STAGE = Stage(
     name="noise_reduction",
-    about="trajectories of a clip with less noise; as they are where noise is small",
+    about="trajectories of a clip with less noise, or as they are where it is small, and those that follow no motion",
     inputs={"trajectories": "points of the clip"},
     arrays={
         "points": layout("float64", "track frame xy", "px"),
         "visible": layout("bool", "track frame"),
+        "stray": layout("bool", "track"),
     },
     tasks=(PROJECTION,),
 )

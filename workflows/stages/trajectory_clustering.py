@@ -23,9 +23,9 @@ def _run(params, inputs, rng):
     ]
     clustering_params = TrajectoryClusteringParams.of_recipe(params["clustering"])
     section_params = ClipSectionParams.of_recipe(params["sections"])
-    found = group_clip(
-        *points_of(inputs), views, params["num_motions"], clustering_params, section_params, params["window"], rng
-    )
+    is_stray = inputs["trajectories"].cached("stray")
+    parts = clustering_params, section_params, params["window"]
+    found = group_clip(*points_of(inputs), is_stray, views, params["num_motions"], *parts, rng)
     arrays = {name: getattr(found.clustering, name) for name in ("embedding", "eigenvalues", "costs", "cuts", "codes")}
     attributes = {
         "num_motions": int(found.clustering.num_motions),

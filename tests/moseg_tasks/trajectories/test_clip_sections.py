@@ -62,7 +62,8 @@ def _views(points, visible, max_tracks):
 def _group(clip, num_motions, max_tracks=1000):
     points, visible, _ = clip
     views, rng = _views(points, visible, max_tracks), np.random.default_rng(0)
-    return group_clip(points, visible, views, num_motions, PARAMS, SECTIONS, KERNEL.window, rng)
+    no_stray = np.zeros(len(points), bool)
+    return group_clip(points, visible, no_stray, views, num_motions, PARAMS, SECTIONS, KERNEL.window, rng)
 
 
 @pytest.mark.parametrize("num_motions", [2, None])
@@ -95,4 +96,14 @@ def test_a_trajectory_of_too_few_frames_for_any_section_joins_a_group():
     visible[0, 30:34] = True
     found = _group((points, visible, labels), 2)
     assert found.motion.shape == (len(points),)
+    assert clustering_error(found.motion, labels) < 2
+
+
+def test_strays_join_the_groups_of_the_others():
+    points, visible, labels = _long_clip(num_frames=3 * LENGTH)
+    is_stray = np.arange(len(points)) < 5
+    views, rng = _views(points, visible, 1000), np.random.default_rng(0)
+    found = group_clip(points, visible, is_stray, views, 2, PARAMS, SECTIONS, KERNEL.window, rng)
+    assert found.num_outliers >= 5
+    assert len(found.clustering.motion) <= len(points) - 5
     assert clustering_error(found.motion, labels) < 2
