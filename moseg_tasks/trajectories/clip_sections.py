@@ -52,7 +52,7 @@ def group_clip(
         px.
     visible : bool (N, frame)
     is_stray : bool (N,)
-        Trajectories that join the groups of the others.
+        Trajectories that join the groups of the others; the published methods cluster them too.
     views : sequence of ModelKernels
         From the least general model to the most; kernels are those of `choose_landmarks`.
     num_motions : int, optional
@@ -64,9 +64,9 @@ def group_clip(
     rng : numpy.random.Generator
     """
     all_landmarks = choose_landmarks(points, visible, views[0].kernels.shape[1])
-    follows = np.flatnonzero(~is_stray[all_landmarks])
-    if not len(follows):
-        follows = np.arange(len(all_landmarks))
+    follows = np.arange(len(all_landmarks))
+    if params.method == "energy" and not is_stray[all_landmarks].all():
+        follows = np.flatnonzero(~is_stray[all_landmarks])
     landmarks = all_landmarks[follows]
     own_views = [view._replace(kernels=view.kernels[:, follows[:, None], follows]) for view in views]
     own_points, own_visible = points[landmarks], visible[landmarks]
