@@ -15,6 +15,7 @@ from moseg.schemas.parameters import (
     BootsTapirParams,
     CandidateParams,
     CarryingParams,
+    ClipSectionParams,
     ClusteringParams,
     ComponentParams,
     ConfidenceParams,
@@ -42,6 +43,7 @@ from moseg.schemas.parameters import (
     MotionProofParams,
     MovesNowParams,
     MovingObjectParams,
+    NoiseReductionParams,
     ObjectHypothesisParams,
     OwnMotionParams,
     PipsParams,
@@ -185,8 +187,10 @@ class PipelineConfig(Frozen):
         ("affine", "homography", "fundamental"),
         description="point models that the fused variant combines on labelled trajectories, separated by commas",
     )
+    noise_reduction: NoiseReductionParams = NoiseReductionParams()
     hypotheses: HypothesisParams = HypothesisParams()
     kernel: KernelParams = KernelParams()
+    clip_sections: ClipSectionParams = ClipSectionParams()
     trajectory_clustering: TrajectoryClusteringParams = TrajectoryClusteringParams()
 
     @field_validator("fused_point_models", mode="before")

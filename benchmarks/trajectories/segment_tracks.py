@@ -10,7 +10,8 @@ from moseg.tasks.trajectories import (
     TrajectoryGroups,
     choose_landmarks,
     draw_hypotheses,
-    group_trajectories,
+    group_clip,
+    reduce_noise,
     trajectory_kernels,
 )
 
@@ -37,16 +38,17 @@ def segment_tracks(
     seed : int
         Of the hypotheses.
     """
+    points, is_stray = reduce_noise(points, visible, config.noise_reduction)
     rng = np.random.default_rng(seed)
     tracks = choose_landmarks(points, visible, config.kernel.max_tracks)
     views = []
     for name in sorted(config.fused_point_models, key=list(POINT_MODELS).index):
         model = POINT_MODELS[name]
-        drawn = draw_hypotheses(points, visible, model, config.hypotheses, rng)
+        drawn = draw_hypotheses(points[~is_stray], visible[~is_stray], model, config.hypotheses, rng)
         residuals = HypothesisResiduals(drawn, points[tracks], visible[tracks], model)
         views.append(
             ModelKernels(model, drawn, trajectory_kernels(residuals, config.hypotheses.num_draws, config.kernel))
         )
     starts = np.random.default_rng(SEED_OF_STARTS)
-    clustering = config.trajectory_clustering
-    return group_trajectories(points, visible, views, num_motions, clustering, config.kernel.window, starts)
+    params = config.trajectory_clustering, config.clip_sections, config.kernel.window
+    return group_clip(points, visible, is_stray, views, num_motions, *params, starts)

@@ -28,7 +28,14 @@ SCORES = (
 )
 """Scores that are kept of each sequence and of their means."""
 ON_FRAMES = ("flow_model", "fundamental", "affinity", "object_hypotheses", "clustering")
-ON_TRAJECTORIES = ("fused_point_models", "hypotheses", "kernel", "trajectory_clustering")
+ON_TRAJECTORIES = (
+    "fused_point_models",
+    "noise_reduction",
+    "hypotheses",
+    "kernel",
+    "clip_sections",
+    "trajectory_clustering",
+)
 """Parameters of the measured geometry, which are kept beside the result."""
 DECIMALS = 4
 

@@ -58,13 +58,32 @@ class Energy:
 
     def minimum(self, labelings: Sequence[np.ndarray]) -> Grouping:
         """Return the labeling of minimal energy, the first of equals."""
-        return self.rank(labelings)[0]
+        # There is always one below infinity.
+        return self.minimum_below(np.inf, labelings)
+
+    def minimum_below(self, limit: float, labelings: Sequence[np.ndarray]) -> Grouping | None:
+        """Return the labeling of minimal energy, the first of equals; None if no energy is below the limit.
+
+        Fits take most of the time. Cut, code and what is known of the cost bound the energy from below, so that a
+        labeling whose bound is too high is not fitted.
+        """
+        codes = self._codes(labelings)
+        bounds = [*map(self._grouping, labelings, self._cost.bounds_of_labelings(labelings) / self._unit, codes)]
+        best, place = None, len(labelings)
+        for index in sorted(range(len(labelings)), key=lambda index: bounds[index].energy):
+            if bounds[index].energy >= limit or (best and bounds[index].energy > best.energy):
+                break
+            cost = float(self._cost.of_labelings([labelings[index]])[0]) / self._unit
+            found = self._with_cost(bounds[index], cost)
+            if found.energy < limit and (best is None or (found.energy, index) < (best.energy, place)):
+                best, place = found, index
+        return best
 
     def rank(self, labelings: Sequence[np.ndarray]) -> list[Grouping]:
         """Return the groupings of labelings in the order of their energy."""
         costs = self._cost.of_labelings(labelings) / self._unit
-        codes = self._code.of_labelings(labelings) if self._code else np.zeros(len(labelings))
-        return sorted(map(self._grouping, labelings, costs, codes), key=lambda grouping: grouping.energy)
+        groupings = map(self._grouping, labelings, costs, self._codes(labelings))
+        return sorted(groupings, key=lambda grouping: grouping.energy)
 
     def most_promising(self, labelings: Sequence[np.ndarray], count: int) -> list[np.ndarray]:
         """Return the labelings of lowest cost and cut; many are compared in the time of one coding length."""
@@ -90,11 +109,18 @@ class Energy:
             slope += params.coding_weight * self._code.of_trajectories(labels)
         return slope
 
+    def _codes(self, labelings: Sequence[np.ndarray]) -> np.ndarray:
+        return self._code.of_labelings(labelings) if self._code else np.zeros(len(labelings))
+
     def _grouping(self, labels: np.ndarray, cost: float, code: float) -> Grouping:
-        params, cut, num_motions = self._params, normalised_cut(self._kernel, labels), len(np.unique(labels))
-        energy = float(cost) + params.cut_weight * cut + params.coding_weight * float(code)
-        penalty = params.motion_weight * max(num_motions - params.free_motions, 0)
-        return Grouping(labels, float(cost), cut, float(code), energy + penalty)
+        return self._with_cost(Grouping(labels, 0.0, normalised_cut(self._kernel, labels), float(code), 0.0), cost)
+
+    def _with_cost(self, grouping: Grouping, cost: float) -> Grouping:
+        """Return the grouping with another cost and the energy that follows."""
+        params, num_motions = self._params, len(np.unique(grouping.labels))
+        energy = float(cost) + params.cut_weight * grouping.cut + params.coding_weight * grouping.code
+        energy += params.motion_weight * max(num_motions - params.free_motions, 0)
+        return grouping._replace(cost=float(cost), energy=energy)
 
 
 def normalised_cut(kernel: np.ndarray, labels: np.ndarray) -> float:

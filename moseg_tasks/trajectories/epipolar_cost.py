@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from moseg.schemas.parameters import EnergyParams
-from moseg.tasks.geometry.eight_point import SAMPLE_SIZE, epipolar_equations, nearest_rank_two
+from moseg.tasks.geometry.eigenvectors import largest_eigenvector, smallest_eigenvector
+from moseg.tasks.geometry.eight_point import SAMPLE_SIZE, epipolar_equations
 from moseg.tasks.geometry.sampson import gradient_coefficients, gradient_monomials
 
 _LAST_ROUNDS = 2
@@ -41,15 +42,15 @@ class _Pairs(NamedTuple):
     """float64 (S, n): squared tau of each trajectory, in the unit of the coordinates."""
 
 
-class _Fits(NamedTuple):
-    """Fits of K groups to S pairs."""
+class _GroupFits(NamedTuple):
+    """Fits of one group to S pairs."""
 
+    cost: float
+    """Sum over the observations of the group in all pairs that it is fitted to."""
     is_fitted: np.ndarray
-    """bool (S, K): whether a group has enough trajectories; the others are to be ignored."""
-    costs: np.ndarray
-    """float64 (S, K)"""
+    """bool (S,): whether the group has enough trajectories; the matrices of the others are to be ignored."""
     matrices: np.ndarray
-    """float64 (S, K, 3, 3)"""
+    """float64 (S, 3, 3)"""
 
 
 class EpipolarCost:
@@ -85,20 +86,22 @@ class EpipolarCost:
         enough = [index for index, tracks in enumerate(seen) if len(tracks) >= SAMPLE_SIZE]
         self._num_observations = sum(len(seen[index]) for index in enough)
         self._pairs = _prepare(points, [pairs[index] for index in enough], [seen[index] for index in enough], params)
-        self._known: dict[bytes, float] = {}
+        self._known: dict[bytes, _GroupFits] = {}
 
     def of_labelings(self, labelings: Sequence[np.ndarray]) -> np.ndarray:
         """Return the mean cost of an observation under each labeling int (N,): float64 (len(labelings),) in 0..1.
 
         It is 0 if no two frames share eight trajectories.
         """
-        groups = [[labels == label for label in np.unique(labels)] for labels in labelings]
-        new = {
-            group.tobytes(): group for labeling in groups for group in labeling if group.tobytes() not in self._known
-        }
-        if new:
-            self._known.update(zip(new, self._of_groups(np.stack(list(new.values()))), strict=True))
-        totals = [sum(self._known[group.tobytes()] for group in labeling) for labeling in groups]
+        groups = [_groups_of(labels) for labels in labelings]
+        self._fit_groups([group for labeling in groups for group in labeling])
+        totals = [sum(self._known[group.tobytes()].cost for group in labeling) for labeling in groups]
+        return np.array(totals) / max(self._num_observations, 1)
+
+    def bounds_of_labelings(self, labelings: Sequence[np.ndarray]) -> np.ndarray:
+        """Return what `of_labelings` returns, but without the costs of groups that have not been fitted yet."""
+        known = [[self._known.get(group.tobytes()) for group in _groups_of(labels)] for labels in labelings]
+        totals = [sum(fits.cost for fits in labeling if fits) for labeling in known]
         return np.array(totals) / max(self._num_observations, 1)
 
     def of_trajectories(self, labels: np.ndarray) -> np.ndarray:
@@ -111,34 +114,50 @@ class EpipolarCost:
         -------
         float64 (N, K)
         """
-        costs = np.zeros((len(labels), int(labels.max()) + 1))
-        groups = labels == np.arange(costs.shape[1])[:, None]
-        for pairs, fits in self._fit_groups(groups):
-            squared, _ = _squared_distances(pairs, fits.matrices)
-            squared = np.where(fits.is_fitted[..., None], np.minimum(squared, 1.0), 0)
+        groups = [labels == label for label in range(int(labels.max()) + 1)]
+        costs = np.zeros((len(labels), len(groups)))
+        self._fit_groups(groups)
+        known = [self._known[group.tobytes()] for group in groups]
+        for block, pairs in self._blocks(len(groups)):
+            squared, _ = _squared_distances(pairs, np.stack([fits.matrices[block] for fits in known], axis=1))
+            is_fitted = np.stack([fits.is_fitted[block] for fits in known], axis=1)
+            squared = np.where(is_fitted[..., None], np.minimum(squared, 1.0), 0)
             for tracks, is_seen, each in zip(pairs.tracks, pairs.is_seen, squared, strict=True):
                 costs[tracks[is_seen]] += each[:, is_seen].T
         return costs / max(self._num_observations, 1)
 
-    def _of_groups(self, groups: np.ndarray) -> np.ndarray:
-        """Return the cost float64 (K,) of groups bool (K, N)."""
-        costs = np.zeros(len(groups))
-        for _, fits in self._fit_groups(groups):
-            costs += np.where(fits.is_fitted, fits.costs, 0).sum(axis=0)
-        return costs
+    def _fit_groups(self, groups: Sequence[np.ndarray]) -> None:
+        """Fit those of the groups bool (N,) that have not been fitted yet, and keep their fits."""
+        new = {group.tobytes(): group for group in groups if group.tobytes() not in self._known}
+        if not new:
+            return
+        stacked = np.stack(list(new.values()))
+        num_pairs = len(self._pairs.tracks) if self._pairs else 0
+        costs, is_fitted = np.zeros(len(new)), np.zeros((num_pairs, len(new)), bool)
+        matrices = np.zeros((*is_fitted.shape, 3, 3))
+        for block, pairs in self._blocks(len(new)):
+            members = np.moveaxis(stacked[:, pairs.tracks] & pairs.is_seen, 0, 1)
+            # A fundamental matrix fits up to seven points exactly.
+            is_fitted[block] = np.count_nonzero(members, axis=2) >= SAMPLE_SIZE
+            min_costs, matrices[block] = _fit(pairs, members.astype(np.float64), self._params.num_fits)
+            costs += np.where(is_fitted[block], min_costs, 0).sum(axis=0)
+        for index, key in enumerate(new):
+            self._known[key] = _GroupFits(float(costs[index]), is_fitted[:, index], matrices[:, index])
 
-    def _fit_groups(self, groups: np.ndarray) -> Iterator[tuple[_Pairs, _Fits]]:
-        """Yield the fits of groups bool (K, N) to some of the pairs at a time."""
+    def _blocks(self, num_groups: int) -> Iterator[tuple[slice, _Pairs]]:
+        """Yield parts of the pairs such that work arrays for so many groups stay small."""
         if self._pairs is None:
             return
         num_pairs, num_tracks = self._pairs.tracks.shape
-        size = max(1, _BLOCK // (len(groups) * num_tracks))
+        size = max(1, _BLOCK // (num_groups * num_tracks))
         for start in range(0, num_pairs, size):
-            pairs = _Pairs(*(array[start : start + size] for array in self._pairs))
-            members = np.moveaxis(groups[:, pairs.tracks] & pairs.is_seen, 0, 1)
-            # A fundamental matrix fits up to seven points exactly.
-            is_fitted = np.count_nonzero(members, axis=2) >= SAMPLE_SIZE
-            yield pairs, _Fits(is_fitted, *_fit(pairs, members.astype(np.float64), self._params.num_fits))
+            block = slice(start, start + size)
+            yield block, _Pairs(*(array[block] for array in self._pairs))
+
+
+def _groups_of(labels: np.ndarray) -> list[np.ndarray]:
+    """Return the groups bool (N,) of a labeling int (N,)."""
+    return [labels == label for label in np.unique(labels)]
 
 
 def _sampled_pairs(visible: np.ndarray, gap: int, params: EnergyParams) -> range:
@@ -217,10 +236,19 @@ def _solve(normal: np.ndarray) -> np.ndarray:
     """
     transform0, transform1 = _hartley_of(normal, [6, 7]), _hartley_of(normal, [2, 5])
     change = (transform1[:, :, None, :, None] * transform0[:, None, :, None, :]).reshape(-1, 9, 9)
-    _, vectors = np.linalg.eigh(change @ normal @ np.swapaxes(change, 1, 2))
-    F = nearest_rank_two(vectors[:, :, 0].reshape(-1, 3, 3))
+    F = _nearest_rank_two(smallest_eigenvector(change @ normal @ np.swapaxes(change, 1, 2)).reshape(-1, 3, 3))
     F = np.swapaxes(transform1, 1, 2) @ F @ transform0
-    return F / np.linalg.norm(F, axis=(1, 2), keepdims=True)
+    return F / np.sqrt(np.einsum("kij,kij->k", F, F))[:, None, None]
+
+
+def _nearest_rank_two(F: np.ndarray) -> np.ndarray:
+    """Return the matrix of rank 2 nearest to each F (K, 3, 3), as by a singular value decomposition but faster."""
+    # The cofactors have the same singular vectors, and the singular value of the smallest becomes the largest.
+    rows = (F[:, row] for row in range(3))
+    first, second, third = ((row[:, [1, 2, 0]], row[:, [2, 0, 1]]) for row in rows)
+    cofactors = np.stack([a[0] * b[1] - a[1] * b[0] for a, b in ((second, third), (third, first), (first, second))], 1)
+    least = largest_eigenvector(np.swapaxes(cofactors, 1, 2) @ cofactors)
+    return F - (F @ least[:, :, None]) * least[:, None]
 
 
 def _hartley_of(normal: np.ndarray, xy: list[int]) -> np.ndarray:

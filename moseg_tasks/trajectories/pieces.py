@@ -82,17 +82,29 @@ def _lower_medians(residual: HypothesisResiduals, chosen: np.ndarray, seen: np.n
     codes = codes.reshape(len(codes), num_members, num_pieces, -1)
     codes[:, chosen.T < 0] = NOT_SEEN
     ranks = list(np.moveaxis(codes, 1, 0))
-    for low, high in _sorting_network(num_members):
+    # Those that are not seen come last.
+    middle = np.maximum(seen.sum(axis=2) - 1, 0) // 2
+    needed = tuple(np.unique(middle).tolist())
+    for low, high in _selection_network(num_members, needed):
         smaller = np.minimum(ranks[low], ranks[high])
         np.maximum(ranks[low], ranks[high], out=ranks[high])
         ranks[low] = smaller
-    # Those that are not seen come last.
-    middle = np.maximum(seen.sum(axis=2) - 1, 0) // 2
-    medians = ranks[0].copy()
-    for rank in np.unique(middle[middle > 0]):
+    medians = ranks[needed[0]].copy()
+    for rank in needed[1:]:
         own = middle == rank
         medians[own] = ranks[rank][own]
     return medians
+
+
+@lru_cache(maxsize=256)
+def _selection_network(size: int, ranks: tuple[int, ...]) -> tuple[tuple[int, int], ...]:
+    """Return those comparisons of the sorting network on which some ranks depend, in order."""
+    needed, comparisons = set(ranks), []
+    for pair in reversed(_sorting_network(size)):
+        if needed.intersection(pair):
+            needed.update(pair)
+            comparisons.append(pair)
+    return tuple(reversed(comparisons))
 
 
 @lru_cache(maxsize=16)

@@ -85,7 +85,4 @@ def _move_trajectories(grouping: Grouping, energy: Energy) -> Grouping | None:
 
 def _better(grouping: Grouping, energy: Energy, labelings: Sequence[np.ndarray]) -> Grouping | None:
     """Return the labeling of minimal energy if that is lower than the grouping's."""
-    if not labelings:
-        return None
-    best = energy.minimum(labelings)
-    return best if best.energy < grouping.energy else None
+    return energy.minimum_below(grouping.energy, labelings)

@@ -55,10 +55,12 @@ from moseg.schemas.parameters.track_surfaces import TrackSurfaceParams
 from moseg.schemas.parameters.track_window import TrackWindowParams
 from moseg.schemas.parameters.tracks import TrackParams
 from moseg.schemas.parameters.trajectories import (
+    ClipSectionParams,
     CodingParams,
     EnergyParams,
     HypothesisParams,
     KernelParams,
+    NoiseReductionParams,
     OutlierParams,
     PieceParams,
     SeparationParams,
@@ -75,6 +77,7 @@ __all__ = [
     "CandidateParams",
     "CarryingParams",
     "ClipParams",
+    "ClipSectionParams",
     "ClusteringParams",
     "CodingParams",
     "ComponentParams",
@@ -107,6 +110,7 @@ __all__ = [
     "MovesNowParams",
     "MovingObjectParams",
     "NetworkTrainingParams",
+    "NoiseReductionParams",
     "ObjectHypothesisParams",
     "OutlierParams",
     "OwnMotionParams",

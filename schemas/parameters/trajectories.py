@@ -62,6 +62,51 @@ class KernelParams(Frozen):
     )
 
 
+class NoiseReductionParams(Frozen):
+    """Reduction of the noise of trajectories before anything is computed from them."""
+
+    min_noise: Annotated[float, Unit.PIXELS] = Field(
+        0.2, ge=0, description="noise of a coordinate below which the points of a window stay as they are, px"
+    )
+    min_frames: Annotated[int, Unit.FRAMES] = Field(
+        10, ge=5, description="smallest length of a window; fewer frames do not show noise beside motion"
+    )
+    max_frames: Annotated[int, Unit.FRAMES] = Field(50, ge=5, description="largest length of a window")
+    window_share: Annotated[float, Unit.SHARE] = Field(
+        0.85, gt=0, le=1, description="length of a window relative to the median trajectory, unless that is complete"
+    )
+    min_tracks: Annotated[int, Unit.COUNT] = Field(
+        20, ge=1, description="trajectories seen throughout a window, below which it is left as it is"
+    )
+    min_visible: Annotated[int, Unit.FRAMES] = Field(
+        5, ge=1, description="frames of a window in which a trajectory is seen, below which it is left as it is"
+    )
+    min_stray: Annotated[float, Unit.PIXELS] = Field(
+        0.5,
+        ge=0,
+        description="distance from the directions of all motions up to which a trajectory is no stray, px, even if the"
+        " usual distance is less than a tenth of it; strays give no hypotheses and join a group after the others",
+    )
+    num_rounds: Annotated[int, Unit.COUNT] = Field(
+        5, ge=1, description="largest number of rounds in which trajectories far from all others are left out"
+    )
+
+
+class ClipSectionParams(Frozen):
+    """Sections of a clip that is much longer than its trajectories; each is grouped, and the groups are linked."""
+
+    max_length: Annotated[float, Unit.RATIO] = Field(
+        4.0, ge=1, description="length of a clip that is grouped in one part, relative to the median trajectory"
+    )
+    length: Annotated[float, Unit.RATIO] = Field(
+        3.0, ge=1, description="length of a section, relative to the median trajectory; sections overlap by half"
+    )
+    min_frames: Annotated[int, Unit.FRAMES] = Field(20, ge=4, description="smallest length of a section")
+    min_visible: Annotated[int, Unit.FRAMES] = Field(
+        5, ge=2, description="frames of a section in which a trajectory is seen, below which it is not grouped there"
+    )
+
+
 class PieceParams(Frozen):
     """Over-segmentation of trajectories into pieces, and the affinity of pieces."""
 

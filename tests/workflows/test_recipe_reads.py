@@ -122,7 +122,7 @@ def test_clusterings_of_trajectories_read_what_their_recipes_name():
     points = (rng.random((14, 1, 2)) * 400 + rng.random((14, NUM_FRAMES, 2))).astype(np.float64)
     kernel = np.exp(-rng.random((2, 14, 14))).astype(np.float32)
     kernels = _Artifact(arrays={"kernel": kernel + kernel.transpose(0, 2, 1)})
-    clip = _Artifact(arrays={"points": points, "visible": np.ones((14, NUM_FRAMES), bool)})
+    clip = _Artifact(arrays={"points": points, "visible": np.ones((14, NUM_FRAMES), bool), "stray": np.zeros(14, bool)})
     leaves = TrajectoryLeaves(name="toy", trajectories=_ref("trajectories", 0), labels=_ref("labels", 0), num_motions=2)
     drawn: dict[str, _Artifact] = {}
     fields, done = ("method", "auto"), set()

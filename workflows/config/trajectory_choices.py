@@ -8,7 +8,15 @@ from moseg.schemas.errors import InputError
 from moseg.workflows.config.parameters import list_parameters, value_of
 from moseg.workflows.config.pipeline_choices import PipelineChoices
 
-READ_PARAMETERS = ("fused_point_models", "clustering.motions", "hypotheses.", "kernel.", "trajectory_clustering.")
+READ_PARAMETERS = (
+    "fused_point_models",
+    "clustering.motions",
+    "noise_reduction.",
+    "hypotheses.",
+    "kernel.",
+    "clip_sections.",
+    "trajectory_clustering.",
+)
 """Parameters, and stages of parameters, that trajectories without images read."""
 DEFAULT_NAMES = {"preset": "weights-free", "quality": "default", "geometry": "default", "light": False}
 

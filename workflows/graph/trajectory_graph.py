@@ -38,16 +38,20 @@ class TrajectoryGraph:
         inputs = {
             "kernels": tuple(map(self.kernel, models)),
             "hypotheses": tuple(map(self.hypotheses, models)),
-            "trajectories": self.leaves.trajectories,
+            "trajectories": self.trajectories(),
         }
         found = None if num_motions == "auto" else num_motions
         return self._nodes.add("trajectory_clustering", inputs, models=models, num_motions=found)
 
     def kernel(self, model: str) -> str:
         """Return the reference of the affinity between trajectories under one model."""
-        inputs = {"hypotheses": self.hypotheses(model), "trajectories": self.leaves.trajectories}
+        inputs = {"hypotheses": self.hypotheses(model), "trajectories": self.trajectories()}
         return self._nodes.add("kernel", inputs, model=model)
 
     def hypotheses(self, model: str) -> str:
         """Return the reference of the hypotheses of one model; no other recipe of this graph reads the seed."""
-        return self._nodes.add("hypotheses", {"trajectories": self.leaves.trajectories}, model=model)
+        return self._nodes.add("hypotheses", {"trajectories": self.trajectories()}, model=model)
+
+    def trajectories(self) -> str:
+        """Return the reference of the points from which everything is computed: those of the clip with less noise."""
+        return self._nodes.add("noise_reduction", {"trajectories": self.leaves.trajectories})

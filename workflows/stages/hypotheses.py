@@ -30,7 +30,9 @@ def _run(params, inputs, rng):
     from moseg.tasks.trajectories import draw_hypotheses
 
     hypothesis_params = HypothesisParams.of_recipe(params["hypotheses"])
-    found = draw_hypotheses(*points_of(inputs), point_model_of(params), hypothesis_params, rng)
+    points, visible = points_of(inputs)
+    follows = ~inputs["trajectories"].cached("stray")
+    found = draw_hypotheses(points[follows], visible[follows], point_model_of(params), hypothesis_params, rng)
     shape = found.parameters.shape
     # A parameter is a matrix or a tensor; the layout in the store has one axis for both.
     flat = found.parameters.reshape(*shape[:2], math.prod(shape[2:]))
@@ -41,7 +43,7 @@ def _params(config: PipelineConfig, model: str) -> dict:
     return {**model_params("point", model), "hypotheses": config.hypotheses.model_dump(mode="json")}
 
 
-MINIMAL_SAMPLES = Task("hypotheses", "minimal-samples", version=3, run=_run, params=_params)
+MINIMAL_SAMPLES = Task("hypotheses", "minimal-samples", version=4, run=_run, params=_params)
 
 STAGE = Stage(
     name="hypotheses",

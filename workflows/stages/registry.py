@@ -39,6 +39,7 @@ from moseg.workflows.stages import (
     motion_proof,
     moves_now,
     moving_tracks,
+    noise_reduction,
     object_areas,
     object_hypotheses,
     own_motion,
@@ -76,7 +77,7 @@ STAGES: dict[str, Stage] = {
         *(depth, tracks, fundamental, fundamental_residual, flow_model, flow_residual, object_hypotheses),
         *(affinity, clustering, object_areas, corrected_objects, grown_object, carried_mask, tracked_mask, painted),
         *(segmentation, moves_now, confidence),
-        *(hypotheses, kernel, trajectory_clustering),
+        *(noise_reduction, hypotheses, kernel, trajectory_clustering),
         score,
     )
 }

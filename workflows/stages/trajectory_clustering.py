@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.parameters import TrajectoryClusteringParams
+from moseg.schemas.parameters import ClipSectionParams, TrajectoryClusteringParams
 from moseg.schemas.parameters.clustering import COUNT_READS
 from moseg.workflows.stages.hypotheses import points_of, read_hypotheses
 from moseg.workflows.stages.model_codes import model_params, point_model_of
@@ -13,7 +13,7 @@ from moseg.workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.trajectories import ModelKernels, group_trajectories
+    from moseg.tasks.trajectories import ModelKernels, group_clip
 
     views = [
         ModelKernels(point_model_of(model), read_hypotheses(drawn), affinity.array("kernel"))
@@ -22,9 +22,10 @@ def _run(params, inputs, rng):
         )
     ]
     clustering_params = TrajectoryClusteringParams.of_recipe(params["clustering"])
-    found = group_trajectories(
-        *points_of(inputs), views, params["num_motions"], clustering_params, params["window"], rng
-    )
+    section_params = ClipSectionParams.of_recipe(params["sections"])
+    is_stray = inputs["trajectories"].cached("stray")
+    parts = clustering_params, section_params, params["window"]
+    found = group_clip(*points_of(inputs), is_stray, views, params["num_motions"], *parts, rng)
     arrays = {name: getattr(found.clustering, name) for name in ("embedding", "eigenvalues", "costs", "cuts", "codes")}
     attributes = {
         "num_motions": int(found.clustering.num_motions),
@@ -44,7 +45,14 @@ def _params(config: PipelineConfig, models: Sequence[str], num_motions: int | No
     method = clustering_method(config, len(models))
     read = read_params(config.trajectory_clustering, method, is_auto=num_motions is None)
     codes = [model_params("point", model) for model in models]
-    return {"num_motions": num_motions, "clustering": read, "models": codes, "window": config.kernel.window}
+    sections = config.clip_sections.model_dump(mode="json")
+    return {
+        "num_motions": num_motions,
+        "clustering": read,
+        "sections": sections,
+        "models": codes,
+        "window": config.kernel.window,
+    }
 
 
 def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) -> dict:
@@ -68,7 +76,7 @@ def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) 
     return read
 
 
-MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=5, run=_run, params=_params)
+MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=6, run=_run, params=_params)
 
 STAGE = Stage(
     name="trajectory_clustering",
