@@ -57,8 +57,7 @@ def _rounded_halves(step: float) -> np.ndarray:
 
 def _multiples(array: np.ndarray, step: float) -> np.ndarray:
     # in float32, where neither the quotients of float16 nor their rounded values overflow
-    rounded = array.astype(np.float32)
-    rounded *= np.float32(1 / step)
+    rounded = np.multiply(array, np.float32(1 / step), dtype=np.float32)
     np.rint(rounded, out=rounded)
     rounded *= np.float32(step)
     return rounded.astype(array.dtype, copy=False)
