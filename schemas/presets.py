@@ -61,9 +61,20 @@ LIGHT: Mapping[str, Choices] = {
 """Changes of presets for a laptop (`--light`): smaller networks and smaller inputs, any use allowed."""
 
 QUALITIES: Mapping[str, Choices] = {
-    "fast": {"max_side": 427, "saliency": {"working_side": 284}},
+    "fast": {
+        "max_side": 427,
+        "flow": {"preset": "light"},
+        "saliency": {"working_side": 213},
+        "motion_network": {"step": 3},
+        "scene_parallax": {"num_pairs": 4, "min_pairs": 3, "num_corners": 400},
+        "rigid_support": {"step": 16},
+        "tracks": {"points_per_object": 40, "background_points": 80, "window": 11, "pyramid_levels": 3},
+        "fundamental": {"step": 3},
+        "flow_model": {"step": 4},
+    },
     "default": {},
     "best": {"flow": {"preset": "fine"}, "video_network": {"use": "always"}},
 }
-"""Trade-offs of accuracy and time for any preset: the size at which frames are analysed, the search of DIS, and a
-network trained on the video. `best` does not change other flow, nor proposals that are not made from saliency."""
+"""Trade-offs of accuracy and time for any preset: the size at which frames are analysed, the search of DIS, how many
+points and pairs are read, and a network trained on the video. `best` does not change other flow, nor proposals that are
+not made from saliency."""

@@ -20,7 +20,6 @@ SCIENCE = {
     "PIL",
     "cv2",
     "google",  # protobuf, whose errors onnx raises
-    "kmedoids",
     "numpy",
     "onnx",
     "poselib",

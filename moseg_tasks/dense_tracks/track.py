@@ -1,6 +1,6 @@
 """Tracks of the whole frame through a window of frames, refilled in each frame."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import cv2
@@ -66,6 +66,21 @@ def track_densely(
         fronts.append((live, points))
         previous = gray
     return _assemble(fronts, num_tracks, params.min_frames)
+
+
+def join_runs(runs: Sequence[DenseTracks], starts: Sequence[int], num_frames: int) -> DenseTracks:
+    """Join the tracks of several runs of frames, of which each starts at its own frame, to those of `num_frames`."""
+    if len(runs) == 1:
+        return runs[0]
+    num_tracks = [len(run.points) for run in runs]
+    joined = DenseTracks(
+        np.zeros((sum(num_tracks), num_frames, 2), np.float32), np.zeros((sum(num_tracks), num_frames), bool)
+    )
+    last = np.cumsum(num_tracks)
+    for run, start, end in zip(runs, starts, last, strict=True):
+        place = slice(end - len(run.points), end), slice(start, start + run.points.shape[1])
+        joined.points[place], joined.visible[place] = run
+    return joined
 
 
 def _equalised(frame: np.ndarray, params: DenseTrackParams) -> np.ndarray:

@@ -9,7 +9,7 @@ import poselib
 
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.half_floats import to_float16
-from moseg.tasks.saliency.background import affine_flow, fit_background, sample_flow
+from moseg.tasks.saliency.background import AffineMotion, affine_flow, fit_background, sample_flow
 from moseg.tasks.saliency.grid import vector_length, warp, working_shape
 from moseg.tasks.saliency.photometric import colour_error
 
@@ -50,12 +50,15 @@ class Neighbour(NamedTuple):
         From this one to the frame looked at, px.
     residual : float32 (h, w, 2)
         `flow` less the flow of the chosen background: of one or two layers, or of a rigid scene.
+    first_layer : AffineMotion, optional
+        The background's motion that most of `flow` follows; fitted again if it is not given.
     """
 
     image: np.ndarray
     flow: np.ndarray
     back: np.ndarray
     residual: np.ndarray
+    first_layer: AffineMotion | None = None
 
 
 def encode_motion(
@@ -98,7 +101,7 @@ def _encode_direction(
 ) -> tuple[np.ndarray, float]:
     """Return the channels float32 (grid y, grid x, channel) of one direction, and the noise of its flow, px."""
     flow = neighbour.flow
-    motion = fit_background(flow, params)
+    motion = neighbour.first_layer or fit_background(flow, params)
     first = flow - affine_flow(motion, flow.shape[:2])
     noise = np.float32(motion.scale)
     background_error, observed_error = (

@@ -61,8 +61,9 @@ def see_objects(
             frames[index, end] = (sight.first, sight.last)[end], sight.frame
             places[index, end] = *sight.centre, *sight.velocity, sight.area
             colours[index, end] = sight.histogram
-    background = flows[:, NEXT] - residual_flows[:, NEXT]
-    return Sightings(frames, places, colours, np.median(background[:, ::4, ::4], axis=(1, 2)).astype(np.float32))
+    some = (NEXT, slice(None, None, 4), slice(None, None, 4))
+    background = [np.median(flows[t, *some] - residual_flows[t, *some], axis=(0, 1)) for t in range(len(labels))]
+    return Sightings(frames, places, colours, np.array(background, np.float32))
 
 
 def find_returns(

@@ -68,7 +68,7 @@ def estimate_rigidity(
     Rigidity
     """
     images = [_smooth_gray(frame, params.test_blur) for frame in frames]
-    focal = choose_focal(points, visible, images[0].shape, params)
+    focal = choose_focal(points, visible, images[0].shape, params, step)
     pairs, seen_in, evidence = [], [], []
     for gap in params.gaps:
         for start in range(0, len(images) - gap, step):

@@ -10,7 +10,9 @@ from moseg.tasks.rigidity.parallax import split_displacements
 from moseg.tasks.rigidity.relative_pose import fit_pose
 
 
-def choose_focal(points: np.ndarray, visible: np.ndarray, shape: tuple[int, int], params: RigidityParams) -> float:
+def choose_focal(
+    points: np.ndarray, visible: np.ndarray, shape: tuple[int, int], params: RigidityParams, step: int = 1
+) -> float:
     """Return the one of `params.focals`, in longer sides of the frame, that explains the tracks best.
 
     The cost of a focal length is the mean over tracks of the squared deviation from the epipolar line, in squares of
@@ -24,10 +26,12 @@ def choose_focal(points: np.ndarray, visible: np.ndarray, shape: tuple[int, int]
     visible : bool (N, F)
     shape : (height, width)
     params : RigidityParams
+    step : int, optional
+        Pairs begin at multiples of this.
     """
     num_frames = visible.shape[1]
     gap = min(params.focal_gap, num_frames - 1)
-    starts = np.linspace(0, num_frames - 1 - gap, params.focal_pairs).round().astype(int)
+    starts = np.linspace(0, (num_frames - 1 - gap) // step, params.focal_pairs).round().astype(int) * step
     pairs = []
     for start in np.unique(starts) if gap > 0 else ():
         seen = visible[:, start] & visible[:, start + gap]

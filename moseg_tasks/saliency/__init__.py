@@ -1,6 +1,7 @@
 """Motion saliency without learned weights: from the flow of frame pairs to each pixel's probability to move."""
 
 from moseg.tasks.saliency.accumulation import accumulate, memory_weight
+from moseg.tasks.saliency.background import AffineMotion
 from moseg.tasks.saliency.choice import BackgroundChoice, choose_background
 from moseg.tasks.saliency.consistency import flow_consistency
 from moseg.tasks.saliency.foreground import foreground_probability
@@ -12,6 +13,7 @@ from moseg.tasks.saliency.moves_now import moves_now
 from moseg.tasks.saliency.own_motion import own_motion_misfit
 
 __all__ = [
+    "AffineMotion",
     "BackgroundChoice",
     "FrameSaliency",
     "accumulate",

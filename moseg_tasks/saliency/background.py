@@ -10,6 +10,7 @@ from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.grid import pixel_grid
 
 _MINIMAL_SAMPLE = 4
+_SETTLED = 1e-3  # px/frame: change of the motion at the frame's border below which a fit ends
 MAD_TO_SIGMA = 1.4826  # median of |x| of a unit Gaussian, inverted
 
 
@@ -29,6 +30,15 @@ class AffineMotion(NamedTuple):
     theta: np.ndarray
     centre: np.ndarray
     scale: float
+
+    def to_json(self) -> dict:
+        """Return the motion as lists and numbers, which `of_json` reads."""
+        return {"theta": self.theta.tolist(), "centre": self.centre.tolist(), "scale": self.scale}
+
+    @classmethod
+    def of_json(cls, values: dict) -> "AffineMotion":
+        """Return the motion of the values that `to_json` gave."""
+        return cls(np.array(values["theta"]), np.array(values["centre"]), values["scale"])
 
 
 def fit_background(flow: np.ndarray, params: SaliencyParams, among: np.ndarray | None = None) -> AffineMotion:
@@ -70,6 +80,12 @@ def tukey_weight(residual: np.ndarray, cutoff: float) -> np.ndarray:
     return np.clip(1 - (residual / cutoff) ** 2, 0, None) ** 2
 
 
+def is_settled(change: np.ndarray, reach: float) -> bool:
+    """Return whether a change of `AffineMotion.theta` is negligible everywhere up to `reach` px from the centre."""
+    largest = np.abs(change).max(axis=1)
+    return bool(largest[0] + reach * (largest[1] + largest[2]) < _SETTLED)
+
+
 def sample_flow(
     flow: np.ndarray, step: int, among: np.ndarray | None = None, thinning: SaliencyParams | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -85,6 +101,13 @@ def sample_flow(
         kept &= ~middle | ((i + j) % thinning.centre_thinning == 0)
     y, x = y[kept], x[kept]
     return np.column_stack([x, y]).astype(np.float64), flow[y, x].astype(np.float64)
+
+
+def _solve_spanned(normal: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solve symmetric normal equations, with slope 0 in directions not spanned: of a single pixel, row or column."""
+    values, vectors = np.linalg.eigh(normal)
+    kept = values > 1e-10 * values[-1]
+    return (vectors[:, kept] / values[kept]) @ (vectors[:, kept].T @ right)
 
 
 def _ransac_homography(points0: np.ndarray, points1: np.ndarray, params: SaliencyParams) -> np.ndarray | None:
@@ -118,6 +141,7 @@ def _tukey_affine(
     residual = np.zeros(len(points)) if start is None else start
     inliers = residual <= params.ransac_threshold
     theta, scale = np.zeros((3, 2)), params.affine_scale_floor
+    reach = np.abs(design[:, 1:]).max(initial=0.0)
     for _ in range(params.affine_iterations):
         if not inliers.any():
             break
@@ -125,9 +149,10 @@ def _tukey_affine(
         cutoff = params.tukey_constant * scale
         weight = tukey_weight(residual, cutoff)
         weighted = design * weight[:, None]
-        # The pseudo-inverse gives slope 0 in directions that the points do not span: a single pixel, row or column.
-        theta = np.linalg.pinv(weighted.T @ design, rcond=1e-10, hermitian=True) @ (weighted.T @ vectors)
+        previous, theta = theta, _solve_spanned(weighted.T @ design, weighted.T @ vectors)
         error = design @ theta - vectors
         residual = np.hypot(error[:, 0], error[:, 1])
         inliers = residual < cutoff
+        if is_settled(theta - previous, reach):
+            break
     return AffineMotion(theta, centre, scale)

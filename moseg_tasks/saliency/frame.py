@@ -7,6 +7,7 @@ import numpy as np
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.half_floats import to_float16
+from moseg.tasks.saliency.background import AffineMotion
 from moseg.tasks.saliency.camera import fit_camera_motion
 from moseg.tasks.saliency.choice import LAYERS, BackgroundChoice
 from moseg.tasks.saliency.grid import reduce_flow, reduce_frame, vector_length, working_shape
@@ -29,12 +30,15 @@ class FrameSaliency(NamedTuple):
         To the previous and to the next frame, px/frame of the working grid; zeros where there is none.
     residual_flows : float16 (2, h, w, 2)
         `flows` less the background's.
+    first_layers : two of AffineMotion or None
+        Motion of the background's first layer in both directions; None where there is no flow, or for a rigid scene.
     """
 
     saliency: np.ndarray
     strict_saliency: np.ndarray
     flows: np.ndarray
     residual_flows: np.ndarray
+    first_layers: tuple[AffineMotion | None, AffineMotion | None]
 
 
 def estimate_saliency(
@@ -75,6 +79,7 @@ def estimate_saliency(
     flows, residual_flows = np.zeros((2, 2, *shape, 2), np.float16)
     reduced = reduce_frame(frame, shape)
     backgrounds: list[Background] = []
+    first_layers: list[AffineMotion | None] = [None, None]
     errors = []
     for direction, (other, flow) in enumerate(((previous, flow_previous), (next, flow_next))):
         if not _is_given(frame, other, flow):
@@ -82,10 +87,11 @@ def estimate_saliency(
         observed = reduce_flow(flow, shape)
         background = _explain(observed, params, choice)
         flows[direction], residual_flows[direction] = to_float16(observed), to_float16(observed - background.flow)
+        first_layers[direction] = background.first_layer
         backgrounds.append(background)
         errors.append(colour_error(reduced, reduce_frame(other, shape), background.flow))
     if not backgrounds:
-        return FrameSaliency(*np.zeros((2, *shape), np.float16), flows, residual_flows)
+        return FrameSaliency(*np.zeros((2, *shape), np.float16), flows, residual_flows, (None, None))
     residual = np.minimum.reduce([background.residual for background in backgrounds])
     speed = np.minimum.reduce([vector_length(background.flow) for background in backgrounds])
     ungated = soft_map(residual, speed, params, choice.model == "rigid")
@@ -93,7 +99,7 @@ def estimate_saliency(
     saliency, strict = (
         to_float16(ungated * photometric_gate(error, scale)) for scale in (params.gate_error, params.strict_gate_error)
     )
-    return FrameSaliency(saliency, strict, flows, residual_flows)
+    return FrameSaliency(saliency, strict, flows, residual_flows, tuple(first_layers))
 
 
 def _explain(flow: np.ndarray, params: SaliencyParams, choice: BackgroundChoice) -> Background:

@@ -11,10 +11,21 @@ from moseg.tasks.saliency.grid import vector_length
 
 
 class Background(NamedTuple):
-    """Background flow float32 (y, x, 2) and residual float32 (y, x) of the observed flow, px/frame."""
+    """Background flow and the residual of the observed flow.
+
+    Attributes
+    ----------
+    flow : float32 (y, x, 2)
+        px/frame.
+    residual : float32 (y, x)
+        px/frame.
+    first_layer : AffineMotion or None
+        Motion of the first layer; None for a rigid scene.
+    """
 
     flow: np.ndarray
     residual: np.ndarray
+    first_layer: AffineMotion | None = None
 
 
 def fit_layers(flow: np.ndarray, params: SaliencyParams) -> Background:
@@ -34,7 +45,8 @@ def fit_layers(flow: np.ndarray, params: SaliencyParams) -> Background:
     Background
         Each pixel has the flow of the layer that explains it better.
     """
-    first = _explain(flow, fit_background(flow, params))
+    first_layer = fit_background(flow, params)
+    first = _explain(flow, first_layer)
     typical = typical_residual(first.residual, params.border_band)
     outliers = first.residual > max(params.layer_residual, params.layer_medians * typical)
     if outliers.mean() < params.layer_area or not outliers.any():
@@ -47,12 +59,12 @@ def fit_layers(flow: np.ndarray, params: SaliencyParams) -> Background:
         return first
     better = (second.residual < first.residual).astype(np.uint8)
     cv2.copyTo(second.flow, better, first.flow)
-    return Background(first.flow, cv2.min(first.residual, second.residual))
+    return Background(first.flow, cv2.min(first.residual, second.residual), first_layer)
 
 
 def _explain(flow: np.ndarray, motion: AffineMotion) -> Background:
     background = affine_flow(motion, flow.shape[:2])
-    return Background(background, vector_length(flow - background))
+    return Background(background, vector_length(flow - background), motion)
 
 
 def _border_share(support: np.ndarray) -> float:

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from moseg.schemas.parameters import OwnMotionParams
-from moseg.tasks.saliency.background import MAD_TO_SIGMA, AffineMotion, affine_flow, tukey_weight
+from moseg.tasks.saliency.background import MAD_TO_SIGMA, AffineMotion, affine_flow, is_settled, tukey_weight
 from moseg.tasks.saliency.grid import vector_length
 
 _RIDGE = 1e-6  # keeps the fit solvable where Tukey's weights are all 0
@@ -67,33 +67,35 @@ def _follow_regions(left: np.ndarray, flow: np.ndarray, weight: np.ndarray, para
         relative = np.where(inside, weight / weight[inside].max(), 0)
         motion = _fit_own_motion(flow, relative, params, params.region_step)
         if motion is not None:
-            own = vector_length(flow - affine_flow(motion, flow.shape[:2]))
-            left[inside] = np.minimum(left[inside], own[inside])
+            own = vector_length(flow[inside] - affine_flow(motion, flow.shape[:2])[inside])
+            left[inside] = np.minimum(left[inside], own)
     return left
 
 
 def _fit_own_motion(flow: np.ndarray, weight: np.ndarray, params: OwnMotionParams, step: int) -> AffineMotion | None:
     """Fit a weighted robust affine motion from the weighted median vector; None where too little is salient."""
-    height, width = weight.shape
-    y, x = np.mgrid[step // 2 : height : step, step // 2 : width : step]
-    given = weight[y, x].ravel().astype(np.float64)
-    salient = given > params.salient_share * given.max(initial=0.0)
-    given, points = given[salient], np.column_stack([x.ravel(), y.ravel()])[salient]
+    on_grid = (slice(step // 2, None, step),) * 2
+    some = weight[on_grid].astype(np.float64)
+    rows, columns = np.nonzero(some > params.salient_share * some.max(initial=0.0))
+    given = some[rows, columns]
     if given.sum() < params.least_weight:
         return None
-    vectors = flow[points[:, 1], points[:, 0]].astype(np.float64)
+    points = np.column_stack([columns, rows]) * step + step // 2
+    vectors = flow[on_grid][rows, columns].astype(np.float64)
     centre = given @ points / given.sum()
     design = np.column_stack([np.ones(len(points)), points - centre])
     prior = np.diag([_RIDGE, params.slope_prior, params.slope_prior])
     theta = np.zeros((3, 2))
     theta[0] = [_weighted_quantile(vectors[:, axis], given, 0.5) for axis in (0, 1)]
-    scale = params.scale_floor
+    scale, reach = params.scale_floor, np.abs(design[:, 1:]).max()
     for _ in range(params.iterations):
         error = vectors - design @ theta
         left = np.hypot(error[:, 0], error[:, 1])
         scale = max(params.scale_floor, MAD_TO_SIGMA * _weighted_quantile(left, given, 0.5))
         weighted = design * (given * tukey_weight(left, params.tukey_constant * scale))[:, None]
-        theta = np.linalg.solve(weighted.T @ design + prior, weighted.T @ vectors)
+        previous, theta = theta, np.linalg.solve(weighted.T @ design + prior, weighted.T @ vectors)
+        if is_settled(theta - previous, reach):
+            break
     return AffineMotion(theta, centre, scale)
 
 

@@ -12,6 +12,9 @@ class FundamentalParams(Frozen):
     """Eight-point algorithm inside RANSAC on each object's tracked points, and the residuals under it."""
 
     gap: Annotated[int, Unit.FRAMES] = Field(3, ge=1, description="frames between the two frames of a pair")
+    step: Annotated[int, Unit.FRAMES] = Field(
+        1, ge=1, description="frames between the first frames of the pairs that are fitted"
+    )
     estimator: Literal["poselib", "eight_point_ransac"] = Field(
         "poselib",
         description="poselib (seven-point LO-RANSAC with non-linear refinement) or eight_point_ransac (the paper)",

@@ -17,6 +17,13 @@ class MotionNetworkParams(Frozen):
     weights: str = Field(
         "", description="an ONNX file of `moseg train`; by default the network that comes with this program"
     )
+    step: Annotated[int, Unit.FRAMES] = Field(
+        3,
+        ge=1,
+        le=3,
+        description="frames between those that the network looks at; the logit of the others is carried along the flow"
+        " from the frame beside them, or from both",
+    )
     share: Annotated[float, Unit.SHARE] = Field(
         0.5, ge=0, le=1, description="weight of the network's logit; that of saliency has the rest"
     )

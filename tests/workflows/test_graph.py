@@ -21,13 +21,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "3c4d2d7a67051e54",
-    "oc-depth": "60fe123427bb38a3",
-    "oc": "239e2447a28879f5",
-    "trajs": "ef1230d7b6585d64",
-    "base": "2cbb8f098c577c3d",
+    "fused": "7db39912f9c8e125",
+    "oc-depth": "e144c6f1d4a2263a",
+    "oc": "ff0a79788c8122c8",
+    "trajs": "11dd28852710ba16",
+    "base": "4b849d23195bbd9f",
     "flow": "ec6907edf2d34677",
-    "tracks": "d88726691db535b8",
+    "tracks": "9482284c9f8d0b97",
 }
 
 
@@ -92,6 +92,8 @@ def _tasks(refs):
         ({"saliency__gric_noise": 0.3}, TRAJS | FLOW_MODEL | CUES - {"flow"} | {"affinity"} | END),
         ({"accumulation__consistency_absolute": 0.2}, BEHIND | FOREGROUND | {"consistency"}),
         ({"motion_network__share": 0.3}, BEHIND | FOREGROUND),
+        ({"motion_network__step": 1}, BEHIND | FOREGROUND | {"motion_network"}),
+        ({"fundamental__step": 2}, TRAJS | {"affinity"} | END),
         ({"accumulation__memory": 0.9}, BEHIND | FOREGROUND),
         ({"accumulation__reliability_floor": 0.2}, BEHIND | FOREGROUND),
         ({"own_motion__spread": 0.5}, BEHIND | FOREGROUND - {"accumulation", "motion_memory"}),
@@ -290,3 +292,16 @@ def test_a_changed_graph_has_the_keys_of_one_that_is_written_anew(changes, edits
     assert changed.segmentations(Variant.FUSED) == labels
     assert changed.moves_now(Variant.FUSED) == wanted.moves_now(Variant.FUSED)
     assert changed.recipes.keys() >= wanted.recipes.keys()
+
+
+@pytest.mark.parametrize("step", [1, 2, 3])
+@pytest.mark.parametrize("num_frames", [1, 2, 3, 6, 9, 12])
+def test_every_frame_is_one_that_the_motion_network_looks_at_or_beside_one_of_its_section(num_frames, step):
+    leaves = LEAVES._replace(frames=_refs("frame", num_frames))
+    cues = SequenceGraph(leaves, _config(motion_network__step=step)).frame_cues
+    for start in range(0, num_frames, 4):
+        stop = min(start + 4, num_frames)
+        looked_at = {start + frame for frame in cues.looked_at(start, stop)}
+        assert looked_at <= set(range(max(start - 1, 0), min(stop + 1, num_frames)))
+        assert all(looked_at & {frame - 1, frame, frame + 1} for frame in range(start, stop))
+        assert all(frame % step == 0 or frame == num_frames - 1 for frame in looked_at)

@@ -25,7 +25,7 @@ def test_the_default_quality_changes_nothing():
 
 def test_fast_reduces_frames_and_a_setting_overrides_it():
     config = PipelineOptions(quality="fast").choices().read()
-    assert (config.max_side, config.saliency.working_side) == (427, 284)
+    assert (config.max_side, config.saliency.working_side) == (427, 213)
     config = PipelineOptions(quality="fast", settings=["saliency.working_side=300"]).choices().read()
     assert (config.max_side, config.saliency.working_side) == (427, 300)
 

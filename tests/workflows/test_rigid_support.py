@@ -127,13 +127,13 @@ def test_with_a_number_of_motions_the_threshold_of_static_objects_is_read_too(mo
 
 def test_the_comparison_reads_the_tracks_of_the_sections_window():
     graph = _graph(*DEEP, num_frames=24)
-    window = graph.objects.track_proposals
+    window, step = graph.objects.track_proposals, PipelineConfig().rigid_support.step
     for index, recipe in enumerate(_supports(graph)):
         assert recipe.inputs == {
             "proposals": graph.objects.proposals(index),
             "linking": graph.objects.linking(),
-            "dense_tracks": window.dense_tracks(index),
-            "rigidity": window.rigidity(index, PipelineConfig().rigid_support.step),
+            "dense_tracks": window.dense_tracks(index, step),
+            "rigidity": window.rigidity(index, step),
         }
         assert recipe.params["start"] == window.first_row(index)
     # The window of the last section begins before it.
@@ -145,6 +145,13 @@ def test_objects_of_dense_tracks_are_compared_in_all_pairs_whatever_the_step_of_
     assert recipes[0] == recipes[1]
     graph = _graph(*DEEP, rigid_support={"step": 3})
     assert {graph.recipes[recipe.inputs["rigidity"]].params["step"] for recipe in _supports(graph)} == {3}
+
+
+def test_frames_between_pairs_are_tracked_only_if_pairs_reach_over_them():
+    gap = max(PipelineConfig().rigidity.gaps)
+    window = _graph(*DEEP).objects.track_proposals
+    assert window.dense_tracks(0, gap) == window.dense_tracks(0)
+    assert window.dense_tracks(0, gap + 1) != window.dense_tracks(0)
 
 
 def test_where_objects_are_compared_is_in_no_key():

@@ -92,10 +92,12 @@ class Foreground:
 
     def _accumulate(self, index: int, origin: str, carried: dict[str, str]) -> str:
         inputs = {"saliency": self._saliency(index), "consistency": self._consistency(index), **carried}
+        looked_at: list[int] = []
         if uses_motion_network(self._config):
             section = self._sections[index]
-            inputs["network"] = tuple(self._cues.motion_network(frame) for frame in range(section.start, section.stop))
-        return self._nodes.add("accumulation", inputs, origin=origin)
+            looked_at = self._cues.looked_at(section.start, section.stop)
+            inputs["network"] = tuple(self._cues.motion_network(section.start + frame) for frame in looked_at)
+        return self._nodes.add("accumulation", inputs, origin=origin, looked_at=looked_at)
 
     def _remember(self, index: int, origin: str, carried: dict[str, str]) -> str:
         inputs = {"saliency": self._saliency(index), "consistency": self._consistency(index), **carried}

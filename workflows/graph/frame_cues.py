@@ -66,6 +66,24 @@ class FrameCues:
             inputs |= {"next": frames[frame + 1], "flow_next": self.flow(frame, frame + 1)}
         return self._nodes.add("saliency", inputs)
 
+    def looked_at(self, start: int, stop: int) -> list[int]:
+        """Return the frames whose logits the motion network gives to frames in a row: of these and right beside them.
+
+        They are counted from `start`.
+        """
+        num_frames, step = len(self._leaves.frames), self._config.motion_network.step
+
+        def is_looked_at(frame: int) -> bool:
+            # the last frame too, unless it is beside one of the others
+            return frame % step == 0 or (frame == num_frames - 1 and frame % step > 1)
+
+        read = list(filter(is_looked_at, range(start, stop)))
+        if start > 0 and not is_looked_at(start) and is_looked_at(start - 1):
+            read.insert(0, start - 1)
+        if stop < num_frames and not is_looked_at(stop - 1) and is_looked_at(stop):
+            read.append(stop)
+        return [frame - start for frame in read]
+
     @cached_method
     def motion_network(self, frame: int) -> str:
         """Return the reference of the motion network's logit for a frame."""

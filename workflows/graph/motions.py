@@ -73,7 +73,7 @@ class Motions:
         if objects.source_of(index) == "tracks":
             return self._nodes.add("rigid_support", inputs, "tracks", section=index)
         inputs |= {
-            "dense_tracks": window.dense_tracks(index),
+            "dense_tracks": window.dense_tracks(index, self._config.rigid_support.step),
             "rigidity": window.rigidity(index, self._config.rigid_support.step),
         }
         return self._nodes.add("rigid_support", inputs, "masks", section=index, start=window.first_row(index))

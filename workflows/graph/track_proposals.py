@@ -36,8 +36,8 @@ class TrackProposals:
         return self._sections[index].start - self.window(index).first
 
     @cached_method
-    def dense_tracks(self, index: int) -> str:
-        """Return the reference of the point tracks of a section's window."""
+    def dense_tracks(self, index: int, step: int = 1) -> str:
+        """Return the reference of the point tracks of a section's window, for pairs `step` frames apart."""
         first, last = self.window(index)
         pairs = [(frame, frame + 1) for frame in range(first, last - 1)]
         inputs = {
@@ -45,13 +45,13 @@ class TrackProposals:
             "flow_forward": tuple(self._cues.flow(frame0, frame1) for frame0, frame1 in pairs),
             "flow_backward": tuple(self._cues.flow(frame1, frame0) for frame0, frame1 in pairs),
         }
-        return self._nodes.add("dense_tracks", inputs)
+        return self._nodes.add("dense_tracks", inputs, step=step)
 
     @cached_method
     def rigidity(self, index: int, step: int = 1) -> str:
         """Return the reference of the deviation of these tracks from a rigid scene, in pairs `step` frames apart."""
         first, last = self.window(index)
-        inputs = {"dense_tracks": self.dense_tracks(index), "frames": self._leaves.frames[first:last]}
+        inputs = {"dense_tracks": self.dense_tracks(index, step), "frames": self._leaves.frames[first:last]}
         if self._config.depth.method != "none":
             inputs["depth"] = tuple(self._cues.depth(frame) for frame in range(first, last))
         return self._nodes.add("rigidity", inputs, step=step)

@@ -37,13 +37,13 @@ def _run(params, inputs, rng):
     accumulation_params = AccumulationParams.of_recipe(params["accumulation"])
     direction, order = pass_direction(params["from"])
     frames = inputs.all("saliency")[order]
-    networks = inputs.all("network")[order] if "network" in inputs else [None] * len(frames)
+    looks = list(_looks(params, inputs, len(frames)))[order]
     consistency = inputs["consistency"].array("consistency")[order]
 
-    def see(frame, network, agreement):
+    def see(frame, look, agreement):
         saliencies = [to_float32(frame.array(name)) for name in ("strict_saliency", "saliency")]
-        if network is not None:
-            logit = to_float32(network.array("logit"))
+        if look:
+            logit = _logit_of(frame, look)
             evidence = MotionNetworkParams.of_recipe(params["motion_network"]), _foreground(params)
             saliencies = [join_evidence(saliency, logit, *evidence) for saliency in saliencies]
         return np.dstack([*saliencies, to_float32(agreement[direction])])
@@ -54,12 +54,40 @@ def _run(params, inputs, rng):
 
     # Frame by frame: all frames of a section at once would set the peak memory of the run.
     accumulated = accumulate(
-        (see(*each) for each in zip(frames, networks, consistency, strict=True)),
+        (see(*each) for each in zip(frames, looks, consistency, strict=True)),
         pass_flows(frames, direction),
         (weigh(agreement) for agreement in consistency),
         carried_row(inputs),
     )
     return Output({"maps": np.ascontiguousarray(accumulated[order]), CARRIED: accumulated[-1]})
+
+
+def _looks(params, inputs: Inputs, num_frames: int):
+    """Yield, for each frame of the section, the artifacts of the network's logits that it takes, by direction.
+
+    The direction of a frame's own logit is None; without a network there is none.
+    """
+    networks = inputs.all("network") if "network" in inputs else []
+    looked_at = params.get("looked_at", range(len(networks)))
+    by_frame = dict(zip(looked_at, networks, strict=True))
+    for frame in range(num_frames):
+        if frame in by_frame:
+            yield {None: by_frame[frame]}
+        else:
+            beside = enumerate((frame - 1, frame + 1))
+            yield {direction: by_frame[other] for direction, other in beside if other in by_frame}
+
+
+def _logit_of(frame, look) -> np.ndarray:
+    """Return the network's logit for a frame, float32 on the network's grid: its own or what others carry to it."""
+    from moseg.tasks.half_floats import to_float32
+    from moseg.tasks.motion_network import carry_logits
+
+    logits = [to_float32(network.array("logit")) for network in look.values()]
+    if None in look:
+        return logits[0]
+    flows = frame.array("flows")
+    return carry_logits(logits, [to_float32(flows[direction]) for direction in look])
 
 
 def pass_direction(origin: str) -> tuple[int, slice]:
@@ -79,14 +107,17 @@ def carried_row(inputs: Inputs) -> np.ndarray | None:
     return inputs["carried"].array(CARRIED) if "carried" in inputs else None
 
 
-def _params(config: PipelineConfig, origin: str) -> dict:
+def _params(config: PipelineConfig, origin: str, looked_at: list[int]) -> dict:
     read = config.accumulation.model_dump(mode="json", exclude=CONSISTENCY_PARAMS)
     if not uses_motion_network(config):
         return {"from": origin, "accumulation": read}
+    # Without a step each frame has a logit of its own, in the order of the frames.
+    carried = {} if config.motion_network.step == 1 else {"looked_at": looked_at}
     return {
         "from": origin,
         "accumulation": read,
-        "motion_network": config.motion_network.model_dump(mode="json", exclude={"use", "weights"}),
+        **carried,
+        "motion_network": config.motion_network.model_dump(mode="json", exclude={"use", "weights", "step"}),
         "foreground": config.foreground.model_dump(mode="json", include=_EVIDENCE_PARAMS),
     }
 
@@ -102,7 +133,7 @@ STAGE = Stage(
     about="saliency accumulated along the flow through a section",
     inputs={
         "saliency": "saliency of the section's frames",
-        "network": "logits of the motion network, unless it is not used",
+        "network": "logits of the motion network for the frames that it looks at, unless it is not used",
         "consistency": "of their flows",
         "carried": "the same pass in the section before",
     },

@@ -9,6 +9,8 @@ from moseg.workflows.stages.object_hypotheses import CELL_PARAMS, PREFERENCE_PAR
 from moseg.workflows.stages.stage import Backend, Choice, Stage
 from moseg.workflows.stages.task import Output, Task
 
+_MIN_STATIC_PAIRS = 2
+
 
 def _runner(method: str):
     def run(params, inputs, rng):
@@ -62,14 +64,20 @@ def _run_combined(params, inputs, rng):
 
 def _size_params(config: PipelineConfig, view: str) -> dict:
     """Return the parameters that an affinity from residuals under the objects' own models reads."""
-    unread = {"method", "ork_threshold", "ork_reading"} | _unread_of(view)
-    return {"is_flow": view != "trajs", "affinity": config.affinity.model_dump(mode="json", exclude=unread)}
+    return _read_params(config, view, {"method", "ork_threshold", "ork_reading"})
 
 
 def _ork_params(config: PipelineConfig, view: str) -> dict:
     # The support as static has a scale even if the affinity has none.
-    unread = {"method", "direction"} | _unread_of(view)
-    return {"is_flow": view != "trajs", "affinity": config.affinity.model_dump(mode="json", exclude=unread)}
+    return _read_params(config, view, {"method", "direction"})
+
+
+def _read_params(config: PipelineConfig, view: str, unread: set[str]) -> dict:
+    read = config.affinity.model_dump(mode="json", exclude=unread | _unread_of(view))
+    if view == "trajs" and config.fundamental.step > 1:
+        # a run of as many frames, of which fewer pairs are fitted
+        read["static_pairs"] = max(config.affinity.static_pairs // config.fundamental.step, _MIN_STATIC_PAIRS)
+    return {"is_flow": view != "trajs", "affinity": read}
 
 
 def _hypothesis_params(config: PipelineConfig, view: str) -> dict:

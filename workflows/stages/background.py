@@ -35,7 +35,7 @@ def _params(config: PipelineConfig) -> dict:
     return config.saliency.model_dump(mode="json", exclude=RESIDUAL_PARAMS | PAIRS_PARAMS)
 
 
-MODEL_SELECTION = Task("background", "model-selection", version=1, run=_run, params=_params)
+MODEL_SELECTION = Task("background", "model-selection", version=2, run=_run, params=_params)
 
 STAGE = Stage(
     name="background",

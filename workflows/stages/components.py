@@ -5,6 +5,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import ComponentParams, IdentityParams
+from moseg.workflows.stages.frame_rows import maps_of, reduced_images
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -19,24 +20,17 @@ def join_rows(sections, name: str, num_rows: int) -> np.ndarray:
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.half_floats import to_float32
     from moseg.tasks.proposals import keep_best, label_components, rejoin_components, split_touching
-    from moseg.tasks.saliency import reduce_frame
 
     identity = IdentityParams.of_recipe(params["identity"])
     foreground = join_rows(inputs.all("foreground"), "foreground", params["num_frames"])
     component_params = ComponentParams.of_recipe(params["components"])
     labels = label_components(foreground, component_params)
     if labels.any():
-        cues = inputs.all("saliency")
-        flows, residual_flows = (
-            np.stack([to_float32(frame.array(name)) for frame in cues]) for name in ("flows", "residual_flows")
-        )
+        flows, residual_flows = (maps_of(inputs.all("saliency"), name) for name in ("flows", "residual_flows"))
         labels = split_touching(labels, residual_flows, identity)
-        images = [
-            reduce_frame(frame.cached("image"), labels.shape[1:]).astype(np.uint8) for frame in inputs.all("frames")
-        ]
-        labels = rejoin_components(labels, np.stack(images), flows, residual_flows, identity)
+        images = reduced_images(inputs.all("frames"), labels.shape[1:])
+        labels = rejoin_components(labels, images, flows, residual_flows, identity)
     components = keep_best(foreground, labels, component_params)
     return Output({"labels": components.labels, "scores": components.scores})
 

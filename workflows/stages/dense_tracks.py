@@ -9,20 +9,32 @@ from moseg.workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.dense_tracks import track_densely
+    from moseg.tasks.dense_tracks import join_runs, track_densely
     from moseg.tasks.flow.fill_unknown import fill_unknown
 
-    frames = (frame.cached("image") for frame in inputs.all("frames"))
-    forward, backward = (inputs.all(role) for role in ("flow_forward", "flow_backward"))
-    flows = (
-        (fill_unknown(read_flow(to_next)), fill_unknown(read_flow(to_previous)))
-        for to_next, to_previous in zip(forward, backward, strict=True)
-    )
-    return Output(track_densely(frames, flows, DenseTrackParams.of_recipe(params))._asdict())
+    images, forward, backward = (inputs.all(role) for role in ("frames", "flow_forward", "flow_backward"))
+    dense_params = DenseTrackParams.of_recipe({name: params[name] for name in params if name != "runs"})
+    num_frames = len(images)
+    runs = params.get("runs", {"step": num_frames, "reach": num_frames})
+    starts = range(0, num_frames, runs["step"])
+
+    def track(start):
+        run = slice(start, start + runs["reach"] + 1)
+        frames = (frame.cached("image") for frame in images[run])
+        to_next, to_previous = (flow[run][: len(images[run]) - 1] for flow in (forward, backward))
+        flows = (
+            tuple(fill_unknown(read_flow(flow)) for flow in pair) for pair in zip(to_next, to_previous, strict=True)
+        )
+        return track_densely(frames, flows, dense_params)
+
+    return Output(join_runs([track(start) for start in starts], starts, num_frames)._asdict())
 
 
-def _params(config: PipelineConfig) -> dict:
-    return config.dense_tracks.model_dump(mode="json")
+def _params(config: PipelineConfig, step: int = 1) -> dict:
+    params = config.dense_tracks.model_dump(mode="json")
+    reach = max(config.rigidity.gaps)
+    # Of pairs that are farther apart than they reach, the frames between are not tracked.
+    return params if step <= reach else {**params, "runs": {"step": step, "reach": reach}}
 
 
 LUCAS_KANADE = Task("dense_tracks", "lucas-kanade", version=2, run=_run, params=_params)

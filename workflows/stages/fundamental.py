@@ -17,7 +17,7 @@ def pair_tracks(params, inputs):
     points, visible = inputs["tracks"].cached("points"), inputs["tracks"].cached("visible")
     identity = inputs["linking"].cached("identity")[params["section"]]
     owner = identity[inputs["tracks"].cached("object")]
-    for frame0 in range(params["num_pairs"]):
+    for frame0 in range(0, params["num_pairs"], params.get("step", 1)):
         frame1 = frame0 + params["gap"]
         seen = visible[:, frame0] & visible[:, frame1]
         yield points[seen, frame0].astype(np.float64), points[seen, frame1].astype(np.float64), owner[seen]
@@ -35,8 +35,15 @@ def _run(params, inputs, rng):
 
 
 def _params(config: PipelineConfig, section: int, num_pairs: int, gap: int, shape: tuple[int, int]) -> dict:
-    read = config.fundamental.model_dump(mode="json", exclude={"gap", "statistic"})
-    return {"section": section, "num_pairs": num_pairs, "gap": gap, "shape": list(shape), "fundamental": read}
+    read = config.fundamental.model_dump(mode="json", exclude={"gap", "step", "statistic"})
+    return {**pair_params(config, section, num_pairs, gap), "shape": list(shape), "fundamental": read}
+
+
+def pair_params(config: PipelineConfig, section: int, num_pairs: int, gap: int) -> dict:
+    """Return the parameters that `pair_tracks` reads."""
+    step = config.fundamental.step
+    params = {"section": section, "num_pairs": num_pairs, "gap": gap}
+    return params if step == 1 else {**params, "step": step}
 
 
 RANSAC_FIT = Task("fundamental", "ransac", version=1, run=_run, params=_params)

@@ -5,7 +5,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import FundamentalParams
-from moseg.workflows.stages.fundamental import pair_tracks
+from moseg.workflows.stages.fundamental import pair_params, pair_tracks
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -24,7 +24,7 @@ def _run(params, inputs, rng):
 
 def _params(config: PipelineConfig, section: int, num_pairs: int, gap: int) -> dict:
     read = config.fundamental.model_dump(mode="json", include={"statistic", "min_points"})
-    return {"section": section, "num_pairs": num_pairs, "gap": gap, "fundamental": read}
+    return {**pair_params(config, section, num_pairs, gap), "fundamental": read}
 
 
 SAMPSON_RESIDUAL = Task("fundamental_residual", "sampson", version=1, run=_run, params=_params)

@@ -73,6 +73,9 @@ class ArtifactView:
 
     def shape(self, name: str) -> tuple[int, ...]:
         """Return the shape of an array without reading it."""
+        kept = ARRAYS.find(self._store.url, self._ref, name)
+        if kept is not None:
+            return kept.shape
         return self._store.manifest(self._ref).array(name).shape
 
     @property

@@ -52,9 +52,12 @@ class _Looked:
         """Return another frame as the neighbour in a direction: 0 the previous frame, 1 the next one."""
         from moseg.tasks.half_floats import to_float32
         from moseg.tasks.motion_network import Neighbour
+        from moseg.tasks.saliency import AffineMotion
 
         flow, residual = (to_float32(self._saliency.array(name)[direction]) for name in ("flows", "residual_flows"))
-        return Neighbour(other.image, flow, to_float32(other._saliency.array("flows")[1 - direction]), residual)
+        back = to_float32(other._saliency.array("flows")[1 - direction])
+        first_layer = self._saliency.attributes["first_layers"][direction]
+        return Neighbour(other.image, flow, back, residual, first_layer and AffineMotion.of_json(first_layer))
 
 
 _READ = {}
@@ -76,7 +79,7 @@ def _params(config: PipelineConfig) -> dict:
     return {"saliency": config.saliency.model_dump(mode="json", include=_FIT_PARAMS)}
 
 
-RENDERED_SCENES = Task("motion_network", "rendered-scenes", version=1, run=_run, params=_params, is_cheap=True)
+RENDERED_SCENES = Task("motion_network", "rendered-scenes", version=2, run=_run, params=_params, is_cheap=True)
 
 STAGE = Stage(
     name="motion_network",

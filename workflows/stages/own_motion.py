@@ -40,7 +40,7 @@ def _params(config: PipelineConfig, start: int, num_frames: int) -> dict:
     }
 
 
-AFFINE_MISFIT = Task("own_motion", "affine", version=3, run=_run, params=_params, is_cue=True)
+AFFINE_MISFIT = Task("own_motion", "affine", version=4, run=_run, params=_params, is_cue=True)
 
 STAGE = Stage(
     name="own_motion",

@@ -29,7 +29,9 @@ def _run(params, inputs, rng):
         SaliencyParams.of_recipe(params),
         *background,
     )
-    return Output(result._asdict())
+    arrays = result._asdict()
+    first_layers = [motion and motion.to_json() for motion in arrays.pop("first_layers")]
+    return Output(arrays, {"first_layers": first_layers})
 
 
 def _params(config: PipelineConfig) -> dict:
@@ -37,7 +39,7 @@ def _params(config: PipelineConfig) -> dict:
 
 
 BACKGROUND_RESIDUAL = Task(
-    "saliency", "background-residual", version=4, run=_run, params=_params, is_cheap=True, is_cue=True
+    "saliency", "background-residual", version=5, run=_run, params=_params, is_cheap=True, is_cue=True
 )
 
 STAGE = Stage(

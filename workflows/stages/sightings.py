@@ -5,6 +5,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import IdentityParams
+from moseg.workflows.stages.frame_rows import maps_of, reduced_images
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -13,18 +14,13 @@ SIGHTING_PARAMS = frozenset({"rejoin_seen", "rejoin_memory"})
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.half_floats import to_float32
     from moseg.tasks.proposals.returning import see_objects
-    from moseg.tasks.saliency import reduce_frame
 
     labels = inputs["components"].array("labels")
     shape = labels.shape[1:]
-    images = [reduce_frame(frame.cached("image"), shape).astype(np.uint8) for frame in inputs.all("frames")]
-    cues = inputs.all("saliency")
-    flows, residual_flows = (
-        np.stack([to_float32(frame.array(name)) for frame in cues]) for name in ("flows", "residual_flows")
-    )
-    seen = see_objects(labels, np.stack(images), flows, residual_flows, IdentityParams.of_recipe(params["identity"]))
+    images = reduced_images(inputs.all("frames"), shape)
+    flows, residual_flows = (maps_of(inputs.all("saliency"), name) for name in ("flows", "residual_flows"))
+    seen = see_objects(labels, images, flows, residual_flows, IdentityParams.of_recipe(params["identity"]))
     return Output(seen._asdict(), {"frame_area": int(np.prod(shape))})
 
 

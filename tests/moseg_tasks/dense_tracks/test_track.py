@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from moseg.schemas.parameters import DenseTrackParams
-from moseg.tasks.dense_tracks import track_densely
+from moseg.tasks.dense_tracks import join_runs, track_densely
 from moseg.tasks.dense_tracks.thinning import first_in_cells, new_corners
 
 PARAMS = DenseTrackParams()
@@ -115,3 +115,15 @@ def test_frames_without_texture_or_of_few_pixels_have_no_tracks(shape, num_frame
 def test_the_tracks_are_the_same_bytes_each_time():
     first, second = (track_densely(*moving(4), PARAMS) for _ in range(2))
     assert first.points.tobytes() == second.points.tobytes()
+
+
+def test_runs_keep_their_tracks_at_their_own_frames():
+    frames, flows = moving(9)
+    runs = [track_densely(frames[start : start + 3], flows[:2], PARAMS) for start in (0, 5)]
+    joined = join_runs(runs, (0, 5), 9)
+    first = len(runs[0].points)
+    assert joined.points.shape == (first + len(runs[1].points), 9, 2)
+    assert np.array_equal(joined.points[:first, :3], runs[0].points)
+    assert np.array_equal(joined.visible[first:, 5:8], runs[1].visible)
+    assert not joined.visible[:first, 3:].any() and not joined.visible[:, [3, 4, 8]].any()
+    assert (joined.points[~joined.visible] == 0).all()

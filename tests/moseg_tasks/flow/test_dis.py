@@ -37,7 +37,7 @@ def test_the_flow_is_that_of_opencv_whatever_grid_it_is_searched_on(preset, shap
     assert search_flow(image0, image1, params).shape == (shape[0] >> level, shape[1] >> level, 2)
 
 
-@pytest.mark.parametrize("preset", ["ultrafast", "fast", "medium"])
+@pytest.mark.parametrize("preset", ["ultrafast", "fast", "light", "medium"])
 def test_a_translation_is_recovered(preset):
     canvas = texture((140, 180))
     image0, image1 = canvas[10:130, 10:170], canvas[12:132, 7:167]

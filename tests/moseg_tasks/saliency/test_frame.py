@@ -142,7 +142,8 @@ def test_the_absent_direction_at_an_end_has_zero_flow():
 
 def test_a_single_frame_has_no_saliency():
     result = estimate_saliency(FRAME, None, None, None, None, PARAMS)
-    assert not any(array.any() for array in result)
+    assert not any(array.any() for array in result[:4])
+    assert result.first_layers == (None, None)
     assert result.strict_saliency.shape == SHAPE and result.residual_flows.shape == (2, *SHAPE, 2)
 
 
