@@ -20,6 +20,7 @@ SCIENCE = {
     "PIL",
     "cv2",
     "google",  # protobuf, whose errors onnx raises
+    "kmedoids",
     "numpy",
     "onnx",
     "poselib",

@@ -4,8 +4,6 @@ import numpy as np
 
 from moseg.tasks.tracks.spacing import far_from
 
-_MAX_ROUNDS = 20
-
 
 def covering_medoids(
     mask: np.ndarray,
@@ -39,8 +37,11 @@ def covering_medoids(
     References
     ----------
     H.-S. Park and C.-H. Jun, A simple and fast algorithm for k-medoids clustering, 2009;
-    T. F. Gonzalez, Clustering to minimize the maximum intercluster distance, 1985, for the start.
+    E. Schubert and P. Rousseeuw, Fast and eager k-medoids clustering, 2021 (FasterPAM).
     """
+    # Imported here, because it imports scikit-learn: half a second, also for processes that only read results.
+    import kmedoids
+
     y, x = np.nonzero(mask)
     drawn = rng.choice(len(x), size=min(num_candidates, len(x)), replace=False)
     candidates = np.stack([x[drawn], y[drawn]], axis=1).astype(np.float32)
@@ -49,31 +50,6 @@ def covering_medoids(
     if num_points == 0:
         return np.zeros((0, 2), dtype=np.float32)
     distances = np.linalg.norm(candidates[:, None] - candidates[None], axis=-1)
-    return candidates[np.sort(_find_medoids(distances, num_points))]
-
-
-def _find_medoids(distances: np.ndarray, num_medoids: int) -> np.ndarray:
-    """Return the indices of medoids, by turns of assignment and update, from points that are far from each other."""
-    medoids = _far_apart(distances, num_medoids)
-    for _ in range(_MAX_ROUNDS):
-        nearest = distances[:, medoids].argmin(axis=1)
-        # Of a medoid at the place of another one nothing is left.
-        nearest[medoids] = np.arange(num_medoids)
-        members = nearest[:, None] == np.arange(num_medoids)
-        totals = np.where(members, distances @ members.astype(np.float32), np.inf)
-        updated = totals.argmin(axis=0)
-        if np.array_equal(updated, medoids):
-            break
-        medoids = updated
-    return medoids
-
-
-def _far_apart(distances: np.ndarray, count: int) -> np.ndarray:
-    """Return the indices of the first point and of those that are each the farthest from all before."""
-    chosen = [0]
-    gap = distances[0].copy()
-    while len(chosen) < count:
-        gap[chosen[-1]] = -1
-        chosen.append(int(gap.argmax()))
-        np.minimum(gap, distances[chosen[-1]], out=gap)
-    return np.array(chosen)
+    seed = int(rng.integers(2**31))
+    result = kmedoids.fasterpam(distances, num_points, init="random", random_state=seed, n_cpu=1)
+    return candidates[np.sort(result.medoids)]

@@ -19,7 +19,7 @@ DIGEST_BYTES = 8
 """Short enough to be read aloud; the digest distinguishes versions and need not resist forgery."""
 WORK = ("moseg.workflows.engine.execution", "moseg.workflows.engine.ingest")
 """Modules behind every call."""
-IMPORTED_LATER = ("cv2", "poselib", "scipy", "sklearn")
+IMPORTED_LATER = ("cv2", "kmedoids", "poselib", "scipy", "sklearn")
 """Packages that single tasks import when they first run."""
 PROTOCOL = ("dask", "distributed", "cloudpickle", "msgpack")
 """Distributions by which the processes of a cluster exchange messages."""

@@ -83,9 +83,9 @@ def _method(config: PipelineConfig) -> str:
     return "given" if config.tracks.method in ("groundtruth", "folder") else config.tracks.method
 
 
-LUCAS_KANADE = Task("tracks", "lucas-kanade", version=2, run=_run_lucas_kanade, params=_lucas_kanade_params)
+LUCAS_KANADE = Task("tracks", "lucas-kanade", version=1, run=_run_lucas_kanade, params=_lucas_kanade_params)
 PIPS = Task(
-    "tracks", "pips", version=3, run=_run_pips, params=_pips_params, network=Network("pips", "pips.weights", "pips")
+    "tracks", "pips", version=2, run=_run_pips, params=_pips_params, network=Network("pips", "pips.weights", "pips")
 )
 BOOTSTAPIR = Task(
     "tracks",
