@@ -21,13 +21,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "7db39912f9c8e125",
+    "fused": "aaf7b4090a4cb613",
     "oc-depth": "e144c6f1d4a2263a",
     "oc": "ff0a79788c8122c8",
-    "trajs": "11dd28852710ba16",
+    "trajs": "5814f02455e886ba",
     "base": "4b849d23195bbd9f",
     "flow": "ec6907edf2d34677",
-    "tracks": "9482284c9f8d0b97",
+    "tracks": "cbfefe783bbe62f9",
 }
 
 

@@ -16,8 +16,8 @@ BEHIND_FLOW = {"flow", "flow_model", "flow_residual"} | GROUPS
 BEHIND_DEPTH = {"depth", "flow_model", "flow_residual"} | GROUPS
 BEHIND_TRACKS = {"tracks", "fundamental", "fundamental_residual"} | GROUPS
 GOLDEN = {
-    "paper": "161e692ae8d6f74f",
-    "modern": "dc0c9d26d5c6d210",
+    "paper": "7dde4765a27801ce",
+    "modern": "6a4fd51a7edf5379",
 }
 
 
