@@ -22,7 +22,7 @@ setup: .venv/.ready
 .venv/.ready: pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "moseg needs Python 3.11 or newer (make PYTHON=python3.12 ...)" >&2; exit 2; }
 	$(PYTHON) -m venv .venv
-	.venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[models,test]'
+	.venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[models,test,view]'
 	touch $@
 
 eval: setup
@@ -52,6 +52,7 @@ docs-check: setup
 docs-pictures: setup
 	.venv/bin/python docs/tools/draw_graph.py
 	.venv/bin/python docs/tools/make_pictures.py
+	.venv/bin/python docs/tools/picture_view.py
 	.venv/bin/python docs/tools/draw_curves.py
 
 results: setup

@@ -137,7 +137,7 @@ def test_metadata_describe_the_project_and_its_requirements(wheel):
     assert metadata["Requires-Python"] == PROJECT["requires-python"]
     required = {re.split(r"[<>=]", need)[0] for need in metadata.get_all("Requires-Dist") if "extra ==" not in need}
     assert required == {re.split(r"[<>=]", need)[0] for need in PROJECT["dependencies"]}
-    assert {"cluster", "models", "test"} == set(metadata.get_all("Provides-Extra"))
+    assert {"cluster", "models", "test", "view"} == set(metadata.get_all("Provides-Extra"))
     assert "moseg = moseg.workflows.cli:main" in wheel.info("entry_points.txt")
     assert wheel.info("licenses/LICENSE") == (ROOT / "LICENSE").read_text(encoding="utf-8")
 

@@ -11,7 +11,12 @@ FRONT = ("api", "moseg")
 """Folder of the package `moseg`, which contains the rooms."""
 ALLOWED = {
     "cli": {
-        *("api", "config", "datasets", "exports", "plugins", "process", "reports", "runlog", "stages", "weights"),
+        *("api", "config", "datasets", "exports", "plugins", "process", "reports", "runlog", "stages", "view"),
+        "weights",
+    },
+    "view": {
+        *("api", "config", "datasets", "exports", "graph", "pipelines", "process", "reports", "results"),
+        *("runlog", "sources", "stages", "weights"),
     },
     "api": {
         *("cluster", "config", "datasets", "engine", "exports", "pipelines", "predictions", "process", "reports"),

@@ -54,6 +54,7 @@ NOT_RUN = (
     (r"(^| )(gs|az)://", "no server of Google or Azure to run it against"),
     (r" tls://", "needs certificates; tests/workflows/clusters runs it"),
     (r"--install-completion|--show-completion", "changes the shell's own files"),
+    (r"^moseg view\b", "serves a page until it is ended; tests/workflows/view runs it"),
     (r"^moseg status --follow", "follows until its run ends; tests/workflows/test_status.py runs it"),
 )
 """Commands that are not run, with the reason; the patterns are matched against the command as shown."""

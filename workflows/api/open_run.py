@@ -24,6 +24,7 @@ from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.exports.frame_origin import FrameOrigin
 from moseg.workflows.exports.motion_json import SequenceSummary
 from moseg.workflows.pipelines.correct import Change, OpenRun
+from moseg.workflows.pipelines.purpose import Purpose
 from moseg.workflows.pipelines.segment import StoredSegmentation
 
 
@@ -190,5 +191,5 @@ def open_run(
     with open_source(video, choices, name, chosen, fps) as (source, _), settings.open() as session:
         path = os.path.abspath(os.fsdecode(video)) if isinstance(video, str | os.PathLike) else None
         rate = chosen.thinned_rate(choose_fps(fps, source.frames.describe().fps))
-        run = OpenRun(session, source, variant)
+        run = OpenRun(session, source, variant, Purpose("segment", source.notes, rate))
         yield OpenVideo(run, source, FrameOrigin(path, source.frames), choices, rate)

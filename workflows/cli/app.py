@@ -11,7 +11,7 @@ from typer.exceptions import TyperException
 from typer.main import get_command
 
 from moseg.schemas.errors import ClusterError, InputError, StoreError
-from moseg.workflows.cli import backends, contact_sheet, evaluate, export, report, segment, status, train
+from moseg.workflows.cli import backends, contact_sheet, evaluate, export, report, segment, status, train, view
 from moseg.workflows.cli.config import config_app
 from moseg.workflows.cli.datasets import datasets_app
 from moseg.workflows.cli.entry import EXIT_FAULT, EXIT_INTERRUPTED, report_interruption
@@ -29,6 +29,7 @@ app = typer.Typer(
     name="moseg", pretty_exceptions_enable=False, context_settings={"help_option_names": list(HELP_NAMES)}
 )
 app.command("segment")(segment.segment)
+app.command("view")(view.view)
 app.command("export")(export.export)
 app.command("eval")(evaluate.evaluate)
 app.command("ablate")(evaluate.ablate)

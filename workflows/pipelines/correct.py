@@ -11,12 +11,14 @@ from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.session import Session
-from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 from moseg.workflows.pipelines.leaves import ingest_sequences
 from moseg.workflows.pipelines.live_labels import LiveLabels, painted_of
 from moseg.workflows.pipelines.placed_edits import NO_EDITS, PlacedEdits, with_edits
+from moseg.workflows.pipelines.purpose import SEGMENTATION, Purpose, make_subject
 from moseg.workflows.pipelines.segment import StoredSegmentation, read_stored, sinks_of
 from moseg.workflows.results.found_objects import FoundObjects
+from moseg.workflows.sources.described_frames import DescribedFrames
 
 BEHIND_LEAVES = (
     *("linking", "identity", "components", "confidence", "moves_now", "track_objects", "rigid_support"),
@@ -62,13 +64,27 @@ class OpenRun:
         It should keep cues: without them a change of settings computes everything again.
     source : SequenceSource
     variant : Variant
+    purpose : Purpose
+        What the run's log records about it.
+    leaves, config : SequenceLeaves and PipelineConfig, optional
+        Of a finished run, of which the video need not be read.
     """
 
-    def __init__(self, session: Session, source: SequenceSource, variant: Variant = Variant.FUSED):
-        self._session, self._source, self._variant = session, source, variant
+    def __init__(
+        self,
+        session: Session,
+        source: SequenceSource,
+        variant: Variant = Variant.FUSED,
+        purpose: Purpose = SEGMENTATION,
+        leaves: SequenceLeaves | None = None,
+        config: PipelineConfig | None = None,
+    ):
+        self._session, self._source, self._variant, self._purpose = session, source, variant, purpose
+        # Corrections need no more of the video than this, so that it may be removed meanwhile.
+        self._described = source._replace(frames=DescribedFrames(source.frames, source.frames.describe()))
         self._lock = RLock()
-        self._graph: SequenceGraph | None = None
-        self._config: PipelineConfig | None = None
+        self._graph = None if leaves is None else SequenceGraph(leaves, config)
+        self._config = config
         self._live: LiveLabels | None = None
 
     def apply(self, config: PipelineConfig, edits: PlacedEdits = NO_EDITS) -> Change:
@@ -88,6 +104,7 @@ class OpenRun:
             def build():
                 graphs[:] = [self._write_graph(config, edits)]
                 graph = graphs[0]
+                self._describe(graph.leaves, config)
                 objects = (*map(graph.objects.proposals, range(len(graph.sections))), graph.objects.linking())
                 sinks = (*objects, graph.clustering(self._variant), *graph.object_areas(), *painted_of(graph))
                 return graph.recipes, tuple(filter(None, sinks))
@@ -124,6 +141,11 @@ class OpenRun:
         """The graph of the corrections in force, whose references name everything that led to the result."""
         return self._graph
 
+    @property
+    def live(self) -> LiveLabels:
+        """The labels of the corrections in force; they stay as they are if others come into force."""
+        return self._live
+
     def labels(self, frame: int) -> np.ndarray:
         """Return the labels of one frame as analysed, uint16 (y, x): 0 static, else an identity."""
         return self._live.frame(frame)
@@ -144,17 +166,23 @@ class OpenRun:
                 return graph.recipes, sinks_of(graph, config, self._variant)
 
             def read():
-                return read_stored(self._session.store, graph, config, self._variant, self._source)
+                return read_stored(self._session.store, graph, config, self._variant, self._described)
 
             return self._session.compute(build, read)
+
+    def _describe(self, leaves: SequenceLeaves, config: PipelineConfig) -> None:
+        """Record the subject of the run in its log, so that it can be opened and reported without the video."""
+        fps = self._purpose.fps or self._described.frames.describe().fps
+        subject = make_subject(self._purpose, None, config, [self._variant], [(leaves, fps)])
+        self._session.log.describe(subject)
 
     def _write_graph(self, config: PipelineConfig, edits: PlacedEdits) -> SequenceGraph:
         """Return the graph, of the leaves that are held where the configuration leaves them as they are."""
         if self._graph is not None and _leading(config) == _leading(self._config):
-            leaves = with_edits(self._session, self._source, self._graph.leaves, config, edits)
+            leaves = with_edits(self._session, self._described, self._graph.leaves, config, edits)
             return self._graph.changed(leaves, config)
         (leaves,) = ingest_sequences(self._session, [self._source], config, annotated=False)
-        return SequenceGraph(with_edits(self._session, self._source, leaves, config, edits), config)
+        return SequenceGraph(with_edits(self._session, self._described, leaves, config, edits), config)
 
 
 def import_kernels() -> None:

@@ -4,8 +4,9 @@ import sys
 import threading
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
+from contextvars import ContextVar
 from typing import TypeVar
 
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
@@ -16,6 +17,23 @@ PATIENCE_SEC = 1.0
 """Work that is usually short shows no bar before this time."""
 
 Item = TypeVar("Item")
+Observer = Callable[[str, Mapping[str, int], Mapping[str, int]], None]
+"""A function of the name of the items, their numbers by stage, and the finished ones by stage."""
+
+_observer: ContextVar[Observer | None] = ContextVar("observer", default=None)
+
+
+@contextmanager
+def observed_progress(observer: Observer) -> Iterator[None]:
+    """Pass all progress that this thread makes in the block to `observer`, whether or not it is shown as well.
+
+    The observer is called when work begins, and after each finished item; what it raises ends the work.
+    """
+    token = _observer.set(observer)
+    try:
+        yield
+    finally:
+        _observer.reset(token)
 
 
 class _Details:
@@ -61,15 +79,18 @@ class StageProgress(AbstractContextManager):
         self._is_detailed = is_detailed
         self._display: Display | None = None
         self._started = time.monotonic()
+        self._observer = _observer.get()
 
     def __enter__(self) -> "StageProgress":
         if not self._patience_sec:
             self._show()
+        self._observe()
         return self
 
     def advance(self, stage: str, count: int = 1) -> None:
         """Count further finished items of `stage`."""
         self._done[stage] += count
+        self._observe()
         if self._display is None and time.monotonic() - self._started >= self._patience_sec:
             self._show()
         if self._display is not None:
@@ -84,6 +105,10 @@ class StageProgress(AbstractContextManager):
     def __exit__(self, kind, *exception) -> None:
         if self._display is not None:
             self._display.close(self._done, kind is None)
+
+    def _observe(self) -> None:
+        if self._observer is not None and self._totals:
+            self._observer(self._what, self._totals, self._done)
 
     def _show(self) -> None:
         if not self._quiet:

@@ -1,6 +1,7 @@
 """Layers of the cues: the frame, motion saliency, flow in the colours of a wheel, inverse depth."""
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -30,34 +31,100 @@ SCALE_PERCENTILE = 75
 """Of the frames of a sequence: a single frame in which flow fails would make all others pale."""
 
 
+class CueDrawing(NamedTuple):
+    """A cue whose scale is settled.
+
+    Attributes
+    ----------
+    draw : function of a frame's index
+        Returns its picture; None for a frame that has none, such as the flow of the last one.
+    description : str
+    key : Picture or None
+    """
+
+    draw: Callable[[int], Picture | None]
+    description: str
+    key: Picture | None = None
+
+
+class PlannedCue(NamedTuple):
+    """A cue that can be drawn.
+
+    Attributes
+    ----------
+    name : str
+    refs : function of frames' indices
+        Returns the references that their pictures read.
+    prepare : function without arguments
+        Settles the scale, by the frames of the view.
+    """
+
+    name: str
+    refs: Callable[[Sequence[int]], tuple[str, ...]]
+    prepare: Callable[[], CueDrawing]
+
+
 def plan_cue_layers(view: SequenceView, variants: Sequence[Variant]) -> list[PlannedLayer]:
     """Plan the layers of the cues that a run of the variants reads."""
-    frames, leaves = view.frames, view.graph.leaves
-    layers = [PlannedLayer("frame", tuple(leaves.frames[frame] for frame in frames), lambda: _make_frames(view))]
+    return [_plan_layer(view, cue) for cue in plan_cues(view, variants)]
+
+
+def plan_cues(view: SequenceView, variants: Sequence[Variant]) -> list[PlannedCue]:
+    """Plan the drawing of the cues that a run of the variants reads, the frame first."""
+    leaves, cues = view.graph.leaves, view.graph.frame_cues
+
+    def frame_refs(frames: Sequence[int]) -> tuple[str, ...]:
+        return tuple(leaves.frames[frame] for frame in frames)
+
+    def flow_refs(frames: Sequence[int]) -> tuple[str, ...]:
+        return tuple(cues.flow(frame, frame + 1) for frame in _with_next(view, frames))
+
+    def saliency_refs(frames: Sequence[int]) -> tuple[str, ...]:
+        return tuple(map(cues.saliency, frames))
+
+    def residual_flow_refs(frames: Sequence[int]) -> tuple[str, ...]:
+        return (*saliency_refs(_with_next(view, frames)), *(flow_refs(frames) if _has_gaps(view) else ()))
+
+    planned = [PlannedCue("frame", frame_refs, lambda: _prepare_frames(view))]
     models = {model for variant in variants for model in view.config.views(variant)}
     has_saliency = view.graph.objects.uses_saliency
     if has_saliency:
-        refs = tuple(view.graph.frame_cues.saliency(frame) for frame in frames)
-        layers.append(PlannedLayer("motion saliency", refs, lambda: _make_saliency(view)))
+        planned.append(PlannedCue("motion saliency", saliency_refs, lambda: _prepare_saliency(view)))
     if view.config.proposal_source in MOVING_SOURCES or models - {"trajs"}:
-        refs = tuple(view.graph.frame_cues.flow(frame, frame + 1) for frame in _with_next(view))
-        layers.append(PlannedLayer("optical flow", refs, lambda: _make_flow(view)))
+        planned.append(PlannedCue("optical flow", flow_refs, lambda: _prepare_flow(view)))
     if has_saliency:
-        refs = tuple(view.graph.frame_cues.saliency(frame) for frame in _with_next(view))
-        if _has_gaps(view):
-            refs += tuple(view.graph.frame_cues.flow(frame, frame + 1) for frame in _with_next(view))
         name = "flow relative to the background"
-        layers.append(PlannedLayer(name, refs, lambda: _make_residual_flow(view, name)))
+        planned.append(PlannedCue(name, residual_flow_refs, lambda: _prepare_residual_flow(view)))
     method = view.config.depth.method
     if method in GIVEN_SOURCES or (method != "none" and models - {"trajs", "oc"}):
-        refs = tuple(view.graph.frame_cues.depth(frame) for frame in frames)
-        layers.append(PlannedLayer("inverse depth", refs, lambda: _make_depth(view)))
-    return layers
+        planned.append(
+            PlannedCue("inverse depth", lambda frames: tuple(map(cues.depth, frames)), lambda: _prepare_depth(view))
+        )
+    return planned
 
 
-def _with_next(view: SequenceView) -> tuple[int, ...]:
-    """Return the shown frames that have a next frame."""
-    return tuple(frame for frame in view.frames if frame + 1 < len(view.graph.leaves.frames))
+def _plan_layer(view: SequenceView, cue: PlannedCue) -> PlannedLayer:
+    """Plan a cue as a layer of the frames of a view."""
+
+    def make() -> Layer:
+        drawing = cue.prepare()
+        pictures = tuple(map(drawing.draw, view.frames))
+        is_shown = cue.name == "frame"
+        return Layer(
+            cue.name,
+            LayerKind.BASE,
+            pictures,
+            key=drawing.key,
+            description=drawing.description,
+            is_shown=is_shown,
+        )
+
+    return PlannedLayer(cue.name, cue.refs(view.frames), make)
+
+
+def _with_next(view: SequenceView, frames: Sequence[int]) -> tuple[int, ...]:
+    """Return the frames that have a next frame."""
+    return tuple(frame for frame in frames if frame + 1 < len(view.graph.leaves.frames))
 
 
 def _has_gaps(view: SequenceView) -> bool:
@@ -65,36 +132,27 @@ def _has_gaps(view: SequenceView) -> bool:
     return view.config.flow.method in GIVEN_SOURCES
 
 
-def _make_frames(view: SequenceView) -> Layer:
+def _prepare_frames(view: SequenceView) -> CueDrawing:
     def draw(frame: int) -> Picture:
         return encode_opaque(shrink_to(view.store.read(view.graph.leaves.frames[frame], "image"), view.shape))
 
-    return Layer(
-        "frame", LayerKind.BASE, tuple(map(draw, view.frames)), description="The frame as analysed.", is_shown=True
-    )
+    return CueDrawing(draw, "The frame as analysed.")
 
 
-def _make_saliency(view: SequenceView) -> Layer:
+def _prepare_saliency(view: SequenceView) -> CueDrawing:
     def draw(frame: int) -> Picture:
         saliency = view.store.read(view.graph.frame_cues.saliency(frame), "saliency").astype(np.float32)
         return encode_opaque(colour_soft_map(_resize(saliency, view.shape)))
 
-    return Layer(
-        "motion saliency",
-        LayerKind.BASE,
-        tuple(map(draw, view.frames)),
-        key=_draw_bar(SOFT_COLOURS, "0", "1"),
-        description="Confidence that a pixel moves differently from the background, 0 to 1.",
-    )
+    description = "Confidence that a pixel moves differently from the background, 0 to 1."
+    return CueDrawing(draw, description, _draw_bar(SOFT_COLOURS, "0", "1"))
 
 
-def _make_flow(view: SequenceView) -> Layer:
-    return _draw_flows(
-        view, "optical flow", "Motion of every pixel to the next frame", lambda frame: _read_flow(view, frame)
-    )
+def _prepare_flow(view: SequenceView) -> CueDrawing:
+    return _prepare_flows(view, "Motion of every pixel to the next frame", lambda frame: _read_flow(view, frame))
 
 
-def _make_residual_flow(view: SequenceView, name: str) -> Layer:
+def _prepare_residual_flow(view: SequenceView) -> CueDrawing:
     width = view.graph.leaves.shape[1]
 
     def read(frame: int) -> np.ndarray:
@@ -107,7 +165,7 @@ def _make_residual_flow(view: SequenceView, name: str) -> Layer:
             flow[_resize(unknown.astype(np.float32), flow.shape[:2]) > 0.5] = np.nan
         return flow
 
-    return _draw_flows(view, name, "Flow to the next frame minus the flow of the background", read)
+    return _prepare_flows(view, "Flow to the next frame minus the flow of the background", read)
 
 
 def _read_flow(view: SequenceView, frame: int) -> np.ndarray:
@@ -115,9 +173,9 @@ def _read_flow(view: SequenceView, frame: int) -> np.ndarray:
     return full_flow(view.store.read(ref, "flow"), view.store.attributes(ref))
 
 
-def _draw_flows(view: SequenceView, name: str, what: str, read: Callable[[int], np.ndarray]) -> Layer:
+def _prepare_flows(view: SequenceView, what: str, read: Callable[[int], np.ndarray]) -> CueDrawing:
     # Read twice, for the scale and for the colours: only one flow is in memory.
-    lengths = [_long_vector(read(frame)) for frame in _with_next(view)]
+    lengths = [_long_vector(read(frame)) for frame in _with_next(view, view.frames)]
     longest = float(np.percentile(lengths, SCALE_PERCENTILE)) if lengths else 0.0
 
     def draw(frame: int) -> Picture | None:
@@ -126,16 +184,11 @@ def _draw_flows(view: SequenceView, name: str, what: str, read: Callable[[int], 
         return encode_opaque(colour_flow(_resize(read(frame), view.shape), longest))
 
     scale = f"full colour at {longest:.3g} px/frame, darker beyond"
-    return Layer(
-        name,
-        LayerKind.BASE,
-        tuple(map(draw, view.frames)),
-        key=encode_transparent(draw_flow_wheel(WHEEL_SIDE)),
-        description=f"{what}, as a vector from the wheel's centre: white where it is 0, {scale}, black where unknown.",
-    )
+    description = f"{what}, as a vector from the wheel's centre: white where it is 0, {scale}, black where unknown."
+    return CueDrawing(draw, description, encode_transparent(draw_flow_wheel(WHEEL_SIDE)))
 
 
-def _make_depth(view: SequenceView) -> Layer:
+def _prepare_depth(view: SequenceView) -> CueDrawing:
     def read(frame: int) -> np.ndarray:
         return view.store.read(view.graph.frame_cues.depth(frame), "inverse_depth")
 
@@ -145,13 +198,8 @@ def _make_depth(view: SequenceView) -> Layer:
     def draw(frame: int) -> Picture:
         return encode_opaque(colour_inverse_depth(_resize(read(frame), view.shape), farthest, nearest))
 
-    return Layer(
-        "inverse depth",
-        LayerKind.BASE,
-        tuple(map(draw, view.frames)),
-        key=_draw_bar(DEPTH_COLOURS, "far", "near"),
-        description="Inverse depth, relative, on one scale for all frames of the sequence: the lighter, the nearer.",
-    )
+    description = "Inverse depth, relative, on one scale for all frames of the sequence: the lighter, the nearer."
+    return CueDrawing(draw, description, _draw_bar(DEPTH_COLOURS, "far", "near"))
 
 
 def _long_vector(flow: np.ndarray) -> float:

@@ -207,17 +207,3 @@ def open_report(new_page, tmp_path):
         return page
 
     return open_in
-
-
-@pytest.fixture(scope="session")
-def wait_until() -> Callable[..., None]:
-    """Wait until an expression is true in a page; the page forbids `eval`, which Playwright's own wait needs."""
-
-    def wait(page, expression: str) -> None:
-        for _ in range(6000):
-            if page.evaluate(expression):
-                return
-            page.wait_for_timeout(50)
-        pytest.fail(f"never held: {expression}")
-
-    return wait

@@ -33,7 +33,7 @@ def render_page(page: ReportPage) -> str:
     str
         HTML, to be written as UTF-8.
     """
-    style, script = f"{_read('page.css')}\n{colour_map_style()}", _read("page.js")
+    style, script = f"{_read('colours.css')}\n{_read('page.css')}\n{colour_map_style()}", _read("page.js")
     text = _template().render(
         page=page,
         tables=lay_out_tables(page.scores),

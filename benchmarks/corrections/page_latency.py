@@ -1,0 +1,135 @@
+"""Time from a change on the page of `moseg view` to its picture on the screen.
+
+Run ``python benchmarks/corrections/page_latency.py VIDEO [--end 80] [--store FOLDER] [--out FILE]``. A server opens the
+video, which is computed first as far as the store lacks it, and Chromium, driven by Playwright, opens its page. Then
+each control is changed `--repeats` times. The page's own clock measures from the event of the control to the frame that
+is drawn with the new result: the request, the computation, the file of corrections, the new labels and the drawing.
+Printed, and written as JSON, are milliseconds on the wall, median and largest.
+"""
+
+import argparse
+import json
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from playwright.sync_api import Page, sync_playwright
+
+LIMIT_MS = 200
+"""Wall time within which a result follows a slider."""
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+PATIENCE_MS = 600_000
+CHANGE = """([name, value]) => new Promise((resolve) => {
+  const canvas = document.getElementById('picture');
+  const before = canvas.dataset.key;
+  const control = document.querySelector(`[data-setting="${name}"]`);
+  const started = performance.now();
+  const look = () => {
+    if (canvas.dataset.key === before) requestAnimationFrame(look);
+    else resolve(performance.now() - started);
+  };
+  control.value = value;
+  control.dispatchEvent(new Event(control.tagName === 'SELECT' ? 'change' : 'input', { bubbles: true }));
+  requestAnimationFrame(look);
+})"""
+"""Changes a setting and returns the time until the canvas shows another result, ms."""
+PRESS = """(name) => new Promise((resolve) => {
+  const canvas = document.getElementById('picture');
+  const before = canvas.dataset.key;
+  const started = performance.now();
+  const look = () => {
+    if (canvas.dataset.key === before) requestAnimationFrame(look);
+    else resolve(performance.now() - started);
+  };
+  document.querySelector(name).click();
+  requestAnimationFrame(look);
+})"""
+
+
+def main() -> int:
+    """Measure, print and write the figures."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("video")
+    parser.add_argument("--end", default="80", help="frames of the video")
+    parser.add_argument("--repeats", type=int, default=15)
+    parser.add_argument("--store", default=None, help="default: one that is removed")
+    parser.add_argument("--out", type=Path, default=None, help="JSON file of the figures")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory(prefix="moseg-bench-") as scratch:
+        store = options.store or f"{scratch}/store"
+        command = ["view", options.video, "--end", options.end, "--store", store, "--out", f"{scratch}/out"]
+        server = subprocess.Popen(
+            [sys.executable, "-m", "moseg", *command, "--no-browser", "--quiet"], stdout=subprocess.PIPE, text=True
+        )
+        try:
+            rows, about = _measure(server.stdout.readline().split()[-1], options.repeats)
+        finally:
+            server.terminate()
+            server.wait()
+    about |= {
+        "video": Path(options.video).name,
+        "processors": os.cpu_count(),
+        "load of the machine, last minute": round(os.getloadavg()[0], 1),
+    }
+    for name, row in rows.items():
+        print(f"{name:32}" + "  ".join(f"{key} {value}" for key, value in row.items()))
+    if options.out is not None:
+        options.out.write_text(json.dumps({**about, "changes": rows}, indent=2) + "\n")
+    return 0 if all(row["ms, median"] <= LIMIT_MS for row in rows.values()) else 1
+
+
+def _measure(url: str, repeats: int) -> tuple[dict[str, dict[str, float]], dict[str, object]]:
+    executable = next(filter(None, map(shutil.which, BROWSERS)))
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=executable, args=["--no-sandbox", "--disable-gpu"])
+        page = browser.new_context(viewport={"width": 1280, "height": 800}).new_page()
+        page.set_default_timeout(PATIENCE_MS)
+        page.goto(url)
+        page.wait_for_selector("canvas[data-frame]")
+        page.locator(".row .area").first.wait_for()
+        about = {"facts": page.locator("#facts").text_content(), "objects": page.locator(".row").count()}
+        # Other values in every run, so that a store that is kept has none of them.
+        offset = time.time() % 1 / 1000
+        rows = {
+            "clustering.threshold": _change(
+                page, "clustering.threshold", [0.2 + 0.04 * index + offset for index in range(repeats)]
+            ),
+            "clustering.motions": _change(page, "clustering.motions", [1 + index % 3 for index in range(repeats)]),
+            "affinity.scale": _change(
+                page, "affinity.scale", [-0.9 + 0.1 * index + offset for index in range(repeats)]
+            ),
+        }
+        page.locator("[data-key='reset-clustering.motions']").click()
+        page.locator(".row").first.click()
+        rows["drop, then undo"] = _press(page, ["[data-action=drop]", "#undo"], repeats)
+        browser.close()
+    return rows, about
+
+
+def _change(page: Page, name: str, values: list[float]) -> dict[str, float]:
+    # Sliders have steps; any value within their range is sent here.
+    page.evaluate("(name) => document.querySelector(`[data-setting='${name}']`).setAttribute('step', 'any')", name)
+    return _summarise([page.evaluate(CHANGE, [name, str(value)]) for value in values])
+
+
+def _press(page: Page, buttons: list[str], repeats: int) -> dict[str, float]:
+    times = []
+    for index in range(repeats):
+        button = buttons[index % len(buttons)]
+        while page.locator(button).is_disabled():
+            page.locator(".row").first.click()
+        times.append(page.evaluate(PRESS, button))
+    return _summarise(times)
+
+
+def _summarise(times: list[float]) -> dict[str, float]:
+    return {"ms, median": round(statistics.median(times), 1), "ms, largest": round(max(times), 1)}
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,291 @@
+"""The page in a browser: looking, correcting, undoing, exporting, and the same result from the command line."""
+
+import json
+import shutil
+
+import pytest
+
+from moseg.workflows.config.corrections_file import read_corrections
+
+HOSTILE = '<img src=x onerror="window.ran=1">\'&amp;'
+ROWS = "document.querySelectorAll('.row').length"
+EDITS = "[...document.querySelectorAll('.edits li')].map((each) => each.textContent)"
+NUM_EDITS = "document.querySelectorAll('.edits li').length"
+# What the canvas shows at a share of its width and height, and the frame and the state that it shows.
+PIXEL = """([x, y]) => {
+  const canvas = document.getElementById('picture');
+  const at = [Math.round(x * canvas.width), Math.round(y * canvas.height)];
+  return [...canvas.getContext('2d').getImageData(...at, 1, 1).data].slice(0, 3);
+}"""
+
+
+@pytest.fixture
+def open_page(new_page, wait_until):
+    """Return a function that opens a server's page and waits until its result is drawn."""
+
+    def open_in(server, **options):
+        page = new_page(viewport={"width": 1280, "height": 800}, **options)
+        page.faults = []
+        page.on("console", lambda message: page.faults.append(message.text) if message.type == "error" else None)
+        page.on("pageerror", lambda error: page.faults.append(str(error)))
+        page.goto(server.url)
+        page.wait_for_selector("canvas[data-frame]")
+        wait_until(page, f"document.querySelectorAll('.row .area').length === {ROWS} && {ROWS} > 0")
+        return page
+
+    return open_in
+
+
+@pytest.fixture
+def masks(moseg, tmp_path):
+    """Return a function that gives the masks of a run of `moseg segment` with some options, by name."""
+
+    def segment(result, *options):
+        out = tmp_path / "by hand"
+        shutil.rmtree(out, ignore_errors=True)
+        base = (result.frames, "--section-length", "4", "--set", "sections.overlap=2", "--quiet")
+        ran = moseg("segment", *base, "--out", out, "--store", result.store, *options)
+        assert ran.code == 0, ran.err
+        return _masks_in(out)
+
+    return segment
+
+
+def _masks_in(folder) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted((folder / "masks").iterdir())}
+
+
+def _edits(page) -> list[str]:
+    return page.evaluate(EDITS)
+
+
+def _select(page, *rows: int) -> None:
+    for place, row in enumerate(rows):
+        page.locator(".row").nth(row).locator(".row-name").click(modifiers=["Shift"] if place else [])
+
+
+def _stroke(page, *shares: tuple[float, float]) -> None:
+    box = page.locator("#picture").bounding_box()
+    places = [(box["x"] + x * box["width"], box["y"] + y * box["height"]) for x, y in shares]
+    page.mouse.move(*places[0])
+    page.mouse.down()
+    for place in places[1:]:
+        page.mouse.move(*place, steps=4)
+    page.mouse.up()
+
+
+def _export(page, wait_until, *formats: str) -> str:
+    page.get_by_role("button", name="Export…").click()
+    for name in formats:
+        page.locator(f"input[name=formats][value={name}]").check()
+    page.get_by_role("button", name="Write").click()
+    wait_until(page, "!document.getElementById('write').disabled")
+    said = page.locator("#export-status").text_content()
+    page.get_by_role("button", name="Close", exact=True).click()
+    return said
+
+
+def test_it_loads_without_errors_and_asks_no_other_server(serve_video, new_page, wait_until):
+    server, page = serve_video(), new_page()
+    faults, requests = [], []
+    page.on("console", lambda message: faults.append(message.text))
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    page.on("request", lambda request: requests.append(request.url))
+    page.goto(server.url)
+    page.wait_for_selector("canvas[data-frame]")
+    wait_until(page, "document.querySelectorAll('.row img').length === 16")
+    wait_until(page, "[...document.querySelectorAll('.row img')].every((each) => each.naturalWidth === 96)")
+    assert faults == []
+    assert {url for url in requests if not url.startswith((server.url, "data:", "blob:"))} == set()
+
+
+def test_the_player_shows_every_frame_exactly(serve_video, open_page, result):
+    from PIL import Image
+
+    page = open_page(serve_video())
+    page.get_by_label("masks").uncheck()
+    page.get_by_label("names").uncheck()
+    for frame in (7, 0, 9):
+        page.locator("#frame").fill(str(frame))
+        page.wait_for_selector(f"canvas[data-frame='{frame}']")
+        with Image.open(result.frames / f"{frame:05d}.png") as image:
+            expected = image.convert("RGB").getpixel((64, 48))
+        assert page.evaluate(PIXEL, [0.5, 0.5]) == pytest.approx(list(expected), abs=12)
+    page.locator("#picture").focus()
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_selector("canvas[data-frame='8']")
+    page.keyboard.press("Home")
+    page.wait_for_selector("canvas[data-frame='0']")
+    page.keyboard.press(" ")
+    for frame in (1, 2, 9, 0):
+        page.wait_for_selector(f"canvas[data-frame='{frame}']")
+    page.keyboard.press(" ")
+    assert page.get_by_role("button", name="play", exact=True).get_attribute("aria-pressed") == "false"
+
+
+def test_the_whole_way_gives_the_masks_of_the_command_line(serve_video, open_page, result, masks, wait_until):
+    page = open_page(serve_video())
+    _select(page, 0)
+    page.keyboard.press("d")
+    wait_until(page, f"{ROWS} === 1")
+    page.keyboard.press("Control+z")
+    wait_until(page, f"{ROWS} === 2 && {NUM_EDITS} === 0")
+    assert not (result.out / "corrections.yaml").exists()
+    _select(page, 0, 1)
+    page.get_by_role("button", name="Merge").click()
+    wait_until(page, f"{ROWS} === 1")
+    page.locator("#name").fill(HOSTILE)
+    page.keyboard.press("Enter")
+    wait_until(page, f"{NUM_EDITS} === 2")
+    page.locator("#frame").fill("5")
+    page.wait_for_selector("canvas[data-frame='5']")
+    page.get_by_role("button", name="Paint", exact=True).click()
+    _stroke(page, (0.5, 0.8), (0.6, 0.85))
+    wait_until(page, f"{NUM_EDITS} === 3")
+    page.keyboard.press("e")
+    _stroke(page, (0.25, 0.2), (0.25, 0.3))
+    wait_until(page, f"{NUM_EDITS} === 4")
+    page.keyboard.press("Control+z")
+    wait_until(page, f"{NUM_EDITS} === 3")
+    page.keyboard.press("Control+y")
+    wait_until(page, f"{NUM_EDITS} === 4")
+    assert "coco.json" in _export(page, wait_until, "coco")
+    assert page.evaluate("window.ran") is None and page.faults == []
+    written = _masks_in(result.out)
+    kinds = [next(iter(edit.model_dump())) for edit in read_corrections(str(result.out / "corrections.yaml")).edits]
+    assert kinds == ["merge", "rename", "paint", "erase"]
+    assert written == masks(result, "--corrections", result.out / "corrections.yaml")
+    assert written != masks(result) and len(written) == 10
+    (entry,) = json.loads((result.out / "motion.json").read_text())["objects"]
+    assert entry["name"] == HOSTILE and (result.out / "coco.json").exists()
+    page.reload()
+    wait_until(page, f"{NUM_EDITS} === 4 && {ROWS} === 1")
+    assert page.locator(".row-name").text_content().startswith(f"1 {HOSTILE}")
+    # What the file has can be undone by a page that was opened later, too.
+    page.get_by_role("button", name="Undo").click()
+    wait_until(page, f"{NUM_EDITS} === 3")
+
+
+def test_short_options_stand_for_the_same_corrections(serve_video, open_page, result, masks, wait_until):
+    page = open_page(serve_video())
+    _select(page, 0)
+    page.keyboard.press("s")
+    wait_until(page, f"{ROWS} === 1")
+    _select(page, 0)
+    page.locator("#frame").fill("4")
+    page.locator("#picture").focus()
+    page.keyboard.press("x")
+    wait_until(page, f"{ROWS} === 2")
+    _export(page, wait_until)
+    assert _masks_in(result.out) == masks(result, "--static", "1", "--split", "2@4")
+
+
+def test_a_rejected_proposal_is_promoted(serve_video, open_page, wait_until):
+    page = open_page(serve_video())
+    page.locator("[data-setting='clustering.motions']").select_option("1")
+    wait_until(page, f"{ROWS} === 0 && document.querySelectorAll('.rejected li').length === 2")
+    page.get_by_role("button", name="promote 2").click()
+    wait_until(page, f"{ROWS} === 1")
+    assert _edits(page) == ["keep 2"]
+    page.get_by_role("button", name="motions as the run had it: auto").click()
+    wait_until(page, f"{ROWS} === 2")
+
+
+def test_the_result_follows_a_slider_and_a_gesture_is_one_step(serve_video, open_page, result, wait_until):
+    page = open_page(serve_video())
+    slider = page.locator("[data-setting='clustering.threshold']")
+    box = slider.bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"] - 3, box["y"] + box["height"] / 2, steps=8)
+    file = result.out / "corrections.yaml"
+    wait_until(page, "document.getElementById('saved').textContent.includes('1 setting saved')")
+    page.mouse.up()
+    wait_until(page, "document.getElementById('saved').textContent.includes('1 setting saved')")
+    assert read_corrections(str(file)).settings["clustering.threshold"] > 0.9
+    page.get_by_role("button", name="Undo").click()
+    wait_until(page, "document.getElementById('saved').textContent === 'no corrections'")
+    assert not file.exists()
+
+
+def test_two_tabs_see_each_others_changes(serve_video, open_page, wait_until):
+    server = serve_video()
+    first, second = open_page(server), open_page(server)
+    _select(first, 0)
+    first.keyboard.press("d")
+    wait_until(second, f"{ROWS} === 1 && {NUM_EDITS} === 1")
+    second.get_by_role("button", name="Undo").click()
+    wait_until(first, f"{ROWS} === 2 && {NUM_EDITS} === 0")
+    assert first.locator("#message").is_hidden() and second.locator("#message").is_hidden()
+
+
+def test_an_edit_by_another_program_is_seen_before_one_of_the_page(serve_video, open_page, result, wait_until):
+    page = open_page(serve_video())
+    (result.out / "corrections.yaml").write_text("version: 1\nedits:\n  - drop: 2\n")
+    _select(page, 0)
+    page.keyboard.press("d")
+    wait_until(page, f"{NUM_EDITS} === 1 && {ROWS} === 1")
+    assert "changed by another program" in page.locator("#message").text_content()
+    assert _edits(page) == ["drop 2"]
+    assert read_corrections(str(result.out / "corrections.yaml")).edits[0].drop == 2
+
+
+def test_everything_is_reached_by_keys(serve_video, open_page, wait_until):
+    page = open_page(serve_video())
+    page.keyboard.press("?")
+    page.locator("#help-dialog[open]").wait_for()
+    page.keyboard.press("Escape")
+    page.keyboard.press("1")
+    page.keyboard.press("F2")
+    page.keyboard.type("bear")
+    page.keyboard.press("Enter")
+    wait_until(page, f"{NUM_EDITS} === 1")
+    page.locator("#picture").focus()
+    page.keyboard.press("b")
+    for key in ("ArrowRight", "Enter", "ArrowDown", "ArrowDown", "Enter"):
+        page.keyboard.press(key)
+    wait_until(page, f"{NUM_EDITS} === 2")
+    assert _edits(page) == ["1 is called bear", "paint 1 in frame 0"]
+    page.keyboard.press("Control+s")
+    page.locator("#export-dialog[open]").wait_for()
+    page.keyboard.press("Escape")
+    assert page.evaluate("document.activeElement !== null") and page.faults == []
+    stops = []
+    page.locator("#undo").focus()
+    for _ in range(40):
+        page.keyboard.press("Tab")
+        stops.append(page.evaluate("document.activeElement.id || document.activeElement.textContent"))
+    assert {"picture", "frame", "row-1", "name", "command"} <= set(stops)
+
+
+def test_changes_are_told_to_a_screen_reader(serve_video, open_page, wait_until):
+    page = open_page(serve_video())
+    _select(page, 1)
+    wait_until(page, "document.getElementById('announcer').textContent.includes('object 2 selected')")
+    page.keyboard.press("d")
+    wait_until(page, "document.getElementById('announcer').textContent.includes('object 2 dropped')")
+    wait_until(page, "document.getElementById('picture').getAttribute('aria-label') === 'video, frame 0: objects 1'")
+    row = page.locator(".row")
+    assert row.get_attribute("role") == "option" and "frames 0 to 9" in row.get_attribute("aria-label")
+
+
+def test_cues_are_layers(serve_video, open_page, wait_until):
+    page = open_page(serve_video())
+    names = page.locator("#cue option").all_text_contents()
+    assert names == ["video", "motion saliency", "optical flow", "flow relative to the background"]
+    before = page.evaluate(PIXEL, [0.9, 0.9])
+    page.locator("#cue").select_option("0")
+    wait_until(page, "document.getElementById('picture').getAttribute('aria-label').startsWith('motion saliency')")
+    assert page.evaluate(PIXEL, [0.9, 0.9]) != before
+    assert page.locator(".key").is_visible() and page.faults == []
+
+
+def test_nothing_is_cut_off_on_a_tablet(serve_video, open_page):
+    page = open_page(serve_video())
+    for width, height in ((1280, 800), (1024, 768), (820, 1180), (1180, 820)):
+        page.set_viewport_size({"width": width, "height": height})
+        assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
+        for name in ("#picture", "#frame", ".row", "#selection", "#export"):
+            page.locator(name).first.scroll_into_view_if_needed()
+            box = page.locator(name).first.bounding_box()
+            assert box["x"] >= 0 and box["x"] + box["width"] <= width, (width, name)

@@ -1,0 +1,1 @@
+"""The page on which a segmentation is looked at, corrected and delivered, and its server."""

@@ -1,0 +1,53 @@
+"""Areas of objects in every frame; a correction has those frames counted again that it changes."""
+
+from threading import Lock
+
+import numpy as np
+
+from moseg.workflows.pipelines.live_labels import LiveLabels
+from moseg.workflows.view.shown_result import ShownResult
+
+
+class ObjectAreas:
+    """Counts of pixels of one video, kept from one state of its result to the next."""
+
+    def __init__(self):
+        self._lock = Lock()
+        self._live: LiveLabels | None = None
+        self._rows: list[np.ndarray] = []
+        self._proposed: dict[str, list[np.ndarray]] = {}
+
+    def of_labels(self, shown: ShownResult) -> dict[int, np.ndarray]:
+        """Return the area of each identity of the labels in every frame, int64 (frame,), px as analysed."""
+        with self._lock:
+            changed = shown.live.changed_frames(self._live)
+            rows = [*self._rows, *[np.zeros(0, np.int64)] * (shown.num_frames - len(self._rows))]
+            for frame in changed:
+                rows[frame] = np.bincount(shown.labels(frame).ravel())
+            self._live, self._rows = shown.live, rows
+        return _by_identity(rows)
+
+    def of_proposals(self, shown: ShownResult) -> dict[int, np.ndarray]:
+        """Return the same of all objects before any correction, moving or static."""
+        length, rows = shown.config.sections.length, []
+        for section in range(-(-shown.num_frames // length)):
+            names = shown.identity_of_masks(section)
+            counted = self._count_masks(shown, shown.graph.objects.proposals(section))
+            for counts in counted[: min(length, shown.num_frames - section * length)]:
+                rows.append(np.bincount(names[: len(counts)], weights=counts).astype(np.int64))
+        return _by_identity(rows)
+
+    def _count_masks(self, shown: ShownResult, ref: str) -> list[np.ndarray]:
+        """Return the number of pixels of each object in each frame of a section's proposals."""
+        with self._lock:
+            if ref not in self._proposed:
+                self._proposed[ref] = [np.bincount(frame.ravel()) for frame in shown.store.read(ref, "masks")]
+            return self._proposed[ref]
+
+
+def _by_identity(rows: list[np.ndarray]) -> dict[int, np.ndarray]:
+    """Return columns of rows of different lengths, by their number, without number 0 and without empty ones."""
+    table = np.zeros((len(rows), max(map(len, rows), default=0)), np.int64)
+    for row, counts in zip(table, rows, strict=True):
+        row[: len(counts)] = counts
+    return {int(identity): table[:, identity] for identity in np.flatnonzero(table.any(axis=0)) if identity}

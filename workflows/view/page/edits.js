@@ -1,0 +1,57 @@
+// Corrections: sent to the server one by one, which writes the file before it answers.
+
+import { post } from "./api.js";
+import { announce, showMessage } from "./elements.js";
+import { changed, model } from "./model.js";
+import { receiveState, reload } from "./states.js";
+
+let tail = Promise.resolve(true);
+
+// Sends a change after those before it; true where it was accepted.
+const send = (address, content, said) => {
+  const next = tail.then(async () => {
+    model.isBusy = true;
+    changed("busy");
+    try {
+      receiveState(await post(address, { revision: model.state.revision, ...content }));
+      showMessage("");
+      if (said) announce(said);
+      return true;
+    } catch (error) {
+      showMessage(error.message);
+      // Another tab, or the file itself, has changed: what is shown is out of date.
+      if (error.status === 409) await reload();
+      return false;
+    } finally {
+      model.isBusy = false;
+      changed("busy");
+    }
+  });
+  tail = next;
+  return next;
+};
+
+export const sendEdit = (edit, said) => send("edits", { edit }, said);
+
+export const undo = () => send("undo", {}, "undone");
+
+export const redo = () => send("redo", {}, "done again");
+
+// Sliders send their latest value while the server is at the one before; a gesture is one step of undo.
+let waiting = null;
+let isSending = false;
+
+export const sendSetting = async (name, value, gesture) => {
+  waiting = { name, value, gesture };
+  if (isSending) return;
+  isSending = true;
+  try {
+    while (waiting) {
+      const content = waiting;
+      waiting = null;
+      await send("settings", content, "");
+    }
+  } finally {
+    isSending = false;
+  }
+};
