@@ -104,7 +104,8 @@ def test_saved_masks_are_scored_as_by_the_command(squares, saved_masks, tmp_path
         ({"motions": "some"}, "clustering.motions"),
         (
             {"sensitivity": 2, "config": {"proposal_source": "saliency"}},
-            "in sensitivity; got proposals saliency; expected proposal_source=auto or proposal_source=tracks",
+            "in sensitivity; got proposals saliency; expected proposal_source=motion-prompts or proposal_source=auto or"
+            " proposal_source=tracks",
         ),
         ({"config": {"flow.method": "folder"}}, "in flow; got folder by config; expected flow=PATH"),
         ({"depth": "nowhere"}, "in depth=nowhere"),

@@ -152,7 +152,8 @@ BLACK = np.zeros((3, 20, 30, 3), np.uint8)
         (
             BLACK,
             {"sensitivity": 2, "config": {"proposal_source": "saliency"}},
-            "in sensitivity; got proposals saliency; expected proposal_source=auto or proposal_source=tracks",
+            "in sensitivity; got proposals saliency; expected proposal_source=motion-prompts or proposal_source=auto or"
+            " proposal_source=tracks",
         ),
         (BLACK, {"config": {"flow.method": "groundtruth"}}, "ground truth"),
         (BLACK, {"config": {"depth": {"method": "folder"}}}, "depth=PATH"),

@@ -75,7 +75,10 @@ def test_a_number_out_of_range_names_its_option(refuse, write_folder, option, va
 
 @pytest.mark.parametrize("source", [("--proposals", "saliency"), ("--proposals", "detections")])
 def test_a_sensitivity_where_proposals_never_come_from_tracks_is_refused(refuse, write_folder, source):
-    says = ("an option of tracks in --sensitivity", "expected --proposals auto or --proposals tracks")
+    says = (
+        "an option of tracks in --sensitivity",
+        "--proposals motion-prompts or --proposals auto or --proposals tracks",
+    )
     refuse(write_folder(), *says, options=("--sensitivity", "2", *source))
 
 
