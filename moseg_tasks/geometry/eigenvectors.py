@@ -21,7 +21,12 @@ def smallest_eigenvector(M: np.ndarray) -> np.ndarray:
         As accurate as by `numpy.linalg.eigh` unless the two smallest eigenvalues nearly agree: any vector of that plane
         is then nearly as good.
     """
-    return largest_eigenvector(np.linalg.inv(_to_unit_trace(M) + _RIDGE * np.eye(M.shape[-1])))
+    try:
+        inverse = np.linalg.inv(_to_unit_trace(M) + _RIDGE * np.eye(M.shape[-1]))
+    except np.linalg.LinAlgError:
+        # Rounding has made an eigenvalue of one of them the negative of the ridge.
+        return np.linalg.eigh(M).eigenvectors[..., 0]
+    return largest_eigenvector(inverse)
 
 
 def largest_eigenvector(M: np.ndarray) -> np.ndarray:

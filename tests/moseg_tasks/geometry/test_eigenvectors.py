@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from moseg.tasks.geometry import eigenvectors
 from moseg.tasks.geometry.eigenvectors import largest_eigenvector, smallest_eigenvector
 
 
@@ -22,6 +23,12 @@ def test_the_vectors_of_the_extreme_eigenvalues_are_found(scale):
 def test_a_null_vector_of_a_singular_matrix_is_found():
     M, Q = _matrices(np.array([0, 0.5, 1, 1]))
     assert np.abs(np.sum(smallest_eigenvector(M) * Q[..., 0], axis=1)) == pytest.approx(1, abs=1e-9)
+
+
+def test_a_matrix_that_the_ridge_leaves_without_inverse_has_a_vector_too(monkeypatch):
+    monkeypatch.setattr(eigenvectors, "_RIDGE", 0.0)
+    M = np.stack([np.diag([2.0, 0.0, 1.0]), np.diag([1e-3, 1.0, 3.0])])
+    np.testing.assert_allclose(np.abs(smallest_eigenvector(M)), [[0, 1, 0], [1, 0, 0]], atol=1e-12)
 
 
 def test_vectors_of_equal_eigenvalues_are_in_their_space():
