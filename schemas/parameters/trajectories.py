@@ -18,7 +18,7 @@ class HypothesisParams(Frozen):
         200, ge=1, description="minimal samples of a draw in each pair (or triple) of frames"
     )
     num_draws: Annotated[int, Unit.COUNT] = Field(
-        2, ge=1, description="independent draws, each with its own kernels; the groupings of all draws are compared"
+        3, ge=1, description="independent draws, each with its own kernels; the groupings of all draws are compared"
     )
     gaps: Annotated[tuple[PositiveInt, ...], Unit.FRAMES] = Field(
         (3,),

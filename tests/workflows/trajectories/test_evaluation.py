@@ -173,7 +173,7 @@ def test_landmarks_are_clustered_and_the_others_follow(evaluate, tmp_path):
     for score in report["rows"][0]["sequences"].values():
         assert score["error"] <= 10 and score["num_motions"] == 2
     store = open_store(str(tmp_path / "store"))
-    assert {store.manifest(ref).array("kernel").shape for ref in store.refs("kernel")} == {(2, 40, 40)}
+    assert {store.manifest(ref).array("kernel").shape for ref in store.refs("kernel")} == {(3, 40, 40)}
     assert {store.manifest(ref).array("motion").shape for ref in store.refs("trajectory_clustering")} == {(65,)}
 
 
