@@ -5,7 +5,8 @@ ByteDance-Seed/Depth-Anything-3; einops, addict, omegaconf and torchvision are n
 state dict of the authors' complete network and get the same frames. It prints the largest differences as shares of the
 spread, and writes them to FILE: of the logarithm of depth at sizes of whole patches; that of the authors' own result if
 the frame changes in the last digit; and, from the frame to the map that is stored, of inverse depth at the frame's
-size, with the authors' preprocessing, and their depth inverted and resized as ours.
+size, with the authors' preprocessing, and their depth inverted and resized as ours. The script must not be named like
+the authors' package, which it imports.
 """
 
 import argparse

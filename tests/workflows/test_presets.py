@@ -150,7 +150,9 @@ def test_another_weights_file_recomputes_its_stage_and_those_downstream(
 
 
 @pytest.mark.parametrize(("tracks", "depth"), [("pips", "depth-anything-v2"), ("bootstapir", "depth-anything-3")])
-def test_stages_can_be_chosen_one_by_one(tracks, depth, segment):
+def test_stages_can_be_chosen_one_by_one(tracks, depth, segment, moseg, weights):
+    # No preset has it.
+    assert moseg("weights", "tiny", weights, "--only", "depth-anything-v2-small").code == 0
     _, ran = segment("--flow", "raft", "--depth", depth, "--tracks", tracks)
     assert ran.code == 0, ran.err
 
