@@ -21,6 +21,7 @@ from moseg.schemas.parameters import (
     ConfidenceParams,
     DeaotParams,
     DenseTrackParams,
+    DepthAnything3Params,
     DepthAnythingParams,
     DepthParams,
     DetectionParams,
@@ -148,6 +149,7 @@ class PipelineConfig(Frozen):
     sea_raft: SeaRaftParams = SeaRaftParams()
     dpt_dinov2: DptDinov2Params = DptDinov2Params()
     depth_anything_v2: DepthAnythingParams = DepthAnythingParams()
+    depth_anything_3: DepthAnything3Params = DepthAnything3Params()
     saliency: SaliencyParams = SaliencyParams()
     motion_network: MotionNetworkParams = MotionNetworkParams()
     accumulation: AccumulationParams = AccumulationParams()

@@ -38,7 +38,7 @@ PRESETS: Mapping[str, Choices] = {
         "grounding_dino": {"weights": "grounding-dino-base"},
         "tracks": {"method": "bootstapir"},
         "flow": {"method": "sea-raft"},
-        "depth": {"method": "depth-anything-v2"},
+        "depth": {"method": "depth-anything-3"},
     },
 }
 """`paper`: the models of Huang, Chen and Zelek, sections 3.1 and 3.2; with the geometry of the same name it is their
@@ -55,7 +55,7 @@ LIGHT: Mapping[str, Choices] = {
         "deaot": {"max_side": 481},
         "bootstapir": {"side": 256},
         "sea_raft": {"weights": "sea-raft-s", "max_side": 480},
-        "depth_anything_v2": {"short_side": 294},
+        "depth_anything_3": {"weights": "depth-anything-3-small"},
     },
 }
 """Changes of presets for a laptop (`--light`): smaller networks and smaller inputs, any use allowed."""

@@ -10,7 +10,7 @@ import numpy as np
 import published
 
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.parameters import SeaRaftParams, TrackParams
+from moseg.schemas.parameters import DepthAnything3Params, SeaRaftParams, TrackParams
 from moseg.schemas.parameters.bootstapir import BootsTapirParams
 from moseg.schemas.parameters.deaot import DeaotParams
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams
@@ -30,6 +30,7 @@ from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.bootstapir import build_bootstapir
 from moseg.tasks.networks.deaot import build_deaot
 from moseg.tasks.networks.depth import build_depth_anything, build_dpt_dinov2
+from moseg.tasks.networks.depth_anything_3 import build_depth_anything_3
 from moseg.tasks.networks.edgetam import build_edgetam_image, build_edgetam_video
 from moseg.tasks.networks.grounding_dino import build_grounding_dino
 from moseg.tasks.networks.pips import build_pips
@@ -173,6 +174,7 @@ _BOOTSTAPIR = partial(_run_tracks, track_points_bootstapir, BootsTapirParams())
 _FLOW, _SEA_FLOW = (f"a pair, {params.iterations} iterations" for params in (RaftParams(), SeaRaftParams()))
 _RAFT, _SEA_RAFT = partial(_run_flow, RaftParams()), partial(_run_flow, SeaRaftParams())
 _DPT, _ANY_DEPTH = partial(_run_depth, DptDinov2Params()), partial(_run_depth, DepthAnythingParams())
+_DA3 = partial(_run_depth, DepthAnything3Params())
 _DINO, _DEAOT = (
     partial(run, params())
     for run, params in (
@@ -205,6 +207,8 @@ CASES: dict[str, Case] = {
     "dpt-dinov2-small-nyu": Case("a frame", partial(published.dpt_dinov2, False), build_dpt_dinov2, _DPT),
     "dpt-dinov2-large-nyu": Case("a frame", partial(published.dpt_dinov2, True), build_dpt_dinov2, _DPT),
     "depth-anything-v2-small": Case("a frame", published.depth_anything_small, build_depth_anything, _ANY_DEPTH),
+    "depth-anything-3-small": Case("a frame", partial(published.depth_anything_3, False), build_depth_anything_3, _DA3),
+    "depth-anything-3-base": Case("a frame", partial(published.depth_anything_3, True), build_depth_anything_3, _DA3),
 }
 
 # Networks with the parameters of `--preset modern --light`, where these differ from the defaults.
@@ -215,6 +219,5 @@ CASES |= {
         "deaot-r50-l": partial(_run_deaot, _LIGHT.deaot),
         "bootstapir": partial(_run_tracks, track_points_bootstapir, _LIGHT.bootstapir),
         "sea-raft-s": partial(_run_flow, _LIGHT.sea_raft),
-        "depth-anything-v2-small": partial(_run_depth, _LIGHT.depth_anything_v2),
     }.items()
 }

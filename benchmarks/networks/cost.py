@@ -44,10 +44,11 @@ NAMES = (
     "dpt-dinov2-small-nyu",
     "dpt-dinov2-large-nyu",
     "depth-anything-v2-small",
+    "depth-anything-3-small",
+    "depth-anything-3-base",
     "grounding-dino-tiny@light",
     "deaot-r50-l@light",
     "sea-raft-s@light",
-    "depth-anything-v2-small@light",
 )
 REFERENCE = "raft-large"
 COSTS = Path(__file__).resolve().parents[2] / "workflows" / "weights" / "costs.json"

@@ -25,6 +25,8 @@ from transformers import (
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.bootstapir import BootsTapir, BootsTapirConfig
 from moseg.tasks.networks.deaot import Deaot, DeaotConfig
+from moseg.tasks.networks.depth_anything_3 import BASE, DepthAnything3
+from moseg.tasks.networks.depth_anything_3 import SMALL as DA3_SMALL
 from moseg.tasks.networks.edgetam.repvit import RepVitConfig
 from moseg.tasks.networks.pips import Pips, PipsConfig
 from moseg.tasks.networks.raft import Raft
@@ -137,6 +139,12 @@ def depth_anything_small() -> Checkpoint:
         fusion_hidden_size=64,
     )
     return _checkpoint(DepthAnythingForDepthEstimation, config)
+
+
+def depth_anything_3(is_base: bool) -> Checkpoint:
+    state = _random_state(DepthAnything3(BASE if is_base else DA3_SMALL))
+    document = json.dumps({"model_name": "da3-base" if is_base else "da3-small"})
+    return Checkpoint("depth-anything-3", state, {"config.json": document})
 
 
 def _dinov2(width: int, num_layers: int, outputs: list[int], apply_layernorm: bool) -> Dinov2Config:

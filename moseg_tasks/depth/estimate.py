@@ -1,4 +1,4 @@
-"""Relative inverse depth of a batch of frames, by either network."""
+"""Relative inverse depth of a batch of frames, by the network of the parameters."""
 
 import numpy as np
 import torch
@@ -6,31 +6,39 @@ from transformers import DepthAnythingForDepthEstimation
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams
+from moseg.schemas.parameters.depth_anything_3 import DepthAnything3Params
 from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
 from moseg.tasks.depth.depth_anything import predict_depth_anything
+from moseg.tasks.depth.depth_anything_3 import predict_depth_anything_3
 from moseg.tasks.depth.dpt_dinov2 import predict_dpt_dinov2
 from moseg.tasks.networks.depth import DptDinov2
+from moseg.tasks.networks.depth_anything_3 import DepthAnything3
 
-_PREDICT = {DptDinov2Params: predict_dpt_dinov2, DepthAnythingParams: predict_depth_anything}
+_PREDICT = {
+    DptDinov2Params: predict_dpt_dinov2,
+    DepthAnythingParams: predict_depth_anything,
+    DepthAnything3Params: predict_depth_anything_3,
+}
 
 
 def estimate_inverse_depth(
-    model: DptDinov2 | DepthAnythingForDepthEstimation,
+    model: DptDinov2 | DepthAnythingForDepthEstimation | DepthAnything3,
     images: np.ndarray,
-    params: DptDinov2Params | DepthAnythingParams,
+    params: DptDinov2Params | DepthAnythingParams | DepthAnything3Params,
 ) -> np.ndarray:
     """Estimate the relative inverse depth of each frame: larger is nearer.
 
     DPT-DINOv2 gives metric depth, which is inverted; Depth Anything V2 gives inverse depth up to scale and shift, which
-    is returned unchanged: 0 is far away but not at infinity. The motion models allow for both.
+    is returned unchanged: 0 is far away but not at infinity; Depth Anything 3 gives depth up to scale, which is
+    inverted. The motion models allow for all three.
 
     Parameters
     ----------
-    model : DptDinov2 or DepthAnythingForDepthEstimation
-        Of `build_dpt_dinov2` or `build_depth_anything`.
+    model : DptDinov2, DepthAnythingForDepthEstimation or DepthAnything3
+        Of `build_dpt_dinov2`, `build_depth_anything` or `build_depth_anything_3`.
     images : uint8 (B, y, x, 3)
         RGB frames of one size.
-    params : DptDinov2Params or DepthAnythingParams
+    params : DptDinov2Params, DepthAnythingParams or DepthAnything3Params
         Those of the model.
 
     Returns

@@ -12,6 +12,7 @@ from moseg.schemas.parameters.deaot import DeaotParams
 from moseg.schemas.parameters.dense_tracks import DenseTrackParams
 from moseg.schemas.parameters.depth import DepthParams
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams
+from moseg.schemas.parameters.depth_anything_3 import DepthAnything3Params
 from moseg.schemas.parameters.detections import DetectionParams
 from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
 from moseg.schemas.parameters.flow import FlowParams
@@ -84,6 +85,7 @@ __all__ = [
     "ConfidenceParams",
     "DeaotParams",
     "DenseTrackParams",
+    "DepthAnything3Params",
     "DepthAnythingParams",
     "DepthParams",
     "DetectionParams",

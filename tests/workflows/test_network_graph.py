@@ -17,7 +17,7 @@ BEHIND_DEPTH = {"depth", "flow_model", "flow_residual"} | GROUPS
 BEHIND_TRACKS = {"tracks", "fundamental", "fundamental_residual"} | GROUPS
 GOLDEN = {
     "paper": "7dde4765a27801ce",
-    "modern": "6a4fd51a7edf5379",
+    "modern": "03f42f3e2f5cd1d4",
 }
 
 
@@ -144,7 +144,7 @@ def test_presets_read_the_weights_of_their_networks_only():
 
 
 def test_any_combination_of_backends_makes_a_graph():
-    for depth in ("none", "dpt-dinov2", "depth-anything-v2"):
+    for depth in ("none", "dpt-dinov2", "depth-anything-v2", "depth-anything-3"):
         for tracks in ("lucas-kanade", "pips", "bootstapir"):
             for source in ("saliency", "detections"):
                 config = _config("weights-free", depth__method=depth, tracks__method=tracks, proposal_source=source)

@@ -149,9 +149,11 @@ def test_another_weights_file_recomputes_its_stage_and_those_downstream(
         assert after[stage] == before[stage], stage
 
 
-@pytest.mark.parametrize("tracks", ["pips", "bootstapir"])
-def test_stages_can_be_chosen_one_by_one(tracks, segment):
-    _, ran = segment("--flow", "raft", "--depth", "depth-anything-v2", "--tracks", tracks)
+@pytest.mark.parametrize(("tracks", "depth"), [("pips", "depth-anything-v2"), ("bootstapir", "depth-anything-3")])
+def test_stages_can_be_chosen_one_by_one(tracks, depth, segment, moseg, weights):
+    # No preset has it.
+    assert moseg("weights", "tiny", weights, "--only", "depth-anything-v2-small").code == 0
+    _, ran = segment("--flow", "raft", "--depth", depth, "--tracks", tracks)
     assert ran.code == 0, ran.err
 
 
@@ -221,7 +223,7 @@ def test_truncated_weights_are_one_line(segment, weights):
         ("pips", "paper"),
         ("bootstapir", "modern"),
         ("dpt-dinov2-large-nyu", "paper"),
-        ("depth-anything-v2-small", "modern"),
+        ("depth-anything-3-base", "modern"),
         ("sam-hq-vit-large", "paper"),
         ("grounding-dino-tiny", "paper"),
         ("deaot-r50-l", "paper"),

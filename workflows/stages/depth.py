@@ -4,7 +4,7 @@ import numpy as np
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.parameters import DepthAnythingParams, DptDinov2Params
+from moseg.schemas.parameters import DepthAnything3Params, DepthAnythingParams, DptDinov2Params
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
 from moseg.workflows.stages.task import Network, Output, Task
@@ -20,6 +20,12 @@ def _run_depth_anything(params, inputs):
     from moseg.tasks.networks.depth import build_depth_anything
 
     return _estimate(build_depth_anything, DepthAnythingParams.of_recipe(params["depth_anything_v2"]), inputs)
+
+
+def _run_depth_anything_3(params, inputs):
+    from moseg.tasks.networks.depth_anything_3 import build_depth_anything_3
+
+    return _estimate(build_depth_anything_3, DepthAnything3Params.of_recipe(params["depth_anything_3"]), inputs)
 
 
 def _estimate(build, depth_params, inputs):
@@ -39,6 +45,10 @@ def _depth_anything_params(config: PipelineConfig) -> dict:
     return {"depth_anything_v2": config.depth_anything_v2.model_dump(mode="json", exclude={"weights"})}
 
 
+def _depth_anything_3_params(config: PipelineConfig) -> dict:
+    return {"depth_anything_3": config.depth_anything_3.model_dump(mode="json", exclude={"weights"})}
+
+
 DPT_DINOV2 = Task(
     "depth",
     "dpt-dinov2",
@@ -55,13 +65,21 @@ DEPTH_ANYTHING_V2 = Task(
     params=_depth_anything_params,
     network=Network("depth_anything", "depth_anything_v2.weights", "depth-anything-v2-small", ("config.json",)),
 )
+DEPTH_ANYTHING_3 = Task(
+    "depth",
+    "depth-anything-3",
+    version=1,
+    run_together=_run_depth_anything_3,
+    params=_depth_anything_3_params,
+    network=Network("depth_anything_3", "depth_anything_3.weights", "depth-anything-3-base", ("config.json",)),
+)
 
 STAGE = Stage(
     name="depth",
     about="inverse depth of a frame",
     inputs={"frame": "the frame", "weights": "of the network"},
     arrays={"inverse_depth": layout("float32", "y x", "relative")},
-    tasks=(DPT_DINOV2, DEPTH_ANYTHING_V2),
+    tasks=(DPT_DINOV2, DEPTH_ANYTHING_V2, DEPTH_ANYTHING_3),
     method=lambda config: config.depth.method,
     choices=(
         Choice(
@@ -72,6 +90,7 @@ STAGE = Stage(
                 Backend("none", "none"),
                 Backend("dpt-dinov2", "DINOv2 with DPT", TRANSFORMERS, DPT_DINOV2.network),
                 Backend("depth-anything-v2", "Depth Anything V2", TRANSFORMERS, DEPTH_ANYTHING_V2.network),
+                Backend("depth-anything-3", "Depth Anything 3", network=DEPTH_ANYTHING_3.network),
                 Backend("groundtruth", "exact (synthetic)"),
                 Backend("folder", "your own maps"),
             ),

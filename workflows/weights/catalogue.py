@@ -139,6 +139,12 @@ def _depth_anything(size: str, commit: str, config: Known, model: Known, licence
     return _hub_item(name, "depth_anything", repository, commit, files, licence=licence)
 
 
+def _depth_anything_3(size: str, commit: str, config: Known, model: Known) -> WeightsItem:
+    files = {"config.json": config, "model.safetensors": model}
+    repository = f"depth-anything/DA3-{size.upper()}"
+    return _hub_item(f"depth-anything-3-{size}", "depth_anything_3", repository, commit, files)
+
+
 CATALOGUE: tuple[WeightsItem, ...] = (
     _raft(
         "raft-large",
@@ -329,5 +335,17 @@ CATALOGUE: tuple[WeightsItem, ...] = (
         (1_431, "0ceca59ffa2350fb7c19e4565e2e5d28e2d491ec296ba91ab8c779474f9a7458"),
         (1_341_322_868, "4e01e34ed5549b529b70b92d53226bc370f03041977b390d3dde45d47f516cf9"),
         CC_BY_NC,
+    ),
+    _depth_anything_3(
+        "small",
+        "e08cab65ca0ec38e7826075418411ab90cab4da3",
+        (1_202, "a486e29e82b7ab4a7d4cefc1ea4526cfe2ae438a572c8ca98917cfbcde7447d2"),
+        (137_248_940, "364492e38a3a06d221ac75da7f6621ada3f2361cd24fde11ba79091e9f40efcf"),
+    ),
+    _depth_anything_3(
+        "base",
+        "f4a6c9b3c95e41c82048423d3493a81ec3fa810e",
+        (1_205, None),
+        (541_518_028, "e01067dc1659613083d9145a9a2547ccdbe6ccbbf83c4fe7b3e8a4e2bdae78b5"),
     ),
 )

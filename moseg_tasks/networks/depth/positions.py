@@ -25,12 +25,15 @@ def resample_as_trained(model: PreTrainedModel) -> PreTrainedModel:
 
 def _resample(self, embeddings: torch.Tensor, height: int, width: int) -> torch.Tensor:
     """Return position embeddings (1, 1 + cells, channels) of a frame of `height` and `width` px."""
-    positions = self.position_embeddings
+    return resample_positions(self.position_embeddings, height // self.patch_size, width // self.patch_size)
+
+
+def resample_positions(positions: torch.Tensor, rows: int, columns: int) -> torch.Tensor:
+    """Resample learned positions (1, 1 + side², channels) to (1, 1 + rows columns, channels); the first is kept."""
     side = round((positions.shape[1] - 1) ** 0.5)
-    cells = [length // self.patch_size for length in (height, width)]
-    if cells == [side, side]:
+    if (rows, columns) == (side, side):
         return positions
     grid = positions[:, 1:].unflatten(1, (side, side)).permute(0, 3, 1, 2)
-    factors = tuple((number + OFFSET) / side for number in cells)
+    factors = tuple((number + OFFSET) / side for number in (rows, columns))
     grid = functional.interpolate(grid.float(), scale_factor=factors, mode="bicubic").to(grid.dtype)
     return torch.cat([positions[:, :1], grid.flatten(2).transpose(1, 2)], dim=1)

@@ -11,16 +11,21 @@ from transformers import DPTImageProcessorPil
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams
+from moseg.schemas.parameters.depth_anything_3 import DepthAnything3Params
 from moseg.schemas.parameters.dpt_dinov2 import DptDinov2Params
 from moseg.tasks.depth import estimate_inverse_depth
 from moseg.tasks.depth.depth_anything import network_size
+from moseg.tasks.depth.depth_anything_3 import resize_to_patches
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.depth import DptDinov2, build_depth_anything, build_dpt_dinov2
+from moseg.tasks.networks.depth_anything_3 import build_depth_anything_3
 from moseg.workflows.weights.tiny.depth_anything import make_depth_anything
+from moseg.workflows.weights.tiny.depth_anything_3 import make_depth_anything_3
 from moseg.workflows.weights.tiny.dpt_dinov2 import make_dpt_dinov2
 
 CPU = torch.device("cpu")
 SMALL = DepthAnythingParams(short_side=56)
+ANYTHING_3 = DepthAnything3Params(side=84)
 
 
 class Brightness(torch.nn.Module):
@@ -41,12 +46,15 @@ def of_brightness(model=Brightness, **depths):
 
 @pytest.fixture(scope="module")
 def networks():
+    third = make_depth_anything_3(0)
     dpt, anything = make_dpt_dinov2(0).files, make_depth_anything(0).files
     dpt_tensors = torch.load(io.BytesIO(dpt["model.bin"]), weights_only=True)
-    documents = [{"config.json": files["config.json"].decode()} for files in (dpt, anything)]
+    documents = [{"config.json": files["config.json"].decode()} for files in (dpt, anything, third.files)]
+    third_tensors = load(third.files["model.safetensors"])
     return {
         DptDinov2Params(): build_dpt_dinov2(Checkpoint("tiny", dpt_tensors, documents[0])),
         SMALL: build_depth_anything(Checkpoint("tiny", load(anything["model.safetensors"]), documents[1])),
+        ANYTHING_3: build_depth_anything_3(Checkpoint("tiny", third_tensors, documents[2], third.config)),
     }
 
 
@@ -54,7 +62,9 @@ def noise(*shape):
     return np.random.default_rng(0).integers(0, 256, shape, np.uint8)
 
 
-PARAMS = pytest.mark.parametrize("params", [DptDinov2Params(), SMALL], ids=["dpt-dinov2", "depth-anything"])
+PARAMS = pytest.mark.parametrize(
+    "params", [DptDinov2Params(), SMALL, ANYTHING_3], ids=["dpt-dinov2", "depth-anything", "depth-anything-3"]
+)
 
 
 @PARAMS
@@ -73,6 +83,13 @@ def test_a_frame_of_a_batch_is_as_alone(networks, params):
     together = estimate_inverse_depth(networks[params], frames, params)
     alone = [estimate_inverse_depth(networks[params], frame[None], params)[0] for frame in frames]
     np.testing.assert_allclose(together, alone, rtol=1e-4, atol=1e-5)
+
+
+@PARAMS
+def test_a_frame_always_gives_the_same_map(networks, params):
+    maps = [estimate_inverse_depth(networks[params], noise(1, 45, 61, 3), params) for _ in range(2)]
+    np.testing.assert_array_equal(*maps)
+    assert np.ptp(maps[0]) > 0
 
 
 @PARAMS
@@ -166,6 +183,56 @@ def test_depth_anything_input_is_resized_as_by_its_authors(networks, size):
     resized = cv2.resize(frame / 255.0, (width, height), interpolation=cv2.INTER_CUBIC)
     expected = (resized - [0.485, 0.456, 0.406]) / [0.229, 0.224, 0.225]
     np.testing.assert_allclose(seen[0][0].permute(1, 2, 0), expected, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("size", "side", "expected"),
+    [
+        ((480, 854), 504, (280, 504)),
+        ((1920, 1080), 504, (504, 280)),
+        ((100, 133), 252, (196, 252)),
+        # 35 rows are as far from two patches as from three.
+        ((35, 70), 70, (42, 70)),
+        ((3, 500), 504, (14, 504)),
+        ((40, 30), 20, (14, 14)),
+    ],
+)
+def test_depth_anything_3_sees_whole_patches(size, side, expected):
+    assert resize_to_patches(noise(*size, 3), side).shape == (*expected, 3)
+
+
+@pytest.mark.parametrize(
+    ("size", "side", "steps"),
+    [
+        ((96, 170), 84, [((47, 84), cv2.INTER_AREA), ((42, 84), cv2.INTER_AREA)]),
+        ((30, 40), 84, [((63, 84), cv2.INTER_CUBIC), ((70, 84), cv2.INTER_CUBIC)]),
+        ((56, 84), 84, []),
+    ],
+)
+def test_depth_anything_3_input_is_resized_as_by_its_authors(networks, size, side, steps):
+    frame = noise(*size, 3)
+    network, seen = networks[ANYTHING_3], []
+    with network.register_forward_pre_hook(lambda _, inputs: seen.append(inputs[0])):
+        estimate_inverse_depth(network, frame[None], DepthAnything3Params(side=side))
+    for (height, width), interpolation in steps:
+        frame = cv2.resize(frame, (width, height), interpolation=interpolation)
+    expected = (frame / 255 - [0.485, 0.456, 0.406]) / [0.229, 0.224, 0.225]
+    np.testing.assert_allclose(seen[0][0].permute(1, 2, 0), expected, atol=1e-5)
+
+
+def test_depth_anything_3_stores_the_inverse_of_its_depth_where_the_frame_has_it():
+    class LogBrightness(Brightness):
+        def forward(self, pixels):
+            return (pixels[:, 0] * 0.229 + 0.485).log()
+
+    ramp = np.linspace(60, 250, 140).astype(np.uint8)
+    frames = np.broadcast_to(ramp[None, None, :, None], (1, 70, 140, 3))
+    exact, smaller = (
+        estimate_inverse_depth(LogBrightness(), frames, DepthAnything3Params(side=side)) for side in (140, 70)
+    )
+    np.testing.assert_allclose(exact * frames[..., 0] / 255, 1, rtol=1e-5)
+    # Beyond the centres of the outer pixels nothing is interpolated.
+    np.testing.assert_allclose(smaller[..., 1:-1], exact[..., 1:-1], rtol=0.02)
 
 
 def test_a_border_is_added_as_by_the_official_preprocessing():

@@ -40,7 +40,7 @@ def complete(monkeypatch, capsys):
         ("moseg segment a.mp4 --preset ", ["weights-free", "paper", "modern"]),
         ("moseg plan --quality b", ["best"]),
         ("moseg eval --flow ", ["dis", "raft", "sea-raft", "groundtruth", "folder:"]),
-        ("moseg eval --depth d", ["dpt-dinov2", "depth-anything-v2"]),
+        ("moseg eval --depth d", ["dpt-dinov2", "depth-anything-v2", "depth-anything-3"]),
         ("moseg eval --tagger ram", ["ram", "ram-plus"]),
         ("moseg eval --motions ", ["gt", "auto"]),
         ("moseg eval --set affinity.ork_", ["affinity.ork_threshold=", "affinity.ork_reading="]),
