@@ -109,6 +109,10 @@ def _error(error: ValidationError, where: str) -> InputError:
         return InputError("a missing value", where=where)
     expected = message.removeprefix("Input should be ").partition(", unable to parse")[0]
     expected = expected.replace("a valid tuple", "a list").replace("a valid dictionary", "names with values")
+    if first["type"].endswith("too_short"):
+        expected = f"at least {first['ctx']['min_length']}"
+    if first["type"] == "string_too_long":
+        expected = f"at most {first['ctx']['max_length']} characters"
     if first["type"] == "string_pattern_mismatch":
         expected = "hexadecimal digits" if path == ["video"] else "a text of one line"
     return InputError("bad corrections", where=where, got=_short(first["input"]), expected=expected)
