@@ -244,6 +244,9 @@ def test_corrections_beside_a_result_are_never_lost(segment, tmp_path):
         f"note: {out}/corrections.yaml is not in force: --corrections {out}/corrections.yaml applies it" in without.out
     )
     assert (out / "corrections.yaml").read_text() == second
+    # Whoever gives the file without edits knows of it.
+    (out / "corrections.yaml").write_text("version: 1\n")
+    assert "note:" not in segment("--corrections", out / "corrections.yaml", out=out).out
 
 
 def test_trials_of_an_open_run_leave_no_pins(frames, store):
