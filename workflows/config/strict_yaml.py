@@ -59,7 +59,7 @@ def read_yaml(path: str | Path, kind: YamlKind) -> dict[str, Any] | None:
 
 
 class StrictLoader(yaml.SafeLoader):
-    """Reads scalars as they are spelt; refuses aliases, names twice and tags (``!!int``), which no user's file needs."""
+    """Reader of scalars as they are spelt, which refuses what no user's file needs: aliases, tags and names twice."""
 
     yaml_implicit_resolvers: dict = {}
     # Any other tag is undefined, so that it is an error of YAML, with its line.
