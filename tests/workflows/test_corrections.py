@@ -250,6 +250,15 @@ def test_corrections_beside_a_result_are_never_lost(segment, tmp_path):
     assert "note:" not in segment("--corrections", out / "corrections.yaml", out=out).out
 
 
+def test_python_names_the_argument_that_keeps_corrections_beside_a_result(frames, store, tmp_path):
+    _video(frames, store, [{"drop": 1}]).save(tmp_path / "out")
+    with pytest.raises(
+        InputError, match=r"corrections would be lost .* expected corrections .* another folder"
+    ) as lost:
+        _video(frames, store, [{"drop": 2}]).save(tmp_path / "out")
+    assert "--" not in str(lost.value)
+
+
 def test_trials_of_an_open_run_leave_no_pins(frames, store):
     def count_pins():
         return len(list((store / "pins").iterdir()))
