@@ -174,6 +174,9 @@ WRONG = {
     "unknown parameter 'clustering.motion' in corrections: did you mean 'clustering.motions'?": {
         "settings": {"clustering.motion": 1}
     },
+    "a stage, not a parameter in corrections; got clustering; expected clustering.NAME": {
+        "settings": {"clustering": {"motions": 3}}
+    },
     "corrections: clustering.threshold; got 9; expected less than 1": {"settings": {"clustering.threshold": 9}},
     "corrections: video; got 'Z'; expected hexadecimal digits": {"video": "Z"},
     "not corrections in corrections; got int": 3,
