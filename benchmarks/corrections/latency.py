@@ -64,7 +64,7 @@ def _measure_video(path: str, settings: RunSettings, end: str, repeats: int) -> 
 
 
 def _changes(video: OpenVideo, first: Change, repeats: int) -> dict[str, list[Any]]:
-    """Return corrections of each kind; no two have the same key."""
+    """Return corrections of each kind; settings have values that no other has, but for the number of motions."""
     # Other values in every run, so that a store that is kept has none of them.
     offset = time.time() % 1 / 1000
     (identity, *_) = first.found.identities

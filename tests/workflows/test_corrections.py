@@ -1,6 +1,7 @@
 """Corrections of a segmentation: the same from the command line, a file and Python, cached, and refused in one line."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -244,6 +245,18 @@ def test_corrections_beside_a_result_are_never_lost(segment, tmp_path):
         f"note: {out}/corrections.yaml is not in force: --corrections {out}/corrections.yaml applies it" in without.out
     )
     assert (out / "corrections.yaml").read_text() == second
+    # Whoever gives the file without edits knows of it.
+    (out / "corrections.yaml").write_text("version: 1\n")
+    assert "note:" not in segment("--corrections", out / "corrections.yaml", out=out).out
+
+
+def test_python_names_the_argument_that_keeps_corrections_beside_a_result(frames, store, tmp_path):
+    _video(frames, store, [{"drop": 1}]).save(tmp_path / "out")
+    with pytest.raises(
+        InputError, match=r"corrections would be lost .* expected corrections .* another folder"
+    ) as lost:
+        _video(frames, store, [{"drop": 2}]).save(tmp_path / "out")
+    assert "--" not in str(lost.value)
 
 
 def test_trials_of_an_open_run_leave_no_pins(frames, store):
@@ -269,6 +282,21 @@ def test_what_was_in_force_stays_after_corrections_that_cannot_be_applied(frames
                 video.apply(wrong)
         assert [edit.model_dump() for edit in video.corrections.edits] == [{"drop": 1}]
         assert sorted(np.unique(video.labels(0))) == [0, 2]
+
+
+def test_an_open_run_reads_frames_again_that_were_lost(frames, store, tmp_path):
+    """A run that is open for hours outlives a store that was tidied by hand."""
+    copy = tmp_path / "store"
+    shutil.copytree(store, copy)
+    paint = [{"paint": {"object": 9, "frame": 5, "strokes": [{"radius": 4, "points": [[20, 20]]}]}}]
+    with open_run(frames, RunSettings(str(copy), quiet=True), PipelineChoices(CONFIG)) as video:
+        video.apply([])
+        shutil.rmtree(copy / "objects" / "frame")
+        video.apply(paint)
+        np.testing.assert_array_equal(video.labels(5), _video(frames, store, paint).labels[5])
+        shutil.rmtree(copy / "objects" / "frame")
+        shutil.rmtree(copy / "objects" / "saliency")
+        assert set(video.judge().motions) == {1, 2, 9}
 
 
 def test_an_open_run_saves_what_the_command_line_writes(segment, frames, store, tmp_path):

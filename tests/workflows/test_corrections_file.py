@@ -157,6 +157,9 @@ WRONG = {
     "edit 1: drop; got 65536; expected less than or equal to 65535": [{"drop": 65536}],
     "edit 1: drop; got 'yes'; expected a valid integer": [{"drop": "yes"}],
     "expected objects that differ": [{"merge": [3, 3]}],
+    "edit 1: merge; got [3]; expected at least 2": [{"merge": [3]}],
+    "edit 1: rename.name; got ''; expected at least 1": [{"rename": {"object": 1, "name": ""}}],
+    "expected at most 100 characters": [{"rename": {"object": 1, "name": "a" * 101}}],
     "expected a text of one line": [{"rename": {"object": 1, "name": "a\nb"}}],
     "edit 1: paint.strokes[1].points[1][2]; got 'b'; expected a valid number": [
         {"paint": {"object": 1, "frame": 1, "strokes": [{"radius": 1, "points": [[1, "b"]]}]}}
@@ -170,6 +173,9 @@ WRONG = {
     "corrections: edits; got {'drop': 2}; expected a list": {"edits": {"drop": 2}},
     "unknown parameter 'clustering.motion' in corrections: did you mean 'clustering.motions'?": {
         "settings": {"clustering.motion": 1}
+    },
+    "a stage, not a parameter in corrections; got clustering; expected clustering.NAME": {
+        "settings": {"clustering": {"motions": 3}}
     },
     "corrections: clustering.threshold; got 9; expected less than 1": {"settings": {"clustering.threshold": 9}},
     "corrections: video; got 'Z'; expected hexadecimal digits": {"video": "Z"},
@@ -193,6 +199,8 @@ FILES = {
     "got a list; expected version, video, settings and edits": "- drop: 2\n",
     "line 3; got expected the node content": "version: 1\nedits: [\n",
     "expected YAML: version, video, settings and edits": "version: 1\nedits: !!python/object:os.system []\n",
+    "line 3; got could not determine a constructor for the tag": "version: 1\nedits:\n  - drop: !!int x\n",
+    "line 2; got a name that is no text": "version: 1\n!!merge <<: {edits: []}\n",
 }
 
 

@@ -43,6 +43,10 @@ class GivenCorrections(NamedTuple):
         told = [f"{count} {name}{'' if count == 1 else 's'}" for name, count in found.items() if count]
         return (f"corrected by {' and '.join(told)}",) if told else ()
 
+    def is_from(self, path: Path) -> bool:
+        """Return whether the corrections were read from an existing file."""
+        return os.path.exists(self.source) and os.path.samefile(self.source, path)
+
     def check_video(self, origin: FrameOrigin) -> None:
         """Raise InputError if the corrections are those of another video."""
         meant = self.corrections.video
@@ -96,7 +100,7 @@ def check_kept(path: Path, given: GivenCorrections, argument: str) -> None:
     earlier, later = read_corrections(path), given.corrections
     if earlier.settings.keys() <= later.settings.keys() and all(edit in later.edits for edit in earlier.edits):
         return
-    if os.path.exists(given.source) and os.path.samefile(given.source, path):
+    if given.is_from(path):
         return
     got = "edits or settings that this run does not have"
     expected = f"--corrections {path} first, another {argument}, or the file moved away"

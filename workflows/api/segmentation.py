@@ -211,7 +211,7 @@ class Outputs:
                 required_origin(origin, entry.name)
         check_outputs(folder, origin.path, style is not None, argument)
         check_same_video(folder, origin, name, argument)
-        self._corrections = corrections.of_video(origin)
+        self._given, self._corrections = corrections, corrections.of_video(origin)
         corrections.check_video(origin)
         if self._corrections:
             check_kept(self._folder / CORRECTIONS, corrections, argument)
@@ -236,7 +236,7 @@ class Outputs:
     def notes(self) -> tuple[str, ...]:
         """What must be known about files that stay in the folder."""
         left = self._folder / CORRECTIONS
-        if self._corrections or not left.exists():
+        if self._corrections or not left.exists() or self._given.is_from(left):
             return ()
         return (f"{left} is not in force: --corrections {left} applies it",)
 

@@ -31,7 +31,7 @@ class CorrectionOptions:
         typer.Option(
             "--split",
             help="From a frame on, an object is another one (2@31), of this number (2@31:7) or the next free one; may"
-            " be repeated, as all of these.",
+            " be repeated, as all options below.",
             metavar="OBJECT@FRAME",
         ),
     ] = None
@@ -39,7 +39,8 @@ class CorrectionOptions:
         list[str] | None, typer.Option("--rename", help="Name of an object (2=bear).", metavar="OBJECT=NAME")
     ] = None
     merge: Annotated[
-        list[str] | None, typer.Option("--merge", help="Objects that are one, the first (3,4).", metavar="OBJECTS")
+        list[str] | None,
+        typer.Option("--merge", help="Objects that are one, with the first one's number (3,4).", metavar="OBJECTS"),
     ] = None
     static: Annotated[
         list[str] | None, typer.Option("--static", help="Objects that belong to the background.", metavar="OBJECTS")
@@ -49,7 +50,7 @@ class CorrectionOptions:
     ] = None
     keep: Annotated[
         list[str] | None,
-        typer.Option("--keep", help="Objects of the result whatever the settings say.", metavar="OBJECTS"),
+        typer.Option("--keep", help="Objects that stay in the result whatever the settings say.", metavar="OBJECTS"),
     ] = None
     drop: Annotated[
         list[str] | None, typer.Option("--drop", help="Objects that are left out of the result.", metavar="OBJECTS")

@@ -13,7 +13,7 @@ from moseg.schemas.corrections import KINDS, Corrections, Edit, Growing, Stroke,
 from moseg.schemas.errors import InputError
 from moseg.schemas.spelling import closest
 from moseg.workflows.config.parameter_errors import parameter_error, unknown_parameter
-from moseg.workflows.config.parameters import list_parameters, value_of
+from moseg.workflows.config.parameters import list_parameters, list_stages, value_of
 from moseg.workflows.config.pipeline_choices import PipelineChoices
 from moseg.workflows.config.strict_yaml import YamlKind, read_yaml, spell_value
 
@@ -79,6 +79,8 @@ def _plain_settings(settings: Mapping[str, Any], where: str) -> dict[str, Any]:
     """Return settings as JSON values of their parameters' own types, so that ``"3"`` and 3 are one."""
     parameters = list_parameters()
     for name in settings:
+        if name in list_stages():
+            raise InputError("a stage, not a parameter", where=where, got=name, expected=f"{name}.NAME")
         if name not in parameters:
             raise unknown_parameter(name, where)
     try:
@@ -109,6 +111,10 @@ def _error(error: ValidationError, where: str) -> InputError:
         return InputError("a missing value", where=where)
     expected = message.removeprefix("Input should be ").partition(", unable to parse")[0]
     expected = expected.replace("a valid tuple", "a list").replace("a valid dictionary", "names with values")
+    if first["type"].endswith("too_short"):
+        expected = f"at least {first['ctx']['min_length']}"
+    if first["type"] == "string_too_long":
+        expected = f"at most {first['ctx']['max_length']} characters"
     if first["type"] == "string_pattern_mismatch":
         expected = "hexadecimal digits" if path == ["video"] else "a text of one line"
     return InputError("bad corrections", where=where, got=_short(first["input"]), expected=expected)

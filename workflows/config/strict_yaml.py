@@ -7,6 +7,7 @@ import yaml
 
 from moseg.schemas.errors import InputError, MissingInputError
 
+_LIST, _MAPPING, _TEXT = (f"tag:yaml.org,2002:{kind}" for kind in ("seq", "map", "str"))
 MAX_DEPTH = 10
 """Of lists and mappings within each other; parameters lie four deep, points of strokes nine."""
 
@@ -58,9 +59,11 @@ def read_yaml(path: str | Path, kind: YamlKind) -> dict[str, Any] | None:
 
 
 class StrictLoader(yaml.SafeLoader):
-    """Reads scalars as they are spelt, and refuses what a file of the user has no use for: aliases and names twice."""
+    """Reader of scalars as they are spelt, which refuses what no user's file needs: aliases, tags and names twice."""
 
     yaml_implicit_resolvers: dict = {}
+    # Any other tag is undefined, so that it is an error of YAML, with its line.
+    yaml_constructors = {tag: yaml.SafeLoader.yaml_constructors[tag] for tag in (_LIST, _MAPPING, None)}
     has_dots = False
     _depth = 0
 
@@ -79,7 +82,7 @@ class StrictLoader(yaml.SafeLoader):
     def construct_mapping(self, node, deep=False):
         seen = set()
         for key, _ in node.value:
-            if not isinstance(key, yaml.ScalarNode):
+            if not isinstance(key, yaml.ScalarNode) or key.tag != _TEXT:
                 raise yaml.constructor.ConstructorError(None, None, "a name that is no text", key.start_mark)
             if key.value in seen:
                 raise yaml.constructor.ConstructorError(None, None, f"{key.value!r} twice", key.start_mark)
@@ -94,7 +97,7 @@ class StrictLoader(yaml.SafeLoader):
         return None if node.style is None and node.value in ("", "~", "null", "Null", "NULL") else node.value
 
 
-StrictLoader.add_constructor("tag:yaml.org,2002:str", StrictLoader.construct_text)
+StrictLoader.add_constructor(_TEXT, StrictLoader.construct_text)
 
 
 class _DottedLoader(StrictLoader):

@@ -85,6 +85,7 @@ class OpenRun:
         self._lock = RLock()
         self._graph = None if leaves is None else SequenceGraph(leaves, config)
         self._config = config
+        self._edits = NO_EDITS
         self._live: LiveLabels | None = None
 
     def apply(self, config: PipelineConfig, edits: PlacedEdits = NO_EDITS) -> Change:
@@ -102,7 +103,7 @@ class OpenRun:
             graphs: list[SequenceGraph] = []
 
             def build():
-                graphs[:] = [self._write_graph(config, edits)]
+                graphs[:] = [self._write_graph(config, edits, is_repair=bool(graphs))]
                 graph = graphs[0]
                 self._describe(graph.leaves, config)
                 objects = (*map(graph.objects.proposals, range(len(graph.sections))), graph.objects.linking())
@@ -117,7 +118,7 @@ class OpenRun:
             if self._live is None:
                 import_kernels()
             frames = live.changed_frames(self._live)
-            self._graph, self._config, self._live = graphs[0], config, live
+            self._graph, self._config, self._edits, self._live = graphs[0], config, edits, live
             num_computed = self._session.computed.total() - num_before
             return Change(live.found, live.shown, frames, num_computed, time.perf_counter() - started)
 
@@ -160,13 +161,14 @@ class OpenRun:
         When objects move or rest, and how sure and complete they are: `apply` leaves that out, because it takes longer.
         """
         with self._lock:
-            graph, config = self._graph, self._config
+            config, graphs = self._config, []
 
             def build():
-                return graph.recipes, sinks_of(graph, config, self._variant)
+                graphs[:] = [self._write_graph(config, self._edits, is_repair=True) if graphs else self._graph]
+                return graphs[0].recipes, sinks_of(graphs[0], config, self._variant)
 
             def read():
-                return read_stored(self._session.store, graph, config, self._variant, self._described)
+                return read_stored(self._session.store, graphs[0], config, self._variant, self._described)
 
             return self._session.compute(build, read)
 
@@ -176,9 +178,12 @@ class OpenRun:
         subject = make_subject(self._purpose, None, config, [self._variant], [(leaves, fps)])
         self._session.log.describe(subject)
 
-    def _write_graph(self, config: PipelineConfig, edits: PlacedEdits) -> SequenceGraph:
-        """Return the graph, of the leaves that are held where the configuration leaves them as they are."""
-        if self._graph is not None and _leading(config) == _leading(self._config):
+    def _write_graph(self, config: PipelineConfig, edits: PlacedEdits, is_repair: bool) -> SequenceGraph:
+        """Return the graph, of the leaves that are held where the configuration leaves them as they are.
+
+        In a repair, after an artifact was damaged or lost, the video is read again: it may have been a leaf.
+        """
+        if not is_repair and self._graph is not None and _leading(config) == _leading(self._config):
             leaves = with_edits(self._session, self._described, self._graph.leaves, config, edits)
             return self._graph.changed(leaves, config)
         (leaves,) = ingest_sequences(self._session, [self._source], config, annotated=False)

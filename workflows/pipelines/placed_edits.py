@@ -43,8 +43,7 @@ def with_edits(
         kind = kind_of(edit)
         if kind not in WITH_PIXELS:
             continue
-        place = given.places[index] if given.places else f"edit {index + 1}"
-        value, where = getattr(edit, kind), f"{place} ({kind})"
+        value, where = getattr(edit, kind), given.places[index] if given.places else f"edit {index + 1} ({kind})"
         if value.frame >= len(leaves.frames):
             raise InputError("no such frame", where=where, got=value.frame, expected=f"0 to {len(leaves.frames) - 1}")
         if isinstance(value, Growing):
