@@ -44,7 +44,14 @@ class Server:
     def __init__(self, *arguments: object, cwd: Path | None = None):
         command = [sys.executable, "-m", "moseg", "view", *map(str, arguments), "--no-browser"]
         self.process = subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=cwd, start_new_session=True
+            command,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            cwd=cwd,
+            start_new_session=True,
+            # Processes that a shell runs in the background ignore Ctrl-C.
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         )
         line = self.process.stdout.readline()
         assert line.startswith("moseg view: http://127.0.0.1:"), (line, self.process.stderr.read())
