@@ -17,7 +17,7 @@ class DetectionParams(Frozen):
     )
     tags: tuple[str, ...] | None = Field(None, description="names of objects to detect, instead of tagging")
     masks: Annotated[str, ChoiceOf("detections.masks")] = Field(
-        "sam-hq", description="network that segments the detector's boxes"
+        "sam-hq", description="network that outlines the objects of the detector's boxes, or of moving regions"
     )
     tracker: Annotated[str, ChoiceOf("detections.tracker")] = Field(
         "deaot", description="network that tracks the masks through the section"

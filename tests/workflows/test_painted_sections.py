@@ -203,6 +203,10 @@ def test_workers_paint_the_same_bytes(run, plain, tmp_path):
     [
         (paint(9, 40), "no such frame in corrections: edit 2 (paint); got 40; expected 0 to 11"),
         (
+            {"paint": {"object": 9, "frame": 3, "strokes": [{"radius": 4, "points": [[-20, 2], [-9, 30]]}]}},
+            "strokes outside the frame in corrections: edit 2 (paint); got -20, 2; expected a part within ",
+        ),
+        (
             {"add": {"object": 9, "frame": 3, "points": [[5000, 2]]}},
             "a point outside the frame in corrections: edit 2 (add); got 5000, 2; expected x from 0 to ",
         ),

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.corrections import Edit, Growing, Point, kind_of
+from moseg.schemas.corrections import Edit, Growing, Point, Stroke, kind_of
 from moseg.schemas.errors import InputError
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.session import Session
@@ -34,8 +34,8 @@ def with_edits(
     Raises
     ------
     InputError
-        Strokes or points of a frame that is not there, a point of an object outside the frame, or the weights or the
-        libraries of the network are missing.
+        Strokes or points of a frame that is not there, a point of an object or all strokes outside the frame, or the
+        weights or the libraries of the network are missing.
     """
     # Of leaves that are held, so that a video is not opened for every edit.
     size, by_network = leaves.frame_size or source.frames.describe().size, False
@@ -49,6 +49,8 @@ def with_edits(
         if isinstance(value, Growing):
             by_network = by_network or value.by == "sam2"
             _check_points((*value.points, *value.not_points), size, where)
+        else:
+            _check_strokes(value.strokes, size, where)
     if by_network:
         require_network_packages()
         network = find_task("grown_object", "sam2").network
@@ -63,6 +65,18 @@ def _check_points(points: Sequence[Point], size: tuple[int, int], where: str) ->
         if not (-0.5 <= x <= width - 0.5 and -0.5 <= y <= height - 0.5):
             expected = f"x from 0 to {width - 1}, y from 0 to {height - 1}"
             raise InputError("a point outside the frame", where=where, got=f"{x:g}, {y:g}", expected=expected)
+
+
+def _check_strokes(strokes: Sequence[Stroke], size: tuple[int, int], where: str) -> None:
+    """Raise InputError if the boxes of all strokes lie beside the frame."""
+    height, width = size
+    for stroke in strokes:
+        (left, right), (top, bottom) = ((min(values), max(values)) for values in zip(*stroke.points, strict=True))
+        reach = stroke.radius + 0.5
+        if left - reach < width and right + reach > 0 and top - reach < height and bottom + reach > 0:
+            return
+    got = ", ".join(f"{value:g}" for value in strokes[0].points[0])
+    raise InputError("strokes outside the frame", where=where, got=got, expected=f"a part within {width}x{height} px")
 
 
 def check_edits(session: Session, graph: SequenceGraph, given: PlacedEdits) -> None:
