@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from moseg.schemas.corrections import Corrections
 from moseg.tasks.corrections.painting import Brush, brushes_of, paint_pixels
@@ -148,3 +149,41 @@ def test_painting_and_erasing_again_after_a_split_and_a_merge():
     edits = [split(3, 1, 7), brush(7, 0), erase(3, 0, 1), {"merge": [7, 5]}, erase(7, 2)]
     # Column 0 is 7 in all frames, for it was painted so; column 2 is 5, which is 7 by then.
     assert corrected(*edits) == [[7, 0, 0, 3], [7, 7, 0, 7], [7, 7, 0, 7]]
+
+
+def drawn(rng, objects):
+    """Return an edit of one of the objects that there are, at random, and what it does to labels in its pixels."""
+    one, frame, late = int(rng.choice(sorted(objects))), int(rng.integers(1, 6)), np.arange(6)[:, None, None]
+    kind = rng.choice(["paint", "erase", "erase", "merge", "split"])
+    if kind == "paint":
+        one = int(rng.integers(1, 9))
+        objects.add(one)
+        return stroke("paint", object=one), lambda labels, mask: np.where(mask, one, labels)
+    if kind == "erase":
+        return stroke("erase", object=one), lambda labels, mask: np.where(mask & (labels == one), 0, labels)
+    if kind == "merge" and len(objects) > 1:
+        other = int(rng.choice(sorted(objects - {one})))
+        objects.remove(other)
+        return {"merge": [one, other]}, lambda labels, _: np.where(labels == other, one, labels)
+    into = max(objects) + 1 if rng.random() < 0.5 else next(each for each in range(1, 99) if each not in objects)
+    edit = split(one, frame, None if into == max(objects) + 1 else into)
+    objects.add(into)
+    return edit, lambda labels, _: np.where((labels == one) & (late >= frame), into, labels)
+
+
+@pytest.mark.parametrize("seed", range(100))
+def test_labels_are_those_of_edits_done_to_the_pixels_one_after_the_other(seed):
+    rng, objects = np.random.default_rng(seed), {1, 2, 3}
+    masks = rng.integers(0, 4, (6, 1, 40)).astype(np.uint16)
+    wanted, edits, pixels = masks, [], []
+    for _ in range(10):
+        edit, change = drawn(rng, objects)
+        mask = rng.random(masks.shape) < 0.4
+        wanted = change(wanted, mask)
+        edits.append(edit)
+        pixels.append(mask)
+    given = edits_of(*edits)
+    brushes = brushes_of(given)
+    painted = paint_pixels([(0, pixels[index]) for index in brushes], list(brushes.values()), masks.shape)
+    tables = label_tables(replay_steps(steps_of(given), {1: 1, 2: 2, 3: 3}, len(masks)))
+    np.testing.assert_array_equal(relabel_section(masks, np.arange(4), tables, 0, *painted), wanted)
