@@ -22,13 +22,10 @@ class Brush(NamedTuple):
         Number of its strokes; see `steps_of`. 0 in one that erases whatever is there.
     erases : bool
         Whether it erases, else paints.
-    same : tuple of int
-        Numbers of earlier strokes that are the same object by now, for one that erases an object.
     """
 
     number: int
     erases: bool = False
-    same: tuple[int, ...] = ()
 
 
 class PaintedPixels(NamedTuple):
@@ -38,9 +35,10 @@ class PaintedPixels(NamedTuple):
     ----------
     painted : int32 (T, y, x)
         Number of the strokes on each pixel, `ERASED`, `UNTOUCHED`, or ``UNTOUCHED - n`` where only the objects of the
-        n-th entry of `erased` are erased.
+        n-th entry of `erased` are erased, counted from 1.
     erased : tuple of tuple of int
-        Numbers of strokes, which stand for objects.
+        What is beneath, a number of strokes or `UNTOUCHED`, and then the numbers of the strokes that erase. Which
+        objects these erase in which frame is known to the replay of all edits; see `CorrectedObjects.members`.
     """
 
     painted: np.ndarray
@@ -49,23 +47,11 @@ class PaintedPixels(NamedTuple):
 
 def brushes_of(edits: Sequence[Edit]) -> dict[int, Brush]:
     """Return the brush of each edit that has pixels, by the index of the edit."""
-    brushes: dict[int, Brush] = {}
-    identities: dict[int, set[int]] = {}  # what the strokes of each number may be by now
-    for index, step in enumerate(steps_of(edits)):
-        if step.kind == "merge":
-            for found in identities.values():
-                found |= {step.objects[0]} if found & set(step.objects) else set()
-        elif step.kind == "split":
-            for found in identities.values():
-                found |= {step.into} - {None} if step.objects[0] in found else set()
-        elif step.kind in STROKES:
-            number, same = step.number or 0, ()
-            if step.kind == "erase" and number:
-                same = tuple(each for each, found in identities.items() if step.objects[0] in found)
-            elif number:
-                identities.setdefault(number, {step.objects[0]})
-            brushes[index] = Brush(number, step.kind == "erase", same)
-    return brushes
+    return {
+        index: Brush(step.number or 0, step.kind == "erase")
+        for index, step in enumerate(steps_of(edits))
+        if step.kind in STROKES
+    }
 
 
 def paint_pixels(
@@ -90,18 +76,20 @@ def paint_pixels(
         elif not brush.number:
             part[mask] = ERASED
         else:
-            part[mask] = _erase_object(part[mask], brush, erased)
+            part[mask] = _erase_object(part[mask], brush.number, erased)
     return PaintedPixels(painted, tuple(erased))
 
 
-def _erase_object(under: np.ndarray, brush: Brush, erased: list[tuple[int, ...]]) -> np.ndarray:
+def _erase_object(under: np.ndarray, number: int, erased: list[tuple[int, ...]]) -> np.ndarray:
     """Return painted pixels, int32 (pixel,), after one object was erased there."""
     after = under.copy()
-    after[np.isin(under, (brush.number, *brush.same))] = ERASED
-    for value in np.unique(under[under < 0]).tolist():
-        before = () if value == UNTOUCHED else erased[UNTOUCHED - 1 - value]
-        objects = tuple(sorted({*before, brush.number}))
-        if objects not in erased:
-            erased.append(objects)
-        after[under == value] = UNTOUCHED - 1 - erased.index(objects)
+    for value in np.unique(under[under != ERASED]).tolist():
+        beneath, *before = (value,) if value >= UNTOUCHED else erased[UNTOUCHED - 1 - value]
+        if beneath == number:
+            after[under == value] = ERASED
+            continue
+        entry = (beneath, *sorted({*before, number}))
+        if entry not in erased:
+            erased.append(entry)
+        after[under == value] = UNTOUCHED - 1 - erased.index(entry)
     return after

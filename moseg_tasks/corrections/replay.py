@@ -6,12 +6,14 @@ from typing import NamedTuple
 
 from moseg.schemas.corrections import MAX_IDENTITY
 from moseg.schemas.errors import InputError
-from moseg.tasks.corrections.steps import AGE, STROKES, Step
+from moseg.tasks.corrections.steps import STROKES, Step
 
 MAX_SHOWN = 12
 """Identities that an error lists."""
 Runs = list[tuple[int, int]]
 """First frame and identity of each run of frames, in order; the first run starts at 0."""
+Members = list[tuple[int, int, int]]
+"""What one object is made of: object before the edits, or number of strokes; first frame; frame after the last."""
 
 
 @dataclass(frozen=True)
@@ -35,12 +37,19 @@ class CorrectedObjects(NamedTuple):
         Identity over time, of each object that was there before the edits.
     stroke_runs : dict of int to list of (int, int)
         The same of each number of strokes.
+    members : dict of int to list of (int, int, int)
+        By number of strokes, the objects before the edits that were its object when the strokes were made, and in which
+        frames. Merges and splits before the strokes count, later ones do not.
+    stroke_members : dict of int to list of (int, int, int)
+        The same of numbers of strokes, its own among them.
     """
 
     motions: dict[int, int]
     shown: frozenset[int]
     runs: dict[int, Runs]
     stroke_runs: dict[int, Runs]
+    members: dict[int, Members]
+    stroke_members: dict[int, Members]
 
 
 def replay_steps(
@@ -72,14 +81,19 @@ def replay_steps(
     objects = {identity: _State(group, group > 0 and identity not in small) for identity, group in motions.items()}
     runs = {identity: [(0, identity)] for identity in motions}
     stroke_runs: dict[int, Runs] = {}
+    members: dict[int, Members] = {}
+    stroke_members: dict[int, Members] = {}
     for index, step in enumerate(steps):
         where = places[index] if places else f"edit {index + 1} ({step.kind})"
         _check(step, objects, num_frames, where)
         if step.kind in STROKES:
             if step.kind != "erase" and step.objects[0] not in objects:
                 objects[step.objects[0]] = _State(_next_motion(objects), is_shown=True)
-            if step.number is not None:
-                stroke_runs.setdefault(step.number, [(0, step.number % AGE)])
+            # What an object is made of changes with merges and splits, after which its strokes have another number.
+            if step.number is not None and step.number not in stroke_runs:
+                stroke_runs[step.number] = [(0, step.objects[0])]
+                members[step.number] = _members(runs, step.objects[0], num_frames)
+                stroke_members[step.number] = _members(stroke_runs, step.objects[0], num_frames)
         elif step.kind == "merge":
             objects[step.objects[0]] = _merged([objects[each] for each in step.objects])
             for each in step.objects[1:]:
@@ -97,7 +111,7 @@ def replay_steps(
             objects[step.objects[0]] = _judged(step.kind, objects, step.objects[0])
     shown = frozenset(identity for identity, state in objects.items() if state.is_shown)
     motions = {identity: state.motion for identity, state in sorted(objects.items())}
-    return CorrectedObjects(motions, shown, runs, stroke_runs)
+    return CorrectedObjects(motions, shown, runs, stroke_runs, members, stroke_members)
 
 
 def _check(step: Step, objects: Mapping[int, _State], num_frames: int, where: str) -> None:
@@ -147,6 +161,15 @@ def _judged(kind: str, objects: Mapping[int, _State], identity: int) -> _State:
 def _merged(parts: Sequence[_State]) -> _State:
     """Return the state of objects that are one: that of the first of them that is in the result, else of the first."""
     return next((state for state in parts if state.is_shown), parts[0])
+
+
+def _members(table: Mapping[int, Runs], identity: int, num_frames: int) -> Members:
+    """Return which keys of a table are an identity, and in which frames."""
+    members: Members = []
+    for key, found in sorted(table.items()):
+        stops = [*(first for first, _ in found[1:]), num_frames]
+        members += [(key, first, stop) for (first, each), stop in zip(found, stops, strict=True) if each == identity]
+    return members
 
 
 def _joined(runs: Runs, merged: tuple[int, ...]) -> Runs:

@@ -8,6 +8,9 @@ from moseg.schemas.corrections import Corrections
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.errors import InputError
 from moseg.workflows.api import segment_video
+from moseg.workflows.api.open_run import open_run
+from moseg.workflows.api.run_settings import RunSettings
+from moseg.workflows.config.pipeline_choices import PipelineChoices
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 
 NUM_FRAMES = 12
@@ -184,6 +187,51 @@ def test_later_strokes_override_earlier_ones(run, plain):
     both = run([{"paint": {"object": 8, **spot}}, {"paint": {"object": 9, **spot}}]).labels
     assert (both == 9).any() and not (both == 8).any()
     np.testing.assert_array_equal(run([{"paint": {"object": 9, **spot}}, {"erase": spot}]).labels, plain)
+
+
+def test_erasing_an_object_follows_its_merges_and_splits(run, plain, frames, store):
+    x, y = _static(plain)
+    spot = {"frame": 5, "strokes": [{"radius": 6, "points": [[x, y]]}]}
+    points = [np.argwhere(plain[5] == identity).mean(axis=0)[::-1].tolist() for identity in (1, 2)]
+    erase = {"erase": {"object": 1, "frame": 5, "strokes": [{"radius": 6, "points": points}]}}
+    paint, split = {"paint": {"object": 9, **spot}}, {"split": {"object": 9, "frame": 5}}
+    into = {"split": {"object": 9, "frame": 5, "into": 12}}
+    early = np.arange(NUM_FRAMES)[:, None, None] < 5
+    erased, spots = run([erase]).labels, run([paint]).labels
+    is_painted = spots == 9
+    assert ((plain == 1) & (erased == 0))[5].any() and is_painted[4].any() and is_painted[6].any()
+    cases = [
+        ([erase, {"merge": [1, 2]}], np.where(erased == 2, 1, erased)),
+        ([paint, split, {"erase": {"object": 10, **spot}}], np.where(is_painted & ~early, 0, spots)),
+        ([paint, into, {"erase": {"object": 12, **spot}}], np.where(is_painted & ~early, 0, spots)),
+        ([paint, into, {"erase": {"object": 9, **spot}}], np.where(is_painted, np.where(early, 0, 12), spots)),
+    ]
+    with open_run(frames, RunSettings(str(store), quiet=True), PipelineChoices(CONFIG)) as video:
+        before = None
+        for edits, wanted in cases:
+            done = video.apply(edits)
+            labels = np.stack([video.labels(frame) for frame in range(NUM_FRAMES)])
+            np.testing.assert_array_equal(labels, wanted, err_msg=str(edits))
+            np.testing.assert_array_equal(run(edits).labels, wanted, err_msg=str(edits))
+            if before is not None:
+                differ = {frame for frame in range(NUM_FRAMES) if (labels[frame] != before[frame]).any()}
+                assert differ <= set(done.frames)
+            before = labels
+
+
+@pytest.mark.parametrize("later", [[], [{"merge": [9, 12]}]])
+def test_a_split_before_a_stroke_that_erases_changes_its_frames(run, plain, frames, store, later):
+    x, y = _static(plain)
+    spot = {"frame": 5, "strokes": [{"radius": 6, "points": [[x, y]]}]}
+    paint, erase = {"paint": {"object": 9, **spot}}, {"erase": {"object": 12, **spot}}
+    with open_run(frames, RunSettings(str(store), quiet=True), PipelineChoices(CONFIG)) as video:
+        found = []
+        for frame in (5, 6):
+            split = {"split": {"object": 9, "frame": frame, "into": 12}}
+            done = video.apply([paint, split, erase, *later])
+            found.append(np.stack([video.labels(each) for each in range(NUM_FRAMES)]))
+    differ = {frame for frame in range(NUM_FRAMES) if (found[0][frame] != found[1][frame]).any()}
+    assert differ == {5} and set(done.frames) == {5}
 
 
 def test_workers_paint_the_same_bytes(run, plain, tmp_path):

@@ -42,7 +42,7 @@ class LiveLabels:
     def __init__(
         self, store: ArtifactStore, graph: SequenceGraph, config: PipelineConfig, variant: Variant, edits: PlacedEdits
     ):
-        from moseg.tasks.corrections.relabel import label_table
+        from moseg.tasks.corrections.relabel import label_tables
         from moseg.tasks.corrections.replay import replay_steps
         from moseg.tasks.corrections.steps import steps_of
 
@@ -55,9 +55,8 @@ class LiveLabels:
         corrected = replay_steps(steps_of(edits.edits), motions, len(graph.leaves.frames), edits.places, small)
         self.shown = tuple(sorted(corrected.shown))
         self.found = _found(store, graph, corrected.motions)
-        runs = corrected.runs, corrected.stroke_runs
-        self._tables = tuple(label_table(each, corrected.shown) for each in runs)
-        self._labels_at = tuple(map(_LabelsOverTime, self._tables))
+        self._tables = label_tables(corrected)
+        self._labels_at = _LabelsOverTime(self._tables.labels), _LabelsOverTime(self._tables.stroke_labels)
         identity = linking.cached("identity")
         self._sections = [
             _LiveSection(
@@ -78,12 +77,11 @@ class LiveLabels:
         t = frame - section.start
         # The whole section, because the frames beside this one are asked for next.
         masks = section.masks.cached("masks")[t : t + 1]
-        table, strokes = self._tables
         if section.painted is None:
-            return relabel_section(masks, section.objects, table, frame)[0]
+            return relabel_section(masks, section.objects, self._tables, frame)[0]
         painted = section.painted.cached("painted")[t : t + 1]
         erased = section.painted.attributes.get("erased", ())
-        return relabel_section(masks, section.objects, table, frame, painted, erased, strokes)[0]
+        return relabel_section(masks, section.objects, self._tables, frame, painted, erased)[0]
 
     def changed_frames(self, before: "LiveLabels | None") -> tuple[int, ...]:
         """Return the frames whose labels may differ from those before; all if there are none before."""
@@ -101,9 +99,12 @@ class LiveLabels:
     def _starts(self) -> Iterator[int]:
         """Yield the frames at which a section begins, or an object becomes another one."""
         yield from (section.start for section in self._sections)
-        yield from (
-            first for table in self._tables for first in table[:, 1].tolist() if first < self._sections[-1].stop
-        )
+        tables = self._tables
+        columns = [
+            *(table[:, 1] for table in (tables.labels, tables.stroke_labels)),
+            *(table[:, column] for table in (tables.members, tables.stroke_members) for column in (2, 3)),
+        ]
+        yield from (first for column in columns for first in column.tolist() if first < self._sections[-1].stop)
 
     def _origin(self, frame: int) -> tuple:
         """Return what decides the labels of a frame, to be compared with that of another result."""
@@ -112,7 +113,15 @@ class LiveLabels:
         labels = tuple(objects.get(each, 0) for each in section.objects.tolist())
         if section.painted is None:
             return section.start, section.masks.ref, labels
-        return section.start, section.masks.ref, labels, section.painted.ref, strokes
+        return section.start, section.masks.ref, labels, section.painted.ref, strokes, self._erased_at(section, frame)
+
+    def _erased_at(self, section: _LiveSection, frame: int) -> tuple[list[int], ...]:
+        """Return the objects and strokes that those strokes of a section erase in a frame that erase single objects."""
+        from moseg.tasks.corrections.relabel import members_at
+
+        tables = self._tables.members, self._tables.stroke_members
+        entries = section.painted.attributes.get("erased", ())
+        return tuple(members_at(table, numbers, frame) for _, *numbers in entries for table in tables)
 
     def _section_of(self, frame: int) -> _LiveSection:
         if not 0 <= frame < self._sections[-1].stop:

@@ -36,7 +36,7 @@ def small_of(linking: ArtifactView, areas: Sequence[ArtifactView], min_area: flo
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.corrections.relabel import label_table, motion_array
+    from moseg.tasks.corrections.relabel import label_tables, motion_array
     from moseg.tasks.corrections.replay import replay_steps
     from moseg.tasks.corrections.steps import read_steps
 
@@ -46,11 +46,7 @@ def _run(params, inputs, rng):
     motions = dict(zip(names[1:].tolist(), motion[1:].tolist(), strict=True))
     small = small_of(inputs["linking"], inputs.all("areas"), params["min_area"]) if "areas" in inputs else ()
     corrected = replay_steps(read_steps(params["steps"]), motions, params["num_frames"], small=small)
-    arrays = {
-        "labels": label_table(corrected.runs, corrected.shown),
-        "stroke_labels": label_table(corrected.stroke_runs, corrected.shown),
-        "motion": motion_array(corrected),
-    }
+    arrays = {**label_tables(corrected)._asdict(), "motion": motion_array(corrected)}
     found = {"identities": list(corrected.motions), "shown": sorted(corrected.shown)}
     return Output(arrays, {"num_objects": len(arrays["motion"]), **found})
 
@@ -63,7 +59,7 @@ def _params(config: PipelineConfig, edits: tuple[Edit, ...], num_frames: int) ->
     return {"steps": recipe_steps(edits), "num_frames": num_frames, **min_area}
 
 
-EDITS = Task("corrected_objects", "edits", version=1, run=_run, params=_params)
+EDITS = Task("corrected_objects", "edits", version=2, run=_run, params=_params)
 
 STAGE = Stage(
     name="corrected_objects",
@@ -76,6 +72,10 @@ STAGE = Stage(
     arrays={
         "labels": layout("int32", "run column", "object, first frame, label from there on; 0 = not in the result"),
         "stroke_labels": layout("int32", "run column", "the same of each number of strokes"),
+        "members": layout(
+            "int32", "run column", "number of strokes that erase, object that they erase, first frame, stop"
+        ),
+        "stroke_members": layout("int32", "run column", "the same of numbers of strokes that they erase"),
         "motion": layout("uint16", "object", "motion group, 0 = the background's"),
     },
     tasks=(EDITS,),

@@ -12,7 +12,7 @@ def _run(params, inputs, rng):
     from moseg.tasks.corrections.painting import Brush, paint_pixels
 
     views = inputs.all("masks")
-    brushes = [Brush(each["number"], each["erases"], tuple(each["same"])) for each in params["brushes"]]
+    brushes = [Brush(each["number"], each["erases"]) for each in params["brushes"]]
     masks = zip(params["first"], (view.array("mask") for view in views), strict=True)
     shape = (params["num_frames"], *views[0].shape("mask")[1:])
     painted, erased = paint_pixels(masks, brushes, shape)
@@ -20,11 +20,11 @@ def _run(params, inputs, rng):
 
 
 def _params(config: PipelineConfig, num_frames: int, first: Sequence[int], brushes: Sequence[tuple]) -> dict:
-    written = [{"number": number, "erases": erases, "same": list(same)} for number, erases, same in brushes]
+    written = [{"number": number, "erases": erases} for number, erases in brushes]
     return {"num_frames": num_frames, "first": list(first), "brushes": written}
 
 
-IN_ORDER = Task("painted", "in-order", version=1, run=_run, params=_params)
+IN_ORDER = Task("painted", "in-order", version=2, run=_run, params=_params)
 
 STAGE = Stage(
     name="painted",

@@ -26,16 +26,16 @@ def _run(params, inputs, rng):
 
 
 def _run_corrected(params, inputs, rng):
-    from moseg.tasks.corrections.relabel import relabel_section
+    from moseg.tasks.corrections.relabel import LabelTables, relabel_section
 
     names = object_names(inputs["linking"].attributes)
     objects = names[inputs["linking"].cached("identity")[params["section"]]]
     masks = inputs["proposals"].cached("masks")[: params["num_frames"]]
-    table, strokes = (inputs["corrected"].cached(name) for name in ("labels", "stroke_labels"))
+    tables = LabelTables(*(inputs["corrected"].cached(name) for name in LabelTables._fields))
     if "painted" not in inputs:
-        return Output({"labels": relabel_section(masks, objects, table, params["start"])})
+        return Output({"labels": relabel_section(masks, objects, tables, params["start"])})
     painted, erased = inputs["painted"].array("painted"), inputs["painted"].attributes.get("erased", ())
-    return Output({"labels": relabel_section(masks, objects, table, params["start"], painted, erased, strokes)})
+    return Output({"labels": relabel_section(masks, objects, tables, params["start"], painted, erased)})
 
 
 def _params(config: PipelineConfig, section: int, num_frames: int) -> dict:
@@ -47,7 +47,7 @@ def _corrected_params(config: PipelineConfig, section: int, num_frames: int, sta
 
 
 MOVING_OBJECTS = Task("segmentation", "moving-objects", version=1, run=_run, params=_params)
-CORRECTED = Task("segmentation", "corrected", version=1, run=_run_corrected, params=_corrected_params)
+CORRECTED = Task("segmentation", "corrected", version=2, run=_run_corrected, params=_corrected_params)
 
 STAGE = Stage(
     name="segmentation",

@@ -6,7 +6,14 @@ import pytest
 from moseg.schemas.corrections import Corrections
 from moseg.schemas.errors import InputError
 from moseg.tasks.corrections.names import names_of
-from moseg.tasks.corrections.relabel import label_table, labels_at, motion_array, relabel_section
+from moseg.tasks.corrections.relabel import (
+    label_table,
+    label_tables,
+    labels_at,
+    members_at,
+    motion_array,
+    relabel_section,
+)
 from moseg.tasks.corrections.replay import replay_steps
 from moseg.tasks.corrections.steps import AGE, read_steps, recipe_steps, steps_of
 
@@ -141,7 +148,7 @@ def test_tables_have_labels_of_shown_objects_alone():
 def test_a_section_is_relabelled_by_its_own_frames():
     found = _replay({"static": 4}, _split(2, 11, 7), {"merge": [1, 7]})
     masks = np.array([[[0, 1, 2, 3]]] * 3, np.uint16)
-    labels = relabel_section(masks, np.array([0, 2, 4, 1]), label_table(found.runs, found.shown), 10)
+    labels = relabel_section(masks, np.array([0, 2, 4, 1]), label_tables(found), 10)
     assert labels.dtype == np.uint16
     assert labels[:, 0].tolist() == [[0, 2, 0, 1], [0, 1, 0, 1], [0, 1, 0, 1]]
 
@@ -151,26 +158,27 @@ def test_strokes_lie_over_the_objects_and_erase_all_or_one_of_them():
     number = 2 + AGE
     masks = np.array([[[1, 1, 1, 2, 2, 2, 0]]], np.uint16)
     painted = np.array([[[-1, 9, 0, -1, 0, -2, 9]]], np.int32)
-    labels = relabel_section(
-        masks,
-        np.array([0, 1, 2]),
-        label_table(found.runs, found.shown),
-        0,
-        painted,
-        ((number,),),
-        label_table(found.stroke_runs, found.shown),
-    )
+    labels = relabel_section(masks, np.array([0, 1, 2]), label_tables(found), 0, painted, ((-1, number),))
     assert labels[0, 0].tolist() == [0, 2, 0, 2, 0, 0, 2]
 
 
 def test_an_erased_object_leaves_others_as_they_are():
     found = _replay(_paint(1, kind="erase"))
-    tables = label_table(found.runs, found.shown), label_table(found.stroke_runs, found.shown)
     painted = np.full((1, 1, 3), -2, np.int32)
-    labels = relabel_section(
-        np.array([[[0, 1, 2]]], np.uint16), np.arange(3), tables[0], 0, painted, ((1,),), tables[1]
-    )
+    masks = np.array([[[0, 1, 2]]], np.uint16)
+    labels = relabel_section(masks, np.arange(3), label_tables(found), 0, painted, ((-1, 1),))
     assert labels[0, 0].tolist() == [0, 0, 2]
+
+
+def test_strokes_know_what_their_object_is_made_of_when_they_are_made():
+    found = _replay(_paint(2), _split(2, 5, 7), {"merge": [4, 7]}, _paint(4, kind="erase"), {"merge": [4, 1]})
+    number = 4 + AGE
+    assert found.members == {2: [(2, 0, 20)], number: [(2, 5, 20), (4, 0, 20)]}
+    assert found.stroke_members == {2: [(2, 0, 20)], number: [(2, 5, 20), (number, 0, 20)]}
+    table = label_tables(found).members
+    assert table.dtype == np.int32
+    assert members_at(table, [number], 4) == [4] and members_at(table, [number], 5) == [2, 4]
+    assert label_tables(_replay()).members.shape == (0, 4)
 
 
 def _name(identity, text):
