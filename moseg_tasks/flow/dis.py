@@ -29,6 +29,8 @@ class _Effort(NamedTuple):
     refinement_iterations: int
 
 
+_MIN_LIGHT_SIDE = 256
+"""Longer side from which on a light search differs from a medium one, px."""
 _LIGHT = _Effort(patch_stride=4, descent_iterations=8, refinement_iterations=2)
 """Of medium, whose effort is 3, 25 and 5: half its time, and 0.1 px apart from it at the 95th percentile."""
 # Of a frame. On a smaller one OpenCV raises, returns NaN or crashes.
@@ -78,7 +80,8 @@ def search_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> n
         raise InputError("frames of a pair differ in size", got=image1.shape[:2], expected=image0.shape[:2])
     height, width = image0.shape[:2]
     search = cv2.DISOpticalFlow_create(_PRESETS[params.preset])
-    if params.preset == "light":
+    # Small frames have too few patches to leave any out, and take little time.
+    if params.preset == "light" and max(height, width) >= _MIN_LIGHT_SIDE:
         search.setPatchStride(_LIGHT.patch_stride)
         search.setGradientDescentIterations(_LIGHT.descent_iterations)
         search.setVariationalRefinementIterations(_LIGHT.refinement_iterations)

@@ -17,7 +17,7 @@ class RigidSupportParams(Frozen):
         " whose depth shows by parallax, with --proposals auto (auto), in the whole video (always) or nowhere (never)",
     )
     step: Annotated[int, Unit.FRAMES] = Field(
-        8,
+        4,
         ge=1,
         description="frames between the first frames of the pairs that compare objects of saliency with a rigid scene;"
         " objects of dense tracks are compared in all pairs",
