@@ -92,7 +92,7 @@ class TrajectoryVariant(StrEnum):
 
 
 ProposalSource = Literal["auto", "saliency", "tracks", "motion-prompts", "detections", "groundtruth", "folder"]
-"""Where object proposals come from."""
+"""Source of the object proposals."""
 MOTION_SOURCES = ("auto", "saliency", "tracks")
 """Sources of proposals whose masks are made from motion."""
 MOVING_SOURCES = (*MOTION_SOURCES, "motion-prompts")

@@ -199,7 +199,7 @@ def _read_version(value: object) -> object:
 
 
 class Corrections(Frozen):
-    """What a user corrects in the segmentation of one video; without settings and edits, nothing.
+    """Corrections of the segmentation of one video by its user; empty without settings and edits.
 
     ``model_validate`` reads mappings, ``model_dump(exclude_defaults=True)`` returns them.
 

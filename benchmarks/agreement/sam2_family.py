@@ -1,4 +1,4 @@
-"""What the comparisons of SAM 2.1 and EdgeTAM share: their authors' code is the same but for the networks."""
+"""Shared parts of the comparisons of SAM 2.1 and EdgeTAM, whose authors' code is the same but for the networks."""
 
 import argparse
 import importlib

@@ -42,7 +42,7 @@ class CarriedMask(NamedTuple):
 
     @property
     def is_lost(self) -> bool:
-        """Whether nothing is left to carry."""
+        """True if nothing is left to carry."""
         return not self.share.any()
 
 

@@ -14,7 +14,7 @@ ERASED = 0
 
 
 class Brush(NamedTuple):
-    """What an edit does with its pixels.
+    """Effect of an edit on its pixels.
 
     Attributes
     ----------

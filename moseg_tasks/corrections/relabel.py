@@ -11,7 +11,7 @@ UNTOUCHED = -1
 
 
 class LabelTables(NamedTuple):
-    """What decides the label of each pixel of a sequence.
+    """Tables that decide the label of each pixel of a sequence.
 
     Attributes
     ----------

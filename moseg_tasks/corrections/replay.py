@@ -13,7 +13,7 @@ MAX_SHOWN = 12
 Runs = list[tuple[int, int]]
 """First frame and identity of each run of frames, in order; the first run starts at 0."""
 Members = list[tuple[int, int, int]]
-"""What one object is made of: object before the edits, or number of strokes; first frame; frame after the last."""
+"""Part of one object: object before the edits, or number of strokes; first frame; frame after the last."""
 
 
 @dataclass(frozen=True)

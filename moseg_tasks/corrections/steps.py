@@ -12,7 +12,7 @@ STROKES = ("paint", "erase", "add")
 
 
 class Step(NamedTuple):
-    """What one edit does.
+    """Effect of one edit on the objects.
 
     Attributes
     ----------

@@ -9,7 +9,7 @@ from moseg.schemas.units import Unit
 
 
 class CarryingParams(Frozen):
-    """How far a mask of one frame is carried, by what, and where it is lost.
+    """Reach of a mask that is carried from one frame, the evidence that carries it, and the limits where it is lost.
 
     Lengths in px refer to the grid, the frame reduced to `side`.
     """

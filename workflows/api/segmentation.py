@@ -234,7 +234,7 @@ class Outputs:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What must be known about files that stay in the folder."""
+        """Notes about files that stay in the folder."""
         left = self._folder / CORRECTIONS
         if self._corrections or not left.exists() or self._given.is_from(left):
             return ()

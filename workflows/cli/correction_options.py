@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CorrectionOptions:
-    """What is wrong with the objects of an earlier result: a file of corrections, and more of them after it."""
+    """Corrections of the objects of an earlier result: a file, and more of them after it."""
 
     PANEL: ClassVar[str] = "Corrections"
 

@@ -13,7 +13,7 @@ MAX_DEPTH = 10
 
 
 class YamlKind(NamedTuple):
-    """What a kind of file holds, in the words of its errors.
+    """Content of a kind of file, in the words of its errors.
 
     Attributes
     ----------

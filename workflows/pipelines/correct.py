@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Mapping
+from importlib import import_module
 from threading import RLock
 from typing import NamedTuple
 
@@ -28,7 +29,7 @@ BEHIND_LEAVES = (
 
 
 class Change(NamedTuple):
-    """What corrections made of a run.
+    """Result of corrections of a run.
 
     Attributes
     ----------
@@ -192,9 +193,8 @@ class OpenRun:
 
 def import_kernels() -> None:
     """Import what changes of settings run, so that the first of them is as fast as the next."""
-    import moseg.tasks.affinity
-    import moseg.tasks.clustering
-    import moseg.tasks.rigid_support  # noqa: F401
+    for name in ("affinity", "clustering", "rigid_support"):
+        import_module(f"moseg.tasks.{name}")
 
 
 def _leading(config: PipelineConfig) -> Mapping[str, object]:

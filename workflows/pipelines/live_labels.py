@@ -18,7 +18,7 @@ from moseg.workflows.stages.inputs import ArtifactView
 
 
 class _LiveSection(NamedTuple):
-    """What the labels of a section's frames are made from."""
+    """Inputs of the labels of a section's frames."""
 
     start: int
     stop: int

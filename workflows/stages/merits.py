@@ -1,4 +1,4 @@
-"""What each choice of a method gives by public figures, what it costs, and under which licence."""
+"""Merits of each choice of a method: public figures, cost and licence."""
 
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple

@@ -51,12 +51,12 @@ class CorrectionHistory:
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is a state before."""
+        """True if there is a state before."""
         return self._place > 0
 
     @property
     def can_redo(self) -> bool:
-        """Whether there is a state after."""
+        """True if there is a state after."""
         return self._place + 1 < len(self._states)
 
     def is_stale(self) -> bool:

@@ -71,7 +71,7 @@ class Events:
 
 
 class _Listener:
-    """What one page has not read yet, by name."""
+    """Events that one page has not read yet, by name."""
 
     def __init__(self, pending: dict[str, str], is_due: asyncio.Event):
         self.pending = pending

@@ -1,4 +1,4 @@
-"""What the page works on once it is open: a result, and the ways to correct and to write it."""
+"""An opened result, and the functions that correct and write it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from moseg.workflows.view.shown_result import ShownResult
 
 
 class ExportChoices(NamedTuple):
-    """What is written beside the masks, as the options of `moseg segment` of these names.
+    """Outputs beside the masks, as the options of `moseg segment` of these names.
 
     Attributes
     ----------

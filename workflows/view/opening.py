@@ -32,7 +32,7 @@ from moseg.workflows.view.writing import write_result
 
 @dataclass(frozen=True)
 class OpenOptions:
-    """How videos are opened.
+    """Settings with which videos are opened.
 
     Attributes
     ----------

@@ -31,7 +31,7 @@ Opening = Callable[[ExitStack], Opened]
 
 
 class Phase(StrEnum):
-    """What the page shows."""
+    """State that the page shows."""
 
     EMPTY = "empty"
     """Nothing is open yet."""
