@@ -150,11 +150,19 @@ def test_another_weights_file_recomputes_its_stage_and_those_downstream(
 
 
 @pytest.mark.parametrize(("tracks", "depth"), [("pips", "depth-anything-v2"), ("bootstapir", "depth-anything-3")])
-def test_stages_can_be_chosen_one_by_one(tracks, depth, segment, moseg, weights):
-    # No preset has it.
-    assert moseg("weights", "tiny", weights, "--only", "depth-anything-v2-small").code == 0
+def test_stages_can_be_chosen_one_by_one(tracks, depth, segment):
     _, ran = segment("--flow", "raft", "--depth", depth, "--tracks", tracks)
     assert ran.code == 0, ran.err
+
+
+def test_tiny_checkpoints_are_made_for_every_choice_of_a_network(tiny):
+    from moseg.workflows.stages.registry import all_choices
+    from moseg.workflows.weights.folder import open_weights
+
+    items = open_weights({"MOSEG_WEIGHTS": str(tiny)}, offline=True).items
+    made = {item.architecture for name, item in items.items() if (tiny / name).is_dir()}
+    networks = [backend.network for choice in all_choices() for backend in choice.backends if backend.network]
+    assert made == {network.architecture for network in networks}
 
 
 def test_sea_raft_leaves_flow_of_each_pair_that_a_second_run_does_not_compute(segment, tmp_path):

@@ -119,7 +119,7 @@ def tiny(
         str | None,
         typer.Option(
             "--only",
-            help="Only these items, separated by commas (default: all that presets use).",
+            help="Only these items, separated by commas (default: what any preset or choice of a network reads).",
             metavar="NAMES",
             autocompletion=completion.complete_weights_list,
         ),
@@ -132,7 +132,6 @@ def tiny(
     moseg weights tiny tiny-weights
     moseg weights tiny tiny-weights --only raft-large,pips
     """
-    from moseg.schemas.presets import LIGHT, PRESETS
     from moseg.workflows.weights.catalogue import CATALOGUE
     from moseg.workflows.weights.folder import Weights
     from moseg.workflows.weights.tiny.make_tiny import make_tiny
@@ -140,12 +139,24 @@ def tiny(
     names = [name.strip() for name in (only or "").split(",") if name.strip()]
     if only is not None and not names:
         raise InputError("no item named", where="--only", got=repr(only), expected="names separated by commas")
-    sets = [*((preset, False) for preset in PRESETS), *((preset, True) for preset in LIGHT)]
-    names = names or [name for preset, is_light in sets for name in _items_of(preset, is_light)]
+    names = names or _all_items()
     catalogue = Weights(folder, {item.name: item for item in CATALOGUE})
     made = make_tiny(folder, [catalogue.item(name) for name in dict.fromkeys(names)], seed)
     print(f"{len(made)} items in {folder}: {', '.join(item.name for item in made)}")
     print(f"use them: export MOSEG_WEIGHTS={folder.resolve()}")
+
+
+def _all_items() -> list[str]:
+    """Return the names of the weights items that a preset or a choice reads if no item is named; some come twice."""
+    from moseg.schemas.configs import PipelineConfig
+    from moseg.schemas.presets import LIGHT, PRESETS
+    from moseg.workflows.stages.registry import all_choices
+
+    sets = [*((preset, False) for preset in PRESETS), *((preset, True) for preset in LIGHT)]
+    of_presets = [name for preset, is_light in sets for name in _items_of(preset, is_light)]
+    default = PipelineConfig()
+    backends = (backend for choice in all_choices() for backend in choice.backends)
+    return of_presets + [each.network.item(default) for each in backends if each.network is not None]
 
 
 def _items_of(preset: str | None, light: bool) -> tuple[str, ...]:
