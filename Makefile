@@ -9,6 +9,9 @@ WORKERS ?= 0
 RERUN   ?=
 DAVIS   ?=
 KT3DMOSEG ?=
+HOPKINS155 ?=
+HOPKINS12 ?=
+MTPV62  ?=
 STILL   ?=
 ARGS    ?=
 STORE   ?=
@@ -56,7 +59,7 @@ docs-pictures: setup
 	.venv/bin/python docs/tools/draw_curves.py
 
 results: setup
-	.venv/bin/python docs/tools/write_results.py $(if $(RERUN),--rerun '$(RERUN)') $(if $(DAVIS),--davis "$(DAVIS)") $(if $(KT3DMOSEG),--kt3dmoseg "$(KT3DMOSEG)") $(if $(STILL),--still "$(STILL)") $(ARGS)
+	.venv/bin/python docs/tools/write_results.py $(if $(RERUN),--rerun '$(RERUN)') $(if $(DAVIS),--davis "$(DAVIS)") $(if $(KT3DMOSEG),--kt3dmoseg "$(KT3DMOSEG)") $(if $(HOPKINS155),--hopkins155 "$(HOPKINS155)") $(if $(HOPKINS12),--hopkins12 "$(HOPKINS12)") $(if $(MTPV62),--mtpv62 "$(MTPV62)") $(if $(STILL),--still "$(STILL)") $(ARGS)
 
 bench: setup
 	for script in benchmarks/*.py; do echo "== $$script"; .venv/bin/python "$$script" || exit 1; done

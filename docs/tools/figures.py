@@ -17,7 +17,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from measurements import CATALOGUE, NUM_FRAMES
+from measured_data import NUM_FRAMES
+from measurements import CATALOGUE
 from result_tables import TABLES, table
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -8,28 +8,12 @@ the artifacts that those before it have not computed.
 from fnmatch import fnmatchcase
 from typing import NamedTuple
 
-DATA = {
-    "davis": ("DAVIS", "blackswan,bmx-trees,car-shadow,cows,dog,drift-straight,parkour,soapbox"),
-    "kt3dmoseg": (
-        "KT3DMOSEG",
-        "Seq005_Clip01,Seq009_Clip01,Seq009_Clip03,Seq013_Clip01,Seq028_Clip01,Seq028_clip03,Seq037_Clip01,"
-        "Seq038_Clip02,Seq059_Clip01,Seq071_Clip01,Seq095_Clip01",
-    ),
-    "still": (
-        "STILL",
-        "rendered-bright-sky,rendered-garden,rendered-orbit,rendered-roofs,rendered-street,rendered-wall,"
-        "kitti_parked_cars,davis-blackswan,davis-bmx-trees,davis-car-shadow,davis-cows,davis-dog,davis-drift-straight,"
-        "davis-parkour,davis-soapbox",
-    ),
-}
-"""Data sets that must be given: the placeholder of the root in a command, and the measured sequences."""
-NUM_FRAMES = {"davis16": 583}
-"""Number of measured frames, by data set."""
+from measured_data import DATA, TRACKS
 
-DAVIS = f"--dataset davis16 --root DAVIS --sequences {DATA['davis'][1]}"
-TRAJECTORIES = f"--dataset kt3dmoseg --root KT3DMOSEG --sequences {DATA['kt3dmoseg'][1]} --seeds 5"
-ROADS = f"--dataset kt3dinsmoseg --root KT3DMOSEG --sequences {DATA['kt3dmoseg'][1]}"
-STILL = f"--dataset still --root STILL --sequences {DATA['still'][1]}"
+DAVIS = f"--dataset davis16 {DATA['davis'].arguments}"
+TRAJECTORIES = f"--dataset kt3dmoseg {DATA['kt3dmoseg'].arguments} --seeds 5"
+ROADS = f"--dataset kt3dinsmoseg {DATA['kt3dmoseg'].arguments}"
+STILL = f"--dataset still {DATA['still'].arguments}"
 SYNTHETIC = "--dataset synthetic"
 PEERS = "python benchmarks/peers/compare.py"
 ORACLE = f"{SYNTHETIC} --proposals groundtruth"
@@ -144,7 +128,7 @@ def _catalogue() -> list[Measurement]:
     }
     found = []
     for name, command in commands.items():
-        data = next((data for data, (word, _) in DATA.items() if f"--root {word} " in command), None)
+        data = next((name for name, data in DATA.items() if f"--root {data.root} " in command), None)
         found.append(Measurement(name, " ".join(command.split()), data))
     return found
 
@@ -197,7 +181,7 @@ def _sweeps() -> dict[str, str]:
 
 
 def _trajectories() -> dict[str, str]:
-    """Return the measurements on KT3DMoSeg: motions given and found, other views, groupings and counting methods."""
+    """Return the measurements on trajectories: motions given and found; on KT3DMoSeg also other choices and seeds."""
     commands = {f"kt3d-{motions}": f"moseg ablate {TRAJECTORIES} --motions {motions}" for motions in ("gt", "auto")}
     commands |= {f"kt3d-gt-{name}": f"moseg eval {TRAJECTORIES} --motions gt {views}" for name, views in VIEWS.items()}
     for method, name, views in (
@@ -215,6 +199,10 @@ def _trajectories() -> dict[str, str]:
         for seed in (5, 6, 7):
             options = f"--motions {motions} --seed {seed}"
             commands[f"kt3d-{motions}-seed-{seed}"] = f"moseg eval {other_seeds} {options}"
+    for name in TRACKS[1:]:
+        for motions in ("gt", "auto"):
+            data = f"--dataset {name} {DATA[name].arguments} --seeds 5"
+            commands[f"{name}-{motions}"] = f"moseg eval {data} --motions {motions}"
     return commands
 
 

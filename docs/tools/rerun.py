@@ -12,7 +12,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from measurements import DATA, Measurement
+from measured_data import DATA, TRACKS
+from measurements import Measurement
 from typer.core import TyperGroup
 from typer.main import get_command
 
@@ -77,7 +78,7 @@ def rerun(measurement: Measurement, roots: Mapping[str, str], store: Path, folde
 
 def arguments(measurement: Measurement, roots: Mapping[str, str]) -> list[str]:
     """Return the words of the command with the folders of its data."""
-    folders = {DATA[data][0]: root for data, root in roots.items()}
+    folders = {DATA[data].root: root for data, root in roots.items()}
     return [folders.get(word, word) for word in shlex.split(measurement.command)]
 
 
@@ -89,7 +90,9 @@ def parameters(measurement: Measurement) -> dict[str, Any]:
         name, command, words = command.resolve_command(context, words)
     values = command.make_context(name, words, parent=context).params
     config = PipelineOptions(**{field.name: values[field.name] for field in fields(PipelineOptions)}).choices().read()
-    stages = ON_TRAJECTORIES if "--dataset kt3dmoseg" in measurement.command else ON_FRAMES
+    words = shlex.split(measurement.command)
+    is_of_tracks = words[words.index("--dataset") + 1] in TRACKS
+    stages = ON_TRAJECTORIES if is_of_tracks else ON_FRAMES
     return config.model_dump(mode="json", include={*stages})
 
 

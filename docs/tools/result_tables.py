@@ -1,12 +1,13 @@
 """Tables of measured figures in the documents: texts of their cells, with ``{expression}`` for each figure."""
 
-from measurements import AFFINITIES, COUNTS, DATA, MOTIONS, READINGS, SENSITIVITIES, SWEEPS, THRESHOLDS
+import road_tables
+import trajectory_tables
+from measured_data import DATA
+from measurements import AFFINITIES, MOTIONS, READINGS, SWEEPS, THRESHOLDS
+from table_cells import SCORES, VIEWS, Rows, scores_of
 
-VIEWS = ("fused", "oc-depth", "oc", "trajs")
 VARIANTS = (*VIEWS, "base")
 QUALITIES = ("fast", "default", "best")
-SCORES = {"Pu": "P", "Ru": "R", "Fu": "F", "J": "J"}
-Rows = list[tuple[str, ...]]
 
 
 def table(name: str) -> str:
@@ -15,17 +16,13 @@ def table(name: str) -> str:
     return "".join(f"| {' | '.join(row)} |\n" for row in (head, ("---",) * len(head), *rows)).replace("| --- ", "|---")
 
 
-def _scores(name: str, variant: str = "fused") -> tuple[str, ...]:
-    return tuple(f"{{{name}/{variant}/{score}}}" for score in SCORES.values())
-
-
 def _each(name: str, variants: tuple[str, ...], score: str = "F") -> tuple[str, ...]:
     return tuple(f"{{{name}/{variant}/{score}}}" for variant in variants)
 
 
 def _davis_sequences() -> Rows:
     rows = []
-    for sequence in DATA["davis"][1].split(","):
+    for sequence in DATA["davis"].sequences:
         rows.append((sequence, *(f"{{davis-residual-auto/fused/{score}@{sequence}}}" for score in "FJ")))
     return [("sequence", "Fu", "J"), *rows]
 
@@ -124,126 +121,6 @@ def _rigid_flow() -> Rows:
     return [("share of the RMS flow not explained, percent", "median", "95th percentile", "largest"), *rows]
 
 
-def _trajectories() -> Rows:
-    given = {
-        "energy, affine + homography + fundamental (default)": "kt3d-gt",
-        "energy, homography + fundamental": "kt3d-gt-two-views",
-        "energy, with trifocal tensors too": "kt3d-gt-four-views",
-        "co-regularised, homography + fundamental": "kt3d-gt-coregularised-two-views",
-        "co-regularised, all three": "kt3d-gt-coregularised-three-views",
-        "kernel addition, all three (`sum`)": "kt3d-gt-sum-three-views",
-    }
-    rows = [(text, f"{name}/fused") for text, name in given.items()]
-    alone = {"fundamental": "trajs", "homography": "homography", "affine": "affine"}
-    rows += [(f"{text} alone", f"kt3d-gt/{variant}") for text, variant in alone.items()]
-    return [
-        ("number of motions given", "mean", "median", "spread over seeds"),
-        *((text, *(f"{{{path}/{name}}}" for name in ("error", "median_error", "spread"))) for text, path in rows),
-    ]
-
-
-def _counts() -> Rows:
-    names = {"default (`energy`; video: `threshold`)": ("kt3d-auto", "oracle-residual-auto")}
-    names |= {f"`{count}`": (f"kt3d-auto-{count}", f"oracle-residual-{count}") for count in COUNTS}
-    rows = (
-        (text, f"{{{clips}/fused/num_motions_correct:.0f}}", f"{{{clips}/fused/error}}", f"{{{video}/fused/F}}")
-        for text, (clips, video) in names.items()
-    )
-    return [("", "clips with the right number, percent", "error", "Fu on video"), *rows]
-
-
-def _other_seeds() -> Rows:
-    return [
-        ("seed", "error, number given", "error, number found", "clips with the right number, percent"),
-        *(
-            (
-                str(seed),
-                f"{{kt3d-gt-seed-{seed}/fused/error}}",
-                f"{{kt3d-auto-seed-{seed}/fused/error}}",
-                f"{{kt3d-auto-seed-{seed}/fused/num_motions_correct:.0f}}",
-            )
-            for seed in (5, 6, 7)
-        ),
-    ]
-
-
-def _roads() -> Rows:
-    rows = [(variant, *_scores("roads-auto", variant), *_scores("roads-gt", variant)) for variant in (*VIEWS, "base")]
-    saliency = ("fused, from saliency alone", *_scores("roads-saliency"), "", "", "", "")
-    given = (f"{score}, `gt`" for score in SCORES)
-    return [("variant", *(f"{score}, `auto`" for score in SCORES), *given), *rows, saliency]
-
-
-def _road_clips() -> Rows:
-    clips = DATA["kt3dmoseg"][1].split(",")
-    rows = ((clip, *(f"{{roads-auto/fused/{score}@{clip}}}" for score in SCORES.values())) for clip in clips)
-    return [("clip", *SCORES), *rows]
-
-
-def _still(name: str, sequence: str = "") -> str:
-    at = f"@{sequence}" if sequence else ""
-    return f"{{{name}/fused/false_pixels{at}:.2f}} / {{{name}/fused/false_frames{at}:.0f}}"
-
-
-def _road_parts() -> Rows:
-    texts = {
-        "auto": "all parts",
-        "gap-2": "pairs 2 frames apart only",
-        "gap-4": "pairs 4 frames apart only",
-        "no-patch-test": "errors of tracks not limited by the patch test",
-        "no-contact": "no test of the contact with the ground",
-        "no-field": "no agreement with neighbours",
-        "no-groups": "candidates not regrouped by motion",
-        "no-completion": "objects without the rest of their surfaces, all of them scattered",
-        "no-scattering": "scattered objects asked for no more evidence",
-        "no-comparison": "objects not compared with a rigid scene",
-    }
-    return [
-        ("", "Fu", "J", "parked cars: false pixels / frames, percent", "all of `still`"),
-        *(
-            (
-                text,
-                *_scores(f"roads-{part}")[2:],
-                _still(f"still-{part}", "kitti_parked_cars"),
-                _still(f"still-{part}"),
-            )
-            for part, text in texts.items()
-        ),
-    ]
-
-
-def _road_curve() -> Rows:
-    names = {value: f"sensitivity-{value}" for value in SENSITIVITIES} | {"1": "auto"}
-    values = sorted(names, key=float)
-    return [
-        ("sensitivity", *SCORES, "parked cars: false pixels / frames", "all of `still`"),
-        *(
-            (
-                value + (" (default)" if value == "1" else ""),
-                *_scores(f"roads-{names[value]}"),
-                _still(f"still-{names[value]}", "kitti_parked_cars"),
-                _still(f"still-{names[value]}"),
-            )
-            for value in values
-        ),
-    ]
-
-
-def _still_sequences() -> Rows:
-    measured = ("still-auto", "still-no-comparison", "still-tracks")
-    rows = ((name, *(_still(each, name) for each in measured)) for name in DATA["still"][1].split(","))
-    head = ("false pixels / frames, percent", "default", "not compared with a rigid scene", "`--proposals tracks`")
-    return [head, *rows, ("mean", *(_still(each) for each in measured))]
-
-
-def _drives() -> Rows:
-    names = ("drive-crossing-cyclist", "drive-oncoming-car", "drive-overtaking-car", "drive-parked-row")
-    rows = (
-        (name, *(f"{{synthetic-residual-auto/fused/{score}@{name}}}" for score in SCORES.values())) for name in names
-    )
-    return [("scene", *SCORES), *rows]
-
-
 def _held_out() -> Rows:
     davis = "twelve other sequences of DAVIS-2016's validation set"
     rows = [
@@ -315,32 +192,16 @@ def _peers() -> Rows:
     return [("", *(f"{each}, {data}" for data in ("DAVIS", "synthetic") for each in columns)), *rows]
 
 
-_SIZES = (
-    *(f"{count} frames" for count in (2, 5, 25, 100, 1000)),
-    "1000 frames, short tracks",
-    *(f"{count} tracks" for count in (1000, 3000, 10000, 20000)),
-)
-
-
-def _trajectory_sizes() -> Rows:
-    rows = []
-    for name in _SIZES:
-        numbers = ("num_tracks:d", "num_frames:d", "length:d", "seconds", "peak_mib:.0f", "error", "num_motions:d")
-        rows.append(tuple(f"{{trajectory-sizes/{name}/{number}}}" for number in numbers))
-    head = ("trajectories", "frames", "of each", "seconds", "peak, MiB", "error", "motions found, of 3")
-    return [head, *rows]
-
-
 TABLES = {
     "readme": [
         ("data", "", "Pu", "Ru", "Fu", "J"),
-        ("eight sequences of DAVIS-2016", "fused, number of motions found", *_scores("davis-default")),
+        ("eight sequences of DAVIS-2016", "fused, number of motions found", *scores_of("davis-default")),
         (
             "{synthetic-residual-auto/sequences:d} synthetic scenes",
             "fused, number of motions found",
-            *_scores("synthetic-residual-auto"),
+            *scores_of("synthetic-residual-auto"),
         ),
-        ("eleven road clips of KT3DMoSeg, over points", "fused, number of motions found", *_scores("roads-auto")),
+        ("eleven road clips of KT3DMoSeg, over points", "fused, number of motions found", *scores_of("roads-auto")),
     ],
     "readme-trajectories": [
         ("data", "", "misclassified trajectories"),
@@ -353,9 +214,9 @@ TABLES = {
     ],
     "davis": [
         ("variant", *SCORES),
-        ("fused (default: motions `auto`, affinity `residual`)", *_scores("davis-residual-auto")),
-        ("fused, motions `gt`", *_scores("davis-residual-gt")),
-        ("base", *_scores("davis-residual-auto", "base")),
+        ("fused (default: motions `auto`, affinity `residual`)", *scores_of("davis-residual-auto")),
+        ("fused, motions `gt`", *scores_of("davis-residual-gt")),
+        ("base", *scores_of("davis-residual-auto", "base")),
     ],
     "davis-sequences": _davis_sequences(),
     "quality": [
@@ -386,20 +247,12 @@ TABLES = {
     "many-hypotheses-J": _davis_hypotheses_j(),
     "sweeps": _sweeps(),
     "rigid-flow": _rigid_flow(),
-    "trajectories": _trajectories(),
-    "trajectory-counts": _counts(),
-    "trajectory-seeds": _other_seeds(),
-    "trajectory-sizes": _trajectory_sizes(),
     "held-out": _held_out(),
     "confidence": _confidence(),
     "peers": _peers(),
     "training-curve": _training_curve(),
     "learning": _parts_of_learning(),
-    "roads": _roads(),
-    "road-clips": _road_clips(),
-    "road-parts": _road_parts(),
-    "road-curve": _road_curve(),
-    "still": _still_sequences(),
-    "drives": _drives(),
+    **trajectory_tables.TABLES,
+    **road_tables.TABLES,
 }
 """Head and rows of each table."""

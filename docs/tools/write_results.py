@@ -1,8 +1,8 @@
 """Write the measured figures of the documents from ``benchmarks/results``: ``python docs/tools/write_results.py``.
 
 ``--rerun all``, or names and patterns separated by commas (``--rerun 'exact-*,davis-default'``), repeats measurements
-first, in a store of their own, and writes their files. Data sets are given by ``--davis``, ``--kt3dmoseg`` and
-``--still``; measurements of a data set that is not given are left as they are, and named. At the end each measurement
+first, in a store of their own, and writes their files. Data sets are given by options such as ``--davis``;
+measurements of a data set that is not given are left as they are, and named. At the end each measurement
 is listed with its command and the seconds that it took after those before it.
 """
 
@@ -15,7 +15,8 @@ import time
 from pathlib import Path
 
 from figures import MEASURED_APART, PAGES, Figures, written
-from measurements import CATALOGUE, DATA, Measurement, chosen
+from measured_data import DATA
+from measurements import CATALOGUE, Measurement, chosen
 from rerun import rerun, write
 
 
@@ -23,9 +24,8 @@ def main() -> int:
     """Repeat the chosen measurements, write the pages, list the measurements; exit with code 1 if a command failed."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rerun", default="", metavar="NAMES", help="measurements to repeat, or all")
-    parser.add_argument("--davis", default="", metavar="ROOT", help="folder of DAVIS-2016")
-    parser.add_argument("--kt3dmoseg", default="", metavar="ROOT", help="folder of <clip>_Tracks.mat")
-    parser.add_argument("--still", default="", metavar="ROOT", help="folder of the data set still, DAVIS beside it")
+    for name, data in DATA.items():
+        parser.add_argument(f"--{name}", default="", metavar="ROOT", help=data.about)
     parser.add_argument("--store", type=Path, help="artifact store to use and keep; by default a temporary one")
     options = parser.parse_args()
     roots = {data: str(Path(vars(options)[data]).resolve()) for data in DATA if vars(options)[data]}
@@ -57,7 +57,7 @@ def _rerun(wanted: list[Measurement], roots: dict[str, str], store: Path | None)
         for number, measurement in enumerate(wanted, start=1):
             head = f"{number}/{len(wanted)} {measurement.name}"
             if measurement.data is not None and measurement.data not in roots:
-                print(f"{head}: left as it is, {DATA[measurement.data][0]} is not given", flush=True)
+                print(f"{head}: left as it is, {DATA[measurement.data].root} is not given", flush=True)
                 continue
             if measurement.data != before:
                 # Data sets share no cues.

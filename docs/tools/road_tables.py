@@ -1,0 +1,94 @@
+"""Tables of road scenes, and of sequences in which nothing moves."""
+
+from measured_data import DATA
+from measurements import SENSITIVITIES
+from table_cells import SCORES, VIEWS, Rows, scores_of
+
+
+def _roads() -> Rows:
+    rows = [
+        (variant, *scores_of("roads-auto", variant), *scores_of("roads-gt", variant)) for variant in (*VIEWS, "base")
+    ]
+    saliency = ("fused, from saliency alone", *scores_of("roads-saliency"), "", "", "", "")
+    given = (f"{score}, `gt`" for score in SCORES)
+    return [("variant", *(f"{score}, `auto`" for score in SCORES), *given), *rows, saliency]
+
+
+def _road_clips() -> Rows:
+    clips = DATA["kt3dmoseg"].sequences
+    rows = ((clip, *(f"{{roads-auto/fused/{score}@{clip}}}" for score in SCORES.values())) for clip in clips)
+    return [("clip", *SCORES), *rows]
+
+
+def _still(name: str, sequence: str = "") -> str:
+    at = f"@{sequence}" if sequence else ""
+    return f"{{{name}/fused/false_pixels{at}:.2f}} / {{{name}/fused/false_frames{at}:.0f}}"
+
+
+def _road_parts() -> Rows:
+    texts = {
+        "auto": "all parts",
+        "gap-2": "pairs 2 frames apart only",
+        "gap-4": "pairs 4 frames apart only",
+        "no-patch-test": "errors of tracks not limited by the patch test",
+        "no-contact": "no test of the contact with the ground",
+        "no-field": "no agreement with neighbours",
+        "no-groups": "candidates not regrouped by motion",
+        "no-completion": "objects without the rest of their surfaces, all of them scattered",
+        "no-scattering": "scattered objects asked for no more evidence",
+        "no-comparison": "objects not compared with a rigid scene",
+    }
+    return [
+        ("", "Fu", "J", "parked cars: false pixels / frames, percent", "all of `still`"),
+        *(
+            (
+                text,
+                *scores_of(f"roads-{part}")[2:],
+                _still(f"still-{part}", "kitti_parked_cars"),
+                _still(f"still-{part}"),
+            )
+            for part, text in texts.items()
+        ),
+    ]
+
+
+def _road_curve() -> Rows:
+    names = {value: f"sensitivity-{value}" for value in SENSITIVITIES} | {"1": "auto"}
+    values = sorted(names, key=float)
+    return [
+        ("sensitivity", *SCORES, "parked cars: false pixels / frames", "all of `still`"),
+        *(
+            (
+                value + (" (default)" if value == "1" else ""),
+                *scores_of(f"roads-{names[value]}"),
+                _still(f"still-{names[value]}", "kitti_parked_cars"),
+                _still(f"still-{names[value]}"),
+            )
+            for value in values
+        ),
+    ]
+
+
+def _still_sequences() -> Rows:
+    measured = ("still-auto", "still-no-comparison", "still-tracks")
+    rows = ((name, *(_still(each, name) for each in measured)) for name in DATA["still"].sequences)
+    head = ("false pixels / frames, percent", "default", "not compared with a rigid scene", "`--proposals tracks`")
+    return [head, *rows, ("mean", *(_still(each) for each in measured))]
+
+
+def _drives() -> Rows:
+    names = ("drive-crossing-cyclist", "drive-oncoming-car", "drive-overtaking-car", "drive-parked-row")
+    rows = (
+        (name, *(f"{{synthetic-residual-auto/fused/{score}@{name}}}" for score in SCORES.values())) for name in names
+    )
+    return [("scene", *SCORES), *rows]
+
+
+TABLES = {
+    "roads": _roads(),
+    "road-clips": _road_clips(),
+    "road-parts": _road_parts(),
+    "road-curve": _road_curve(),
+    "still": _still_sequences(),
+    "drives": _drives(),
+}
