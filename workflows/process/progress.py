@@ -1,6 +1,5 @@
 """Progress of long work on standard error: a bar, few plain lines in a log, nothing if quiet."""
 
-import sys
 import threading
 import time
 from collections import Counter
@@ -11,6 +10,7 @@ from typing import TypeVar
 
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
+from moseg.workflows.process.notebook import print_notice
 from moseg.workflows.process.progress_displays import Display, bars_console, open_display
 
 PATIENCE_SEC = 1.0
@@ -140,7 +140,7 @@ class Waiting(AbstractContextManager):
     def _show(self) -> None:
         console = bars_console()
         if console is None:
-            print(f"{self._what} …", file=sys.stderr, flush=True)
+            print_notice(f"{self._what} …")
             return
         columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
         self._bar = Progress(*columns, console=console, transient=True)

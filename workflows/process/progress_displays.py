@@ -4,7 +4,6 @@ import sys
 import time
 from collections.abc import Mapping
 from html import escape
-from importlib import import_module
 from typing import Any, Protocol
 
 from rich.console import Console
@@ -18,6 +17,8 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 from rich.text import Text
+
+from moseg.workflows.process.notebook import Html, notebook
 
 PLAIN_FIRST_SEC = 2.0
 """A log gets no line about work that took less time."""
@@ -59,7 +60,7 @@ def open_display(totals: Mapping[str, int], what: str, started: float, is_detail
     is_detailed : bool
         Whether each stage is shown for itself.
     """
-    if (update := _notebook()) is not None:
+    if (update := notebook()) is not None:
         return _NotebookBar(update, totals, what, started)
     console = bars_console()
     if console is None:
@@ -189,38 +190,13 @@ class _NotebookBar:
 
     def close(self, done: Mapping[str, int], is_finished: bool) -> None:
         if is_finished:
-            self._handle.update(_Html(""))
+            self._handle.update(Html("", ""))
 
-    def _draw(self, stage: str, done: Mapping[str, int]) -> "_Html":
+    def _draw(self, stage: str, done: Mapping[str, int]) -> Html:
         total, elapsed = sum(self._totals.values()), time.monotonic() - self._started
         label = escape(_label(self._what, stage, self._totals))
         bar = f'<progress value="{sum(done.values())}" max="{total}" style="width: 20em"></progress>'
-        return _Html(f"{label} {bar} {sum(done.values())}/{total}{_remaining(self._totals, done, elapsed)}")
-
-
-class _Html:
-    """Text of HTML as notebooks display it."""
-
-    def __init__(self, text: str):
-        self._text = text
-
-    def _repr_html_(self) -> str:
-        return self._text
-
-    def __repr__(self) -> str:
-        return "progress"
-
-
-def _notebook() -> Any:
-    """Return a function that displays something in the notebook of this process, and a handle to update it, or None."""
-    ipython = sys.modules.get("IPython")
-    shell = None if ipython is None else ipython.get_ipython()
-    # A shell on a terminal has no kernel.
-    if getattr(shell, "kernel", None) is None:
-        return None
-    # The package of the notebook that runs this, and no requirement of ours.
-    display = import_module("IPython.display").display
-    return lambda content: display(content, display_id=True)
+        return Html(f"{label} {bar} {sum(done.values())}/{total}{_remaining(self._totals, done, elapsed)}", "progress")
 
 
 def _describe(totals: Mapping[str, int], what: str, done: Mapping[str, int], elapsed_sec: float) -> str:

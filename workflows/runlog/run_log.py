@@ -22,6 +22,7 @@ from moseg.schemas.events import (
 from moseg.schemas.stretch_choice import StretchChoice
 from moseg.store import ArtifactStore
 from moseg.store.owners import process_space
+from moseg.workflows.process.notebook import print_notice
 from moseg.workflows.runlog.choices import read_choices
 from moseg.workflows.runlog.events import EventLog, as_unicode, describe_error, failed_event, is_written, this_process
 
@@ -80,10 +81,10 @@ class RunLog:
             self._write_subjects()
 
     def announce(self) -> None:
-        """Print on standard error, once, how to follow the run."""
+        """Print once how to follow the run: on standard error, or below the cell of a notebook."""
         if not self._quiet and not self._is_announced:
             command = shlex.join(["moseg", "status", self._run_id, "--store", self._store.url])
-            print(f"run {self._run_id} ({command})", file=sys.stderr, flush=True)
+            print_notice(f"run {self._run_id} ({command})")
         self._is_announced = True
 
     def plan(self, computed: Collection[str], reused: Collection[str] = ()) -> None:
