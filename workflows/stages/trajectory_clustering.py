@@ -70,13 +70,15 @@ def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) 
         unread |= {"pieces", "outliers", "num_refined", "num_refinements", "num_split", "small_pieces"}
     if method != "energy" or not is_auto or params.auto != "energy":
         unread.add("count_margin")
+    if not is_auto or params.auto != "energy":
+        unread.add("min_tracks")
     read = params.model_copy(update={"method": method}).model_dump(mode="json", exclude=unread | {"count"})
     if counts:
         read["count"] = params.count.model_dump(mode="json", include=counts)
     return read
 
 
-MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=6, run=_run, params=_params)
+MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=7, run=_run, params=_params)
 
 STAGE = Stage(
     name="trajectory_clustering",
