@@ -12,9 +12,9 @@ from moseg.tasks.clustering.kmeans import cluster_many_points
 from moseg.tasks.clustering.motion_tracks import MotionTracks
 from moseg.tasks.clustering.spectral import embed_views
 from moseg.tasks.trajectories.candidates import Candidates, View, in_order
-from moseg.tasks.trajectories.energy import Energy, Grouping
+from moseg.tasks.trajectories.energy import Energy, Grouping, motion_price
 from moseg.tasks.trajectories.grouping_search import GroupingSearch
-from moseg.tasks.trajectories.separation import separate_objects
+from moseg.tasks.trajectories.separation import nearest_trajectories, separate_objects
 
 
 class TrajectoryClustering(NamedTuple):
@@ -74,7 +74,7 @@ def cluster_trajectories(
     visible : bool (N, frame)
     num_motions : int, optional
         Reduced to N if larger. None: it is found, at most `params.most_motions`; with `params.separate`, unconnected
-        parts of a group then become separate motions.
+        parts of a group then become separate motions. If it is given, they count against a grouping by ``energy``.
     params : TrajectoryClusteringParams
     rng : numpy.random.Generator
         Draws the starts of k-means.
@@ -134,7 +134,8 @@ def cluster_trajectories(
         tracks = MotionTracks(points, visible, np.arange(len(points)))
         chosen = _count(found, mean, lambda: embed(1).eigenvalues, tracks, params, rng)
     if search and chosen not in searched:
-        searched = search.best([chosen])
+        is_penalised = num_motions is not None and params.separate and params.num_refined
+        searched = search.best([chosen], excess_price(points, visible, params) if is_penalised else None)
     best |= searched
     motion, embedding = in_order(best[chosen].labels), embed(chosen)
     each = [best.get(count) for count in range(1, max_motions + 1)]
@@ -151,6 +152,25 @@ def cluster_trajectories(
         codes=terms[2],
         num_motions=int(motion.max()) + 1,
     )
+
+
+def excess_price(
+    points: np.ndarray, visible: np.ndarray, params: TrajectoryClusteringParams
+) -> Callable[[np.ndarray], float]:
+    """Return a function that penalises labels whose groups consist of more objects than there are groups.
+
+    Two cars on parallel lanes in one group, and a background in two, may fit as well as the true groups. But a number
+    that is given counts the cars as two.
+    """
+    price = motion_price(params.energy, len(points))
+    neighbours = nearest_trajectories(points, visible, params.separation.num_neighbours)
+
+    def penalty(labels: np.ndarray) -> float:
+        labels = in_order(labels)
+        separated = separate_objects(points, visible, labels, params.separation, neighbours)
+        return price * float(separated.max() - labels.max())
+
+    return penalty
 
 
 def _near_lowest(best: dict[int, Grouping], margin: float) -> list[int]:

@@ -50,7 +50,7 @@ class Energy:
         self._code = CodingLength(points, visible, params.coding) if params.coding_weight else None
         self._kernel = kernel
         self._params = params
-        self._penalty = params.motion_weight + params.chance_weight / max(len(points), 1) ** 0.5
+        self._price = motion_price(params, len(points))
         # Bounded below: if one motion explains the data well, a relative gain by a second one is not significant.
         self._unit = max(float(self._cost.of_labelings([np.zeros(len(points), int)])[0]), params.least_unit)
 
@@ -131,8 +131,13 @@ class Energy:
         """Return the grouping with another cost and the energy that follows."""
         params, num_motions = self._params, len(np.unique(grouping.labels))
         energy = float(cost) + params.cut_weight * grouping.cut + params.coding_weight * grouping.code
-        energy += self._penalty * max(num_motions - params.free_motions, 0)
+        energy += self._price * max(num_motions - params.free_motions, 0)
         return grouping._replace(cost=float(cost), energy=energy)
+
+
+def motion_price(params: EnergyParams, num_tracks: int) -> float:
+    """Return the penalty on each motion beyond `params.free_motions`."""
+    return params.motion_weight + params.chance_weight / max(num_tracks, 1) ** 0.5
 
 
 def normalised_cut(kernel: np.ndarray, labels: np.ndarray) -> float:

@@ -1,6 +1,6 @@
 """Search for the grouping of lowest energy into a given number of motions."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -50,10 +50,11 @@ class GroupingSearch:
             self._of[count] = [each.of(count) for each in self._candidates]
         return self._of[count]
 
-    def best(self, counts: Iterable[int]) -> dict[int, Grouping]:
+    def best(self, counts: Iterable[int], penalty: Callable[[np.ndarray], float] | None = None) -> dict[int, Grouping]:
         """Return the grouping of lowest energy into each number of groups, from refined candidates and from splits.
 
-        The energies of different numbers can be compared.
+        The energies of different numbers can be compared. A `penalty` 0 or more on labels int (N,) is added to the
+        energies before groupings are compared.
         """
         found = {count: self._refined_into(count) for count in counts}
         if self._params.num_refined:
@@ -62,7 +63,7 @@ class GroupingSearch:
                 self._energy.thorough([each for groupings in found.values() for each in groupings], self._pieces)
             )
             found = {count: [next(compared) for _ in groupings] for count, groupings in found.items()}
-        return {count: min(groupings, key=lambda grouping: grouping.energy) for count, groupings in found.items()}
+        return {count: _lowest(groupings, penalty) for count, groupings in found.items()}
 
     def _refined_into(self, count: int) -> list[Grouping]:
         """Return the best groupings into `count` groups."""
@@ -95,3 +96,15 @@ class GroupingSearch:
                 start, self._energy, self._pieces, params.num_refinements, params.pieces.num_tried
             )
         return self._refined[key]
+
+
+def _lowest(groupings: Sequence[Grouping], penalty: Callable[[np.ndarray], float] | None) -> Grouping:
+    """Return the grouping of lowest energy and penalty, which is computed for as few as possible."""
+    best, lowest = None, np.inf
+    for grouping in sorted(groupings, key=lambda grouping: grouping.energy):
+        if grouping.energy >= lowest:
+            break
+        total = grouping.energy + (penalty(grouping.labels) if penalty else 0.0)
+        if total < lowest:
+            best, lowest = grouping, total
+    return best

@@ -304,7 +304,11 @@ class TrajectoryClusteringParams(Frozen):
         description="trajectories of the smallest motion, below which a number beyond energy.free_motions is not found;"
         " any eight have a fundamental matrix",
     )
-    separate: bool = Field(True, description="unconnected objects are separate motions if the number is found")
+    separate: bool = Field(
+        True,
+        description="unconnected objects are separate motions if the number is found, and count against a grouping if"
+        " it is given",
+    )
     pieces: PieceParams = PieceParams()
     energy: EnergyParams = EnergyParams()
     separation: SeparationParams = SeparationParams()

@@ -57,8 +57,10 @@ def _params(config: PipelineConfig, models: Sequence[str], num_motions: int | No
 
 def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) -> dict:
     """Return the parameters that a clustering by `method` reads, with the number of motions found or given."""
-    unread = set() if is_auto else {"most_motions", "auto", "separate"}
-    if not is_auto or not params.separate:
+    unread = set() if is_auto else {"most_motions", "auto"}
+    if not is_auto and method != "energy":
+        unread.add("separate")
+    if not params.separate or "separate" in unread:
         unread.add("separation")
     counts = COUNT_READS.get(params.auto, frozenset()) - {"most_motions"} if is_auto else frozenset()
     if params.auto == "stability":

@@ -72,3 +72,18 @@ def test_each_number_of_groups_has_its_own_grouping(case):
     found = search.best([2, 3])
     assert {count: len(np.unique(grouping.labels)) for count, grouping in found.items()} == {2: 2, 3: 3}
     assert clustering_error(found[3].labels, clip.labels) == 0
+
+
+def test_a_penalty_chooses_among_the_refined_groupings(case):
+    clip, energy = case
+    # From the second candidate the first cannot be reached by moves that each lower the energy.
+    stuck = np.where(np.arange(120) < 30, 2, np.minimum(clip.labels, 1))
+    search = GroupingSearch([_Candidates(clip.labels, stuck)], None, energy, TrajectoryClusteringParams(num_refined=2))
+    free = search.best([3])[3]
+
+    def penalty(labels):
+        return 9.0 if np.array_equal(labels, free.labels) else 0.0
+
+    other = search.best([3], penalty)[3]
+    assert not np.array_equal(other.labels, free.labels) and other.energy > free.energy
+    assert np.array_equal(search.best([3], lambda labels: 9.0)[3].labels, free.labels)
