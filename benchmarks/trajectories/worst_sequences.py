@@ -21,9 +21,12 @@ from moseg.workflows.graph import TrajectoryGraph
 from moseg.workflows.pipelines.leaves import ingest_trajectories
 
 BEFORE = TrajectoryClusteringParams(
-    energy=EnergyParams(least_unit=0.15, cut_weight=0.85, coding_weight=0.0, motion_weight=0.01, free_motions=0),
+    energy=EnergyParams(
+        least_unit=0.15, cut_weight=0.85, coding_weight=0.0, motion_weight=0.01, chance_weight=0.0, free_motions=0
+    ),
     pieces=PieceParams(merged="middle"),
     num_refined=0,
+    min_tracks=1,
 )
 COLOURS = ((178, 114, 0), (0, 159, 230), (115, 158, 0), (0, 94, 213), (167, 121, 204), (90, 90, 90))
 """BGR of the groups, after Okabe and Ito."""

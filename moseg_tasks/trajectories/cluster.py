@@ -12,9 +12,9 @@ from moseg.tasks.clustering.kmeans import cluster_many_points
 from moseg.tasks.clustering.motion_tracks import MotionTracks
 from moseg.tasks.clustering.spectral import embed_views
 from moseg.tasks.trajectories.candidates import Candidates, View, in_order
-from moseg.tasks.trajectories.energy import Energy, Grouping
+from moseg.tasks.trajectories.energy import Energy, Grouping, motion_price
 from moseg.tasks.trajectories.grouping_search import GroupingSearch
-from moseg.tasks.trajectories.separation import separate_objects
+from moseg.tasks.trajectories.separation import nearest_trajectories, separate_objects
 
 
 class TrajectoryClustering(NamedTuple):
@@ -60,7 +60,8 @@ def cluster_trajectories(
     ``energy`` makes groupings from every draw of hypotheses, by spectral clustering and by merging of pieces
     (`Candidates`, `merge_by_energy`), and searches for the one of minimal `Energy` from there (`GroupingSearch`). If
     the number of motions is not given, it is the number whose grouping has the lowest energy; without a search
-    (`params.num_refined` 0), the number whose `Candidates` have the smallest mean energy over the draws.
+    (`params.num_refined` 0), the number whose `Candidates` have the smallest mean energy over the draws. Numbers beyond
+    `params.energy.free_motions` whose grouping has a motion of fewer than `params.min_tracks` trajectories are ignored.
     ``sum``, ``product`` and ``coregularised`` are spectral clustering of the views' mean kernel, of their geometric
     mean and of all views, as published. `params.auto` names the other ways to find the number.
 
@@ -73,7 +74,7 @@ def cluster_trajectories(
     visible : bool (N, frame)
     num_motions : int, optional
         Reduced to N if larger. None: it is found, at most `params.most_motions`; with `params.separate`, unconnected
-        parts of a group then become separate motions.
+        parts of a group then become separate motions. If it is given, they count against a grouping by ``energy``.
     params : TrajectoryClusteringParams
     rng : numpy.random.Generator
         Draws the starts of k-means.
@@ -96,7 +97,9 @@ def cluster_trajectories(
     mean = np.mean(by_view, axis=0)
     views = _clustered_kernels(by_view, params.method)
     max_motions = min(params.most_motions if num_motions is None else num_motions, len(points))
-    weights = params.energy if num_motions is None else params.energy.model_copy(update={"motion_weight": 0.0})
+    weights = params.energy
+    if num_motions is not None:
+        weights = weights.model_copy(update={"motion_weight": 0.0, "chance_weight": 0.0})
     energy = Energy(points, visible, mean, weights)
     seed = int(rng.integers(2**31))
 
@@ -121,15 +124,19 @@ def cluster_trajectories(
         # The published methods give one grouping.
         groupings = {count: [[in_order(cluster(count))]] for count in counts}
     found = {count: [energy.minimum(drawn) for drawn in by_draw] for count, by_draw in groupings.items()}
+    best = {count: min(drawn, key=lambda grouping: grouping.energy) for count, drawn in found.items()}
+    searched: dict[int, Grouping] = {}
     if search and num_motions is None and params.auto == "energy" and params.num_refined:
-        found = _search_near_lowest(search, found, params)
+        searched = search.best(_near_lowest(best, params.count_margin))
+        found = {count: [grouping] for count, grouping in searched.items()}
     chosen = max_motions
     if num_motions is None:
         tracks = MotionTracks(points, visible, np.arange(len(points)))
         chosen = _count(found, mean, lambda: embed(1).eigenvalues, tracks, params, rng)
-    best = {count: min(drawn, key=lambda grouping: grouping.energy) for count, drawn in found.items()}
-    if search:
-        best[chosen] = search.best(chosen, params.num_refined)
+    if search and chosen not in searched:
+        is_penalised = num_motions is not None and params.separate and params.num_refined
+        searched = search.best([chosen], excess_price(points, visible, params) if is_penalised else None)
+    best |= searched
     motion, embedding = in_order(best[chosen].labels), embed(chosen)
     each = [best.get(count) for count in range(1, max_motions + 1)]
     terms = np.array([(found.cost, found.cut, found.code) if found else (np.nan,) * 3 for found in each]).T
@@ -147,20 +154,39 @@ def cluster_trajectories(
     )
 
 
-def _search_near_lowest(
-    search: GroupingSearch, found: dict[int, list[Grouping]], params: TrajectoryClusteringParams
-) -> dict[int, list[Grouping]]:
-    """Return the best grouping into 1, 2, ... motions, searched for numbers that are not far from the best.
+def excess_price(
+    points: np.ndarray, visible: np.ndarray, params: TrajectoryClusteringParams
+) -> Callable[[np.ndarray], float]:
+    """Return a function that penalises labels whose groups consist of more objects than there are groups.
+
+    Two cars on parallel lanes in one group, and a background in two, may fit as well as the true groups. But a number
+    that is given counts the cars as two.
+    """
+    price = motion_price(params.energy, len(points))
+    neighbours = nearest_trajectories(points, visible, params.separation.num_neighbours)
+
+    def penalty(labels: np.ndarray) -> float:
+        labels = in_order(labels)
+        separated = separate_objects(points, visible, labels, params.separation, neighbours)
+        return price * float(separated.max() - labels.max())
+
+    return penalty
+
+
+def _near_lowest(best: dict[int, Grouping], margin: float) -> list[int]:
+    """Return the numbers of motions whose best candidate has an energy within `margin` of the lowest.
 
     The candidates of one number may all cut through a motion. Their energies tell little about the number then, and
-    the search is repeated for each number within `params.count_margin` of the lowest energy.
+    the search is repeated for each of these numbers.
     """
-    best = {count: min(drawn, key=lambda grouping: grouping.energy) for count, drawn in found.items()}
-    bound = min(grouping.energy for grouping in best.values()) + params.count_margin
-    return {
-        count: [search.best(count, params.num_refined) if grouping.energy <= bound else grouping]
-        for count, grouping in best.items()
-    }
+    bound = min(grouping.energy for grouping in best.values()) + margin
+    return [count for count, grouping in best.items() if grouping.energy <= bound]
+
+
+def _smallest(drawn: Sequence[Grouping]) -> int:
+    """Return the size of the smallest group of the grouping of lowest energy."""
+    labels = min(drawn, key=lambda grouping: grouping.energy).labels
+    return int(np.unique(labels, return_counts=True)[1].min())
 
 
 def _clustered_kernels(by_view: Sequence[np.ndarray], method: str) -> np.ndarray:
@@ -184,7 +210,10 @@ def _count(
     """Return the number of motions from the groupings of each draw into 1, 2, ... motions."""
     if params.auto == "energy":
         # One grouping for each number after a search; else the mean over the draws, which is robust to lucky fits.
-        return min(found, key=lambda count: np.mean([grouping.energy for grouping in found[count]]))
+        means = {count: np.mean([grouping.energy for grouping in drawn]) for count, drawn in found.items()}
+        free = max(params.energy.free_motions, 1)
+        large = [count for count in means if count <= free or _smallest(found[count]) >= params.min_tracks]
+        return min(large or [min(means)], key=means.get)
     if params.auto == "eigengap":
         return count_by_eigengap(spectrum(), len(found))
     resampled = [[grouping.labels for grouping in draw] for draw in zip(*found.values(), strict=True)]

@@ -31,8 +31,9 @@ class Energy:
     mover along the camera's path and the background, nearly as well as a single one: the cost alone would rather split
     the background. The cut alone splits the background where few hypotheses span the image. Under a nearly affine
     camera, one motion may explain any two frames; the code compares many frames, but only of the trajectories that span
-    them. The penalty, `motion_weight` for each motion beyond `free_motions`, merges motions if one more explains the
-    data only slightly better.
+    them. The penalty on each motion beyond `free_motions` merges motions if one more explains the data only slightly
+    better. The three terms are means over N trajectories, of which some split of one motion lowers each by chance, by
+    the more the fewer they are: `chance_weight / sqrt(N)` is added to `motion_weight`.
 
     Parameters
     ----------
@@ -49,6 +50,7 @@ class Energy:
         self._code = CodingLength(points, visible, params.coding) if params.coding_weight else None
         self._kernel = kernel
         self._params = params
+        self._price = motion_price(params, len(points))
         # Bounded below: if one motion explains the data well, a relative gain by a second one is not significant.
         self._unit = max(float(self._cost.of_labelings([np.zeros(len(points), int)])[0]), params.least_unit)
 
@@ -85,6 +87,16 @@ class Energy:
         groupings = map(self._grouping, labelings, costs, self._codes(labelings))
         return sorted(groupings, key=lambda grouping: grouping.energy)
 
+    def thorough(self, groupings: Sequence[Grouping], others: Sequence[np.ndarray]) -> list[Grouping]:
+        """Return groupings with the cost of better fits, which start from the groups of all and of other labelings.
+
+        Their energies can be compared with each other only.
+        """
+        labelings = [np.zeros(len(self._kernel), int), *(grouping.labels for grouping in groupings)]
+        costs = self._cost.of_labelings_thoroughly(labelings, others)
+        unit = max(float(costs[0]), self._params.least_unit)
+        return [self._with_cost(grouping, cost / unit) for grouping, cost in zip(groupings, costs[1:], strict=True)]
+
     def most_promising(self, labelings: Sequence[np.ndarray], count: int) -> list[np.ndarray]:
         """Return the labelings of lowest cost and cut; many are compared in the time of one coding length."""
         costs = self._cost.of_labelings(labelings) / self._unit
@@ -119,8 +131,13 @@ class Energy:
         """Return the grouping with another cost and the energy that follows."""
         params, num_motions = self._params, len(np.unique(grouping.labels))
         energy = float(cost) + params.cut_weight * grouping.cut + params.coding_weight * grouping.code
-        energy += params.motion_weight * max(num_motions - params.free_motions, 0)
+        energy += self._price * max(num_motions - params.free_motions, 0)
         return grouping._replace(cost=float(cost), energy=energy)
+
+
+def motion_price(params: EnergyParams, num_tracks: int) -> float:
+    """Return the penalty on each motion beyond `params.free_motions`."""
+    return params.motion_weight + params.chance_weight / max(num_tracks, 1) ** 0.5
 
 
 def normalised_cut(kernel: np.ndarray, labels: np.ndarray) -> float:

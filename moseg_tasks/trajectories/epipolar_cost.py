@@ -126,6 +126,30 @@ class EpipolarCost:
                 costs[tracks[is_seen]] += each[:, is_seen].T
         return costs / max(self._num_observations, 1)
 
+    def of_labelings_thoroughly(self, labelings: Sequence[np.ndarray], others: Sequence[np.ndarray]) -> np.ndarray:
+        """Return what `of_labelings` returns, with fits that also start from the matrices of all these groups.
+
+        Reweighted least squares may end at a matrix that explains only a part of a group, and one trajectory more or
+        less then changes the cost by a tenth. The matrix of a part of a group, or of a union of which it is a part,
+        often leads to a better one. The groups of `others` only give such matrices.
+        """
+        groups = {group.tobytes(): group for labels in labelings for group in _groups_of(labels)}
+        num_groups = len(groups)
+        groups |= {group.tobytes(): group for labels in others for group in _groups_of(labels)}
+        stacked = np.stack(list(groups.values()))
+        self._fit_groups(stacked)
+        known = [self._known[key] for key in groups]
+        totals = np.zeros(num_groups)
+        for block, pairs in self._blocks(len(groups)):
+            members = np.moveaxis(stacked[:num_groups, pairs.tracks] & pairs.is_seen, 0, 1).astype(np.float64)
+            starts = np.stack([fits.matrices[block] for fits in known], axis=1)
+            is_fitted = np.stack([fits.is_fitted[block] for fits in known], axis=1)
+            costs = _refit(pairs, members, starts, is_fitted)
+            totals += np.where(is_fitted[:, :num_groups], costs, 0).sum(axis=0)
+        best = {key: min(total, fits.cost) for key, total, fits in zip(groups, totals, known, strict=False)}
+        sums = [sum(best[group.tobytes()] for group in _groups_of(labels)) for labels in labelings]
+        return np.array(sums) / max(self._num_observations, 1)
+
     def _fit_groups(self, groups: Sequence[np.ndarray]) -> None:
         """Fit those of the groups bool (N,) that have not been fitted yet, and keep their fits."""
         new = {group.tobytes(): group for group in groups if group.tobytes() not in self._known}
@@ -199,9 +223,25 @@ def _prepare(
     return data
 
 
-def _fit(pairs: _Pairs, members: np.ndarray, num_iterations: int) -> tuple[np.ndarray, np.ndarray]:
-    """Fit groups with members float64 (S, K, n): smallest costs over the iterations (S, K), last (S, K, 3, 3)."""
-    weights, shape = members, members.shape[:2]
+def _refit(pairs: _Pairs, members: np.ndarray, starts: np.ndarray, is_fitted: np.ndarray) -> np.ndarray:
+    """Fit groups from the best of the matrices (S, M, 3, 3) that are fitted, bool (S, M): smallest costs (S, K)."""
+    squared, gradient = _squared_distances(pairs, starts)
+    bounded = np.where(is_fitted[..., None], np.minimum(squared, 1.0), 1.0)
+    costs = members @ np.swapaxes(bounded, 1, 2)
+    best = costs.argmin(axis=2)[..., None]
+    squared, gradient = (np.take_along_axis(values, best, axis=1) for values in (squared, gradient))
+    min_costs, _ = _fit(pairs, members, _LAST_ROUNDS, members / ((1.0 + squared) ** 2 * gradient))
+    return np.minimum(min_costs, costs.min(axis=2))
+
+
+def _fit(
+    pairs: _Pairs, members: np.ndarray, num_iterations: int, start: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Fit groups with members float64 (S, K, n): smallest costs over the iterations (S, K), last (S, K, 3, 3).
+
+    `start` are the weights (S, K, n) of the first iteration instead of the members.
+    """
+    weights, shape = members if start is None else start, members.shape[:2]
     min_costs = np.full(shape, np.inf)
     for left in reversed(range(num_iterations)):
         matrices = _solve((weights @ pairs.products).reshape(-1, len(_ROWS))[:, _ENTRY])

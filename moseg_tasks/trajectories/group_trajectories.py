@@ -12,6 +12,7 @@ from moseg.tasks.trajectories.cluster import TrajectoryClustering, cluster_traje
 from moseg.tasks.trajectories.hypothesis_residuals import HypothesisResiduals
 from moseg.tasks.trajectories.landmarks import assign_motions, choose_landmarks
 from moseg.tasks.trajectories.outliers import find_outliers, join_outliers
+from moseg.tasks.trajectories.subspace_distances import subspace_distances
 from moseg.tasks.trajectories.trajectory_hypotheses import Hypotheses
 
 
@@ -86,7 +87,10 @@ def group_trajectories(
     clustering = cluster_trajectories(draws, own_points, own_visible, num_motions, params, rng)
     motion = clustering.motion
     if sets_outliers_aside:
-        motion = join_outliers(mean, is_outlier, motion, params.outliers.num_neighbours)
+        labels = np.full(num_landmarks, -1)
+        labels[kept] = motion
+        distances = subspace_distances(points[landmarks], visible[landmarks], labels, params.energy.coding)
+        motion = join_outliers(mean, is_outlier, motion, distances, params.outliers)
     if len(landmarks) < len(points):
         everything = [HypothesisResiduals(view.hypotheses, points, visible, view.model) for view in views]
         motion = assign_motions(landmarks, motion, everything, window).astype(np.uint16)

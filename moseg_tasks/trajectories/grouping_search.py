@@ -1,6 +1,6 @@
 """Search for the grouping of lowest energy into a given number of motions."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -50,22 +50,36 @@ class GroupingSearch:
             self._of[count] = [each.of(count) for each in self._candidates]
         return self._of[count]
 
-    def best(self, count: int, num_refined: int) -> Grouping:
-        """Return the grouping of lowest energy into `count` groups, from `num_refined` candidates and from splits."""
-        found = self._without_splits(count, num_refined)
-        if count == 1 or self._small_pieces is None:
-            return found
-        fewer = self._without_splits(count - 1, 1)
-        splits = split_grouping(fewer, self._energy, self._small_pieces, self._params.pieces.num_tried)
-        refined = map(self._refine, splits[: self._params.num_split])
-        return min([found, *refined], key=lambda grouping: grouping.energy)
+    def best(self, counts: Iterable[int], penalty: Callable[[np.ndarray], float] | None = None) -> dict[int, Grouping]:
+        """Return the grouping of lowest energy into each number of groups, from refined candidates and from splits.
 
-    def _without_splits(self, count: int, num_refined: int) -> Grouping:
-        """Return the best candidate, merged pieces or refinement of these."""
+        The energies of different numbers can be compared. A `penalty` 0 or more on labels int (N,) is added to the
+        energies before groupings are compared.
+        """
+        found = {count: self._refined_into(count) for count in counts}
+        if self._params.num_refined:
+            # The search compares thousands of groups, by fits that sometimes fail; the last few deserve better ones.
+            compared = iter(
+                self._energy.thorough([each for groupings in found.values() for each in groupings], self._pieces)
+            )
+            found = {count: [next(compared) for _ in groupings] for count, groupings in found.items()}
+        return {count: _lowest(groupings, penalty) for count, groupings in found.items()}
+
+    def _refined_into(self, count: int) -> list[Grouping]:
+        """Return the best groupings into `count` groups."""
+        found = self._without_splits(count, self._params.num_refined)
+        if count > 1 and self._small_pieces is not None:
+            fewer = min(self._without_splits(count - 1, 1), key=lambda grouping: grouping.energy)
+            splits = split_grouping(fewer, self._energy, self._small_pieces, self._params.pieces.num_tried)
+            found += map(self._refine, splits[: self._params.num_split])
+        return found
+
+    def _without_splits(self, count: int, num_refined: int) -> list[Grouping]:
+        """Return the best candidate or merged pieces, and refinements of the best."""
         labelings = [labels for drawn in self.candidates(count) for labels in drawn]
         labelings += [in_order(merged[count]) for merged in self._merged if count in merged]
         ranked = self._energy.rank(list({labels.tobytes(): labels for labels in labelings}.values()))
-        return min([ranked[0], *map(self._refine, ranked[:num_refined])], key=lambda grouping: grouping.energy)
+        return [ranked[0], *map(self._refine, ranked[:num_refined])]
 
     @cached_property
     def _merged(self) -> list[dict[int, np.ndarray]]:
@@ -82,3 +96,15 @@ class GroupingSearch:
                 start, self._energy, self._pieces, params.num_refinements, params.pieces.num_tried
             )
         return self._refined[key]
+
+
+def _lowest(groupings: Sequence[Grouping], penalty: Callable[[np.ndarray], float] | None) -> Grouping:
+    """Return the grouping of lowest energy and penalty, which is computed for as few as possible."""
+    best, lowest = None, np.inf
+    for grouping in sorted(groupings, key=lambda grouping: grouping.energy):
+        if grouping.energy >= lowest:
+            break
+        total = grouping.energy + (penalty(grouping.labels) if penalty else 0.0)
+        if total < lowest:
+            best, lowest = grouping, total
+    return best

@@ -15,7 +15,11 @@ _MAX_FRAMES = 60
 
 
 def separate_objects(
-    points: np.ndarray, visible: np.ndarray, labels: np.ndarray, params: SeparationParams
+    points: np.ndarray,
+    visible: np.ndarray,
+    labels: np.ndarray,
+    params: SeparationParams,
+    neighbours: csr_array | None = None,
 ) -> np.ndarray:
     """Split each group except the background into parts that are not connected in the image.
 
@@ -35,6 +39,8 @@ def separate_objects(
         Two trajectories touch if one is among the `num_neighbours` nearest of the other, by their mean distance in the
         frames that show both. Parts of fewer than `min_tracks`, and parts that are nearer to the others than
         `min_gap` times the diagonal of the smaller, stay with the largest part.
+    neighbours : sparse (N, N), optional
+        `nearest_trajectories` of these points, if they are known already.
 
     Returns
     -------
@@ -43,7 +49,8 @@ def separate_objects(
     """
     if not labels.any():
         return labels.astype(np.int64)
-    neighbours = _nearest(points, visible, params.num_neighbours)
+    if neighbours is None:
+        neighbours = nearest_trajectories(points, visible, params.num_neighbours)
     background = max(np.unique(labels), key=lambda label: _hull_area(points[labels == label], visible[labels == label]))
     separated, count = labels.astype(np.int64), int(labels.max()) + 1
     for label in np.unique(labels):
@@ -81,8 +88,8 @@ def _sampled_frames(visible: np.ndarray) -> range:
     return range(0, visible.shape[1], max(1, math.ceil(mean / _MAX_FRAMES)))
 
 
-def _nearest(points: np.ndarray, visible: np.ndarray, count: int) -> csr_array:
-    """Return whether j is among the nearest trajectories of i: sparse (N, N)."""
+def nearest_trajectories(points: np.ndarray, visible: np.ndarray, count: int) -> csr_array:
+    """Return whether j is among the nearest trajectories of i, by their mean distance: sparse (N, N)."""
     num = len(points)
     total, together = np.zeros((num, num), np.float32), np.zeros((num, num), np.float32)
     for frame in _sampled_frames(visible):

@@ -197,7 +197,13 @@ class EnergyParams(Frozen):
         2.5, ge=0, description="weight of the coding length relative to the divided cost; 0 leaves it out"
     )
     motion_weight: Annotated[float, Unit.RATIO] = Field(
-        0.055, ge=0, description="penalty on each motion beyond free_motions if the number is found"
+        0.0, ge=0, description="penalty on each motion beyond free_motions if the number is found"
+    )
+    chance_weight: Annotated[float, Unit.RATIO] = Field(
+        1.1,
+        ge=0,
+        description="addition to motion_weight, divided by the square root of the number of trajectories: the fewer,"
+        " the more a split of one motion saves by chance",
     )
     free_motions: Annotated[int, Unit.COUNT] = Field(
         2, ge=0, description="motions without penalty: a clip is expected to show something that moves"
@@ -234,6 +240,13 @@ class OutlierParams(Frozen):
         le=1,
         description="share of the upper quartile of this mean over all trajectories, below which one is an outlier; the"
         " mean of one far from all hypotheses is reduced before; 0 keeps all",
+    )
+    affinity_floor: Annotated[float, Unit.SHARE] = Field(
+        0.1,
+        ge=0,
+        le=1,
+        description="share of the same quartile that is added to the affinity between an outlier and a group before it"
+        " is divided by the root of their distance over all frames",
     )
 
 
@@ -285,7 +298,17 @@ class TrajectoryClusteringParams(Frozen):
         ge=0,
         description="if the number is found: energy above the lowest of any number up to which a number is searched",
     )
-    separate: bool = Field(True, description="unconnected objects are separate motions if the number is found")
+    min_tracks: Annotated[int, Unit.COUNT] = Field(
+        9,
+        ge=1,
+        description="trajectories of the smallest motion, below which a number beyond energy.free_motions is not found;"
+        " any eight have a fundamental matrix",
+    )
+    separate: bool = Field(
+        True,
+        description="unconnected objects are separate motions if the number is found, and count against a grouping if"
+        " it is given",
+    )
     pieces: PieceParams = PieceParams()
     energy: EnergyParams = EnergyParams()
     separation: SeparationParams = SeparationParams()

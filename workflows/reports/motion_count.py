@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from moseg.schemas.parameters import ClusteringParams, TrajectoryClusteringParams
+from moseg.schemas.parameters import ClusteringParams, EnergyParams, TrajectoryClusteringParams
 from moseg.schemas.parameters.clustering import MotionCountParams
 
 
@@ -77,7 +77,7 @@ def explain_tracks(found: FoundGroups, params: TrajectoryClusteringParams) -> st
             " fundamental matrix a motion and pair of frames, as a share of their cost under a single motion (of"
             f" {energy.least_unit:g} where that is less), plus {energy.cut_weight:g} times the normalised cut, plus"
             f" {energy.coding_weight:g} times the coding length as a share of a single motion's, plus"
-            f" {energy.motion_weight:g} for each motion beyond {energy.free_motions}."
+            f" {_penalty(energy)} for each motion beyond {energy.free_motions}."
         )
     elif params.auto == "eigengap":
         how = f"Found: as many motions, at most {most}, as there are eigenvalues before {_drop(found)} (eigengap)."
@@ -86,6 +86,14 @@ def explain_tracks(found: FoundGroups, params: TrajectoryClusteringParams) -> st
     if params.separate:
         how = how[:-1] + "; parts of a motion that lie apart in the image count as motions of their own."
     return how
+
+
+def _penalty(energy: EnergyParams) -> str:
+    """Return what each further motion costs, in words."""
+    by_chance = f"{energy.chance_weight:g} divided by the square root of the number of tracks"
+    if not energy.chance_weight:
+        return f"{energy.motion_weight:g}"
+    return f"{energy.motion_weight:g} and {by_chance}" if energy.motion_weight else by_chance
 
 
 def _explain_given(found: FoundGroups, items: str) -> str:

@@ -57,8 +57,10 @@ def _params(config: PipelineConfig, models: Sequence[str], num_motions: int | No
 
 def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) -> dict:
     """Return the parameters that a clustering by `method` reads, with the number of motions found or given."""
-    unread = set() if is_auto else {"most_motions", "auto", "separate"}
-    if not is_auto or not params.separate:
+    unread = set() if is_auto else {"most_motions", "auto"}
+    if not is_auto and method != "energy":
+        unread.add("separate")
+    if not params.separate or "separate" in unread:
         unread.add("separation")
     counts = COUNT_READS.get(params.auto, frozenset()) - {"most_motions"} if is_auto else frozenset()
     if params.auto == "stability":
@@ -70,13 +72,15 @@ def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) 
         unread |= {"pieces", "outliers", "num_refined", "num_refinements", "num_split", "small_pieces"}
     if method != "energy" or not is_auto or params.auto != "energy":
         unread.add("count_margin")
+    if not is_auto or params.auto != "energy":
+        unread.add("min_tracks")
     read = params.model_copy(update={"method": method}).model_dump(mode="json", exclude=unread | {"count"})
     if counts:
         read["count"] = params.count.model_dump(mode="json", include=counts)
     return read
 
 
-MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=6, run=_run, params=_params)
+MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=7, run=_run, params=_params)
 
 STAGE = Stage(
     name="trajectory_clustering",

@@ -113,6 +113,14 @@ def test_the_number_of_motions_is_found(rigid_clip, sizes, auto):
     assert clustering_error(found.motion, clip.labels) <= 2
 
 
+def test_a_number_is_not_found_if_one_of_its_motions_has_too_few_trajectories(rigid_clip):
+    clip = rigid_clip((80, 30, 25))
+    free, costly = (PARAMS.energy.model_copy(update={"free_motions": free}) for free in (3, 2))
+    for energy, min_tracks, count in ((costly, 25, 3), (costly, 27, 2), (free, 27, 3)):
+        params = PARAMS.model_copy(update={"separate": False, "energy": energy, "min_tracks": min_tracks})
+        assert _cluster(clip, None, params).num_motions == count
+
+
 @pytest.mark.parametrize("count", [4, 9])
 def test_as_many_motions_are_found_as_are_asked_for(rigid_clip, count):
     assert _cluster(rigid_clip((80, 30)), count).num_motions == count

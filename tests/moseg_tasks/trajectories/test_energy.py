@@ -55,3 +55,14 @@ def test_motions_beyond_those_that_are_free_are_penalised(free_motions, penaltie
     )
     for labels, penalty in zip(groupings, penalties, strict=True):
         assert penalised.minimum([labels]).energy - free.minimum([labels]).energy == pytest.approx(penalty)
+
+
+@pytest.mark.parametrize(("num_tracks", "penalty"), [(25, 0.4), (100, 0.2)])
+def test_the_fewer_trajectories_the_more_a_motion_has_to_gain(num_tracks, penalty, rigid_clip):
+    clip, labels = rigid_clip((num_tracks,)), np.arange(num_tracks) % 3
+    energies = []
+    for chance_weight in (0, 2):
+        params = EnergyParams(chance_weight=chance_weight, free_motions=2)
+        energy = Energy(clip.points, clip.visible, np.ones((num_tracks,) * 2, np.float32), params)
+        energies.append(energy.minimum([labels]).energy)
+    assert energies[1] - energies[0] == pytest.approx(penalty)

@@ -73,3 +73,27 @@ def test_a_clip_shorter_than_the_gap_is_judged_by_its_ends(clip):
 def test_the_cost_of_coincident_points_is_zero():
     points, visible = np.full((20, 5, 2), 100.0), np.ones((20, 5), bool)
     assert EpipolarCost(points, visible, PARAMS).of_labelings([np.zeros(20, int)]).tolist() == [0.0]
+
+
+def test_thorough_fits_never_cost_more_and_do_not_depend_on_company(clip):
+    halves = np.arange(len(TRUE)) % 2
+    cost = EpipolarCost(clip.points, clip.visible, PARAMS)
+    costs, thorough = cost.of_labelings([TRUE, ONE, halves]), cost.of_labelings_thoroughly([TRUE, ONE, halves], [])
+    assert (thorough <= costs).all()
+    again = EpipolarCost(clip.points, clip.visible, PARAMS).of_labelings_thoroughly([ONE, halves], [TRUE])
+    np.testing.assert_allclose(again, thorough[1:], rtol=1e-9)
+
+
+def test_a_union_is_fitted_as_well_as_its_larger_part_explains_it(rigid_clip):
+    clip = rigid_clip((60, 40), hidden=0)
+    cost = EpipolarCost(clip.points, clip.visible, PARAMS)
+    of_larger_part = cost.of_trajectories(TRUE)[:, 0].sum()
+    assert cost.of_labelings([ONE])[0] > of_larger_part
+    assert cost.of_labelings_thoroughly([ONE], [TRUE])[0] <= of_larger_part
+
+
+def test_groups_too_small_for_a_matrix_cost_nothing_thoroughly_either(clip):
+    few = np.where(np.arange(len(TRUE)) < 5, 2, TRUE)
+    cost = EpipolarCost(clip.points, clip.visible, PARAMS)
+    costs = cost.of_labelings([few])
+    assert 0 <= cost.of_labelings_thoroughly([few], [ONE])[0] <= costs[0]

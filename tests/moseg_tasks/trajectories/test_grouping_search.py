@@ -50,8 +50,9 @@ def test_a_motion_without_group_is_found_though_another_has_two(case, splits):
     two = np.minimum(clip.labels, 1)
     wrong = np.where(np.arange(120) < 30, 2, two)
     small = np.where(clip.labels == 2, 10, np.arange(120) // 15)
-    search = GroupingSearch([_Candidates(two, wrong)], small if splits else None, energy, TrajectoryClusteringParams())
-    error = clustering_error(search.best(3, 1).labels, clip.labels)
+    params = TrajectoryClusteringParams(num_refined=1)
+    search = GroupingSearch([_Candidates(two, wrong)], small if splits else None, energy, params)
+    error = clustering_error(search.best([3])[3].labels, clip.labels)
     assert error == 0 if splits else error > 10
 
 
@@ -59,6 +60,30 @@ def test_the_search_never_returns_more_than_the_lowest_candidate(case):
     clip, energy = case
     candidates = [clip.labels, np.arange(120) % 3, np.arange(120) // 40]
     every = _Candidates(np.minimum(clip.labels, 1), *candidates)
-    search = GroupingSearch([every], np.arange(120) // 12, energy, TrajectoryClusteringParams())
-    assert search.best(3, 0).energy <= energy.minimum(candidates).energy
+    search = GroupingSearch([every], np.arange(120) // 12, energy, TrajectoryClusteringParams(num_refined=0))
+    assert search.best([3])[3].energy <= energy.minimum(candidates).energy
     assert search.candidates(3)[0] is search.candidates(3)[0]
+
+
+def test_each_number_of_groups_has_its_own_grouping(case):
+    clip, energy = case
+    every = _Candidates(np.minimum(clip.labels, 1), clip.labels, np.arange(120) % 3)
+    search = GroupingSearch([every], None, energy, TrajectoryClusteringParams(num_refined=1))
+    found = search.best([2, 3])
+    assert {count: len(np.unique(grouping.labels)) for count, grouping in found.items()} == {2: 2, 3: 3}
+    assert clustering_error(found[3].labels, clip.labels) == 0
+
+
+def test_a_penalty_chooses_among_the_refined_groupings(case):
+    clip, energy = case
+    # From the second candidate the first cannot be reached by moves that each lower the energy.
+    stuck = np.where(np.arange(120) < 30, 2, np.minimum(clip.labels, 1))
+    search = GroupingSearch([_Candidates(clip.labels, stuck)], None, energy, TrajectoryClusteringParams(num_refined=2))
+    free = search.best([3])[3]
+
+    def penalty(labels):
+        return 9.0 if np.array_equal(labels, free.labels) else 0.0
+
+    other = search.best([3], penalty)[3]
+    assert not np.array_equal(other.labels, free.labels) and other.energy > free.energy
+    assert np.array_equal(search.best([3], lambda labels: 9.0)[3].labels, free.labels)

@@ -3,12 +3,19 @@
 import numpy as np
 import pytest
 
-from moseg.schemas.parameters import HypothesisParams, KernelParams, OutlierParams, TrajectoryClusteringParams
+from moseg.schemas.parameters import (
+    CodingParams,
+    HypothesisParams,
+    KernelParams,
+    OutlierParams,
+    TrajectoryClusteringParams,
+)
 from moseg.tasks.metrics import clustering_error
 from moseg.tasks.point_models import POINT_MODELS
 from moseg.tasks.trajectories import ModelKernels, draw_hypotheses, group_trajectories, trajectory_kernels
 from moseg.tasks.trajectories.hypothesis_residuals import HypothesisResiduals
 from moseg.tasks.trajectories.outliers import find_outliers, join_outliers
+from moseg.tasks.trajectories.subspace_distances import subspace_distances
 
 PARAMS = OutlierParams()
 GROUPS = np.repeat([0, 1], [40, 15])
@@ -71,9 +78,36 @@ def test_few_trajectories_and_no_affinities_give_no_outliers():
 def test_an_outlier_joins_the_group_that_is_most_like_it():
     kernel, is_outlier = _kernel(), np.zeros(len(GROUPS), bool)
     is_outlier[[2, 50]] = True
-    joined = join_outliers(kernel, is_outlier, GROUPS[~is_outlier].astype(np.uint16), 8)
+    unknown = np.full((len(GROUPS), 2), np.nan)
+    joined = join_outliers(kernel, is_outlier, GROUPS[~is_outlier].astype(np.uint16), unknown, PARAMS)
     assert np.array_equal(joined, GROUPS) and joined.dtype == np.uint16
-    assert np.array_equal(join_outliers(kernel, ~np.ones(len(GROUPS), bool), GROUPS, 8), GROUPS)
+    assert np.array_equal(join_outliers(kernel, np.zeros(len(GROUPS), bool), GROUPS, unknown, PARAMS), GROUPS)
+
+
+def test_an_outlier_without_affinities_joins_the_group_whose_motion_it_follows(rigid_clip):
+    clip = rigid_clip((60, 40), num_frames=12, hidden=0)
+    is_outlier = np.zeros(100, bool)
+    is_outlier[[5, 90]] = True
+    points = clip.points.copy()
+    points[is_outlier, 8] += 10
+    labels = np.where(is_outlier, -1, clip.labels)
+    distances = subspace_distances(points, clip.visible, labels, CodingParams())
+    kernel = np.zeros((100, 100))
+    assert np.array_equal(
+        join_outliers(kernel + 0.1, is_outlier, clip.labels[~is_outlier], distances, PARAMS), clip.labels
+    )
+    # A large affinity to another group outweighs a small difference of distances.
+    kernel[is_outlier[:, None] & (clip.labels == 0)] = 1.0
+    joined = join_outliers(kernel, is_outlier, clip.labels[~is_outlier], np.where(distances > 1.5, 1.5, 1), PARAMS)
+    assert not joined[is_outlier].any()
+
+
+def test_the_distance_from_a_subspace_is_not_known_without_windows_or_members(rigid_clip):
+    clip = rigid_clip((60, 40), num_frames=12, hidden=0)
+    assert np.isnan(subspace_distances(clip.points[:, :4], clip.visible[:, :4], clip.labels, CodingParams())).all()
+    few = np.where((clip.labels == 1) & (np.arange(100) > 65), -1, clip.labels)
+    distances = subspace_distances(clip.points, clip.visible, few, CodingParams())
+    assert np.isfinite(distances[:, 0]).all() and np.isnan(distances[:, 1]).all()
 
 
 def test_random_tracks_take_no_motion_of_their_own(rigid_clip):

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from moseg.schemas.parameters import SeparationParams
+from moseg.schemas.parameters import EnergyParams, SeparationParams, TrajectoryClusteringParams
+from moseg.tasks.trajectories.cluster import excess_price
 from moseg.tasks.trajectories.separation import separate_objects
 
 PARAMS = SeparationParams(num_neighbours=4, min_tracks=8)
@@ -73,3 +74,13 @@ def test_parts_that_are_never_seen_together_are_separate():
     visible[background + 12 :, :2] = False
     labels = (np.arange(len(points)) >= background).astype(int)
     assert len(set(separate_objects(points, visible, labels, PARAMS).tolist())) == 3
+
+
+def test_objects_apart_in_one_group_count_against_a_grouping():
+    points, visible, background = _scene((80, 80), (320, 320), background=76)
+    together = (np.arange(100) >= background).astype(int)
+    apart = together + (np.arange(100) >= background + 12)
+    params = TrajectoryClusteringParams(separation=PARAMS, energy=EnergyParams(motion_weight=0.3, chance_weight=2))
+    penalty = excess_price(points, visible, params)
+    assert penalty(apart) == penalty(5 - apart) == 0
+    assert penalty(together) == pytest.approx(0.5)

@@ -200,13 +200,18 @@ def test_every_method_that_counts_motions_of_tracks_has_a_sentence(auto):
 
 def test_the_sentence_on_the_energy_has_all_its_weights():
     params = TrajectoryClusteringParams(
-        separate=False, most_motions=4, energy={"least_unit": 0.2, "cut_weight": 0.7, "motion_weight": 0.03}
+        separate=False,
+        most_motions=4,
+        energy={"least_unit": 0.2, "cut_weight": 0.7, "motion_weight": 0.03, "chance_weight": 0},
     )
     how = explain_tracks(FoundGroups("auto", None, 2, 400), params)
     assert how.startswith("Found: of 1 to 4 motions those of least energy: ")
     assert "as a share of their cost under a single motion (of 0.2 where that is less)" in how
     assert "plus 0.7 times the normalised cut, plus 2.5 times the coding length" in how
     assert how.endswith("plus 0.03 for each motion beyond 2.")
+    by_chance = params.model_copy(update={"energy": params.energy.model_copy(update={"chance_weight": 1.5})})
+    how_many = "plus 0.03 and 1.5 divided by the square root of the number of tracks for each motion beyond 2."
+    assert explain_tracks(FoundGroups("auto", None, 2, 400), by_chance).endswith(how_many)
     assert "of 1 to 3 motions" in explain_tracks(FoundGroups("auto", None, 2, 3), params)
     unsearched = params.model_copy(update={"num_refined": 0})
     assert "energy, the mean over the draws: " in explain_tracks(FoundGroups("auto", None, 2, 400), unsearched)
