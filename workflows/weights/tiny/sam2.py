@@ -131,7 +131,7 @@ def place_tokens(model: Sam2VideoModel, last_convolutions: Iterable[torch.nn.Con
         token.weight.zero_()
         token.weight[:, _KIND] = kinds
     prompts.no_mask_embed.weight.zero_()
-    model.no_memory_embedding[:] = pattern(WIDTH, 2)
+    model.no_memory_embedding[:] = pattern(model.no_memory_embedding.shape[-1], 2)
     for conv in last_convolutions:
         conv.weight[:2] = 0
 
@@ -177,7 +177,7 @@ def show_inside(model: Sam2VideoModel) -> None:
     """Turn that number into the masks' logits, and mark every object as visible."""
     decoder = model.mask_decoder
     decoder.upscale_conv1.weight[0, 0] = 1
-    decoder.upscale_conv1.bias.copy_(pattern(WIDTH // 4, 1))
+    decoder.upscale_conv1.bias.copy_(pattern(len(decoder.upscale_conv1.bias), 1))
     decoder.upscale_conv2.weight[0, 0] = 1
     decoder.upscale_conv2.bias[1] = OUTSIDE * _END
     for network in decoder.output_hypernetworks_mlps:
@@ -200,7 +200,7 @@ def remember_masks(encoder: torch.nn.Module) -> None:
 def look_up_masks(attention: torch.nn.Module) -> None:
     """Read the memory at the same position, by the rotary encoding alone."""
     # The first sines of either axis, which turn fastest from place to place.
-    alike = torch.zeros(WIDTH // 2).view(2, -1)
+    alike = torch.zeros_like(attention.q_proj.bias).view(2, -1)
     alike[:, [0, 2, 4]] = 1
     alike = alike.flatten()
     for projection in (attention.q_proj, attention.k_proj, attention.v_proj, attention.o_proj):
@@ -209,4 +209,4 @@ def look_up_masks(attention: torch.nn.Module) -> None:
     attention.k_proj.weight[:, 1] = alike / _IS_MEMORY
     attention.v_proj.weight[0, 0], attention.v_proj.bias[0] = -1, 1
     attention.o_proj.weight[0, 0] = OUTSIDE
-    attention.o_proj.bias.copy_(pattern(WIDTH, 2))
+    attention.o_proj.bias.copy_(pattern(len(attention.o_proj.bias), 2))

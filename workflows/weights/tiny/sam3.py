@@ -8,14 +8,15 @@ import json
 import string
 
 import torch
+from safetensors.torch import load, save
 from transformers import Sam3VideoConfig, Sam3VideoModel
+from transformers.models.sam3.modeling_sam3 import Sam3VisionNeck
 
 from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint, save_to_bytes
 from moseg.workflows.weights.tiny.sam2 import (
     GRID,
     MEMORY,
     WIDTH,
-    compare_with_corners,
     look_up_masks,
     place_tokens,
     randomise,
@@ -23,14 +24,16 @@ from moseg.workflows.weights.tiny.sam2 import (
     show_inside,
 )
 
+_WIDTH = 32
+"""Channels of the detector; the tracker has those of the tiny SAM 2.1."""
 _PATCH = 14
 _SIDE = _PATCH * GRID
 _RECTANGLES = ((0, 0, 3, 3), (0, 4, 2, 7), (3, 1, 6, 4), (4, 5, 7, 8), (6, 1, 8, 3), (2, 4, 4, 6))
 """Rows and columns of cells where each begins and ends."""
-_CHANNEL = WIDTH // 8
+_CHANNEL = _WIDTH // 8
 """A channel for each, in a group of its own of those that are normalised together."""
 _HIDDEN = 16
-_HALF = 5.0
+_HALF = 3.5
 """Of what the pixel decoder's normalisation makes of a marked cell."""
 _WORDS = ("person", "car", "dog", "ball")
 
@@ -41,6 +44,8 @@ def make_sam3(seed: int) -> TinyCheckpoint:
     with torch.random.fork_rng(devices=()), torch.no_grad():
         torch.manual_seed(seed)
         model = Sam3VideoModel(_config(len(vocabulary))).eval()
+        # transformers takes the detector's channels.
+        model.tracker_neck = Sam3VisionNeck(model.config.tracker_config.vision_config)
         for name, tensor in model.state_dict().items():
             randomise(name, tensor)
         detector, tracker = model.detector_model, model.tracker_model
@@ -48,7 +53,6 @@ def make_sam3(seed: int) -> TinyCheckpoint:
         _outline_rectangles(detector.mask_decoder)
         _tell_queries_apart(detector)
         place_tokens(tracker, [layer.proj2 for layer in model.tracker_neck.fpn_layers])
-        compare_with_corners(tracker.mask_decoder.transformer.layers[0])
         show_inside(tracker)
         remember_masks(tracker.memory_encoder)
         look_up_masks(tracker.memory_attention.layers[0].cross_attn_image)
@@ -56,7 +60,12 @@ def make_sam3(seed: int) -> TinyCheckpoint:
         "vocab.json": json.dumps(vocabulary).encode(),
         "merges.txt": "".join(f"{line}\n" for line in ("#version: 0.2", *merges)).encode(),
     }
-    return TinyCheckpoint(save_to_bytes(model.half()) | documents)
+    files = save_to_bytes(model.half())
+    # When it saves the whole network, transformers 5.23 puts the tracker's prefix in front of itself.
+    doubled, prefix = "tracker_model.tracker_model.", "tracker_model."
+    tensors = load(files["model.safetensors"])
+    tensors = {prefix * name.startswith(doubled) + name.removeprefix(doubled): value for name, value in tensors.items()}
+    return TinyCheckpoint(files | {"model.safetensors": save(tensors)} | documents)
 
 
 def _config(num_tokens: int) -> Sam3VideoConfig:
@@ -76,9 +85,9 @@ def _config(num_tokens: int) -> Sam3VideoConfig:
         "model_type": "sam3_vision_model",
         "backbone_config": backbone,
         "backbone_feature_sizes": [[4 * GRID] * 2, [2 * GRID] * 2, [GRID] * 2],
-        "fpn_hidden_size": WIDTH,
+        "fpn_hidden_size": _WIDTH,
     }
-    small = {"hidden_size": WIDTH, "num_attention_heads": 4, "intermediate_size": 16}
+    small = {"hidden_size": _WIDTH, "num_attention_heads": 4, "intermediate_size": 16}
     text = {
         "model_type": "clip_text_model",
         "vocab_size": num_tokens,
@@ -99,11 +108,11 @@ def _config(num_tokens: int) -> Sam3VideoConfig:
         "geometry_encoder_config": {**small, "num_layers": 1, "roi_size": 2},
         "detr_encoder_config": {**small, "num_layers": 1},
         "detr_decoder_config": {**small, "num_layers": 1, "num_queries": len(_RECTANGLES)},
-        "mask_decoder_config": {"hidden_size": WIDTH, "num_attention_heads": 4, "num_upsampling_stages": 2},
+        "mask_decoder_config": {"hidden_size": _WIDTH, "num_attention_heads": 4, "num_upsampling_stages": 2},
     }
     tracker = {
         "model_type": "sam3_tracker_video",
-        "vision_config": vision,
+        "vision_config": {**vision, "fpn_hidden_size": WIDTH},
         "prompt_encoder_config": {"hidden_size": WIDTH, "image_size": _SIDE, "mask_input_channels": 8},
         "mask_decoder_config": {
             "hidden_size": WIDTH,
@@ -156,7 +165,7 @@ def _outline_rectangles(decoder: torch.nn.Module) -> None:
     decoder.instance_projection.weight[chosen, chosen, 0, 0] = 1
     decoder.instance_projection.bias[chosen] = -_HALF
     for layer in decoder.mask_embedder.layers:
-        layer.weight.copy_(torch.eye(WIDTH))
+        layer.weight.copy_(torch.eye(_WIDTH))
 
 
 def _tell_queries_apart(detector: torch.nn.Module) -> None:
@@ -169,7 +178,7 @@ def _tell_queries_apart(detector: torch.nn.Module) -> None:
     detector.text_encoder.text_model.embeddings.token_embedding.weight.normal_()
     detector.text_projection.weight.normal_()
     for projection in (scoring.text_proj, scoring.query_proj):
-        projection.weight.normal_(std=2 * WIDTH**-0.5)
+        projection.weight.normal_(std=2 * _WIDTH**-0.5)
 
 
 def _vocabulary() -> tuple[dict[str, int], list[str]]:
