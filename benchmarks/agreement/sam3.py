@@ -231,7 +231,7 @@ class ToDtype(torch.nn.Module):
 
 
 class Resize(torch.nn.Module):
-    """Of grey levels by PIL; torchvision's differ from these by a level in 0.2 to 3 % of the pixels."""
+    """Of grey levels by PIL; torchvision's differ from these by a level or two in 0.2 to 2.6 % of the values."""
 
     def __init__(self, size):
         super().__init__()
