@@ -50,7 +50,7 @@ def evaluate(
     batch: int | None = None,
     offline: bool = False,
     non_commercial: bool = False,
-    accept_licence: str = "",
+    accept_licence: str | None = None,
     progress: bool = True,
 ) -> EvaluationReport | StillReport | TrajectoryReport:
     """Score variants of the pipeline on a data set: the same scores as `moseg eval`, from the same store.
@@ -188,7 +188,7 @@ def ablate(
     batch: int | None = None,
     offline: bool = False,
     non_commercial: bool = False,
-    accept_licence: str = "",
+    accept_licence: str | None = None,
     progress: bool = True,
 ) -> EvaluationReport | StillReport | TrajectoryReport:
     """Score all variants of the paper's ablation on a data set: the same scores as `moseg ablate`.

@@ -61,7 +61,7 @@ def segment_video(
     batch: int | None = None,
     offline: bool = False,
     non_commercial: bool = False,
-    accept_licence: str = "",
+    accept_licence: str | None = None,
     progress: bool = True,
     keep_cues: bool = False,
 ) -> MotionSegmentation:
@@ -129,7 +129,7 @@ def segment_video(
         Fetch no weights; what is missing is an error.
     non_commercial : bool
         Allow weights that are licensed for non-commercial use only.
-    accept_licence : str
+    accept_licence : str, optional
         Names of licences with conditions that you accept, separated by commas: ``SAM-License`` for SAM 3.
     progress : bool
         Whether progress goes to standard error. Standard output is never written to.

@@ -52,7 +52,7 @@ NonCommercialOption = Annotated[
     ),
 ]
 LicenceOption = Annotated[
-    str,
+    str | None,
     typer.Option(
         "--accept-licence",
         envvar="MOSEG_ACCEPT_LICENCE",
@@ -171,7 +171,7 @@ class RunOptions:
         bool, typer.Option("--offline", envvar="MOSEG_OFFLINE", help="Fetch no weights; what is missing is an error.")
     ] = False
     non_commercial: NonCommercialOption = False
-    accept_licence: LicenceOption = ""
+    accept_licence: LicenceOption = None
     quiet: QuietOption = False
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Progress of each stage for itself, in logs every 15 s.")

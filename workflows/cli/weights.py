@@ -41,7 +41,7 @@ def fetch(
     ] = None,
     light: Annotated[bool, typer.Option("--light", help="With --preset: the items of its lighter networks.")] = False,
     non_commercial: NonCommercialOption = False,
-    accept_licence: LicenceOption = "",
+    accept_licence: LicenceOption = None,
     again: Annotated[
         bool,
         typer.Option("--again", help="Fetch anew also files that are here and that only their first download fixes."),

@@ -52,7 +52,7 @@ def open_session(
     batch: int | None = None,
     offline: bool = False,
     non_commercial: bool = False,
-    accept_licence: str = "",
+    accept_licence: str | None = None,
     keep_cues: bool = True,
 ) -> "Iterator[Session]":
     """Open a session on the store at `store`, which is created if there is none; the runner ends with the block.

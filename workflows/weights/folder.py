@@ -29,7 +29,7 @@ def open_weights(
     offline: bool = False,
     allow_non_commercial: bool = False,
     quiet: bool = False,
-    accept_licence: str = "",
+    accept_licence: str | None = None,
     check_licences: bool = True,
 ) -> "Weights":
     """Open the folder that the environment names, with the catalogue's items and the user's own.
@@ -39,12 +39,12 @@ def open_weights(
 
     Parameters
     ----------
-    accept_licence : str
+    accept_licence : str, optional
         Names of accepted licences that have conditions, separated by commas.
     check_licences : bool
         Whether licences have to be accepted; not where weights are only listed, or were checked before.
     """
-    named = ",".join([accept_licence, env.get(LICENCE_VARIABLE, "")]).split(",")
+    named = ",".join([accept_licence or "", env.get(LICENCE_VARIABLE, "")]).split(",")
     return Weights(
         weights_folder(env),
         offline=offline or env.get(OFFLINE_VARIABLE, "").lower() not in _NO,

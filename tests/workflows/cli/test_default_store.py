@@ -7,7 +7,7 @@ from moseg.workflows.api.run_settings import read_run_settings
 from moseg.workflows.config.default_store import default_store
 
 SETTINGS = {"workers": 0, "threads": 1, "batch": None, "device": "cpu", "offline": True}
-LICENCES = {"non_commercial": False, "accept_licence": ""}
+LICENCES = {"non_commercial": False, "accept_licence": None}
 NONE = dict.fromkeys(("scheduler", "tls_ca", "tls_cert", "tls_key"))
 
 

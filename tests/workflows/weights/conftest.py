@@ -180,7 +180,7 @@ def open_folder(folder) -> Callable[..., Weights]:
         offline: bool = False,
         allow_non_commercial: bool = False,
         quiet: bool = True,
-        accept_licence: str = "",
+        accept_licence: str | None = None,
         check_licences: bool = True,
         **variables,
     ) -> Weights:
