@@ -55,6 +55,7 @@ from moseg.schemas.parameters import (
     RigidSupportParams,
     SaliencyParams,
     Sam2Params,
+    Sam3Params,
     SamHqParams,
     SceneParallaxParams,
     SeaRaftParams,
@@ -91,7 +92,7 @@ class TrajectoryVariant(StrEnum):
     AFFINE = "affine"
 
 
-ProposalSource = Literal["auto", "saliency", "tracks", "motion-prompts", "detections", "groundtruth", "folder"]
+ProposalSource = Literal["auto", "saliency", "tracks", "motion-prompts", "detections", "sam3", "groundtruth", "folder"]
 """Source of the object proposals."""
 MOTION_SOURCES = ("auto", "saliency", "tracks")
 """Sources of proposals whose masks are made from motion."""
@@ -101,6 +102,8 @@ BY_CAMERA = ("auto", "motion-prompts")
 """Sources of proposals for which the camera's motion in a stretch chooses between saliency and tracks."""
 SALIENCY_SOURCES = (*BY_CAMERA, "saliency")
 """Sources of proposals that may read motion saliency."""
+TRACKED_SOURCES = ("detections", "motion-prompts", "sam3")
+"""Sources of proposals whose objects are outlined in a section's first frame, and tracked by a network from there."""
 POINT_PROMPTED = ("sam2", "edgetam")
 """Networks for masks that take points as prompts."""
 
@@ -125,7 +128,8 @@ class PipelineConfig(Frozen):
         description="object proposals: auto (saliency or tracks, by the camera's motion in each stretch of the video),"
         " motion saliency, tracks (groups of dense point tracks that no rigid scene explains), motion-prompts (objects"
         " that networks outline and track, prompted by the regions of auto), detections (objects that networks name,"
-        " find, outline and track), the ground truth's objects, or a folder of masks",
+        " find, outline and track), sam3 (objects that SAM 3 alone finds by name, outlines and tracks), the ground"
+        " truth's objects, or a folder of masks",
     )
     fused_flow_model: Annotated[str, ChoiceOf("fused_flow_model")] = Field(
         "oc_depth", description="flow model that the fused variant combines"
@@ -139,6 +143,7 @@ class PipelineConfig(Frozen):
     sam_hq: SamHqParams = SamHqParams()
     sam2: Sam2Params = Sam2Params()
     edgetam: EdgeTamParams = EdgeTamParams()
+    sam3: Sam3Params = Sam3Params()
     motion_prompts: MotionPromptParams = MotionPromptParams()
     instances: InstanceParams = InstanceParams()
     seeds: SeedParams = SeedParams()
@@ -218,6 +223,11 @@ class PipelineConfig(Frozen):
             Variant.TRAJS: ("trajs",),
             Variant.BASE: (),
         }[variant]
+
+    @property
+    def named_objects(self) -> tuple[str, ...]:
+        """Return what SAM 3 looks for: the tags that were given, else its concepts."""
+        return self.sam3.concepts if self.detections.tags is None else self.detections.tags
 
     def with_seed(self, seed: int) -> Self:
         """Return the configuration with another seed of the random draws."""

@@ -44,7 +44,10 @@ PRESETS: Mapping[str, Choices] = {
 """`paper`: the models of Huang, Chen and Zelek, sections 3.1 and 3.2; with the geometry of the same name it is their
 method, which needs the number of motions as input. `modern`: current networks under licences that allow any use."""
 
-SOURCE_DEFAULTS: Mapping[str, Choices] = {"motion-prompts": {"detections": {"masks": "sam2", "tracker": "sam2"}}}
+SOURCE_DEFAULTS: Mapping[str, Choices] = {
+    "motion-prompts": {"detections": {"masks": "sam2", "tracker": "sam2"}},
+    "sam3": {"detections": {"tracker": "sam3"}},
+}
 """Values that go with a source of proposals which the user chooses: they override the preset's, not the user's own."""
 
 LIGHT: Mapping[str, Choices] = {

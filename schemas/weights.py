@@ -81,6 +81,9 @@ class WeightsItem(Frozen):
     architecture: Architecture
     licence: str = Field("not stated", description="SPDX identifier of the weights' licence")
     is_non_commercial: bool = False
+    has_conditions: bool = Field(
+        False, description="the licence restricts the use otherwise; it is accepted by its name"
+    )
     files: tuple[WeightsFile, ...]
     config: dict[str, Any] = Field(
         {}, description="values that its files do not contain: sizes of own modules, a range of depths"
@@ -109,6 +112,13 @@ class WeightsItem(Frozen):
         if absent:
             raise ValueError(f"Input should be an item whose files include {', '.join(absent)}")
         return self
+
+    @property
+    def consent(self) -> str:
+        """Return the option by which a user accepts the licence; empty if it allows any use."""
+        if self.is_non_commercial:
+            return "--non-commercial"
+        return f"--accept-licence {self.licence}" if self.has_conditions else ""
 
     @property
     def size(self) -> int | None:

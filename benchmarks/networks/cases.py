@@ -20,11 +20,13 @@ from moseg.schemas.parameters.pips import PipsParams
 from moseg.schemas.parameters.raft import RaftParams
 from moseg.schemas.parameters.ram import RamParams
 from moseg.schemas.parameters.sam2 import Sam2Params
+from moseg.schemas.parameters.sam3 import MOVING_THINGS, Sam3Params
 from moseg.schemas.parameters.sam_hq import SamHqParams
 from moseg.tasks.depth import estimate_inverse_depth
 from moseg.tasks.detections import detect_objects
 from moseg.tasks.flow.raft import estimate_raft_flow
 from moseg.tasks.instances.sam2 import segment_boxes_sam2
+from moseg.tasks.instances.sam3 import segment_concepts
 from moseg.tasks.instances.sam_hq import segment_boxes_sam_hq
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.bootstapir import build_bootstapir
@@ -37,6 +39,7 @@ from moseg.tasks.networks.pips import build_pips
 from moseg.tasks.networks.raft import build_raft
 from moseg.tasks.networks.ram import build_ram, build_ram_plus
 from moseg.tasks.networks.sam2 import build_sam2_image, build_sam2_video
+from moseg.tasks.networks.sam3 import build_sam3_detector, build_sam3_tracker
 from moseg.tasks.networks.sam_hq import build_sam_hq
 from moseg.tasks.networks.sea_raft import build_sea_raft
 from moseg.tasks.proposals.deaot import track_masks_deaot
@@ -129,6 +132,11 @@ def _run_sam2_image(model, _: Clock) -> int:
     return 1
 
 
+def _run_sam3(detector, _: Clock) -> int:
+    segment_concepts(detector, _image(), MOVING_THINGS, Sam3Params())
+    return 1
+
+
 def _run_sam2_video(model, clock: Clock) -> int:
     # From the eighth frame on the network reads the maximum number of masks.
     track_masks_sam2(model, _video(10, clock, 8), _seeds(2), Sam2Params())
@@ -197,6 +205,8 @@ CASES: dict[str, Case] = {
     "sam2.1-hiera-large-video": Case(_TRACKED, partial(published.sam2, True), build_sam2_video, _run_sam2_video),
     "edgetam": Case(_PROMPTED, published.edgetam, build_edgetam_image, _run_sam2_image),
     "edgetam-video": Case(_TRACKED, published.edgetam, build_edgetam_video, _run_sam2_video),
+    "sam3": Case(f"a frame, {len(MOVING_THINGS)} names; one run", published.sam3, build_sam3_detector, _run_sam3),
+    "sam3-video": Case(_TRACKED, published.sam3, build_sam3_tracker, _run_sam2_video),
     "deaot-r50-l": Case("5 objects, memory full", published.deaot, build_deaot, _DEAOT),
     "pips": Case(_POINTS, published.pips, build_pips, partial(_run_tracks, track_points_pips, PipsParams())),
     "bootstapir": Case(_POINTS, published.bootstapir, build_bootstapir, _BOOTSTAPIR),

@@ -33,6 +33,8 @@ NAMES = (
     "sam2.1-hiera-large-video",
     "edgetam",
     "edgetam-video",
+    "sam3",
+    "sam3-video",
     "deaot-r50-l",
     "pips",
     "bootstapir",

@@ -18,6 +18,8 @@ from transformers import (
     PreTrainedModel,
     Sam2VideoConfig,
     Sam2VideoModel,
+    Sam3VideoConfig,
+    Sam3VideoModel,
     SamHQConfig,
     SamHQModel,
 )
@@ -36,6 +38,7 @@ from moseg.tasks.networks.ram.model import Ram, RamPlus
 from moseg.tasks.networks.sea_raft import SeaRaft
 from moseg.tasks.networks.sea_raft import config as sea_raft_sizes
 from moseg.workflows.weights.tiny.grounding_dino import make_grounding_dino
+from moseg.workflows.weights.tiny.sam3 import make_sam3
 from moseg.workflows.weights.tiny.sea_raft import to_published_name
 
 
@@ -115,6 +118,15 @@ def edgetam() -> Checkpoint:
     content = json.loads(checkpoint.documents["config.json"])
     content["vision_config"]["backbone_config"] = {"model_type": "timm_wrapper", "architecture": "repvit_m1"}
     return checkpoint._replace(documents={"config.json": json.dumps(content)})
+
+
+def sam3() -> Checkpoint:
+    """Return transformers' default with a few words; the network's own embeddings have CLIP's full size."""
+    documents = {name: make_sam3(0).files[name].decode() for name in ("vocab.json", "merges.txt")}
+    config = Sam3VideoConfig()
+    checkpoint = _checkpoint(Sam3VideoModel, config, documents)
+    # The published file states what is the default, too.
+    return checkpoint._replace(documents=documents | {"config.json": config.to_json_string(use_diff=False)})
 
 
 def dpt_dinov2(is_large: bool) -> Checkpoint:

@@ -1,6 +1,7 @@
-"""A frame as the input of a network trained on ImageNet-normalised RGB."""
+"""A frame as the input of a network trained on normalised RGB."""
 
 from enum import StrEnum
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -11,6 +12,18 @@ from moseg.tasks.check_frame import check_frame
 
 IMAGENET_MEAN = (0.485, 0.456, 0.406)
 IMAGENET_STD = (0.229, 0.224, 0.225)
+
+
+class Normalisation(NamedTuple):
+    """Mean and standard deviation of RGB in 0..1, with which a network was trained."""
+
+    mean: tuple[float, float, float]
+    std: tuple[float, float, float]
+
+
+IMAGENET = Normalisation(IMAGENET_MEAN, IMAGENET_STD)
+SYMMETRIC = Normalisation((0.5, 0.5, 0.5), (0.5, 0.5, 0.5))
+"""From -1 to 1."""
 
 
 class Resizing(StrEnum):
@@ -28,7 +41,11 @@ _PIL = {Resizing.PIL_BILINEAR: Image.Resampling.BILINEAR, Resizing.PIL_BICUBIC: 
 
 
 def frame_tensor(
-    image: np.ndarray, size: tuple[int, int], device: torch.device, resizing: Resizing = Resizing.PIL_BILINEAR
+    image: np.ndarray,
+    size: tuple[int, int],
+    device: torch.device,
+    resizing: Resizing = Resizing.PIL_BILINEAR,
+    normalisation: Normalisation = IMAGENET,
 ) -> torch.Tensor:
     """Resize and normalise a frame; it is resized on the CPU, so that all devices get the same input.
 
@@ -40,6 +57,7 @@ def frame_tensor(
         Height and width of the result, px.
     device : torch.device
     resizing : Resizing
+    normalisation : Normalisation
 
     Returns
     -------
@@ -59,10 +77,10 @@ def frame_tensor(
     pixels = torch.from_numpy(np.array(image)).permute(2, 0, 1)[None].float() / 255
     if pixels.shape[2:] != size:
         pixels = functional.interpolate(pixels, size=size, mode="bilinear", antialias=True)
-    return normalise(pixels).to(device)
+    return normalise(pixels, normalisation).to(device)
 
 
-def normalise(pixels: torch.Tensor) -> torch.Tensor:
-    """Normalise RGB (B, 3, y, x) in 0..1 by ImageNet's mean and standard deviation."""
-    mean, std = (torch.tensor(values).view(1, 3, 1, 1) for values in (IMAGENET_MEAN, IMAGENET_STD))
+def normalise(pixels: torch.Tensor, normalisation: Normalisation = IMAGENET) -> torch.Tensor:
+    """Normalise RGB (B, 3, y, x) in 0..1."""
+    mean, std = (torch.tensor(values).view(1, 3, 1, 1) for values in normalisation)
     return (pixels - mean) / std

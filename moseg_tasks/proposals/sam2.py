@@ -1,4 +1,4 @@
-"""Masks of a section's objects, tracked from its first frame by SAM 2.1."""
+"""Masks of a section's objects, tracked from its first frame by SAM 2.1, EdgeTAM or SAM 3."""
 
 from collections.abc import Iterable, Sequence
 
@@ -9,13 +9,14 @@ from transformers import Sam2VideoInferenceSession, Sam2VideoModel
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.sam2 import Sam2Params
+from moseg.schemas.parameters.sam3 import Sam3Params
 from moseg.tasks.check_frame import check_frame
 from moseg.tasks.networks.frame_tensor import Resizing, frame_tensor
 from moseg.tasks.networks.sam2 import forget_past, network_side, start_sessions
 
 
 def track_masks_sam2(
-    model: Sam2VideoModel, frames: Iterable[np.ndarray], seeds: np.ndarray, params: Sam2Params
+    model: Sam2VideoModel, frames: Iterable[np.ndarray], seeds: np.ndarray, params: Sam2Params | Sam3Params
 ) -> np.ndarray:
     """Track the objects of the first frame and return their labels in every frame.
 
@@ -24,12 +25,12 @@ def track_masks_sam2(
 
     Parameters
     ----------
-    model : Sam2VideoModel
+    model : Sam2Video, EdgeTamVideo or Sam3Tracker
     frames : iterable of uint8 (y, x, 3)
         RGB frames of one size, the first being that of `seeds`; read once, one at a time.
     seeds : uint16 (y, x)
         Objects 1, 2, … on the first frame, 0 = background.
-    params : Sam2Params
+    params : Sam2Params or Sam3Params
 
     Returns
     -------
@@ -64,11 +65,11 @@ def _advance(
     sessions: Sequence[Sam2VideoInferenceSession],
     frame: np.ndarray,
     index: int,
-    params: Sam2Params,
+    params: Sam2Params | Sam3Params,
 ) -> np.ndarray:
     """Return labels uint16 (y, x) of the next frame, and update the sessions."""
     size, side = frame.shape[:2], network_side(model)
-    pixels = frame_tensor(frame, (side, side), model.device, Resizing.PIL_BICUBIC)
+    pixels = frame_tensor(frame, (side, side), model.device, Resizing.PIL_BICUBIC, model.normalisation)
     labels = torch.zeros(size, dtype=torch.int32, device=model.device)
     highest = torch.zeros(size, device=model.device)
     for session in sessions:

@@ -41,6 +41,7 @@ from moseg.schemas.parameters.rigid_support import RigidSupportParams
 from moseg.schemas.parameters.rigidity import RigidityParams
 from moseg.schemas.parameters.saliency import SaliencyParams
 from moseg.schemas.parameters.sam2 import EdgeTamParams, Sam2Params
+from moseg.schemas.parameters.sam3 import Sam3Params
 from moseg.schemas.parameters.sam_hq import SamHqParams
 from moseg.schemas.parameters.scene_parallax import SceneParallaxParams
 from moseg.schemas.parameters.sea_raft import SeaRaftParams
@@ -126,6 +127,7 @@ __all__ = [
     "RigidityParams",
     "SaliencyParams",
     "Sam2Params",
+    "Sam3Params",
     "SamHqParams",
     "SceneParallaxParams",
     "SeaRaftParams",

@@ -9,3 +9,8 @@ def split_commas(value: object) -> object:
 def are_different_counts(values: tuple[int, ...]) -> bool:
     """Return whether there are values, all different and at least 1."""
     return bool(values) and min(values) >= 1 and len(set(values)) == len(values)
+
+
+def are_names(values: tuple[str, ...]) -> bool:
+    """Return whether there are values, none of them blank."""
+    return bool(values) and all(value.strip() for value in values)

@@ -6,7 +6,7 @@ from pydantic import Field, field_validator
 
 from moseg.schemas.choices import ChoiceOf
 from moseg.schemas.frozen import Frozen
-from moseg.schemas.parameters.comma_separated import split_commas
+from moseg.schemas.parameters.comma_separated import are_names, split_commas
 
 
 class DetectionParams(Frozen):
@@ -15,7 +15,9 @@ class DetectionParams(Frozen):
     tagger: Annotated[str, ChoiceOf("detections.tagger")] = Field(
         "ram", description="network that tags a section's first frame"
     )
-    tags: tuple[str, ...] | None = Field(None, description="names of objects to detect, instead of tagging")
+    tags: tuple[str, ...] | None = Field(
+        None, description="names of objects to detect, instead of tagging, or of SAM 3's concepts"
+    )
     masks: Annotated[str, ChoiceOf("detections.masks")] = Field(
         "sam-hq", description="network that outlines the objects of the detector's boxes, or of moving regions"
     )
@@ -28,6 +30,6 @@ class DetectionParams(Frozen):
     @field_validator("tags")
     @classmethod
     def _check_names(cls, value: tuple[str, ...] | None) -> tuple[str, ...] | None:
-        if value is not None and not (value and all(name.strip() for name in value)):
+        if value is not None and not are_names(value):
             raise ValueError("names of objects, separated by commas")
         return value

@@ -1,4 +1,4 @@
-"""The documents name the licence of every weights item, and mark those for non-commercial use only."""
+"""The documents name the licence of every weights item, and mark those that must be accepted."""
 
 import importlib
 import re
@@ -25,12 +25,14 @@ def test_every_weights_item_has_its_licence_in_the_table(item):
     _, _, licence, use = row_of(item.name)
     assert licence == item.licence
     assert ("non-commercial" in use) == item.is_non_commercial
+    assert ("conditions" in use) == item.has_conditions
+    assert (use == "any") == (not item.consent) and item.consent in use
 
 
 def test_the_table_has_no_item_that_does_not_exist():
     text = (DOCS / "models.md").read_text(encoding="utf-8").split("### Licences of weights")[1].split("\n## ")[0]
     named = {name for line in text.splitlines() if line.startswith("| ") for name in line.split("`")[1:-1:2]}
-    assert named - {"--non-commercial"} == {item.name for item in CATALOGUE}
+    assert named - {item.consent for item in CATALOGUE} == {item.name for item in CATALOGUE}
 
 
 def test_the_licences_of_all_libraries_are_listed_and_copyleft_ones_are_explained(capsys, monkeypatch):

@@ -46,7 +46,8 @@ def _choose(choice, backend):
     """Return the configuration in which a backend is chosen and nothing else."""
     stage, _, name = choice.parameter.rpartition(".")
     values = {stage: {name: backend.method}} if stage else {}
-    return PipelineConfig.model_validate({"proposal_source": "detections", **values})
+    source = backend.option.removeprefix("--proposals ") or "detections"
+    return PipelineConfig.model_validate({"proposal_source": source, **values})
 
 
 @pytest.mark.parametrize(("choice", "backend"), NETWORKS, ids=lambda each: getattr(each, "name", None))
@@ -112,4 +113,6 @@ def test_the_overview_shows_present_weights_and_how_to_get_the_others(tmp_path, 
     commands = [line.strip() for line in ran.out.splitlines() if line.startswith("    moseg weights fetch ")]
     assert "moseg weights fetch raft-small" in commands and "moseg weights fetch raft-large" not in commands
     assert "moseg weights fetch depth-anything-v2-large --non-commercial" in commands
+    assert "SAM-License (opt-in)" in rows["sam3"]
+    assert "moseg weights fetch sam3 --accept-licence SAM-License" in commands
     assert sorted(path.name for path in tmp_path.iterdir()) == ["raft-large"]

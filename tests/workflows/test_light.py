@@ -33,7 +33,7 @@ def test_a_light_preset_differs_only_where_its_table_says(preset):
 
 
 def test_weights_of_the_light_modern_preset_may_be_used_for_anything():
-    free = {item.name for item in CATALOGUE if not item.is_non_commercial}
+    free = {item.name for item in CATALOGUE if not item.consent}
     assert _items("modern", True) <= free and _items("modern", True) != _items("modern", False)
 
 

@@ -17,7 +17,7 @@ MAX_NAME_BYTES = 200
 """Of a name in UTF-8: files are called after it, with a suffix."""
 _OPTION = re.compile(
     r"(?<![^\s(])--(batch|corrections|dataset|depth|device|dilate|end|every|flow|fps|format|geometry|light|list|motions|name"
-    r"|non-commercial|offline|out|overlay-size"
+    r"|accept-licence|non-commercial|offline|out|overlay-size"
     r"|predictions|preset|proposals|quality|report|root|scheduler|seed|seeds|sensitivity|sequences|start|store|threads|tls-ca"
     r"|tls-cert|tls-key|tracks|variant|views|workers)(?![\w-])(?: folder:)?"
 )

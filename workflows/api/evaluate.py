@@ -50,6 +50,7 @@ def evaluate(
     batch: int | None = None,
     offline: bool = False,
     non_commercial: bool = False,
+    accept_licence: str | None = None,
     progress: bool = True,
 ) -> EvaluationReport | StillReport | TrajectoryReport:
     """Score variants of the pipeline on a data set: the same scores as `moseg eval`, from the same store.
@@ -90,7 +91,7 @@ def evaluate(
         Of labelled trajectories: number of seeds, from 0, over which means and spreads are taken.
     report : path, optional
         Also write a page of pictures, matrices, scores and times, as `moseg eval --report` does.
-    store, workers, device, threads, batch, offline, non_commercial, progress
+    store, workers, device, threads, batch, offline, non_commercial, accept_licence, progress
         As of `segment_video`.
     scheduler : str or path, optional
         Existing Dask cluster: ``tcp://host:8786``, ``tls://host:8786`` or a scheduler file.
@@ -147,6 +148,7 @@ def evaluate(
             batch=batch,
             offline=offline,
             non_commercial=non_commercial,
+            accept_licence=accept_licence,
             progress=progress,
         ),
         report,
@@ -186,6 +188,7 @@ def ablate(
     batch: int | None = None,
     offline: bool = False,
     non_commercial: bool = False,
+    accept_licence: str | None = None,
     progress: bool = True,
 ) -> EvaluationReport | StillReport | TrajectoryReport:
     """Score all variants of the paper's ablation on a data set: the same scores as `moseg ablate`.
@@ -244,6 +247,7 @@ def ablate(
             batch=batch,
             offline=offline,
             non_commercial=non_commercial,
+            accept_licence=accept_licence,
             progress=progress,
         ),
         report,

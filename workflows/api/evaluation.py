@@ -157,7 +157,7 @@ def run_plan(
         opened = open_store(store, create=False)
     except MissingStoreError:
         opened = EmptyStore()
-    weights = open_weights(os.environ, offline=True, allow_non_commercial=True)
+    weights = open_weights(os.environ, offline=True, check_licences=False)
     if dataset.has_frames:
         trajectories.refuse(dataset.name, list_trajectory_datasets())
         chosen = read_variants(variants, Variant, dataset.name)

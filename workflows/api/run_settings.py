@@ -32,6 +32,8 @@ class RunSettings:
         Frames in one pass of a network.
     offline, non_commercial : bool
         Whether no weights are fetched, and whether those for non-commercial use may be.
+    accept_licence : str or None
+        Names of accepted licences of weights that have conditions, separated by commas.
     quiet : bool
         No progress on standard error.
     keep_cues : bool
@@ -49,6 +51,7 @@ class RunSettings:
     batch: int | None = None
     offline: bool = False
     non_commercial: bool = False
+    accept_licence: str | None = None
     quiet: bool = False
     keep_cues: bool = True
 
@@ -72,6 +75,7 @@ def read_run_settings(
     batch: int | None,
     offline: bool,
     non_commercial: bool,
+    accept_licence: str | None,
     progress: bool,
     keep_cues: bool = True,
 ) -> RunSettings:
@@ -80,6 +84,7 @@ def read_run_settings(
     files = {"scheduler": scheduler, "tls_ca": tls_ca, "tls_cert": tls_cert, "tls_key": tls_key}
     check_kinds(Kind.PATH, optional=True, **files)
     check_kinds(Kind.TEXT, device=device)
+    check_kinds(Kind.TEXT, optional=True, accept_licence=accept_licence)
     check_kinds(Kind.SWITCH, offline=offline, non_commercial=non_commercial, progress=progress, keep_cues=keep_cues)
     check_min(0, workers=workers)
     check_min(1, threads=threads, **({} if batch is None else {"batch": batch}))
@@ -92,6 +97,7 @@ def read_run_settings(
         batch=batch,
         offline=offline,
         non_commercial=non_commercial,
+        accept_licence=accept_licence,
         quiet=not progress,
         keep_cues=keep_cues,
     )

@@ -61,6 +61,7 @@ def segment_video(
     batch: int | None = None,
     offline: bool = False,
     non_commercial: bool = False,
+    accept_licence: str | None = None,
     progress: bool = True,
     keep_cues: bool = False,
 ) -> MotionSegmentation:
@@ -128,6 +129,8 @@ def segment_video(
         Fetch no weights; what is missing is an error.
     non_commercial : bool
         Allow weights that are licensed for non-commercial use only.
+    accept_licence : str, optional
+        Names of licences with conditions that you accept, separated by commas: ``SAM-License`` for SAM 3.
     progress : bool
         Whether progress goes to standard error. Standard output is never written to.
     keep_cues : bool
@@ -167,6 +170,7 @@ def segment_video(
         batch=batch,
         offline=offline,
         non_commercial=non_commercial,
+        accept_licence=accept_licence,
         progress=progress,
         keep_cues=keep_cues,
     )

@@ -82,7 +82,7 @@ def _print_methods() -> None:
         items.add_column(column)
     rows = weights_rows(weights, parameters_of)
     for row in rows:
-        licence = row.item.licence + (" (opt-in)" if row.item.is_non_commercial else "")
+        licence = row.item.licence + (" (opt-in)" if row.item.consent else "")
         size, here = describe_size(row.size), "yes" if row.is_present else "no"
         parameters = ", ".join(f"{parameter}=…" for parameter in row.parameters)
         items.add_row(row.item.name, parameters, licence, size, here, row.pin)

@@ -51,6 +51,15 @@ NonCommercialOption = Annotated[
         "--non-commercial", envvar="MOSEG_NON_COMMERCIAL", help="Allow weights licensed for non-commercial use only."
     ),
 ]
+LicenceOption = Annotated[
+    str | None,
+    typer.Option(
+        "--accept-licence",
+        envvar="MOSEG_ACCEPT_LICENCE",
+        help="Licences with conditions that you accept, separated by commas: SAM-License for SAM 3.",
+        metavar="NAMES",
+    ),
+]
 JsonOption = Annotated[str | None, typer.Option("--json", help="Also write the result to this file.", metavar="FILE")]
 ReportOption = Annotated[
     str | None,
@@ -162,6 +171,7 @@ class RunOptions:
         bool, typer.Option("--offline", envvar="MOSEG_OFFLINE", help="Fetch no weights; what is missing is an error.")
     ] = False
     non_commercial: NonCommercialOption = False
+    accept_licence: LicenceOption = None
     quiet: QuietOption = False
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Progress of each stage for itself, in logs every 15 s.")

@@ -40,7 +40,7 @@ class PipelineOptions:
         str | None,
         typer.Option(
             "--tags",
-            help="What to look for (car,person), in place of tagging; with --proposals detections.",
+            help="What to look for (car,person), in place of tagging; with --proposals detections or sam3.",
             metavar="NAMES",
         ),
     ] = None

@@ -9,7 +9,7 @@ import typer
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli import completion
 from moseg.workflows.cli.named_options import named_option
-from moseg.workflows.cli.options import NonCommercialOption, QuietOption
+from moseg.workflows.cli.options import LicenceOption, NonCommercialOption, QuietOption
 from moseg.workflows.config.pipeline_choices import choose_preset
 from moseg.workflows.process.progress import PATIENCE_SEC, StageProgress
 
@@ -41,6 +41,7 @@ def fetch(
     ] = None,
     light: Annotated[bool, typer.Option("--light", help="With --preset: the items of its lighter networks.")] = False,
     non_commercial: NonCommercialOption = False,
+    accept_licence: LicenceOption = None,
     again: Annotated[
         bool,
         typer.Option("--again", help="Fetch anew also files that are here and that only their first download fixes."),
@@ -59,7 +60,7 @@ def fetch(
 
     # Asked for by name: what keeps runs from the network is not meant.
     env = {name: value for name, value in os.environ.items() if name != "MOSEG_OFFLINE"}
-    weights = open_weights(env, allow_non_commercial=non_commercial, quiet=quiet)
+    weights = open_weights(env, allow_non_commercial=non_commercial, quiet=quiet, accept_licence=accept_licence)
     chosen = [weights.item(name) for name in [*(items or []), *_items_of(preset, light)]]
     if not chosen:
         expected = "weights items, or --preset"

@@ -19,6 +19,8 @@ def evaluation_notes(config: PipelineConfig, variants: Sequence[Variant], option
         chosen = config.detections
         named = chosen.tagger if chosen.tags is None else f"tags {', '.join(chosen.tags)}"
         proposals += f" ({named}; grounding-dino; {chosen.masks}; {chosen.tracker})"
+    elif proposals == "sam3":
+        proposals += f" ({', '.join(config.named_objects)}; {config.detections.tracker})"
     elif proposals == "motion-prompts":
         proposals += f" ({config.detections.masks}; {config.detections.tracker})"
     notes = [f"proposals {proposals}, flow {config.flow.method}, tracks {config.tracks.method}"]

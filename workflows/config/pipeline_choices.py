@@ -35,7 +35,8 @@ SETS_OF = {"--preset": PRESETS, "--geometry": GEOMETRIES, "--quality": QUALITIES
 READ_BY = {
     "detections": ("detections",),
     "detections.masks": ("motion-prompts", "detections"),
-    "detections.tracker": ("motion-prompts", "detections"),
+    "detections.tags": ("sam3", "detections"),
+    "detections.tracker": ("sam3", "motion-prompts", "detections"),
     "track_objects": ("motion-prompts", "auto", "tracks"),
 }
 """Stages or parameters whose options change something with some sources of proposals alone, each with these sources."""

@@ -52,6 +52,7 @@ def open_session(
     batch: int | None = None,
     offline: bool = False,
     non_commercial: bool = False,
+    accept_licence: str | None = None,
     keep_cues: bool = True,
 ) -> "Iterator[Session]":
     """Open a session on the store at `store`, which is created if there is none; the runner ends with the block.
@@ -68,7 +69,13 @@ def open_session(
     budget = os.environ.get(BUDGET_VARIABLE)
     max_nbytes = read_size(budget, BUDGET_VARIABLE) if budget else None
     opened = open_store(store, create=True)
-    weights = open_weights(os.environ, offline=offline, allow_non_commercial=non_commercial, quiet=quiet)
+    weights = open_weights(
+        os.environ,
+        offline=offline,
+        allow_non_commercial=non_commercial,
+        quiet=quiet,
+        accept_licence=accept_licence,
+    )
     with (
         open_runner(workers, scheduler, device, threads, tls) as runner,
         closing(Session(opened, runner, quiet, weights, batch, keep_cues, max_nbytes)) as session,

@@ -1,6 +1,6 @@
 """Objects: proposals of every section, and their identities over the sequence."""
 
-from moseg.schemas.configs import BY_CAMERA, MOTION_SOURCES
+from moseg.schemas.configs import BY_CAMERA, MOTION_SOURCES, TRACKED_SOURCES
 from moseg.schemas.stretch_choice import StretchChoice
 from moseg.workflows.graph.cached_method import cached_method
 from moseg.workflows.graph.foreground import Foreground
@@ -103,7 +103,7 @@ class Objects:
     def labelled_until(self, index: int) -> int:
         """Return the end of the frames in which a section's objects are labelled."""
         section = self._sections[index]
-        if self._config.proposal_source == "detections" or self._is_prompted:
+        if self._config.proposal_source in TRACKED_SOURCES:
             # The next section continues the objects that were tracked into its first frame.
             return min(section.stop + 1, len(self._leaves.frames))
         if self.source_of(index) == "tracks":
@@ -117,7 +117,7 @@ class Objects:
             place = {"start": section.start, "stop": section.proposal_stop}
             given = {"shape": self._leaves.shape, "void": self._leaves.masks_void}
             return self._nodes.add("proposals", {"masks": masks}, **place, **given)
-        if self._config.proposal_source == "detections" or self._is_prompted:
+        if self._config.proposal_source in TRACKED_SOURCES:
             return self._track_objects(index)
         return self._regions(index)
 
@@ -158,6 +158,8 @@ class Objects:
     def _instances(self, frame: int) -> str:
         """Return the reference of the objects that the networks find in one frame."""
         image = self._leaves.frames[frame]
+        if self._config.proposal_source == "sam3":
+            return self._nodes.add("instances", {"frame": image})
         return self._nodes.add("instances", {"frame": image, "detections": self._detections(image)})
 
     def _detections(self, image: str) -> str:

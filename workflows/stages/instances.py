@@ -1,10 +1,17 @@
-"""Instances: objects of a frame, the best mask of each that detections or moving regions show."""
+"""Instances: objects of a frame, the best mask of each that detections, moving regions or their names show."""
 
 import numpy as np
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.parameters import EdgeTamParams, InstanceParams, MotionPromptParams, Sam2Params, SamHqParams
+from moseg.schemas.parameters import (
+    EdgeTamParams,
+    InstanceParams,
+    MotionPromptParams,
+    Sam2Params,
+    Sam3Params,
+    SamHqParams,
+)
 from moseg.workflows.stages.motion_prompts import choice_params
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
@@ -43,6 +50,17 @@ def _run_edgetam_prompts(params, inputs, rng):
     from moseg.tasks.networks.edgetam import build_edgetam_image
 
     return _outline_prompted(build_edgetam_image, EdgeTamParams.of_recipe(params["edgetam"]), params, inputs)
+
+
+def _run_sam3(params, inputs, rng):
+    from moseg.tasks.instances.sam3 import segment_concepts
+    from moseg.tasks.networks.sam3 import build_sam3_detector
+
+    network_params = Sam3Params.of_recipe(params["sam3"])
+    with open_network(build_sam3_detector, inputs["weights"]) as detector:
+        image = inputs["frame"].cached("image")
+        found = segment_concepts(detector, image, network_params.concepts, network_params)
+    return _select(found.masks, found.scores, found.tags, params)
 
 
 def _outline_prompted(build, network_params, params, inputs):
@@ -92,6 +110,7 @@ def _sam_hq_params(config: PipelineConfig) -> dict:
 
 TRACKER_PARAMS = frozenset({"weights", "objects_per_pass", "memory_reach"})
 """Parameters of SAM 2.1 and EdgeTAM that masks of one frame do not read."""
+SAM3_DOCUMENTS = ("config.json", "vocab.json", "merges.txt")
 
 
 def _sam2_params(config: PipelineConfig) -> dict:
@@ -102,6 +121,12 @@ def _sam2_params(config: PipelineConfig) -> dict:
 def _edgetam_params(config: PipelineConfig) -> dict:
     network = config.edgetam.model_dump(mode="json", exclude=TRACKER_PARAMS)
     return {"edgetam": network, "instances": config.instances.model_dump(mode="json")}
+
+
+def _sam3_params(config: PipelineConfig) -> dict:
+    network = config.sam3.model_dump(mode="json", exclude={"weights", "memory_reach"})
+    network["concepts"] = list(config.named_objects)
+    return {"sam3": network, "instances": config.instances.model_dump(mode="json")}
 
 
 def _sam2_prompts_params(config: PipelineConfig) -> dict:
@@ -115,6 +140,8 @@ def _edgetam_prompts_params(config: PipelineConfig) -> dict:
 def _method(config: PipelineConfig) -> str | None:
     if config.proposal_source == "motion-prompts":
         return f"{config.detections.masks}-prompts"
+    if config.proposal_source == "sam3":
+        return "sam3"
     return config.detections.masks if config.proposal_source == "detections" else None
 
 
@@ -158,13 +185,21 @@ EDGETAM_PROMPTS = Task(
     params=_edgetam_prompts_params,
     network=EDGETAM.network,
 )
+SAM3 = Task(
+    "instances",
+    "sam3",
+    version=1,
+    run=_run_sam3,
+    params=_sam3_params,
+    network=Network("sam3", "sam3.weights", "sam3", SAM3_DOCUMENTS),
+)
 
 STAGE = Stage(
     name="instances",
     about="objects that the networks find in a frame",
     inputs={
         "frame": "the frame",
-        "detections": "boxes of its objects",
+        "detections": "boxes of its objects (not of SAM 3, which finds them itself)",
         "prompts": "points and boxes of its moving regions, in place of the detections",
         "weights": "of the network",
     },
@@ -172,7 +207,7 @@ STAGE = Stage(
         "labels": layout("uint16", "y x", "object of the frame, 0 = background"),
         "scores": layout("float64", "object"),
     },
-    tasks=(SAM_HQ, SAM2, SAM2_PROMPTS, EDGETAM, EDGETAM_PROMPTS),
+    tasks=(SAM_HQ, SAM2, SAM2_PROMPTS, EDGETAM, EDGETAM_PROMPTS, SAM3),
     method=_method,
     choices=(
         Choice(
@@ -184,6 +219,13 @@ STAGE = Stage(
                 Backend("sam2", "SAM 2.1", TRANSFORMERS, SAM2.network),
                 Backend("edgetam", "EdgeTAM", TRANSFORMERS, EDGETAM.network),
             ),
+            is_once_a_section=True,
+        ),
+        Choice(
+            "objects by name",
+            "",
+            "--proposals",
+            (Backend("sam3", "SAM 3", TRANSFORMERS, SAM3.network, option="--proposals sam3"),),
             is_once_a_section=True,
         ),
     ),

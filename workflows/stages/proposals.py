@@ -5,17 +5,19 @@ from collections.abc import Iterator
 import numpy as np
 
 from moseg.schemas.arrays import layout
-from moseg.schemas.configs import MOTION_SOURCES, PipelineConfig
+from moseg.schemas.configs import MOTION_SOURCES, TRACKED_SOURCES, PipelineConfig
 from moseg.schemas.parameters import (
     DeaotParams,
     EdgeTamParams,
     RefinementParams,
     Sam2Params,
+    Sam3Params,
     TrackMaskParams,
     TrackSurfaceParams,
 )
 from moseg.workflows.stages.components import join_rows
 from moseg.workflows.stages.flow import read_flow
+from moseg.workflows.stages.instances import SAM3_DOCUMENTS
 from moseg.workflows.stages.moving_tracks import tracks_of
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
@@ -125,6 +127,13 @@ def _run_edgetam(params, inputs, rng):
     return _track(build_edgetam_video, track_masks_sam2, EdgeTamParams.of_recipe(params["edgetam"]), inputs)
 
 
+def _run_sam3(params, inputs, rng):
+    from moseg.tasks.networks.sam3 import build_sam3_tracker
+    from moseg.tasks.proposals.sam2 import track_masks_sam2
+
+    return _track(build_sam3_tracker, track_masks_sam2, Sam3Params.of_recipe(params["sam3"]), inputs)
+
+
 def _track(build, track_masks, tracker_params, inputs):
     from moseg.tasks.proposals.boxes import object_boxes
 
@@ -176,8 +185,13 @@ def _edgetam_params(config: PipelineConfig) -> dict:
     return {"edgetam": config.edgetam.model_dump(mode="json", exclude={"weights", "boxes_per_pass"})}
 
 
+def _sam3_params(config: PipelineConfig) -> dict:
+    # The others belong to the detector.
+    return {"sam3": config.sam3.model_dump(mode="json", include={"objects_per_pass", "memory_reach"})}
+
+
 def _method(config: PipelineConfig) -> str:
-    if config.proposal_source in ("detections", "motion-prompts"):
+    if config.proposal_source in TRACKED_SOURCES:
         return config.detections.tracker
     if config.proposal_source == "auto":
         # The graph names the method of each section.
@@ -212,6 +226,14 @@ EDGETAM = Task(
     params=_edgetam_params,
     network=Network("edgetam", "edgetam.weights", "edgetam", ("config.json",)),
 )
+SAM3 = Task(
+    "proposals",
+    "sam3",
+    version=1,
+    run=_run_sam3,
+    params=_sam3_params,
+    network=Network("sam3", "sam3.weights", "sam3", SAM3_DOCUMENTS),
+)
 
 STAGE = Stage(
     name="proposals",
@@ -234,7 +256,7 @@ STAGE = Stage(
         "scores": layout("float64", "object"),
         "boxes": layout("int32", "object frame xyxy", "px, -1 where absent"),
     },
-    tasks=(SALIENCY, DENSE_TRACKS, GIVEN_MASKS, DEAOT, SAM2, EDGETAM),
+    tasks=(SALIENCY, DENSE_TRACKS, GIVEN_MASKS, DEAOT, SAM2, EDGETAM, SAM3),
     method=_method,
     choices=(
         Choice(
@@ -247,6 +269,7 @@ STAGE = Stage(
                 Backend("tracks", "dense point tracks that no rigid scene explains"),
                 Backend("motion-prompts", "objects outlined and tracked by networks, prompted by moving regions"),
                 Backend("detections", "named, found, outlined and tracked objects"),
+                Backend("sam3", "objects of your words, found, outlined and tracked by SAM 3 alone"),
                 Backend("groundtruth", "annotated objects (an oracle)"),
                 Backend("folder", "your own masks"),
             ),
@@ -259,6 +282,7 @@ STAGE = Stage(
                 Backend("deaot", "DeAOT", network=DEAOT.network),
                 Backend("sam2", "SAM 2.1 video", TRANSFORMERS, SAM2.network, cost_suffix="-video"),
                 Backend("edgetam", "EdgeTAM", TRANSFORMERS, EDGETAM.network, cost_suffix="-video"),
+                Backend("sam3", "SAM 3", TRANSFORMERS, SAM3.network, cost_suffix="-video"),
             ),
         ),
     ),

@@ -66,7 +66,7 @@ def _load(build: Callable[..., Network], weights: ArtifactView) -> Network:
 
     leaf = weights.attributes
     # The weights were fetched before the tasks started; a worker never downloads.
-    folder = open_weights(os.environ, offline=True, allow_non_commercial=True)
+    folder = open_weights(os.environ, offline=True, check_licences=False)
     item = folder.item(leaf["item"]).model_copy(update={"config": leaf["config"]})
     return build(folder.read(item, leaf["files"]))
 

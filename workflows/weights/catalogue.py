@@ -14,6 +14,8 @@ from moseg.schemas.weights import WeightsFile, WeightsItem
 HUB = "https://huggingface.co"
 NO_COMMIT = "main"
 APACHE, BSD, MIT, CC_BY_NC = "Apache-2.0", "BSD-3-Clause", "MIT", "CC-BY-NC-4.0"
+SAM_LICENCE = "SAM-License"
+"""Commercial use is allowed; military, nuclear and espionage uses, weapons and reverse engineering are not."""
 
 RAM_COMMIT = "7cb804a8609e9f4b1a50b7f31436d2df40bb9481"
 RAM_DATA = f"https://raw.githubusercontent.com/xinyu1205/recognize-anything/{RAM_COMMIT}/ram/data"
@@ -66,6 +68,7 @@ def _hub_item(
         architecture=architecture,
         licence=licence,
         is_non_commercial=licence == CC_BY_NC,
+        has_conditions=licence == SAM_LICENCE,
         files=tuple(
             WeightsFile(name=file, url=f"{base}/{remote_names.get(file, file)}", size=size, sha256=sha256)
             for file, (size, sha256) in files.items()
@@ -242,6 +245,22 @@ CATALOGUE: tuple[WeightsItem, ...] = (
         NO_COMMIT,
         {"config.json": UNKNOWN, "model.safetensors": UNKNOWN},
         approximate_size=56_000_000,
+    ),
+    _hub_item(
+        "sam3",
+        "sam3",
+        "facebook/sam3",
+        "3c879f39826c281e95690f02c7821c4de09afae7",
+        {
+            "config.json": (25_843, None),
+            "model.safetensors": (
+                3_439_938_512,
+                "6d06f0a5f84e435071fe6603e61d0b4cc7b40e0d39d487cfd4d67d8cc11cc14a",
+            ),
+            "vocab.json": (862_328, None),
+            "merges.txt": (524_619, None),
+        },
+        licence=SAM_LICENCE,
     ),
     _sam2(
         "tiny",

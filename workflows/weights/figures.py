@@ -38,6 +38,9 @@ FIGURES: Mapping[str, Figure] = {
     "sam2.1-hiera-large": Figure("SA-V test: 79.5 J&F", _SAM2),
     "deaot-r50-l": Figure("YouTube-VOS 2018: 86.0 J&F", "yoxu515/aot-benchmark, MODEL_ZOO"),
     "edgetam": Figure("SA-V test: 71.7 J&F; DAVIS-2017 val: 87.7", "Zhou et al., CVPR 2025"),
+    "sam3": Figure(
+        "by names: LVIS, 48.5 mask AP; videos of SA-Co, SA-V test: 58.0 pHOTA", "facebookresearch/sam3, README"
+    ),
     "bootstapir": Figure(
         "TAP-Vid DAVIS: 62.4 average Jaccard (first query, 256x256)", "google-deepmind/tapnet, README"
     ),

@@ -1,6 +1,6 @@
 """The folder of weights: all items, which of their files are here, and how the others are fetched."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -20,22 +20,38 @@ if TYPE_CHECKING:
     from moseg.tasks.networks import Checkpoint
 
 OFFLINE_VARIABLE, NON_COMMERCIAL_VARIABLE = "MOSEG_OFFLINE", "MOSEG_NON_COMMERCIAL"
+LICENCE_VARIABLE = "MOSEG_ACCEPT_LICENCE"
 _NO = ("", "0", "false", "no", "off")
 
 
 def open_weights(
-    env: Mapping[str, str], offline: bool = False, allow_non_commercial: bool = False, quiet: bool = False
+    env: Mapping[str, str],
+    offline: bool = False,
+    allow_non_commercial: bool = False,
+    quiet: bool = False,
+    accept_licence: str | None = None,
+    check_licences: bool = True,
 ) -> "Weights":
     """Open the folder that the environment names, with the catalogue's items and the user's own.
 
-    ``MOSEG_OFFLINE`` and ``MOSEG_NON_COMMERCIAL`` set `offline` and `allow_non_commercial` too.
+    ``MOSEG_OFFLINE`` and ``MOSEG_NON_COMMERCIAL`` set `offline` and `allow_non_commercial` too, and
+    ``MOSEG_ACCEPT_LICENCE`` names further licences.
+
+    Parameters
+    ----------
+    accept_licence : str, optional
+        Names of accepted licences that have conditions, separated by commas.
+    check_licences : bool
+        Whether licences have to be accepted; not where weights are only listed, or were checked before.
     """
+    named = ",".join([accept_licence or "", env.get(LICENCE_VARIABLE, "")]).split(",")
     return Weights(
         weights_folder(env),
         offline=offline or env.get(OFFLINE_VARIABLE, "").lower() not in _NO,
         allow_non_commercial=allow_non_commercial or env.get(NON_COMMERCIAL_VARIABLE, "").lower() not in _NO,
         token=env.get(TOKEN_VARIABLE, "").strip() or None,
         quiet=quiet,
+        accepted={name.strip().lower() for name in named} if check_licences else None,
     )
 
 
@@ -56,6 +72,7 @@ class Weights:
         allow_non_commercial: bool = False,
         token: str | None = None,
         quiet: bool = False,
+        accepted: Collection[str] | None = (),
     ):
         self.folder = folder
         self._items = items
@@ -63,6 +80,7 @@ class Weights:
         self._allow_non_commercial = allow_non_commercial
         self._token = token
         self._quiet = quiet
+        self._accepted = accepted
 
     @cached_property
     def items(self) -> Mapping[str, WeightsItem]:
@@ -166,8 +184,14 @@ class Weights:
         return ItemFolder(item, self.folder / item.name)
 
     def _check_licence(self, item: WeightsItem) -> None:
+        if self._accepted is None:
+            return
+        got = f"licence {item.licence}"
+        if item.has_conditions and item.licence.lower() not in self._accepted:
+            expected = f"{item.consent}, or {LICENCE_VARIABLE}={item.licence}, once you agree to it"
+            expected += f": see {item.homepage}" if item.homepage else ""
+            raise InputError("weights whose licence has conditions", where=item.name, got=got, expected=expected)
         if item.is_non_commercial and not self._allow_non_commercial:
-            got = f"licence {item.licence}"
             expected = f"--non-commercial, or {NON_COMMERCIAL_VARIABLE}=1, if your use is non-commercial"
             raise InputError("weights for non-commercial use only", where=item.name, got=got, expected=expected)
 

@@ -1,6 +1,9 @@
 """The first mask of an object as the authors of SAM 2 and EdgeTAM use it."""
 
+import torch
 from torch.nn import functional
+
+from moseg.tasks.networks.frame_tensor import IMAGENET
 
 
 class FirstMaskAsByAuthors:
@@ -9,6 +12,13 @@ class FirstMaskAsByAuthors:
     transformers takes the object's pointer from the best of three masks and stores the given mask unchanged in memory.
     The authors take the pointer from the single mask, and store the given mask resampled from a quarter of its size.
     """
+
+    normalisation = IMAGENET
+
+    def given_mask(self, mask: torch.Tensor) -> torch.Tensor:
+        """Return a mask in 0..1, float (1, 1, y, x) at the frame's size, as a session takes it: at the network's."""
+        side = (self.image_size, self.image_size)
+        return functional.interpolate(mask, size=side, mode="bilinear", antialias=True) >= 0.5
 
     def _single_frame_forward(self, *args, **kwargs):
         if kwargs.get("input_masks") is not None:

@@ -1,13 +1,12 @@
-"""SAM 2.1's and EdgeTAM's memory of the objects that they track, kept as small as possible."""
+"""The memory of the objects that SAM 2.1, EdgeTAM and SAM 3 track, kept as small as possible."""
 
 from collections.abc import Iterator
 
 import numpy as np
 import torch
-from torch.nn import functional
 from transformers import Sam2VideoInferenceSession
 
-from moseg.tasks.networks.sam2.build import Sam2Video, network_side
+from moseg.tasks.networks.sam2.build import Sam2Video
 
 # Parts of an output of the network: those that only the frame itself needs, and those that the next few frames need.
 _OF_ITS_FRAME = ("pred_masks", "high_res_masks")
@@ -22,12 +21,11 @@ def start_sessions(model: Sam2Video, seeds: np.ndarray, objects_per_session: int
 
     Parameters
     ----------
-    model : Sam2Video or EdgeTamVideo
+    model : Sam2Video, EdgeTamVideo or Sam3Tracker
     seeds : uint16 (y, x)
         Objects in the first frame, 0 = background.
     objects_per_session : int
     """
-    side = network_side(model)
     objects = np.unique(seeds[seeds > 0]).tolist()
     sessions = []
     for some in _parts(objects, objects_per_session):
@@ -42,8 +40,7 @@ def start_sessions(model: Sam2Video, seeds: np.ndarray, objects_per_session: int
         )
         for label in some:
             mask = torch.from_numpy(seeds == label).float()[None, None]
-            mask = functional.interpolate(mask, size=(side, side), mode="bilinear", antialias=True)
-            session.add_mask_inputs(session.obj_id_to_idx(label), 0, mask >= 0.5)
+            session.add_mask_inputs(session.obj_id_to_idx(label), 0, model.given_mask(mask))
         session.obj_with_new_inputs = list(some)
         sessions.append(session)
         session.cache = sessions[0].cache

@@ -6,7 +6,8 @@ from moseg.store import open_store
 from moseg.workflows.api.run_settings import read_run_settings
 from moseg.workflows.config.default_store import default_store
 
-SETTINGS = {"workers": 0, "threads": 1, "batch": None, "device": "cpu", "offline": True, "non_commercial": False}
+SETTINGS = {"workers": 0, "threads": 1, "batch": None, "device": "cpu", "offline": True}
+LICENCES = {"non_commercial": False, "accept_licence": None}
 NONE = dict.fromkeys(("scheduler", "tls_ca", "tls_cert", "tls_key"))
 
 
@@ -45,8 +46,8 @@ def test_the_commands_read_it_from_any_folder(user, moseg, put_number):
 
 @pytest.mark.usefixtures("user")
 def test_python_reads_the_same():
-    assert read_run_settings(store=None, progress=False, **SETTINGS, **NONE).store == default_store()
-    assert read_run_settings(store="here", progress=False, **SETTINGS, **NONE).store == "here"
+    assert read_run_settings(store=None, progress=False, **SETTINGS, **LICENCES, **NONE).store == default_store()
+    assert read_run_settings(store="here", progress=False, **SETTINGS, **LICENCES, **NONE).store == "here"
 
 
 def test_an_empty_name_is_bad_input(moseg):

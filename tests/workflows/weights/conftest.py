@@ -176,8 +176,15 @@ def describe(folder) -> Callable[..., None]:
 def open_folder(folder) -> Callable[..., Weights]:
     """Return a function that opens the folder; further environment variables are given by name."""
 
-    def opened(offline: bool = False, allow_non_commercial: bool = False, quiet: bool = True, **variables) -> Weights:
+    def opened(
+        offline: bool = False,
+        allow_non_commercial: bool = False,
+        quiet: bool = True,
+        accept_licence: str | None = None,
+        check_licences: bool = True,
+        **variables,
+    ) -> Weights:
         env = {"MOSEG_WEIGHTS": str(folder), **variables}
-        return open_weights(env, offline, allow_non_commercial, quiet)
+        return open_weights(env, offline, allow_non_commercial, quiet, accept_licence, check_licences)
 
     return opened

@@ -23,8 +23,9 @@ def test_every_file_has_an_https_address(name):
 @pytest.mark.parametrize("name", ITEMS)
 def test_every_item_states_licence_size_and_homepage(name):
     item = ITEMS[name]
-    assert item.licence in ("Apache-2.0", "BSD-3-Clause", "MIT", "CC-BY-NC-4.0")
+    assert item.licence in ("Apache-2.0", "BSD-3-Clause", "MIT", "CC-BY-NC-4.0", "SAM-License")
     assert item.is_non_commercial == (item.licence == "CC-BY-NC-4.0")
+    assert item.has_conditions == (item.licence == "SAM-License")
     assert item.size > 10**6
     assert item.homepage.startswith("https://")
 

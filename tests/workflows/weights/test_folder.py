@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import re
 import subprocess
 import sys
 import threading
@@ -127,6 +128,33 @@ def test_non_commercial_weights_need_consent(server, describe, open_folder):
             use(weights.item("net"))
     assert server.requests == []
     for opened in (open_folder(allow_non_commercial=True), open_folder(MOSEG_NON_COMMERCIAL="1")):
+        opened.ensure(opened.item("net"))
+
+
+CONDITIONS = {"licence": "SAM-License", "has_conditions": True, "homepage": "https://example.org/net"}
+
+
+def test_a_licence_with_conditions_is_accepted_by_its_name(server, describe, open_folder):
+    describe({**CONDITIONS, "files": [{"name": "model.pth", "url": server.serve("/net.pth", CONTENT)}]})
+    line = (
+        "weights whose licence has conditions in net; got licence SAM-License; expected --accept-licence SAM-License, "
+        "or MOSEG_ACCEPT_LICENCE=SAM-License, once you agree to it: see https://example.org/net"
+    )
+    for opened in (
+        open_folder(),
+        open_folder(allow_non_commercial=True),
+        open_folder(accept_licence="Other, SAM"),
+        open_folder(MOSEG_ACCEPT_LICENCE="1"),
+    ):
+        for use in (opened.ensure, opened.digests, opened.repair):
+            with pytest.raises(InputError, match=re.escape(line)):
+                use(opened.item("net"))
+    assert server.requests == []
+    for opened in (
+        open_folder(accept_licence="other, sam-license"),
+        open_folder(MOSEG_ACCEPT_LICENCE="SAM-License"),
+        open_folder(check_licences=False),
+    ):
         opened.ensure(opened.item("net"))
 
 
@@ -263,6 +291,9 @@ def test_a_command_gets_several_items(describe, open_folder):
     assert fetch_command(a) == "moseg weights fetch a"
     assert fetch_command(a, b) == "moseg weights fetch a b --non-commercial"
     assert fetch_command(b, again=True) == "moseg weights fetch b --non-commercial --again"
+    describe({"name": "a", "files": files}, *({"name": name, "files": files, **CONDITIONS} for name in "bc"))
+    a, b, c = (open_folder().item(name) for name in "abc")
+    assert fetch_command(a, b, c) == "moseg weights fetch a b c --accept-licence SAM-License"
 
 
 def test_a_list_that_is_not_json_is_refused(folder, open_folder):

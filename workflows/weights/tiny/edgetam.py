@@ -31,7 +31,7 @@ def make_edgetam(seed: int) -> TinyCheckpoint:
         for name, tensor in model.state_dict().items():
             if ".bn." not in name:
                 randomise(name, tensor)
-        place_tokens(model)
+        place_tokens(model, model.vision_encoder.neck.convs)
         compare_with_corners(model.mask_decoder.transformer.layers[0])
         show_inside(model)
         # What the memory says is that all pixels are outside of the object.

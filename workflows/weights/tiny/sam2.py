@@ -6,6 +6,7 @@ through the memory, and a constant pattern in the other channels keeps the layer
 """
 
 import math
+from collections.abc import Iterable
 
 import torch
 from torch.nn import init
@@ -34,11 +35,11 @@ def make_sam2(seed: int) -> TinyCheckpoint:
         model = Sam2VideoModel(_config()).eval()
         for name, tensor in model.state_dict().items():
             randomise(name, tensor)
-        place_tokens(model)
+        place_tokens(model, model.vision_encoder.neck.convs)
         compare_with_corners(model.mask_decoder.transformer.layers[0])
         show_inside(model)
-        _remember_masks(model.memory_encoder)
-        _look_up_masks(model.memory_attention.layers[0].cross_attn_image)
+        remember_masks(model.memory_encoder)
+        look_up_masks(model.memory_attention.layers[0].cross_attn_image)
     return TinyCheckpoint(save_to_bytes(model.half()))
 
 
@@ -113,8 +114,11 @@ def pattern(length: int, first: int) -> torch.Tensor:
 _KIND, _IS_CORNER = slice(4, 64), slice(66, WIDTH)
 
 
-def place_tokens(model: Sam2VideoModel) -> None:
-    """Encode positions by sines so slow that they are nearly linear; distinguish corners and other tokens."""
+def place_tokens(model: Sam2VideoModel, last_convolutions: Iterable[torch.nn.Conv2d]) -> None:
+    """Encode positions by sines so slow that they are nearly linear; distinguish corners and other tokens.
+
+    The two channels of places are kept free in the features that leave the `last_convolutions` of the image encoder.
+    """
     for embedding in (model.shared_image_embedding, model.prompt_encoder.shared_embedding):
         embedding.positional_embedding.zero_()
         embedding.positional_embedding[0, 0] = embedding.positional_embedding[1, 1] = 1 / 16
@@ -127,8 +131,8 @@ def place_tokens(model: Sam2VideoModel) -> None:
         token.weight.zero_()
         token.weight[:, _KIND] = kinds
     prompts.no_mask_embed.weight.zero_()
-    model.no_memory_embedding[:] = pattern(WIDTH, 2)
-    for conv in model.vision_encoder.neck.convs:
+    model.no_memory_embedding[:] = pattern(model.no_memory_embedding.shape[-1], 2)
+    for conv in last_convolutions:
         conv.weight[:2] = 0
 
 
@@ -173,7 +177,7 @@ def show_inside(model: Sam2VideoModel) -> None:
     """Turn that number into the masks' logits, and mark every object as visible."""
     decoder = model.mask_decoder
     decoder.upscale_conv1.weight[0, 0] = 1
-    decoder.upscale_conv1.bias.copy_(pattern(WIDTH // 4, 1))
+    decoder.upscale_conv1.bias.copy_(pattern(len(decoder.upscale_conv1.bias), 1))
     decoder.upscale_conv2.weight[0, 0] = 1
     decoder.upscale_conv2.bias[1] = OUTSIDE * _END
     for network in decoder.output_hypernetworks_mlps:
@@ -181,7 +185,7 @@ def show_inside(model: Sam2VideoModel) -> None:
     decoder.pred_obj_score_head.proj_out.bias.fill_(10)
 
 
-def _remember_masks(encoder: torch.nn.Module) -> None:
+def remember_masks(encoder: torch.nn.Module) -> None:
     """Store a mask in channel 0 of memory, with a constant that distinguishes memory from object pointers."""
     for layer in encoder.mask_downsampler.layers:
         layer.conv.weight[0, 0] = 1 / layer.conv.weight[0, 0].numel()
@@ -193,10 +197,10 @@ def _remember_masks(encoder: torch.nn.Module) -> None:
     encoder.projection.bias[0], encoder.projection.bias[1] = -_CODE_OUTSIDE / span, _IS_MEMORY
 
 
-def _look_up_masks(attention: torch.nn.Module) -> None:
+def look_up_masks(attention: torch.nn.Module) -> None:
     """Read the memory at the same position, by the rotary encoding alone."""
     # The first sines of either axis, which turn fastest from place to place.
-    alike = torch.zeros(WIDTH // 2).view(2, -1)
+    alike = torch.zeros_like(attention.q_proj.bias).view(2, -1)
     alike[:, [0, 2, 4]] = 1
     alike = alike.flatten()
     for projection in (attention.q_proj, attention.k_proj, attention.v_proj, attention.o_proj):
@@ -205,4 +209,4 @@ def _look_up_masks(attention: torch.nn.Module) -> None:
     attention.k_proj.weight[:, 1] = alike / _IS_MEMORY
     attention.v_proj.weight[0, 0], attention.v_proj.bias[0] = -1, 1
     attention.o_proj.weight[0, 0] = OUTSIDE
-    attention.o_proj.bias.copy_(pattern(WIDTH, 2))
+    attention.o_proj.bias.copy_(pattern(len(attention.o_proj.bias), 2))
