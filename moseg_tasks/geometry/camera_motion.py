@@ -122,7 +122,7 @@ def refine_camera_pose(
     length : float
         Focal length, px.
     loss_scale : float
-        Error from which a point counts ever less (Cauchy), px.
+        Error from which a point counts for nothing (truncated squares), px.
 
     Returns
     -------
@@ -131,7 +131,7 @@ def refine_camera_pose(
     """
     start = poselib.CameraPose()
     start.R, start.t = pose[:, :3], pose[:, 3]
-    options = {"loss_type": "CAUCHY", "loss_scale": loss_scale}
+    options = {"loss_type": "TRUNCATED", "loss_scale": loss_scale}
     found, _ = poselib.refine_absolute_pose(points1, points0, start, _camera(length, shape), options)
     return np.column_stack([found.R, found.t])
 

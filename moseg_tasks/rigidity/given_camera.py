@@ -51,11 +51,12 @@ def correct_camera(
 ) -> GivenCamera | None:
     """Correct a given motion of the camera by tracks, one per cell as in a fit to tracks alone.
 
-    Tracks show a rotation more exactly than a network estimates it, by which a motion as given would mark the
-    whole frame. First the positions of tracks at their given depths are brought to those in the second frame, which
-    also fits the length of the translation to the depth; the loss reaches `params.camera_slip` at first and shrinks to
-    `params.pose_threshold`, so that what moves draws the motion little. Then the epipolar error alone is minimised,
-    because depth is less exact than positions. Each result counts where tracks deviate less from it.
+    Tracks show a rotation more exactly than a network estimates it: unless it is corrected, a motion of the camera
+    would mark the whole frame. First the positions of tracks at their given depths are brought to those in the second
+    frame, which also fits the length of the translation to the depth. Only tracks within `params.camera_slip` of where
+    the motion brings them count, then within half of it, down to `params.pose_threshold`; so a mover does not draw the
+    motion to itself, though it may own most tracks. Then the epipolar error alone is minimised, because depth is less
+    exact than positions. Each result counts where tracks deviate less from it.
 
     Parameters
     ----------
