@@ -203,3 +203,12 @@ def test_neither_head_nor_rotation_depends_on_the_precision_of_the_rest(checkpoi
             half = network(ramp())
     assert half.dtype == torch.float32
     assert 0 < (half - full).abs().max() < 0.1
+
+
+@BUILDS
+def test_neither_cameras_nor_rays_depend_on_the_precision_of_the_rest(checkpoint, build, shape):
+    _, full = seen(build, checkpoint, views(3))
+    with torch.autocast("cpu", dtype=torch.bfloat16):
+        _, half = seen(build, checkpoint, views(3))
+    assert half.dtype == torch.float32
+    assert 0 < (half - full).abs().max() < 0.1
