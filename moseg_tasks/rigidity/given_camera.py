@@ -1,5 +1,6 @@
 """A given motion of the camera over a frame pair, and given depth in its unit, corrected by the tracks of the pair."""
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -90,7 +91,7 @@ def correct_camera(
     return best if np.mean(deviation < 1) >= params.camera_share else None
 
 
-def _refinements(pose: np.ndarray, focal: float, pair: _Pair, params: RigidityParams):
+def _refinements(pose: np.ndarray, focal: float, pair: _Pair, params: RigidityParams) -> Iterator[np.ndarray]:
     """Yield motions [R | t] (3, 4) that deviate less from the tracks, from the coarsest to the finest."""
     length = focal * max(pair.shape)
     centre = (np.array(pair.shape[::-1]) - 1) / 2
@@ -109,7 +110,7 @@ def _refinements(pose: np.ndarray, focal: float, pair: _Pair, params: RigidityPa
         yield np.column_stack([refined.rotation, size * refined.translation])
 
 
-def _measure(pose, focal: float, pair: _Pair, params: RigidityParams) -> tuple[GivenCamera, np.ndarray]:
+def _measure(pose: np.ndarray, focal: float, pair: _Pair, params: RigidityParams) -> tuple[GivenCamera, np.ndarray]:
     """Return the motion with its cost, and the deviation of each track in standard deviations."""
     motion, size = _split(pose, focal * max(pair.shape))
     parallax = split_displacements(pair.points0, pair.points1, motion, pair.shape)
