@@ -102,18 +102,10 @@ def test_cameras_of_another_scene_are_replaced_by_a_fit_to_tracks():
     np.testing.assert_array_equal(fitted, given)
 
 
-@pytest.mark.parametrize("motion", ["none", "pan", "random"])
+@pytest.mark.parametrize("motion", ["none", "pan", "random", "grid"])
 @pytest.mark.parametrize("shift", [0.0, 1e-6, 1.0, 1e6])
-def test_tracks_of_any_motion_give_finite_evidence_with_any_cameras(motion, shift):
-    rng = np.random.default_rng(0)
-    frames = rng.integers(0, 256, (6, 96, 128, 3), dtype=np.uint8)
-    start = np.stack(np.meshgrid(np.arange(4.0, 124, 6), np.arange(4.0, 92, 6)), axis=-1).reshape(-1, 1, 2)
-    steps = {
-        "none": np.zeros((1, 6, 2)),
-        "pan": np.arange(6)[None, :, None] * [1.5, 0.0],
-        "random": rng.normal(0, 5, (len(start), 6, 2)),
-    }
-    points = np.clip(start + steps[motion], 0, [127, 95]).astype(np.float32)
+def test_tracks_of_any_motion_give_finite_evidence_with_any_cameras(wander, motion, shift):
+    rng, tracks = np.random.default_rng(0), wander(motion)
     pairs = [(first, gap) for gap in PARAMS.gaps for first in range(6 - gap)]
     poses = {
         pair: np.column_stack([Rotation.random(random_state=index).as_matrix(), shift * rng.normal(size=3)])
@@ -122,7 +114,6 @@ def test_tracks_of_any_motion_give_finite_evidence_with_any_cameras(motion, shif
     depth = np.exp(rng.normal(size=(6, 96, 128))).astype(np.float32)
     for params in (PARAMS, PARAMS.model_copy(update={"camera_share": 0.0})):
         given = GivenCameras(poses, 0.7)
-        visible = np.ones(points.shape[:2], bool)
-        found = estimate_rigidity(frames, points, visible, params, depth.__getitem__, cameras=given)
+        found = estimate_rigidity(*tracks, params, depth.__getitem__, cameras=given)
         assert len(found.pairs) == len(pairs)
         assert all(np.isfinite(getattr(found, name)).all() for name in TRACK_EVIDENCE)
