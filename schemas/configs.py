@@ -13,6 +13,7 @@ from moseg.schemas.parameters import (
     AffinityParams,
     AppearanceParams,
     BootsTapirParams,
+    CameraParams,
     CandidateParams,
     CarryingParams,
     ClipSectionParams,
@@ -167,6 +168,7 @@ class PipelineConfig(Frozen):
     identity: IdentityParams = IdentityParams()
     components: ComponentParams = ComponentParams()
     dense_tracks: DenseTrackParams = DenseTrackParams()
+    cameras: CameraParams = CameraParams()
     rigidity: RigidityParams = RigidityParams()
     scene_parallax: SceneParallaxParams = SceneParallaxParams()
     refinement: RefinementParams = RefinementParams()

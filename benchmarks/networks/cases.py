@@ -10,7 +10,7 @@ import numpy as np
 import published
 
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.parameters import DepthAnything3Params, SeaRaftParams, TrackParams
+from moseg.schemas.parameters import CameraParams, DepthAnything3Params, RigidityParams, SeaRaftParams, TrackParams
 from moseg.schemas.parameters.bootstapir import BootsTapirParams
 from moseg.schemas.parameters.deaot import DeaotParams
 from moseg.schemas.parameters.depth_anything import DepthAnythingParams
@@ -22,6 +22,7 @@ from moseg.schemas.parameters.ram import RamParams
 from moseg.schemas.parameters.sam2 import Sam2Params
 from moseg.schemas.parameters.sam3 import MOVING_THINGS, Sam3Params
 from moseg.schemas.parameters.sam_hq import SamHqParams
+from moseg.tasks.cameras import estimate_cameras
 from moseg.tasks.depth import estimate_inverse_depth
 from moseg.tasks.detections import detect_objects
 from moseg.tasks.flow.raft import estimate_raft_flow
@@ -32,7 +33,11 @@ from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.bootstapir import build_bootstapir
 from moseg.tasks.networks.deaot import build_deaot
 from moseg.tasks.networks.depth import build_depth_anything, build_dpt_dinov2
-from moseg.tasks.networks.depth_anything_3 import build_depth_anything_3
+from moseg.tasks.networks.depth_anything_3 import (
+    build_depth_anything_3,
+    build_depth_anything_3_cameras,
+    build_depth_anything_3_rays,
+)
 from moseg.tasks.networks.edgetam import build_edgetam_image, build_edgetam_video
 from moseg.tasks.networks.grounding_dino import build_grounding_dino
 from moseg.tasks.networks.pips import build_pips
@@ -174,6 +179,13 @@ def _run_depth(params, model, clock: Clock) -> int:
     return 1
 
 
+def _run_cameras(model, _: Clock) -> int:
+    params = CameraParams()
+    images = np.stack([np.roll(_image(), 2 * index, axis=1) for index in range(params.views)])
+    estimate_cameras(model, images, RigidityParams().gaps, params, DepthAnything3Params())
+    return len(images)
+
+
 _PROMPTS = f"a frame, {len(TAGS)} tags; one run"
 _PROMPTED = f"a frame, {NUM_BOXES} boxes; one run"
 _TRACKED = "2 objects, memory full"
@@ -219,6 +231,15 @@ CASES: dict[str, Case] = {
     "depth-anything-v2-small": Case("a frame", published.depth_anything_small, build_depth_anything, _ANY_DEPTH),
     "depth-anything-3-small": Case("a frame", partial(published.depth_anything_3, False), build_depth_anything_3, _DA3),
     "depth-anything-3-base": Case("a frame", partial(published.depth_anything_3, True), build_depth_anything_3, _DA3),
+} | {
+    f"depth-anything-3-{size}-{kind}": Case(
+        f"{CameraParams().views} frames at once; one run",
+        partial(published.depth_anything_3, size == "base"),
+        build,
+        _run_cameras,
+    )
+    for size in ("small", "base")
+    for kind, build in (("views", build_depth_anything_3_cameras), ("rays", build_depth_anything_3_rays))
 }
 
 # Networks with the parameters of `--preset modern --light`, where these differ from the defaults.

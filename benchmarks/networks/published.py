@@ -27,7 +27,7 @@ from transformers import (
 from moseg.tasks.networks import Checkpoint
 from moseg.tasks.networks.bootstapir import BootsTapir, BootsTapirConfig
 from moseg.tasks.networks.deaot import Deaot, DeaotConfig
-from moseg.tasks.networks.depth_anything_3 import BASE, DepthAnything3
+from moseg.tasks.networks.depth_anything_3 import BASE, DepthAnything3Views
 from moseg.tasks.networks.depth_anything_3 import SMALL as DA3_SMALL
 from moseg.tasks.networks.edgetam.repvit import RepVitConfig
 from moseg.tasks.networks.pips import Pips, PipsConfig
@@ -154,7 +154,8 @@ def depth_anything_small() -> Checkpoint:
 
 
 def depth_anything_3(is_base: bool) -> Checkpoint:
-    state = _random_state(DepthAnything3(BASE if is_base else DA3_SMALL))
+    sizes = BASE if is_base else DA3_SMALL
+    state = _random_state(DepthAnything3Views(sizes)) | _random_state(DepthAnything3Views(sizes, has_rays=True))
     document = json.dumps({"model_name": "da3-base" if is_base else "da3-small"})
     return Checkpoint("depth-anything-3", state, {"config.json": document})
 

@@ -19,6 +19,10 @@ IMAGES = Path(__file__).resolve().parents[1] / "images"
 DRAWINGS = {
     "graph.svg": (PRESETS["weights-free"], "The graph of the default pipeline"),
     "graph_tracks.svg": ({"proposal_source": "tracks"}, "The graph with objects of dense tracks"),
+    "graph_cameras.svg": (
+        {"proposal_source": "tracks", "cameras": {"method": "depth-anything-3"}},
+        "The graph with objects of dense tracks and cameras from a network",
+    ),
     "graph_networks.svg": (PRESETS["paper"], "The graph with objects, points, flow and depth from networks"),
 }
 """Parameters that differ from their defaults, and title, of each drawing."""
@@ -29,7 +33,7 @@ PARTS = {
     "what moves": (
         *("consistency", "accumulation", "motion_memory", "own_motion", "coherence", "appearance", "foreground"),
         "components",
-        *("dense_tracks", "rigidity", "moving_tracks", "track_surfaces", "track_groups", "track_objects"),
+        *("dense_tracks", "cameras", "rigidity", "moving_tracks", "track_surfaces", "track_groups", "track_objects"),
     ),
     "objects": (
         "tags",

@@ -84,7 +84,27 @@ def _drives() -> Rows:
     return [("scene", *SCORES), *rows]
 
 
+def _given_cameras() -> Rows:
+    texts = {
+        "tracks": "fitted to tracks; the ground in place of depth (default)",
+        "tracks-depth": "fitted to tracks; exact depth",
+        "tracks-depth-medium": "fitted to tracks; depth off by 10 %",
+        "exact": "given, exact",
+        "small": "given; off by 0.1°, 2° in direction, 3 % in length, 2 % in focal length, 5 % in depth",
+        "medium": "given; off by 0.3°, 5°, 10 %, 5 %, 10 %",
+        "large": "given; off by 1°, 15°, 20 %, 10 %, 15 %",
+        "small-uncorrected": "given; off by 0.1° and so on, not corrected by tracks",
+    }
+    shares = ("movers", "static", "still")
+    rows = [(text, *(f"{{given-cameras/{name}/{share}}}" for share in shares)) for name, text in texts.items()]
+    return [
+        ("the camera", "tracks of movers", "of static surfaces beside them", "of scenes in which nothing moves"),
+        *rows,
+    ]
+
+
 TABLES = {
+    "given-cameras": _given_cameras(),
     "roads": _roads(),
     "road-clips": _road_clips(),
     "road-parts": _road_parts(),

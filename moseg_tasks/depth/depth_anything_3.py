@@ -17,9 +17,14 @@ def predict_depth_anything_3(network: DepthAnything3, images: np.ndarray, params
     Each frame is a scene of its own. The authors leave depth at the size of the network's input; here it is inverted,
     and then resized to the frame, because inverse depth, not depth, is linear over a plane's image.
     """
-    seen = np.stack([resize_to_patches(image, params.side) for image in images])
-    pixels = normalise(torch.from_numpy(seen).permute(0, 3, 1, 2).float() / 255).to(network.device)
+    pixels = images_to_pixels(images, params.side).to(network.device)
     return resize_maps((-network(pixels)).exp(), images.shape[1:3])
+
+
+def images_to_pixels(images: np.ndarray, side: int) -> torch.Tensor:
+    """Return the network's input (B, 3, y, x) of frames uint8 (B, y, x, 3) of one size."""
+    seen = np.stack([resize_to_patches(image, side) for image in images])
+    return normalise(torch.from_numpy(seen).permute(0, 3, 1, 2).float() / 255)
 
 
 def resize_to_patches(image: np.ndarray, side: int) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Deviation of the tracks of a window of frames from a rigid scene."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
 import cv2
@@ -9,9 +9,25 @@ import numpy as np
 from moseg.schemas.parameters import RigidityParams
 from moseg.tasks.rigidity.evidence import PairEvidence, pair_evidence
 from moseg.tasks.rigidity.focal_length import choose_focal
+from moseg.tasks.rigidity.given_focal import correct_focal
 
 TRACK_EVIDENCE = ("error", "median_error", "test", "strict_error", "strict_test")
 """Names of what is measured of each track in each pair."""
+
+
+class GivenCameras(NamedTuple):
+    """Cameras that were not fitted to tracks.
+
+    Attributes
+    ----------
+    poses : dict of (int, int) to float64 (3, 4)
+        [R | t] from the first to the second frame's camera, by first frame and frames to the second.
+    focal : float
+        Focal length in longer sides of the frame.
+    """
+
+    poses: Mapping[tuple[int, int], np.ndarray]
+    focal: float
 
 
 class Rigidity(NamedTuple):
@@ -46,6 +62,7 @@ def estimate_rigidity(
     params: RigidityParams,
     depth_of: Callable[[int], np.ndarray] | None = None,
     step: int = 1,
+    cameras: GivenCameras | None = None,
 ) -> Rigidity:
     """Measure how far each track deviates from a rigid scene seen by a moving camera, over pairs of some gaps.
 
@@ -59,16 +76,22 @@ def estimate_rigidity(
     params : RigidityParams
     depth_of : function, optional
         From a frame's index to its relative inverse depth float32 (y, x), up to scale and shift; not finite where
-        unknown.
+        unknown. With `cameras`, not relative but in the inverse of their unit.
     step : int, optional
         Frames between the first frames of the pairs that are read.
+    cameras : GivenCameras, optional
+        Motions of the camera, in the unit of the depth, which must be given too.
 
     Returns
     -------
     Rigidity
     """
     images = [_smooth_gray(frame, params.test_blur) for frame in frames]
-    focal = choose_focal(points, visible, images[0].shape, params, step)
+    focal = None
+    if cameras is not None:
+        focal = correct_focal(cameras.focal, cameras.poses, depth_of, points, visible, params)
+    if focal is None:
+        focal = choose_focal(points, visible, images[0].shape, params, step)
     pairs, seen_in, evidence = [], [], []
     for gap in params.gaps:
         for start in range(0, len(images) - gap, step):
@@ -76,7 +99,8 @@ def estimate_rigidity(
             points0, points1 = (points[seen, frame].astype(np.float64) for frame in (start, start + gap))
             inverse_depth = None if depth_of is None else depth_of(start)
             both = images[start], images[start + gap]
-            found = pair_evidence(both, points0, points1, focal, params, inverse_depth)
+            pose = None if cameras is None else cameras.poses[start, gap]
+            found = pair_evidence(both, points0, points1, focal, params, inverse_depth, pose)
             if found is not None:
                 pairs.append((start, gap))
                 seen_in.append(seen)

@@ -7,7 +7,8 @@ import numpy as np
 from moseg.schemas.parameters import RigidityParams
 from moseg.tasks.geometry.camera_motion import CameraMotion
 from moseg.tasks.rigidity.deviation import deviation_from_depth, deviation_from_ground
-from moseg.tasks.rigidity.given_depth import bound_inverse_depth
+from moseg.tasks.rigidity.given_camera import correct_camera
+from moseg.tasks.rigidity.given_depth import bound_inverse_depth, scale_inverse_depth
 from moseg.tasks.rigidity.ground import Ground, fit_ground
 from moseg.tasks.rigidity.neighbours import find_similar
 from moseg.tasks.rigidity.noise import displacement_noise
@@ -50,6 +51,7 @@ def pair_evidence(
     focal: float,
     params: RigidityParams,
     inverse_depth: np.ndarray | None = None,
+    pose: np.ndarray | None = None,
 ) -> PairEvidence | None:
     """Measure the deviation of tracks from a rigid scene over one pair of frames.
 
@@ -65,6 +67,8 @@ def pair_evidence(
     inverse_depth : float32 (y, x), optional
         Relative inverse depth of the first frame, up to scale and shift; takes the place of the ground if it explains
         the parallax.
+    pose : float64 (3, 4), optional
+        Given motion of the camera, in the unit of the depth; takes the place of a fit to tracks if it explains them.
 
     Returns
     -------
@@ -72,13 +76,18 @@ def pair_evidence(
         None if no motion of the camera explains the tracks.
     """
     shape = images[0].shape
-    motion = fit_pose(points0, points1, focal, shape, params)
+    given = None if pose is None else correct_camera(pose, inverse_depth, points0, points1, focal, params)
+    motion = fit_pose(points0, points1, focal, shape, params) if given is None else given.motion
     if motion is None:
         return None
     parallax = split_displacements(points0, points1, motion, shape)
     noise = displacement_noise(points0, points1, params.noise, params.noise_share)
     ground = fit_ground(points0, parallax, find_epipole(motion, shape), shape, params)
-    bounds = None if inverse_depth is None else bound_inverse_depth(inverse_depth, points0, parallax, noise, params)
+    bounds = None
+    if given is not None:
+        bounds = scale_inverse_depth(inverse_depth, given.length, points0, parallax, noise, params)
+    if bounds is None and inverse_depth is not None:
+        bounds = bound_inverse_depth(inverse_depth, points0, parallax, noise, params)
     if bounds is None:
         deviation = deviation_from_ground(points0, parallax, ground, noise, params)
     else:

@@ -47,8 +47,13 @@ def focal_of_pairs(
     for pair in pairs:
         costs.append(np.array([_cost(*pair, focal, shape, params) for focal in focals]))
     cost = np.sum(costs, axis=0) / max(len(costs) - 1, 1)
-    good = focals[cost <= cost.min() + params.focal_slack]
-    return float(good[np.argmin(np.abs(np.log(good / params.focal_prior)))])
+    return best_focal(focals, cost, params.focal_prior, params.focal_slack)
+
+
+def best_focal(focals: np.ndarray, cost: np.ndarray, prior: float, slack: float) -> float:
+    """Return the focal length nearest to `prior` among those (K,) within `slack` of the least cost (K,)."""
+    good = focals[cost <= cost.min() + slack]
+    return float(good[np.argmin(np.abs(np.log(good / prior)))])
 
 
 def _cost(points0, points1, focal: float, shape: tuple[int, int], params: RigidityParams) -> float:

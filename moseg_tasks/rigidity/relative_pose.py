@@ -5,7 +5,7 @@ import numpy as np
 from moseg.schemas.parameters import RigidityParams
 from moseg.tasks.geometry.camera_motion import CameraMotion, estimate_camera_motion
 
-_MINIMAL_TRACKS = 16
+MINIMAL_TRACKS = 16
 
 
 def fit_pose(
@@ -30,7 +30,7 @@ def fit_pose(
         None if there are too few tracks or inliers.
     """
     chosen = one_per_cell(points0, params.pose_cell)
-    if len(chosen) < _MINIMAL_TRACKS:
+    if len(chosen) < MINIMAL_TRACKS:
         return None
     return estimate_camera_motion(
         points0[chosen],

@@ -4,6 +4,7 @@ from moseg.schemas.parameters.accumulation import AccumulationParams
 from moseg.schemas.parameters.affinity import AffinityParams, HypothesisAffinityParams
 from moseg.schemas.parameters.appearance import AppearanceParams
 from moseg.schemas.parameters.bootstapir import BootsTapirParams
+from moseg.schemas.parameters.cameras import CameraParams
 from moseg.schemas.parameters.carrying import CarryingParams
 from moseg.schemas.parameters.clustering import ClusteringParams, MotionCountParams
 from moseg.schemas.parameters.components import ComponentParams
@@ -76,6 +77,7 @@ __all__ = [
     "AffinityParams",
     "AppearanceParams",
     "BootsTapirParams",
+    "CameraParams",
     "CandidateParams",
     "CarryingParams",
     "ClipParams",

@@ -192,8 +192,31 @@ class RigidityParams(Frozen):
         0.5, ge=0, le=1, description="minimal share of such tracks, below which the ground is used (only with depth)"
     )
 
+    camera_slip: Annotated[float, Unit.PIXELS] = Field(
+        8.0,
+        ge=0,
+        description="error of positions by a given camera that tracks correct, px; 0: none (only with cameras)",
+    )
+    camera_share: Annotated[float, Unit.SHARE] = Field(
+        0.3,
+        ge=0,
+        le=1,
+        description="minimal share of tracks that a given camera explains, below which it is fitted to tracks instead"
+        " (only with cameras)",
+    )
+    camera_scale: Annotated[float, Unit.RATIO] = Field(
+        1.5,
+        ge=1,
+        description="largest factor on the depth given with a camera, where more tracks agree (only with cameras)",
+    )
+    camera_focals: Annotated[tuple[PositiveFloat, ...], Unit.RATIO] = Field(
+        (0.8, 0.86, 0.93, 1.0, 1.08, 1.16, 1.25),
+        min_length=1,
+        description="focal lengths to try, in given ones (only with cameras)",
+    )
+
     _split_gaps = field_validator("gaps", mode="before")(split_commas)
-    _split_focals = field_validator("focals", mode="before")(split_commas)
+    _split_focals = field_validator("focals", "camera_focals", mode="before")(split_commas)
 
     @field_validator("gaps")
     @classmethod

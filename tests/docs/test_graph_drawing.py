@@ -19,7 +19,7 @@ def draw_graph():
     sys.path.remove(str(DOCS / "tools"))
 
 
-@pytest.mark.parametrize("name", ["graph.svg", "graph_tracks.svg", "graph_networks.svg"])
+@pytest.mark.parametrize("name", ["graph.svg", "graph_tracks.svg", "graph_cameras.svg", "graph_networks.svg"])
 def test_the_stored_drawing_shows_every_stage_and_edge_of_the_code(draw_graph, name):
     changes, title = draw_graph.DRAWINGS[name]
     root = ElementTree.parse(DOCS / "images" / name).getroot()

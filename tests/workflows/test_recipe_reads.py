@@ -23,7 +23,7 @@ from moseg.workflows.stages.registry import find_task
 
 NUM_OBJECTS, NUM_FRAMES = 4, 6
 BY_METHOD = {
-    *("proposal_source", "flow.method", "depth.method", "tracks.method"),
+    *("proposal_source", "flow.method", "depth.method", "tracks.method", "cameras.method"),
     *("detections.tagger", "detections.masks", "detections.tracker"),
 }
 """Choices between stages, not values that one stage reads."""

@@ -48,11 +48,19 @@ class TrackProposals:
         return self._nodes.add("dense_tracks", inputs, step=step)
 
     @cached_method
+    def cameras(self, index: int) -> str:
+        """Return the reference of the cameras of the frames of a section's window, by a network."""
+        first, last = self.window(index)
+        return self._nodes.add("cameras", {"frames": self._leaves.frames[first:last]})
+
+    @cached_method
     def rigidity(self, index: int, step: int = 1) -> str:
         """Return the reference of the deviation of these tracks from a rigid scene, in pairs `step` frames apart."""
         first, last = self.window(index)
         inputs = {"dense_tracks": self.dense_tracks(index, step), "frames": self._leaves.frames[first:last]}
-        if self._config.depth.method != "none":
+        if self._config.cameras.method != "tracks":
+            inputs["cameras"] = self.cameras(index)
+        elif self._config.depth.method != "none":
             inputs["depth"] = tuple(self._cues.depth(frame) for frame in range(first, last))
         return self._nodes.add("rigidity", inputs, step=step)
 

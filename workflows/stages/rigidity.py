@@ -10,7 +10,9 @@ from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 DEPTH_PARAMS = frozenset(name for name in RigidityParams.model_fields if name.startswith("depth_"))
-"""Parameters that only a configuration with depth reads."""
+"""Parameters that only a configuration with depth or cameras reads."""
+CAMERA_PARAMS = frozenset(name for name in RigidityParams.model_fields if name.startswith("camera_"))
+"""Parameters that only a configuration with cameras reads."""
 
 
 def _run(params, inputs, rng):
@@ -19,17 +21,29 @@ def _run(params, inputs, rng):
     tracks = inputs["dense_tracks"]
     frames = (frame.cached("image") for frame in inputs.all("frames"))
     points, visible = tracks.array("points"), tracks.array("visible")
-    depths = inputs.all("depth") if "depth" in inputs else ()
+    cameras, depth_of = None, None
+    if "cameras" in inputs:
+        cameras, depth_of = _given_cameras(inputs["cameras"]), inputs["cameras"].row_reader("inverse_depth")
+    elif "depth" in inputs:
+        depths = inputs.all("depth")
 
-    def inverse_depth(frame):
-        return depths[frame].cached("inverse_depth")
+        def depth_of(frame):
+            return depths[frame].cached("inverse_depth")
 
-    depth_of = inverse_depth if depths else None
     step = params.get("step", 1)
     rigidity = {name: value for name, value in params.items() if name != "step"}
-    result = estimate_rigidity(frames, points, visible, RigidityParams.of_recipe(rigidity), depth_of, step)
+    result = estimate_rigidity(frames, points, visible, RigidityParams.of_recipe(rigidity), depth_of, step, cameras)
     arrays = {name: getattr(result, name) for name in ("pairs", *TRACK_EVIDENCE)}
     return Output(arrays, {"focal": result.focal, "cameras": [_camera(pair) for pair in result.evidence]})
+
+
+def _given_cameras(view: ArtifactView):
+    """Return the `GivenCameras` of an artifact of cameras, with one focal length for the window."""
+    from moseg.tasks.rigidity import GivenCameras
+
+    poses = zip(view.array("pairs").tolist(), view.array("pose"), strict=True)
+    focal = np.median(np.sqrt(np.prod(view.array("intrinsics")[:, [0, 1], [0, 1]], axis=1)))
+    return GivenCameras({tuple(pair): pose for pair, pose in poses}, focal / max(view.shape("inverse_depth")[1:]))
 
 
 def cameras_of(rigidity: ArtifactView, shape: tuple[int, int]) -> list:
@@ -62,8 +76,11 @@ def _camera(pair) -> dict:
 
 
 def _params(config: PipelineConfig, step: int = 1) -> dict:
-    has_depth = config.depth.method != "none"
-    params = config.rigidity.model_dump(mode="json", exclude=set() if has_depth else DEPTH_PARAMS)
+    has_cameras = config.cameras.method != "tracks"
+    unread = set() if has_cameras else CAMERA_PARAMS
+    if not has_cameras and config.depth.method == "none":
+        unread |= DEPTH_PARAMS
+    params = config.rigidity.model_dump(mode="json", exclude=unread)
     return params if step == 1 else {**params, "step": step}
 
 
@@ -75,7 +92,8 @@ STAGE = Stage(
     inputs={
         "dense_tracks": "tracks of the window",
         "frames": "frames of the window",
-        "depth": "inverse depth of the window's frames, if there is any",
+        "cameras": "cameras of the window's frames, and depth in their unit, if a network gives them",
+        "depth": "inverse depth of the window's frames, if there is any, and no cameras",
     },
     arrays={
         "pairs": layout("int32", "pair frame_gap", "first frame of the window, and frames to the second"),

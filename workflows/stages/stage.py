@@ -51,7 +51,7 @@ class Choice(NamedTuple):
     parameter : str
         ``stage.name``, as ``--set`` takes it; empty if there is nothing to choose.
     option : str
-        Option of the command line.
+        Option of the command line; ``--set stage.name=`` if the parameter has none of its own.
     backends : tuple of Backend
     is_once_a_section : bool
         Whether only the first frame of each section is processed.
@@ -66,7 +66,8 @@ class Choice(NamedTuple):
     def option_of(self, backend: Backend) -> str:
         """Return the option that chooses a backend on the command line."""
         path = ":PATH" if backend.method == "folder" else ""
-        return backend.option or f"{self.option} {backend.method}{path}"
+        space = "" if self.option.endswith("=") else " "
+        return backend.option or f"{self.option}{space}{backend.method}{path}"
 
     @property
     def names(self) -> tuple[str, ...]:

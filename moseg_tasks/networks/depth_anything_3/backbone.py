@@ -1,4 +1,6 @@
-"""DINOv2 as Depth Anything 3 changes it, for a single view, with the tensor names of the published checkpoints."""
+"""DINOv2 as Depth Anything 3 changes it, with the tensor names of the published checkpoints."""
+
+from typing import NamedTuple
 
 import torch
 from torch import Tensor, nn
@@ -14,6 +16,24 @@ ROTATION_BASE = 100.0
 
 Rotation = tuple[Tensor, Tensor]
 """Cosine and sine (tokens, 2, channels / 4) of the angles of each token, by y and by x."""
+MIN_CHOSEN_VIEWS = 3
+"""Number of views from which the reference view is a choice; of fewer it is the first."""
+
+
+class Features(NamedTuple):
+    """Tokens of B views.
+
+    Attributes
+    ----------
+    cells : list of Tensor (B, cells, 2 channels)
+        Of the patches, of each output layer: the first half are the tokens of the last block of one view, the second
+        those of the layer, normalised.
+    cameras : Tensor (B, 2 channels)
+        Of the cameras, of the last output layer: the same, not normalised.
+    """
+
+    cells: list[Tensor]
+    cameras: Tensor
 
 
 class Backbone(nn.Module):
@@ -38,28 +58,37 @@ class Backbone(nn.Module):
         )
         self.norm = nn.LayerNorm(width)
 
-    def forward(self, pixels: Tensor) -> list[Tensor]:
-        """Return the tokens (B, cells, 2 channels) of the output layers, of normalised RGB (B, 3, y, x).
+    def forward(self, pixels: Tensor, num_views: int = 1) -> Features:
+        """Return the tokens of normalised RGB (B, 3, y, x), each `num_views` of which in a row are views of one scene.
 
-        The first half are the tokens of the last block of one view, the second those of the layer, normalised.
+        The middle view of a scene is its reference, as the authors recommend for frames of a video.
         """
         patches = self.patch_embed["proj"](pixels)
         rows, columns = patches.shape[2:]
         tokens = torch.cat([self.cls_token.expand(len(pixels), -1, -1), patches.flatten(2).transpose(1, 2)], dim=1)
         tokens = tokens + resample_positions(self.pos_embed, rows, columns)
         own, shared = self._rotations(rows, columns, pixels.device)
+        shared = tuple(part.repeat(num_views, 1, 1) for part in shared)
         outputs = []
         for index, block in enumerate(self.blocks):
             sees_others = index >= self.config.multi_view_from and index % 2 == 1
             if index == self.config.multi_view_from:
-                camera = self.camera_token[:, :1].expand(len(pixels), -1, -1).to(tokens.dtype)
-                tokens = torch.cat([camera, tokens[:, 1:]], dim=1)
-            tokens = block(tokens, shared if sees_others else own)
-            if not sees_others:
-                of_view = tokens
+                tokens = torch.cat([self._camera_tokens(len(pixels), num_views).to(tokens.dtype), tokens[:, 1:]], dim=1)
+            if sees_others:
+                scenes = tokens.unflatten(0, (-1, num_views)).flatten(1, 2)
+                tokens = block(scenes, shared).view_as(tokens)
+            else:
+                tokens = of_view = block(tokens, own)
             if index in self.config.output_layers:
-                outputs.append(torch.cat([of_view, self.norm(tokens)], dim=2)[:, 1:])
-        return outputs
+                outputs.append((of_view, tokens))
+        cells = [torch.cat([of_view, self.norm(tokens)], dim=2)[:, 1:] for of_view, tokens in outputs]
+        return Features(cells, torch.cat(outputs[-1], dim=2)[:, 0])
+
+    def _camera_tokens(self, num_images: int, num_views: int) -> Tensor:
+        """Return the first token (B, 1, channels) of each view: one for reference views, another for all others."""
+        reference = num_views // 2 if num_views >= MIN_CHOSEN_VIEWS else 0
+        kind = (torch.arange(num_images, device=self.camera_token.device) % num_views != reference).long()
+        return self.camera_token[0, kind, None]
 
     def _rotations(self, rows: int, columns: int, device: torch.device) -> tuple[Rotation, Rotation]:
         """Return the rotations of blocks of one view and of all views; the first token, the camera's, is at 0."""

@@ -65,3 +65,23 @@ def front():
     """Points of an upright surface on the ground, 14 ahead: the front of a car."""
     rng = np.random.default_rng(2)
     return np.column_stack([rng.uniform(1, 3, 150), rng.uniform(0, CAMERA_HEIGHT, 150), np.full(150, 14.0)])
+
+
+@pytest.fixture(scope="session")
+def wander():
+    """Function that returns six frames of noise, and tracks of a grid that move in one of several ways."""
+
+    def build(motion):
+        rng = np.random.default_rng(0)
+        frames = rng.integers(0, 256, (6, 96, 128, 3), dtype=np.uint8)
+        start = np.stack(np.meshgrid(np.arange(4.0, 124, 6), np.arange(4.0, 92, 6)), axis=-1).reshape(-1, 1, 2)
+        steps = {
+            "none": np.zeros((1, 6, 2)),
+            "pan": np.arange(6)[None, :, None] * [1.5, 0.0],
+            "random": rng.normal(0, 5, (len(start), 6, 2)),
+            "grid": np.arange(6)[None, :, None] * np.sign(start - [64, 48]),
+        }
+        points = np.clip(start + steps[motion], 0, [127, 95]).astype(np.float32)
+        return frames, points, np.ones(points.shape[:2], bool)
+
+    return build

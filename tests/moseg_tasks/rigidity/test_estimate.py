@@ -123,18 +123,8 @@ def test_frames_or_tracks_too_few_for_a_camera_give_no_pairs(shape, num_frames, 
 
 
 @pytest.mark.parametrize("motion", ["none", "pan", "random", "grid"])
-def test_tracks_of_any_motion_give_finite_evidence(motion):
-    rng = np.random.default_rng(0)
-    frames = rng.integers(0, 256, (6, 96, 128, 3), dtype=np.uint8)
-    start = np.stack(np.meshgrid(np.arange(4.0, 124, 6), np.arange(4.0, 92, 6)), axis=-1).reshape(-1, 1, 2)
-    steps = {
-        "none": np.zeros((1, 6, 2)),
-        "pan": np.arange(6)[None, :, None] * [1.5, 0.0],
-        "random": rng.normal(0, 5, (len(start), 6, 2)),
-        "grid": np.arange(6)[None, :, None] * np.sign(start - [64, 48]),
-    }
-    points = np.clip(start + steps[motion], 0, [127, 95]).astype(np.float32)
-    found = estimate_rigidity(frames, points, np.ones(points.shape[:2], bool), PARAMS)
+def test_tracks_of_any_motion_give_finite_evidence(wander, motion):
+    found = estimate_rigidity(*wander(motion), PARAMS)
     for name in TRACK_EVIDENCE:
         assert np.isfinite(getattr(found, name)).all()
 

@@ -5,7 +5,7 @@ import json
 import torch
 from safetensors.torch import save
 
-from moseg.tasks.networks.depth_anything_3 import SMALL, DepthAnything3, DepthAnything3Config
+from moseg.tasks.networks.depth_anything_3 import SMALL, DepthAnything3, DepthAnything3Config, DepthAnything3Views
 from moseg.workflows.weights.tiny.checkpoint import TinyCheckpoint
 
 _SIZES = {
@@ -20,20 +20,26 @@ _SIZES = {
 }
 # Of the last layer, whose answer is a logarithm: depths of random weights stay within some octaves.
 _LAST, _LAST_GAIN = "scratch.output_conv2.2.weight", 0.3
-# Tensors of the parts for cameras and rays, which the published files hold too.
+# Of the field of view, rad, and of the rotation's real part: cameras of random weights look ahead.
+_BIASES = {"cam_dec.fc_fov.0.bias": (0.7, 1.0), "cam_dec.fc_qvec.bias": (0.0, 0.0, 0.0, 5.0)}
+# Tensors of parts that are not read, which the published files hold too.
 _UNUSED = {
-    "model.cam_dec.fc_t.weight": (3, 32),
     "model.cam_enc.token_norm.weight": (16,),
-    "model.head.scratch.refinenet4_aux.out_conv.weight": (8, 8, 1, 1),
+    "model.head.scratch.output_conv1_aux.0.0.weight": (4, 8, 3, 3),
+    "model.head.scratch.output_conv2_aux.0.0.weight": (32, 4, 3, 3),
 }
 
 
 def make_depth_anything_3(seed: int) -> TinyCheckpoint:
-    """Return the small network at a fraction of its widths and with fewer layers."""
+    """Return the small network at a fraction of its widths and with fewer layers, with cameras and rays."""
+    sizes = DepthAnything3Config.model_validate(SMALL.model_dump() | _SIZES)
     with torch.device("meta"):
-        shapes = DepthAnything3(DepthAnything3Config.model_validate(SMALL.model_dump() | _SIZES)).state_dict()
+        shapes = DepthAnything3(sizes).state_dict()
+        others = DepthAnything3Views(sizes).state_dict() | DepthAnything3Views(sizes, has_rays=True).state_dict()
     generator = torch.Generator().manual_seed(seed)
-    tensors = {f"model.{name}": _random_tensor(name, like, generator) for name, like in shapes.items()}
+    # Those of single images first, so that other parts do not change their values.
+    names = dict.fromkeys([*shapes, *others])
+    tensors = {f"model.{name}": _random_tensor(name, others[name], generator) for name in names}
     tensors |= {name: torch.zeros(shape) for name, shape in _UNUSED.items()}
     config = json.dumps({"model_name": "da3-small", "config": _authors_config()}, indent=2)
     return TinyCheckpoint({"config.json": config.encode(), "model.safetensors": save(tensors)}, dict(_SIZES))
@@ -60,6 +66,8 @@ def _authors_config() -> dict:
 def _random_tensor(name: str, like: torch.Tensor, generator: torch.Generator) -> torch.Tensor:
     """Return weights of unit gain; biases near zero, scales near one."""
     noise = torch.randn(like.shape, generator=generator)
+    if name in _BIASES:
+        return torch.tensor(_BIASES[name])
     if like.ndim > 1:
         return noise * like[0].numel() ** -0.5 * (_LAST_GAIN if name.endswith(_LAST) else 1.0)
     return 0.1 * noise + (not name.endswith("bias"))
