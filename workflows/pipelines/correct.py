@@ -173,6 +173,32 @@ class OpenRun:
 
             return self._session.compute(build, read)
 
+    def repair(self, ref: str) -> None:
+        """Compute an artifact behind the result again if it is damaged or missing; the video is read for its frames.
+
+        Raises
+        ------
+        InputError
+            The video cannot be read.
+        StoreError
+            It is not behind this result, or the store cannot hold it.
+        """
+        with self._lock:
+            tries = []
+
+            def build():
+                tries.append(ref)
+                recipes = self._graph.recipes
+                if ref not in recipes or len(tries) > 1:
+                    ingest_sequences(self._session, [self._source], self._config, annotated=False)
+                return recipes, [ref] if ref in recipes else []
+
+            def read():
+                for entry in self.store.manifest(ref).arrays:
+                    self.store.read(ref, entry.name, check=True)
+
+            self._session.compute(build, read, keeps=False)
+
     def _describe(self, leaves: SequenceLeaves, config: PipelineConfig) -> None:
         """Record the subject of the run in its log, so that it can be opened and reported without the video."""
         fps = self._purpose.fps or self._described.frames.describe().fps

@@ -11,6 +11,8 @@ import pytest
 
 from moseg.workflows.config.corrections_file import read_corrections
 
+OPTIONS = ("--section-length", "4", "--set", "sections.overlap=2")
+
 
 def _edit(server, edit, revision=None):
     revision = server.state()["revision"] if revision is None else revision
@@ -78,6 +80,54 @@ def test_a_video_that_is_removed_is_missed_only_where_it_is_needed(serve_video, 
     assert server.ask("POST", "export", {**export, "sets": []}).status == 200
     _, errors = server.end()
     assert [str(frames) in line for line in errors.splitlines()].count(True) == 1 and "Traceback" not in errors
+
+
+@pytest.fixture
+def damage(result, tmp_path):
+    """Return the result with a copy of the store, and a function that flips a byte of each artifact of a stage."""
+    store = tmp_path / "copied store"
+    shutil.copytree(result.store, store)
+
+    def flip(stage):
+        for path in (store / "objects" / stage).rglob("arrays.zip"):
+            content = bytearray(path.read_bytes())
+            content[len(content) // 2] ^= 255
+            path.write_bytes(content)
+
+    return result._replace(store=store), flip
+
+
+def test_a_damaged_or_lost_frame_and_mask_are_made_again(serve, damage):
+    whole, flip = damage
+    server = serve(whole.frames, "--out", whole.out, "--store", whole.store, *OPTIONS, "--quiet")
+    key = server.wait("ready")["result"]["key"]
+    addresses = {"frame": "frames/3", "proposals": f"labels/{key}/6", "saliency": "cues/0/5"}
+    before = {stage: server.ask("GET", address).content for stage, address in addresses.items()}
+    server.end()
+    server = serve(whole.frames, "--out", whole.out, "--store", whole.store, *OPTIONS, "--quiet")
+    server.wait("ready")
+    for stage, address in addresses.items():
+        flip(stage)
+        answer = server.ask("GET", address)
+        assert (answer.status, answer.content) == (200, before[stage]), (stage, answer.content[:200])
+    shutil.rmtree(whole.store / "objects" / "frame")
+    assert server.ask("GET", "frames/3").content == before["frame"]
+    assert "Traceback" not in server.end()[1]
+
+
+def test_a_damaged_frame_of_a_result_without_its_video_is_one_line(serve, damage):
+    whole, flip = damage
+    server = serve(whole.out, "--store", whole.store, "--quiet")
+    server.wait("ready")
+    flip("frame")
+    answer = server.ask("GET", "frames/3")
+    message = answer.json()["message"]
+    assert answer.status == 500 and message.startswith("a part of the store cannot be read in frame/")
+    assert f"`moseg view VIDEO --out {whole.out}`" in message and "\n" not in message
+    # The rest of the page works on.
+    assert _edit(server, {"drop": 2}).status == 200
+    _, errors = server.end()
+    assert errors.splitlines()[0] == f"moseg: {message}" and "Traceback" not in errors
 
 
 def test_a_full_disk_is_one_line_and_nothing_changes(serve_video, result):
