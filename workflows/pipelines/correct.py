@@ -173,6 +173,14 @@ class OpenRun:
 
             return self._session.compute(build, read)
 
+    def prepare(self) -> None:
+        """Compute what the first change of a setting would wait for: how large the objects of all frames are."""
+        with self._lock:
+            sizes = self._config.moving_objects.model_copy(update={"min_area": 1.0})
+            config = self._config.model_copy(update={"moving_objects": sizes})
+            graph = self._graph.changed(self._graph.leaves, config)
+            self._session.compute(lambda: (graph.recipes, graph.object_areas()), lambda: None, keeps=False)
+
     def repair(self, ref: str) -> None:
         """Compute an artifact behind the result again if it is damaged or missing; the video is read for its frames.
 

@@ -235,8 +235,10 @@ def _answering(call: Callable) -> Callable:
             return JSONResponse({"message": str(error)}, CONFLICT)
         except StoreError as error:
             return JSONResponse({"message": str(error)}, FAULT)
-        except MosegError as error:
+        except InputError as error:
             return JSONResponse({"message": str(error)}, BAD_REQUEST)
+        except MosegError as error:
+            return JSONResponse({"message": str(error)}, FAULT)
         except OSError as error:
             return JSONResponse({"message": str(error.strerror or error)}, FAULT)
         except Exception as error:

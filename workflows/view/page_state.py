@@ -72,7 +72,8 @@ def describe_matrices(shown: ShownResult) -> dict[str, Any]:
     missing: list[Missing] = []
     if shown.graph.clustering(shown.variant) is None:
         return {"matrices": [], "missing": []}
-    labels = ("background", *(str(identity) for identity in shown.proposed))
+    called = shown.found.called
+    labels = ("background", *(f"{identity} {called.get(identity, '')}".strip() for identity in shown.proposed))
     try:
         made = object_matrices(shown.store, shown.graph, shown.config, shown.variant, labels, missing)
     except StoreError as error:
@@ -135,6 +136,8 @@ def _describe_result(session: ViewSession, moment: Moment) -> dict[str, Any]:
         "out": str(session.out),
         "exports": _list_exports(),
         "hasVideo": opened.has_video,
+        "exportCommand": shlex.join(["moseg", "export", str(session.out), "--to", "FORMAT", "--video", "VIDEO"]),
+        "viewCommand": shlex.join(["moseg", "view", "VIDEO", "--out", str(session.out)]),
     }
 
 

@@ -29,6 +29,18 @@ const draw = () => {
   );
 };
 
+// Most changes are done before a word of it could be read.
+const SLOW_MS = 300;
+let timer = 0;
+let isSlow = false;
+
+const followWork = () => {
+  clearTimeout(timer);
+  isSlow = false;
+  if (model.isBusy) timer = setTimeout(() => { isSlow = true; drawBar(); announce("computing"); }, SLOW_MS);
+  drawBar();
+};
+
 const drawBar = () => {
   const shown = result();
   const { canUndo = false, canRedo = false, edits = [], settings = 0, file = "" } = shown?.corrections ?? {};
@@ -36,12 +48,13 @@ const drawBar = () => {
   find("redo").disabled = !canRedo;
   find("export").disabled = !shown;
   const count = [plural(edits.length, "correction"), settings ? plural(settings, "setting") : ""].filter(Boolean).join(", ");
-  find("saved").textContent = !shown ? "" : model.isBusy ? "…" : edits.length || settings ? `${count} saved in ${file}` : "no corrections";
+  find("saved").textContent = !shown ? "" : isSlow ? "computing …" : edits.length || settings ? `${count} saved in ${file}` : "no corrections";
 };
 
 export const startCorrections = () => {
   find("undo").addEventListener("click", undo);
   find("redo").addEventListener("click", redo);
   on("state", draw);
-  on("state busy", drawBar);
+  on("state", drawBar);
+  on("busy", followWork);
 };
