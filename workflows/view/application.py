@@ -26,7 +26,7 @@ from moseg.workflows.view.correction_history import StaleEditError
 from moseg.workflows.view.frame_pictures import draw_thumbnail, encode_jpeg, pack_labels
 from moseg.workflows.view.opened import ExportChoices
 from moseg.workflows.view.page_files import INDEX, page_files
-from moseg.workflows.view.page_state import describe_grid, describe_matrices, describe_moment
+from moseg.workflows.view.page_state import describe_grid, describe_matrices, describe_moment, find_tag
 from moseg.workflows.view.shown_result import ShownResult
 from moseg.workflows.view.uploads import receive_video
 from moseg.workflows.view.view_session import Opening, ViewSession, in_words
@@ -139,7 +139,12 @@ class ViewApplication:
             drawn = draw_thumbnail(shown, identity, frame)
             return Response(status_code=204) if drawn is None else Response(drawn, media_type="image/jpeg")
 
-        return await self._draw(draw, frame)
+        response = await self._draw(draw, frame)
+        shown, tag = self._session.moment.shown, request.query_params.get("of")
+        if tag != await run_in_threadpool(find_tag, self._session.areas, shown, identity):
+            # The result has changed since the page asked for it.
+            response.headers["cache-control"] = "no-store"
+        return response
 
     async def _cue_key(self, request: Request) -> Response:
         number = request.path_params["number"]

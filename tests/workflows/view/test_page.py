@@ -203,7 +203,10 @@ def test_the_result_follows_a_slider_and_a_gesture_is_one_step(serve_video, open
     wait_until(page, "document.getElementById('saved').textContent.includes('1 setting saved')")
     page.mouse.up()
     wait_until(page, "document.getElementById('saved').textContent.includes('1 setting saved')")
-    assert read_corrections(str(file)).settings["clustering.threshold"] > 0.9
+    value = read_corrections(str(file)).settings["clustering.threshold"]
+    assert value > 0.9
+    # What is in force is listed, settings too.
+    assert page.get_by_role("list", name="settings").text_content() == f"clustering.threshold: {value}"
     page.get_by_role("button", name="Undo").click()
     wait_until(page, "document.getElementById('saved').textContent === 'no corrections'")
     assert not file.exists()

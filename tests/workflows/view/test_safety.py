@@ -134,7 +134,18 @@ def test_settings_of_a_folder_without_its_video_may_reach_the_frames(serve, resu
     file = result.out / "corrections.yaml"
     file.write_text("version: 1\nsettings:\n  components.min_area: 0.02\n")
     server = serve(result.out, "--store", result.store, "--quiet")
-    assert server.wait("ready")["result"]["corrections"]["settings"] == 1
+    assert server.wait("ready")["result"]["corrections"]["settings"] == ["components.min_area: 0.02"]
+
+
+def test_only_pictures_of_the_result_that_was_asked_about_are_kept(serve_video):
+    server = serve_video("--quiet")
+    grid = server.ask("GET", f"grid/{server.state()['result']['key']}").json()
+    address = f"thumbnails/2/{grid['objects']['2']['best']}?of="
+    assert "immutable" in server.ask("GET", address + grid["objects"]["2"]["tag"]).headers["cache-control"]
+    strokes = [{"radius": 6, "points": [[64, 48]]}]
+    assert _edit(server, {"paint": {"object": 2, "frame": 5, "strokes": strokes}}).status == 200
+    late = server.ask("GET", address + grid["objects"]["2"]["tag"])
+    assert late.status == 200 and late.headers["cache-control"] == "no-store"
 
 
 def test_several_processes_compute_the_same(serve_video, result, moseg, tmp_path):

@@ -65,7 +65,7 @@ const makeRow = (object, shown) => {
     make(
       "div",
       { class: "row-name" },
-      make("span", {}, swatch(object.colour), make("b", {}, String(identity)), object.name ? ` ${object.name}` : ""),
+      make("span", { class: "called", title: object.name }, swatch(object.colour), make("b", {}, String(identity)), object.name ? ` ${object.name}` : ""),
       make("span", { class: "muted" }, facts(object, entry)),
     ),
     make("div", { class: "track" }, entry && drawThumbnails(object, entry, shown), entry && drawTrack(object, entry, shown)),
