@@ -55,7 +55,7 @@ class Moving(Frozen):
 
 
 class Merge(Frozen):
-    """Several objects are one, with the identity of the first; it moves if one of them does."""
+    """Several objects are one, with the identity of the first, and the motion of the first that is in the result."""
 
     merge: tuple[Identity, ...] = Field(min_length=2)
 

@@ -116,6 +116,9 @@ def test_each_edit_does_what_it_says(labels):
         ([{"static": 2}], np.where(first, 1, 0)),
         ([{"drop": 1}, {"keep": 1}], plain),
         ([{"merge": [2, 1]}], np.where(first | second, 2, 0)),
+        # The merged object is in the result if one of its parts is.
+        ([{"static": 2}, {"merge": [2, 1]}], np.where(first | second, 2, 0)),
+        ([{"static": 2}, {"drop": 1}, {"merge": [2, 1]}], np.zeros_like(plain)),
         ([{"split": {"object": 2, "frame": 5}}], np.where(second & late, 3, plain)),
         ([{"split": {"object": 2, "frame": 5, "into": 9}}, {"merge": [1, 9]}], np.where(second & late, 1, plain)),
         ([{"rename": {"object": 1, "name": "left"}}], plain),
@@ -138,6 +141,19 @@ def test_motions_count_what_was_dropped_and_names_are_in_the_summary(frames, sto
     assert (found["identity"], found["name"], found["tag"]) == (1, "<b>left</b>", None)
     static = _video(frames, store, [{"static": 2}])
     assert (static.num_motions, [each.motion for each in static.objects]) == (2, [1])
+
+
+def test_the_users_names_are_in_exports_and_doubts(moseg, frames, store, in_empty_folder):
+    strokes = [{"radius": 6, "points": [[20, 20]]}]
+    edits = [{"paint": {"object": 9, "frame": 5, "strokes": strokes}}, {"rename": {"object": 9, "name": "kite, red"}}]
+    result = _video(frames, store, edits)
+    result.save("out")
+    # Nothing moves where it was painted, and no option changes that.
+    (doubt,) = [line for line in result.look_at if line.startswith("object 9")]
+    assert doubt.startswith("object 9 (kite, red) ") and "--" not in doubt
+    assert moseg("export", "out", "--to", "coco").code == 0
+    with open("out/coco.json") as file:
+        assert {each["name"] for each in json.load(file)["categories"]} == {"kite, red", "moving object"}
 
 
 def test_an_object_that_a_correction_made_has_figures_of_its_masks_and_no_support(frames, store):
@@ -191,7 +207,12 @@ WRONG = {
     "not a correction in --split; got 2; expected OBJECT@FRAME, such as 2@31, or 2@31:7": ["--split", "2"],
     "not a correction in --merge; got 1,x; expected numbers of objects, separated by commas": ["--merge", "1,x"],
     "not a correction in --rename; got 1; expected OBJECT=NAME, such as 2=bear": ["--rename", "1"],
-    "bad corrections in --merge 1: edit 1: merge; got": ["--merge", "1"],
+    "bad corrections in --merge 1; got [1]; expected at least 2": ["--merge", "1"],
+    "bad corrections in --merge 1,1; got [1, 1]; expected objects that differ": ["--merge", "1,1"],
+    "bad corrections in --split 0@5:3: object; got 0; expected": ["--split", "0@5:3"],
+    "bad corrections in --split 2@0: frame; got 0; expected": ["--split", "2@0"],
+    "bad corrections in --rename 2=: name; got ''; expected": ["--rename", "2="],
+    "bad corrections in --drop 1,0; got 0; expected": ["--drop", "1,0"],
     "no such corrections file in none.yaml": ["--corrections", "none.yaml"],
 }
 
@@ -323,3 +344,18 @@ def test_the_report_of_a_run_from_its_log_has_the_corrected_objects(frames, mose
     page = report_run(open_store(str(tmp_path / "store"), create=False), "latest")
     (panel,) = page.sequences
     assert [(row.identity, row.tag) for row in panel.objects] == [(2, None), (4, "late")]
+
+
+def test_a_report_compares_objects_by_the_users_names(frames, tmp_path):
+    segment_video(
+        frames,
+        CONFIG,
+        store=tmp_path / "store",
+        progress=False,
+        keep_cues=True,
+        corrections=[{"rename": {"object": 1, "name": "kite"}}],
+    )
+    page = report_run(open_store(str(tmp_path / "store"), create=False), "latest")
+    (panel,) = page.sequences
+    labels = {label for variant in panel.variants for matrix in variant.matrices for label in matrix.labels}
+    assert labels == {"background", "1 kite", "2"}

@@ -294,6 +294,23 @@ def test_a_changed_graph_has_the_keys_of_one_that_is_written_anew(changes, edits
     assert changed.recipes.keys() >= wanted.recipes.keys()
 
 
+def test_a_graph_that_is_changed_again_and_again_grows_no_further():
+    graph, labels = _labels()
+    sizes = []
+    for index in range(12):
+        changes = {"affinity__scale": 0.3 + index / 100} if index % 3 == 0 else {}
+        changes["clustering__threshold"] = 0.2 + index / 100
+        edits = EDITS[: index % len(EDITS)]
+        graph = graph.changed(LEAVES._replace(edits=edits), _config(**changes))
+        wanted, _ = _labels(edits, **changes)
+        assert graph.segmentations(Variant.FUSED) == wanted.segmentations(Variant.FUSED)
+        assert graph.recipes.keys() >= wanted.recipes.keys()
+        sizes.append(len(graph.recipes))
+    assert max(sizes[6:]) <= max(sizes[:6])
+    # What is common to all is where it was.
+    assert graph.changed(LEAVES, _config()).segmentations(Variant.FUSED) == labels
+
+
 @pytest.mark.parametrize("step", [1, 2, 3])
 @pytest.mark.parametrize("num_frames", [1, 2, 3, 6, 9, 12])
 def test_every_frame_is_one_that_the_motion_network_looks_at_or_beside_one_of_its_section(num_frames, step):

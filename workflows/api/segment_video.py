@@ -245,6 +245,7 @@ def _describe_objects(
         moves=stored.moves(store),
         confidences=stored.confidences(store),
         given_names=stored.names,
+        drawn=stored.drawn,
     )
     supports = {view: store.read(ref, "static_support") for view, ref in stored.affinity_refs.items()}
     if stored.rigid_support is not None:

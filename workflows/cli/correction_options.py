@@ -70,12 +70,11 @@ class CorrectionOptions:
             The file or an option cannot be read as corrections.
         """
         from moseg.workflows.api.given_corrections import give_corrections
-        from moseg.workflows.config.corrections_file import read_corrections
+        from moseg.workflows.config.corrections_file import read_edit
 
         more = []
         for option, text, value in self._edits():
-            (edit,) = read_corrections([value], f"{option} {text}").edits
-            more.append((f"{option} {text}", edit))
+            more.append((f"{option} {text}", read_edit(value, f"{option} {text}")))
         return give_corrections(self.corrections, "--corrections", more)
 
     def _edits(self) -> Iterator[tuple[str, str, dict[str, Any]]]:

@@ -58,6 +58,15 @@ def read_corrections(given: CorrectionsLike, where: str = "corrections") -> Corr
     return corrections.model_copy(update={"settings": _plain_settings(corrections.settings, where)})
 
 
+def read_edit(given: Mapping[str, Any] | Edit, where: str) -> Edit:
+    """Return one edit; raises InputError, which names what it was given by and the value that is wrong."""
+    try:
+        (edit,) = Corrections.model_validate({"edits": [given]}).edits
+    except ValidationError as error:
+        raise _error(error, where, is_edit=True) from error
+    return edit
+
+
 def name_source(given: CorrectionsLike | None, argument: str) -> str:
     """Return what corrections are called in errors: the path of their file, else the argument with them."""
     return os.fsdecode(given) if isinstance(given, str | os.PathLike) else argument
@@ -91,22 +100,33 @@ def _plain_settings(settings: Mapping[str, Any], where: str) -> dict[str, Any]:
     return {name: list(value) if isinstance(value, tuple) else value for name, value in values.items()}
 
 
-def _error(error: ValidationError, where: str) -> InputError:
-    """Return the error for the first thing that is wrong, with the edit that has it, counted from 1."""
+def _error(error: ValidationError, where: str, is_edit: bool = False) -> InputError:
+    """Return the error for the first thing that is wrong, with the edit that has it, counted from 1.
+
+    Parameters
+    ----------
+    is_edit : bool
+        Whether the corrections are one edit, of which `where` says all: an option has no first edit.
+    """
     first = error.errors()[0]
     path, message = list(first["loc"]), first["msg"].removeprefix("Value error, ")
     if path[:1] == ["edits"] and len(path) > 1:
         number, inner = path[1], path[2:]
         # The kind's tag, and its only field.
         inner = inner[1:] if len(inner) > 1 and inner[0] == inner[1] else inner
-        where = f"{where}: edit {number + 1}"
+        where = where if is_edit else f"{where}: edit {number + 1}"
         if first["type"].startswith("union_tag"):
             return _unknown_kind(first["input"], where)
         path = inner
-    place = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in path).lstrip(".")
+    shown = path[1:] if is_edit else path
+    found = first["input"]
+    if isinstance(found, BaseModel | Mapping) and not shown and is_edit:
+        # Of the whole edit, its value.
+        found = next(iter(dict(found).values()), None)
+    place = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in shown).lstrip(".")
     where = f"{where}: {place}" if place else where
     if first["type"] == "extra_forbidden":
-        return InputError("an unknown name", where=where, got=_short(first["input"]), expected=_siblings(path))
+        return InputError("an unknown name", where=where, got=_short(found), expected=_siblings(path))
     if first["type"] == "missing":
         return InputError("a missing value", where=where)
     expected = message.removeprefix("Input should be ").partition(", unable to parse")[0]
@@ -117,7 +137,7 @@ def _error(error: ValidationError, where: str) -> InputError:
         expected = f"at most {first['ctx']['max_length']} characters"
     if first["type"] == "string_pattern_mismatch":
         expected = "hexadecimal digits" if path == ["video"] else "a text of one line"
-    return InputError("bad corrections", where=where, got=_short(first["input"]), expected=expected)
+    return InputError("bad corrections", where=where, got=_short(found), expected=expected)
 
 
 def _unknown_kind(value: Any, where: str) -> InputError:

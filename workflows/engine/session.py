@@ -208,7 +208,7 @@ class Session:
 
     def compute(
         self,
-        build: Callable[[], tuple[dict[str, Recipe], Sequence[str]]],
+        build: Callable[[], tuple[Mapping[str, Recipe], Sequence[str]]],
         read: Callable[[], Result],
         keeps: bool = True,
     ) -> Result:

@@ -1,6 +1,7 @@
 """Doubts about a result, each worth a look: objects that shrink at once, rest, or are doubtful or incomplete."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -16,12 +17,22 @@ INCOMPLETE = 0.7
 """Expected recall below which a mask is incomplete."""
 DOUBTFUL = 0.7
 """Expected precision below which a mask is doubtful."""
+QUALITY, SENSITIVITY = "try --quality best", "try --sensitivity 0.5"
+"""What may help where a mask is too small, and where it is too large."""
+PAINT, ERASE = "paint what is missing", "erase what does not belong to it"
+"""The same of what the user drew."""
 
 
 def find_doubts(
-    objects: Sequence[FollowedObject], size: int, num_frames: int, has_moves: bool, has_confidence: bool
+    objects: Sequence[FollowedObject],
+    size: int,
+    num_frames: int,
+    has_moves: bool,
+    has_confidence: bool,
+    drawn: Container[int] = (),
+    names: Mapping[int, str] = MappingProxyType({}),
 ) -> tuple[str, ...]:
-    """Return what is worth a look, each in one line with the option that may help, the largest objects first.
+    """Return what is worth a look, each in one line with what may help, the largest objects first.
 
     Parameters
     ----------
@@ -31,21 +42,27 @@ def find_doubts(
     num_frames : int
     has_moves, has_confidence : bool
         Whether it is known in all frames when objects move, and how sure and complete they are.
+    drawn : container of int
+        Identities of which the user drew a part: no option changes that, but more of the brush does.
+    names : mapping of int to str
+        Names that the user gave the identities.
     """
     doubts = []
     for each in sorted(objects, key=lambda each: -sum(each.areas)):
-        doubt = _shrinks(each, size, num_frames, has_moves)
+        larger, smaller = (PAINT, ERASE) if each.identity in drawn else (QUALITY, SENSITIVITY)
+        doubt = _shrinks(each, size, num_frames, has_moves, larger)
         if doubt is None and has_confidence:
-            doubt = _is_incomplete(each) or _is_doubtful(each)
+            doubt = _is_incomplete(each, larger) or _is_doubtful(each, smaller)
         if doubt is None and has_moves:
             doubt = _rests(each)
         if doubt is not None:
-            doubts.append(f"object {each.identity} {doubt}")
+            name = f" ({names[each.identity]})" if each.identity in names else ""
+            doubts.append(f"object {each.identity}{name} {doubt}")
     more = len(doubts) - MOST
     return (*doubts[:MOST], *([f"{more} more objects; see per_frame in motion.json"] if more > 0 else []))
 
 
-def _shrinks(each: FollowedObject, size: int, num_frames: int, has_moves: bool) -> str | None:
+def _shrinks(each: FollowedObject, size: int, num_frames: int, has_moves: bool, advice: str) -> str | None:
     """Return the doubt about an object that loses much of its area within a second, inside the frame."""
     from moseg.tasks.confidence import kept_area
 
@@ -59,28 +76,24 @@ def _shrinks(each: FollowedObject, size: int, num_frames: int, has_moves: bool) 
     before = areas[first] / kept[first] / size
     what = "it may have stopped" if has_moves and first not in each.moving else "a part of it may have stopped"
     told = f"{100 * before:.2g} to {100 * areas[first] / size:.2g} % of the frame"
-    return (
-        f"loses half its area from frame {first} ({told}): {what}; look at frames {first} to {last}, try --quality best"
-    )
+    return f"loses half its area from frame {first} ({told}): {what}; look at frames {first} to {last}, {advice}"
 
 
-def _is_incomplete(each: FollowedObject) -> str | None:
+def _is_incomplete(each: FollowedObject, advice: str) -> str | None:
     run = _first_run(_frames_below(each, each.complete, INCOMPLETE))
     if run is None:
         return None
     covered = _mean(each, each.complete, run)
     where = f"in frames {run[0]} to {run[1]}"
-    return f"is probably incomplete {where}: about {covered} % of it is covered; try --quality best"
+    return f"is probably incomplete {where}: about {covered} % of it is covered; {advice}"
 
 
-def _is_doubtful(each: FollowedObject) -> str | None:
+def _is_doubtful(each: FollowedObject, advice: str) -> str | None:
     run = _first_run(_frames_below(each, each.sure, DOUBTFUL))
     if run is None:
         return None
-    return (
-        f"is doubtful in frames {run[0]} to {run[1]}: about {_mean(each, each.sure, run)} % of its mask moves;"
-        " try --sensitivity 0.5"
-    )
+    moves = f"about {_mean(each, each.sure, run)} % of its mask moves"
+    return f"is doubtful in frames {run[0]} to {run[1]}: {moves}; {advice}"
 
 
 def _rests(each: FollowedObject) -> str | None:

@@ -73,6 +73,11 @@ class ObjectSummary(Frozen):
     complete: float | None = Field(None, ge=0, le=1)
     per_frame: FrameFigures | None = None
 
+    @property
+    def called(self) -> str | None:
+        """The name of the object: the user's, else that of a network; None without either."""
+        return self.name or self.tag
+
     def moves_now(self, frame: int) -> bool | None:
         """Return whether the object moves in a frame, counted from 0; None if this is not known."""
         if self.moving_frames is None:

@@ -1,6 +1,6 @@
 """Summary of a sequence's moving objects from its masks, one frame in memory at a time."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from itertools import repeat
 
 import numpy as np
@@ -25,6 +25,7 @@ def summarise_sequence(
     moves: Iterable[np.ndarray | None] | None = None,
     confidences: Iterable[tuple[np.ndarray, np.ndarray] | None] | None = None,
     given_names: Mapping[int, str] | None = None,
+    drawn: Container[int] = (),
 ) -> SequenceSummary:
     """Follow each identity through a sequence's masks.
 
@@ -52,6 +53,8 @@ def summarise_sequence(
         Expected precision and recall of each identity's mask in each frame; None where they are not known.
     given_names : mapping of int to str, optional
         Names that the user gave the identities.
+    drawn : container of int, optional
+        Identities of which the user drew a part, so that no option changes their masks.
 
     Raises
     ------
@@ -80,6 +83,7 @@ def summarise_sequence(
         raise InputError("no frame to summarise", where=name, got=0, expected="at least 1")
     size = shape[0] * shape[1]
     seen = [followed[identity] for identity in sorted(followed)]
+    doubts = find_doubts(seen, size, num_frames, has_moves, has_confidence, drawn, given_names or {})
     return SequenceSummary(
         name=as_unicode(name),
         num_frames=num_frames,
@@ -95,7 +99,7 @@ def summarise_sequence(
         ),
         frames=frames,
         choices=choices,
-        look_at=find_doubts(seen, size, num_frames, has_moves, has_confidence),
+        look_at=doubts,
     )
 
 

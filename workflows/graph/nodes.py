@@ -1,5 +1,8 @@
 """Nodes of a graph: the recipes written so far, and the writer of a stage's recipe."""
 
+from collections import ChainMap
+from collections.abc import MutableMapping
+
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
 from moseg.schemas.recipes import Recipe
@@ -11,18 +14,29 @@ Inputs = dict[str, str | tuple[str, ...]]
 
 
 class Nodes:
-    """Recipes of one sequence or clip under one configuration, by reference."""
+    """Recipes of one sequence or clip under one configuration, by reference.
+
+    Attributes
+    ----------
+    leaves : SequenceLeaves or TrajectoryLeaves
+    config : PipelineConfig
+    recipes : mapping of reference to Recipe
+        Written so far, also by the nodes that these were made from.
+    """
 
     def __init__(self, leaves: SequenceLeaves | TrajectoryLeaves, config: PipelineConfig):
         self.leaves = leaves
         self.config = config
-        self.recipes: dict[str, Recipe] = {}
+        self.recipes: MutableMapping[str, Recipe] = {}
         self._without_place: dict[tuple[str, str | None], tuple[Recipe, dict[str, str]]] = {}
 
     def changed(self, leaves: SequenceLeaves, config: PipelineConfig) -> "Nodes":
-        """Return nodes under another configuration, with the same recipes: what either writes, both have."""
+        """Return nodes under another configuration, which have the recipes of these too.
+
+        These do not have what the new ones write: of a slider that is moved for hours, nothing is kept.
+        """
         nodes = Nodes(leaves, config)
-        nodes.recipes = self.recipes
+        nodes.recipes = ChainMap({}, *getattr(self.recipes, "maps", [self.recipes]))
         return nodes
 
     def add(self, stage: str, inputs: Inputs, method: str | None = None, **place) -> str:

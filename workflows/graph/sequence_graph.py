@@ -4,6 +4,7 @@ A `SequenceGraph` only writes recipes; it neither reads the store nor computes. 
 variant and run that needs it.
 """
 
+from collections.abc import Mapping
 from copy import copy
 
 from moseg.schemas.configs import PipelineConfig, Variant
@@ -38,7 +39,8 @@ class SequenceGraph:
     """
 
     def __init__(self, leaves: SequenceLeaves, config: PipelineConfig):
-        self._nodes = Nodes(leaves, config)
+        # Nodes of the last stages, of the motions, and of what lies before both.
+        self._nodes = self._motion_nodes = self._first_nodes = Nodes(leaves, config)
         self._config = config
         self.leaves = leaves
         self.sections = cut_sections(len(leaves.frames), config.sections)
@@ -58,14 +60,17 @@ class SequenceGraph:
         if not moved <= LAST_STAGES or leaves._replace(edits=()) != self.leaves._replace(edits=()):
             return SequenceGraph(leaves, config)
         graph = copy(self)
-        graph._nodes, graph._config, graph.leaves = self._nodes.changed(leaves, config), config, leaves
+        graph._config, graph.leaves = config, leaves
         if "affinity" in moved:
+            graph._nodes = graph._motion_nodes = self._first_nodes.changed(leaves, config)
             graph.motions = Motions(graph._nodes, self.frame_cues, self.objects, self.sections)
+        else:
+            graph._nodes = self._motion_nodes.changed(leaves, config)
         graph._painted = PaintedSections(graph._nodes, self.frame_cues, self.sections)
         return graph
 
     @property
-    def recipes(self) -> dict[str, Recipe]:
+    def recipes(self) -> Mapping[str, Recipe]:
         """Recipes written so far, by reference."""
         return self._nodes.recipes
 

@@ -173,6 +173,40 @@ class OpenRun:
 
             return self._session.compute(build, read)
 
+    def prepare(self) -> None:
+        """Compute what the first change of a setting would wait for: how large the objects of all frames are."""
+        with self._lock:
+            sizes = self._config.moving_objects.model_copy(update={"min_area": 1.0})
+            config = self._config.model_copy(update={"moving_objects": sizes})
+            graph = self._graph.changed(self._graph.leaves, config)
+            self._session.compute(lambda: (graph.recipes, graph.object_areas()), lambda: None, keeps=False)
+
+    def repair(self, ref: str) -> None:
+        """Compute an artifact behind the result again if it is damaged or missing; the video is read for its frames.
+
+        Raises
+        ------
+        InputError
+            The video cannot be read.
+        StoreError
+            It is not behind this result, or the store cannot hold it.
+        """
+        with self._lock:
+            tries = []
+
+            def build():
+                tries.append(ref)
+                recipes = self._graph.recipes
+                if ref not in recipes or len(tries) > 1:
+                    ingest_sequences(self._session, [self._source], self._config, annotated=False)
+                return recipes, [ref] if ref in recipes else []
+
+            def read():
+                for entry in self.store.manifest(ref).arrays:
+                    self.store.read(ref, entry.name, check=True)
+
+            self._session.compute(build, read, keeps=False)
+
     def _describe(self, leaves: SequenceLeaves, config: PipelineConfig) -> None:
         """Record the subject of the run in its log, so that it can be opened and reported without the video."""
         fps = self._purpose.fps or self._described.frames.describe().fps

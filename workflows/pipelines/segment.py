@@ -55,6 +55,8 @@ class StoredSegmentation(NamedTuple):
         not known.
     names : dict of int to str
         Names that the user gave the objects, by identity.
+    drawn : frozenset of int
+        Identities of which the user drew a part.
     """
 
     name: str
@@ -73,6 +75,7 @@ class StoredSegmentation(NamedTuple):
     moves_refs: tuple[str | None, ...] = ()
     confidence_refs: tuple[str | None, ...] = ()
     names: Mapping[int, str] = {}
+    drawn: frozenset[int] = frozenset()
 
     @property
     def num_frames(self) -> int:
@@ -208,6 +211,7 @@ def read_stored(
         moves_refs=graph.moves_now(variant),
         confidence_refs=graph.confidences(variant),
         names=found.names,
+        drawn=found.drawn,
     )
 
 

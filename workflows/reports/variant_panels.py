@@ -13,7 +13,7 @@ from moseg.workflows.reports.layers import all_colours, as_hex
 from moseg.workflows.reports.matrices import clustering_params, object_matrices
 from moseg.workflows.reports.missing import Missing, WhyAbsent, collect_missing, format_missing
 from moseg.workflows.reports.motion_count import FoundGroups, explain_objects, explain_tracks
-from moseg.workflows.results.found_objects import read_identities
+from moseg.workflows.results.found_objects import read_identities, read_names
 from moseg.workflows.results.rigid_support import read_rigid_support
 
 BACKGROUND = "background"
@@ -115,9 +115,10 @@ def sample_by_motion(motion: np.ndarray, max_tracks: int = MAX_TRACKS) -> np.nda
 
 
 def _object_names(store: ArtifactStore, graph: SequenceGraph) -> dict[int, str]:
-    """Return ``background`` as 0, then each object by its identity: the identity and the name that a network gave."""
+    """Return ``background`` as 0, then each object by its identity: the identity and its name, if it has one."""
     identities, tags = read_identities(store, graph)
-    return {0: BACKGROUND} | {identity: f"{identity} {tags.get(identity, '')}".strip() for identity in identities}
+    called = tags | read_names(graph)
+    return {0: BACKGROUND} | {identity: f"{identity} {called.get(identity, '')}".strip() for identity in identities}
 
 
 def _group(

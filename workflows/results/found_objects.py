@@ -24,6 +24,8 @@ class FoundObjects(NamedTuple):
         Names from the networks; empty without them.
     names : dict of int to str
         Names from the user; empty without them.
+    drawn : frozenset of int
+        Identities of which the user painted, erased or added a part, in any frame.
     """
 
     identities: tuple[int, ...]
@@ -31,6 +33,7 @@ class FoundObjects(NamedTuple):
     num_motions: int
     tags: dict[int, str]
     names: dict[int, str] = {}
+    drawn: frozenset[int] = frozenset()
 
     @property
     def called(self) -> dict[int, str]:
@@ -62,7 +65,8 @@ def read_found_objects(store: ArtifactStore, graph: SequenceGraph, variant: Vari
         motion = store.read(corrected, "motion")
         motions = {identity: int(motion[identity]) for identity in identities}
         kept = {identity: tag for identity, tag in tags.items() if identity in motions}
-        return FoundObjects(identities, motions, len({0, *motions.values()}), kept, names)
+        drawn = frozenset(store.read(corrected, "stroke_labels")[:, 2].tolist()) - {0}
+        return FoundObjects(identities, motions, len({0, *motions.values()}), kept, names, drawn)
     if clustering is None:
         motion = np.arange(len(identities) + 1, dtype=np.uint16)
     else:

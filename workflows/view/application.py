@@ -5,6 +5,7 @@ No part of an address becomes a path: files of the page are looked up by name, f
 
 import asyncio
 import json
+import traceback
 from collections.abc import Callable, Sequence
 from contextlib import asynccontextmanager
 from functools import wraps
@@ -19,16 +20,16 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
-from moseg.schemas.errors import InputError, MosegError, StoreError
+from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, MosegError, StoreError
 from moseg.workflows.reports.content import Picture
 from moseg.workflows.view.correction_history import StaleEditError
 from moseg.workflows.view.frame_pictures import draw_thumbnail, encode_jpeg, pack_labels
 from moseg.workflows.view.opened import ExportChoices
 from moseg.workflows.view.page_files import INDEX, page_files
-from moseg.workflows.view.page_state import describe_grid, describe_matrices, describe_moment
+from moseg.workflows.view.page_state import describe_grid, describe_matrices, describe_moment, find_tag
 from moseg.workflows.view.shown_result import ShownResult
 from moseg.workflows.view.uploads import receive_video
-from moseg.workflows.view.view_session import Opening, ViewSession
+from moseg.workflows.view.view_session import Opening, ViewSession, in_words
 
 MAX_REQUEST_BYTES = 4 * 2**20
 """Of a change: a stroke has some thousand points."""
@@ -138,7 +139,12 @@ class ViewApplication:
             drawn = draw_thumbnail(shown, identity, frame)
             return Response(status_code=204) if drawn is None else Response(drawn, media_type="image/jpeg")
 
-        return await self._draw(draw, frame)
+        response = await self._draw(draw, frame)
+        shown, tag = self._session.moment.shown, request.query_params.get("of")
+        if tag != await run_in_threadpool(find_tag, self._session.areas, shown, identity):
+            # The result has changed since the page asked for it.
+            response.headers["cache-control"] = "no-store"
+        return response
 
     async def _cue_key(self, request: Request) -> Response:
         number = request.path_params["number"]
@@ -160,11 +166,18 @@ class ViewApplication:
     async def _draw(
         self, draw: Callable[[ShownResult], Response], frame: int | None = None, key: str | None = None
     ) -> Response:
-        """Return what `draw` makes of the result under a key, of the one now by default; 404 where it is not there."""
+        """Return what `draw` makes of the result under a key, of the one now by default; 404 where it is not there.
+
+        What is damaged or missing in the store is computed again, once.
+        """
         shown = self._session.moment.shown if key is None else self._session.shown(key)
         if shown is None or (frame is not None and frame >= shown.num_frames):
             raise HTTPException(404, "no such result, or no such frame")
-        response = await run_in_threadpool(draw, shown)
+        try:
+            response = await run_in_threadpool(draw, shown)
+        except (CorruptArtifactError, MissingArtifactError) as error:
+            await asyncio.wrap_future(self._session.repair(error))
+            response = await run_in_threadpool(draw, shown)
         response.headers.update(KEPT)
         return response
 
@@ -227,10 +240,16 @@ def _answering(call: Callable) -> Callable:
             return JSONResponse({"message": str(error)}, CONFLICT)
         except StoreError as error:
             return JSONResponse({"message": str(error)}, FAULT)
-        except MosegError as error:
+        except InputError as error:
             return JSONResponse({"message": str(error)}, BAD_REQUEST)
+        except MosegError as error:
+            return JSONResponse({"message": str(error)}, FAULT)
         except OSError as error:
             return JSONResponse({"message": str(error.strerror or error)}, FAULT)
+        except Exception as error:
+            # A fault of the program: the page has a line, and the terminal what a report of it needs.
+            traceback.print_exception(error)
+            return JSONResponse({"message": in_words(error)}, FAULT)
 
     return endpoint
 

@@ -7,7 +7,7 @@ from typing import Any
 from moseg.schemas.corrections import Corrections
 from moseg.schemas.errors import InputError
 from moseg.workflows.api.given_corrections import CORRECTIONS
-from moseg.workflows.config.corrections_file import read_corrections, spell_corrections
+from moseg.workflows.config.corrections_file import read_corrections, read_edit, spell_corrections
 from moseg.workflows.exports import write_text
 from moseg.workflows.process.atomic_write import blame_output
 
@@ -82,8 +82,7 @@ class CorrectionHistory:
 
     def with_edit(self, edit: Any) -> Corrections:
         """Return the corrections in force with one more edit, as JSON has it; raises InputError if it is none."""
-        (read,) = read_corrections([edit], "the edit").edits
-        return self.current.extended([read])
+        return self.current.extended([read_edit(edit, "the edit")])
 
     def with_setting(self, name: str, value: Any) -> Corrections:
         """Return the corrections in force with another value of a parameter, the run's own where None."""

@@ -132,6 +132,8 @@ def _open(video: OpenVideo, options: OpenOptions, words: Sequence[str]) -> Opene
         first=first,
         correct=correct,
         write=write,
+        prepare=video.run.prepare,
+        repair=video.run.repair,
         video=identity,
         has_video=video.origin.path is not None,
         words=tuple(_without_outputs(words)),

@@ -8,6 +8,7 @@ import numpy as np
 from moseg.schemas.digests import hash_array
 from moseg.schemas.errors import StoreError
 from moseg.workflows.api.given_corrections import CORRECTIONS
+from moseg.workflows.config.strict_yaml import spell_value
 from moseg.workflows.exports.formats.reconstruction_sets import SETS
 from moseg.workflows.exports.formats.registry import FORMATS
 from moseg.workflows.exports.overlay_style import OverlayMode
@@ -54,7 +55,7 @@ def describe_grid(areas: ObjectAreas, shown: ShownResult) -> dict[str, Any]:
             "last": int(seen[-1]),
             "best": int(area.argmax()),
             "thumbnails": list(choose_thumbnails(area)),
-            "tag": hash_array(area)[-12:],
+            "tag": _tag(area),
         }
 
     result = areas.of_labels(shown)
@@ -67,12 +68,25 @@ def describe_grid(areas: ObjectAreas, shown: ShownResult) -> dict[str, Any]:
     }
 
 
+def find_tag(areas: ObjectAreas, shown: ShownResult, identity: int) -> str | None:
+    """Return the tag of an object's pictures, as in `describe_grid`; None if no frame shows it."""
+    area = areas.of_labels(shown).get(identity)
+    if area is None:
+        area = areas.of_proposals(shown).get(identity)
+    return None if area is None else _tag(area)
+
+
+def _tag(area: np.ndarray) -> str:
+    return hash_array(area)[-12:]
+
+
 def describe_matrices(shown: ShownResult) -> dict[str, Any]:
     """Return the affinities of objects, and sentences on what cannot be shown."""
     missing: list[Missing] = []
     if shown.graph.clustering(shown.variant) is None:
         return {"matrices": [], "missing": []}
-    labels = ("background", *(str(identity) for identity in shown.proposed))
+    called = shown.found.called
+    labels = ("background", *(f"{identity} {called.get(identity, '')}".strip() for identity in shown.proposed))
     try:
         made = object_matrices(shown.store, shown.graph, shown.config, shown.variant, labels, missing)
     except StoreError as error:
@@ -126,7 +140,7 @@ def _describe_result(session: ViewSession, moment: Moment) -> dict[str, Any]:
         "settings": list_settings(opened.first.config, moment.corrections),
         "corrections": {
             "edits": list(map(describe_edit, moment.corrections.edits)),
-            "settings": len(moment.corrections.settings),
+            "settings": [f"{name}: {spell_value(value)}" for name, value in moment.corrections.settings.items()],
             "canUndo": moment.can_undo,
             "canRedo": moment.can_redo,
             "file": str(session.out / CORRECTIONS),
@@ -135,6 +149,8 @@ def _describe_result(session: ViewSession, moment: Moment) -> dict[str, Any]:
         "out": str(session.out),
         "exports": _list_exports(),
         "hasVideo": opened.has_video,
+        "exportCommand": shlex.join(["moseg", "export", str(session.out), "--to", "FORMAT", "--video", "VIDEO"]),
+        "viewCommand": shlex.join(["moseg", "view", "VIDEO", "--out", str(session.out)]),
     }
 
 

@@ -36,7 +36,7 @@ class StoredFrames(NamedTuple):
 
     def fingerprint(self) -> str:
         """See `FrameSource`."""
-        return digest_json("stored frames", self.refs)
+        return digest_json("stored", self.refs)
 
     def read(self) -> Iterator[np.ndarray]:
         """See `FrameSource`."""

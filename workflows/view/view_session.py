@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from moseg.schemas.corrections import Corrections
-from moseg.schemas.errors import InputError, MosegError
+from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, MosegError, StoreError
 from moseg.workflows.process.progress import observed_progress
 from moseg.workflows.view.correction_history import CorrectionHistory, StaleEditError
 from moseg.workflows.view.cue_pictures import CuePictures
@@ -156,6 +156,10 @@ class ViewSession:
         """Write the result with corrections; the future's result is the paths."""
         return self._worker.call(self._reported, self._export, revision, choices)
 
+    def repair(self, error: CorruptArtifactError | MissingArtifactError) -> Future:
+        """Compute what could not be read again, for the pictures of it."""
+        return self._worker.call(self._reported, self._repair, error)
+
     def close(self) -> None:
         """End the work and let go of what is open."""
         self.events.close()
@@ -173,13 +177,15 @@ class ViewSession:
             self._stack.close()
             self._report(error)
             phase = Phase.EMPTY if self._opening is None else Phase.FAILED
-            self._change(phase=phase, message=_in_words(error))
+            self._change(phase=phase, message=in_words(error))
             return
         except Ended:
             self._stack.close()
             raise
         self._history, self._cues = history, cues
         self._show(shown, phase=Phase.READY, name=shown.name, opened=opened, cues=listed)
+        # After the page has the result, and before a change of it.
+        self._worker.call(self._reported, opened.prepare)
 
     def _put(self, revision: int, change: Callable[[CorrectionHistory], Corrections], gesture: object) -> None:
         history = self._checked(revision)
@@ -194,6 +200,14 @@ class ViewSession:
     def _export(self, revision: int, choices: ExportChoices) -> tuple[Path, ...]:
         self._checked(revision)
         return self._moment.opened.write(choices)
+
+    def _repair(self, error: CorruptArtifactError | MissingArtifactError) -> None:
+        what, where = error.parts[:2]
+        try:
+            self._moment.opened.repair(error.ref if isinstance(error, CorruptArtifactError) else where)
+        except MosegError as failed:
+            expected = f"`moseg view VIDEO --out {self.out}` with the video, which computes it again ({failed})"
+            raise StoreError("a part of the store cannot be read", where=where, got=what, expected=expected) from failed
 
     def _checked(self, revision: int) -> CorrectionHistory:
         """Return the history if a page's change is one of the state now.
@@ -275,10 +289,10 @@ class ViewSession:
         self.events.send("progress", progress)
 
     def _report(self, error: BaseException) -> None:
-        print(f"moseg: {_in_words(error)}", file=sys.stderr, flush=True)
+        print(f"moseg: {in_words(error)}", file=sys.stderr, flush=True)
 
 
-def _in_words(error: BaseException) -> str:
+def in_words(error: BaseException) -> str:
     """Return the line for an error."""
     if isinstance(error, MosegError):
         return str(error)

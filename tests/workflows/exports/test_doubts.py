@@ -17,8 +17,8 @@ def volume(heights, left=20, identity=1):
     return labels
 
 
-def look_at(labels, moves=None, confidences=None):
-    return summarise_sequence("clip", labels, 24.0, 2, NAMES, moves=moves, confidences=confidences).look_at
+def look_at(labels, moves=None, confidences=None, **given):
+    return summarise_sequence("clip", labels, 24.0, 2, NAMES, moves=moves, confidences=confidences, **given).look_at
 
 
 def known(sure=1.0, complete=1.0, frames=range(NUM_FRAMES)):
@@ -62,6 +62,23 @@ def test_an_incomplete_mask_and_a_doubtful_one_are_told_with_their_frames():
     (line,) = look_at(whole, moving(), known(sure=0.4, frames=range(30, 60)))
     assert line == "object 1 is doubtful in frames 30 to 59: about 40 % of its mask moves; try --sensitivity 0.5"
     assert look_at(whole, moving(), known(sure=0.4, frames=range(30, 33))) == ()
+
+
+def test_what_the_user_drew_is_mended_by_the_brush_and_by_no_option():
+    whole = volume([20] * NUM_FRAMES)
+    for confidences, advice in (
+        (known(sure=0.4), "erase what does not belong to it"),
+        (known(complete=0.4), "paint what is missing"),
+    ):
+        (line,) = look_at(whole, moving(), confidences, drawn={1})
+        assert line.endswith(f"; {advice}") and "--" not in line
+    (line,) = look_at(volume([20] * 40 + [9] * 20), moving(), known(), drawn={1})
+    assert line.endswith("paint what is missing") and "--" not in line
+
+
+def test_a_doubt_has_the_name_that_the_user_gave():
+    (line,) = look_at(volume([20] * NUM_FRAMES), moving(range(43, 60)), known(), given_names={1: "bear"})
+    assert line == "object 1 (bear) stops: it rests in frames 43 to 59"
 
 
 def test_an_object_that_stops_is_said_to_have_stopped():

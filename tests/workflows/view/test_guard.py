@@ -1,6 +1,11 @@
 """Requests that the server refuses: without its token, from another origin, for another host, for files."""
 
+import asyncio
+import socket
+
 import pytest
+
+from moseg.workflows.view.server import HOST, bind
 
 
 @pytest.fixture
@@ -82,3 +87,22 @@ def test_only_files_of_the_page_are_there(server):
 def test_a_wrong_method_is_refused(server):
     assert server.ask("GET", "undo").status in (404, 405)
     assert server.ask("DELETE", "state").status == 405
+
+
+def test_small_answers_are_sent_at_once():
+    """Without TCP_NODELAY each waits 40 ms until what went before it is acknowledged."""
+
+    async def connect() -> int:
+        accepted = asyncio.get_running_loop().create_future()
+        address = bind()
+        server = await asyncio.start_server(lambda _, writer: accepted.set_result(writer), sock=address.socket)
+        async with server:
+            _, client = await asyncio.open_connection(HOST, address.port)
+            writer = await accepted
+            value = writer.get_extra_info("socket").getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+            for each in (writer, client):
+                each.close()
+                await each.wait_closed()
+        return value
+
+    assert asyncio.run(connect())

@@ -7,6 +7,7 @@ import pytest
 
 from moseg.workflows.config.corrections_file import read_corrections
 
+OPTIONS = ("--section-length", "4", "--set", "sections.overlap=2")
 HOSTILE = '<img src=x onerror="window.ran=1">\'&amp;'
 ROWS = "document.querySelectorAll('.row').length"
 EDITS = "[...document.querySelectorAll('.edits li')].map((each) => each.textContent)"
@@ -202,10 +203,184 @@ def test_the_result_follows_a_slider_and_a_gesture_is_one_step(serve_video, open
     wait_until(page, "document.getElementById('saved').textContent.includes('1 setting saved')")
     page.mouse.up()
     wait_until(page, "document.getElementById('saved').textContent.includes('1 setting saved')")
-    assert read_corrections(str(file)).settings["clustering.threshold"] > 0.9
+    value = read_corrections(str(file)).settings["clustering.threshold"]
+    assert value > 0.9
+    # What is in force is listed, settings too.
+    assert page.get_by_role("list", name="settings").text_content() == f"clustering.threshold: {value}"
     page.get_by_role("button", name="Undo").click()
     wait_until(page, "document.getElementById('saved').textContent === 'no corrections'")
     assert not file.exists()
+
+
+def test_sliders_that_move_at_once_both_keep_their_last_value(serve_video, open_page, result, wait_until):
+    page = open_page(serve_video())
+    page.evaluate(
+        """() => {
+          for (const value of [0.6, 0.7, 0.8]) for (const name of ['clustering.threshold', 'moving_objects.min_area']) {
+            const slider = document.querySelector(`[data-setting='${name}']`);
+            slider.value = name === 'clustering.threshold' ? value : value / 100;
+            slider.dispatchEvent(new Event('input', { bubbles: true }));
+          }
+        }"""
+    )
+    state = "fetch('state').then((answer) => answer.json())"
+    values = f"{state}.then((state) => state.result.settings.map((each) => each.value))"
+    wait_until(page, f"{values}.then((found) => found.includes(0.8) && found.includes(0.008))")
+    settings = read_corrections(str(result.out / "corrections.yaml")).settings
+    assert settings == {"clustering.threshold": 0.8, "moving_objects.min_area": 0.008}
+
+
+def test_a_key_that_is_held_on_a_slider_is_one_step(serve_video, open_page, wait_until):
+    page = open_page(serve_video())
+    page.locator("[data-setting='clustering.threshold']").focus()
+    for _ in range(4):
+        page.keyboard.down("ArrowRight")
+    page.keyboard.up("ArrowRight")
+    wait_until(page, "document.querySelector(\"[data-key='clustering.threshold'] + output\").textContent === '0.58'")
+    wait_until(page, "document.getElementById('saved').textContent.includes('1 setting saved')")
+    page.get_by_role("button", name="Undo").click()
+    wait_until(page, "document.getElementById('saved').textContent === 'no corrections'")
+
+
+def test_a_stroke_belongs_to_the_tool_and_the_frame_with_which_it_began(serve_video, open_page, wait_until):
+    page = open_page(serve_video())
+    box = page.locator("#picture").bounding_box()
+    middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    for key in ("v", "e", "ArrowRight"):
+        page.keyboard.press("b")
+        page.mouse.move(*middle)
+        page.mouse.down()
+        page.mouse.move(middle[0] + 40, middle[1], steps=3)
+        page.keyboard.press(key)
+        page.mouse.up()
+    # The brush stops the player, so that the stroke is in the frame that is seen.
+    page.keyboard.press(" ")
+    wait_until(page, "document.querySelector('[data-play]').getAttribute('aria-pressed') === 'true'")
+    page.mouse.move(*middle)
+    page.mouse.down()
+    assert page.locator("[data-play]").get_attribute("aria-pressed") == "false"
+    frame = page.locator("#frame").input_value()
+    page.mouse.up()
+    wait_until(page, f"{NUM_EDITS} === 1")
+    assert _edits(page) == [f"paint 3 in frame {frame}"]
+
+
+def test_a_stroke_stays_in_sight_until_the_result_has_it(serve_video, open_page, wait_until):
+    page = open_page(serve_video())
+    held = []
+    page.route("**/edits", lambda route: held.append(route))
+    before = page.evaluate(PIXEL, [0.5, 0.9])
+    page.keyboard.press("b")
+    _stroke(page, (0.5, 0.9), (0.52, 0.9))
+    page.mouse.move(0, 0)
+    wait_until(page, "document.getElementById('saved').textContent === 'computing …'")
+    drawn = page.evaluate(PIXEL, [0.5, 0.9])
+    # Light blue, as the brush.
+    assert drawn != before and drawn[2] > drawn[0] + 60
+    held[0].continue_()
+    wait_until(page, f"{NUM_EDITS} === 1 && {ROWS} === 3")
+
+
+def test_a_change_of_the_page_itself_is_not_fetched_again(serve_video, open_page, wait_until):
+    page = open_page(serve_video())
+    asked = []
+    page.on("request", lambda request: asked.append(request.url.rpartition("/")[2]))
+    _select(page, 0)
+    page.keyboard.press("d")
+    wait_until(page, f"{ROWS} === 1")
+    page.keyboard.press("Control+z")
+    wait_until(page, f"{ROWS} === 2 && document.querySelectorAll('.row .area').length === 2")
+    assert "undo" in asked and "state" not in asked
+
+
+def test_long_names_stay_within_the_picture(serve_video, open_page):
+    page = open_page(serve_video())
+    drawn = page.evaluate(
+        """async () => {
+          const { drawNames } = await import('./overlay.js');
+          const drawn = [];
+          const context = {
+            measureText: (text) => ({ width: 6 * text.length }),
+            strokeText: () => {},
+            fillText: (text, x, y) => drawn.push([text, x - 3 * text.length, x + 3 * text.length, y]),
+          };
+          const labels = new Uint16Array(200 * 100);
+          labels[0] = 1;
+          labels[100 * 200 - 1] = 2;
+          drawNames(context, labels, 200, new Map([[1, '1 ' + 'x'.repeat(90)], [2, '2 <b>&amp;']]));
+          return drawn;
+        }"""
+    )
+    assert [text for text, *_ in drawn] == ["1 " + "x" * 21 + "…", "2 <b>&amp;"]
+    assert all(left >= 0 and right <= 200 and 0 <= y <= 100 for _, left, right, y in drawn)
+
+
+def test_a_name_that_is_emptied_stays_and_says_so(serve_video, open_page, wait_until):
+    page = open_page(serve_video())
+    page.keyboard.press("1")
+    for name in ("bear", ""):
+        page.locator("#name").fill(name)
+        page.keyboard.press("Enter")
+        wait_until(page, f"{NUM_EDITS} === 1")
+    assert page.locator("#name").input_value() == "bear"
+    assert "still called bear" in page.locator("#message").text_content()
+
+
+def test_the_affinities_have_the_names_of_the_objects(serve_video, open_page, wait_until):
+    page = open_page(serve_video())
+    page.keyboard.press("1")
+    page.locator("#name").fill(HOSTILE)
+    page.keyboard.press("Enter")
+    wait_until(page, f"{NUM_EDITS} === 1")
+    page.locator("summary").click()
+    page.locator(".matrix").first.wait_for()
+    heads = page.locator(".matrix").first.locator("thead th").all_text_contents()
+    assert heads == ["background", f"1 {HOSTILE}", "2"] and page.evaluate("window.ran") is None
+
+
+def test_formats_with_frames_say_why_they_are_not_offered(serve, result, open_page, wait_until):
+    server = serve(result.out, "--store", result.store, "--quiet")
+    server.wait("ready")
+    page = open_page(server)
+    page.get_by_role("button", name="Export…").click()
+    why = page.locator("#why-disabled")
+    assert "contain frames" in why.text_content() and "opened without the video" in why.text_content()
+    assert f"moseg export {result.out} --to FORMAT --video VIDEO" in why.text_content()
+    disabled = page.locator("#export-dialog input:disabled")
+    assert {each.get_attribute("value") for each in disabled.all()} >= {"colmap", "prores"}
+    assert {each.get_attribute("aria-describedby") for each in disabled.all()} == {"why-disabled"}
+    # With the video there is nothing to explain.
+    other = open_page(serve(result.frames, "--out", result.out, "--store", result.store, *OPTIONS, "--quiet"))
+    other.get_by_role("button", name="Export…").click()
+    assert other.locator("#why-disabled").count() == 0 and other.locator("#export-dialog input:disabled").count() == 0
+
+
+def test_a_frame_that_cannot_be_read_is_blank_with_one_line(serve_video, open_page, wait_until):
+    page = open_page(serve_video())
+    message = {"status": 500, "content_type": "application/json", "body": '{"message": "a part cannot be read"}'}
+    page.route("**/frames/7*", lambda route: route.fulfill(**message))
+    page.locator("#frame").fill("7")
+    page.wait_for_selector("canvas[data-frame='7']")
+    assert page.locator("#message p").text_content() == "Frame 7 cannot be shown: a part cannot be read"
+    assert page.evaluate(PIXEL, [0.5, 0.5]) == [0, 0, 0]
+    page.locator("#frame").fill("8")
+    page.wait_for_selector("canvas[data-frame='8']")
+    assert page.locator("#message").is_hidden() and page.evaluate(PIXEL, [0.5, 0.5]) != [0, 0, 0]
+
+
+def test_a_server_that_is_gone_is_said_with_what_to_do(serve_video, open_page, result, wait_until):
+    server = serve_video()
+    page = open_page(server)
+    _select(page, 0)
+    page.keyboard.press("d")
+    wait_until(page, f"{NUM_EDITS} === 1")
+    server.process.kill()
+    wait_until(page, "!document.getElementById('message').hidden")
+    assert "Your corrections are in the file" in page.locator("#message").text_content()
+    page.keyboard.press("Control+z")
+    wait_until(page, "!document.getElementById('message').hidden")
+    assert _edits(page) == ["drop 1"]
+    assert read_corrections(str(result.out / "corrections.yaml")).edits[0].drop == 1
 
 
 def test_two_tabs_see_each_others_changes(serve_video, open_page, wait_until):

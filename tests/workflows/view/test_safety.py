@@ -11,6 +11,8 @@ import pytest
 
 from moseg.workflows.config.corrections_file import read_corrections
 
+OPTIONS = ("--section-length", "4", "--set", "sections.overlap=2")
+
 
 def _edit(server, edit, revision=None):
     revision = server.state()["revision"] if revision is None else revision
@@ -80,6 +82,87 @@ def test_a_video_that_is_removed_is_missed_only_where_it_is_needed(serve_video, 
     assert [str(frames) in line for line in errors.splitlines()].count(True) == 1 and "Traceback" not in errors
 
 
+@pytest.fixture
+def damage(result, tmp_path):
+    """Return the result with a copy of the store, and a function that flips a byte of each artifact of a stage."""
+    store = tmp_path / "copied store"
+    shutil.copytree(result.store, store)
+
+    def flip(stage):
+        for path in (store / "objects" / stage).rglob("arrays.zip"):
+            content = bytearray(path.read_bytes())
+            content[len(content) // 2] ^= 255
+            path.write_bytes(content)
+
+    return result._replace(store=store), flip
+
+
+def test_a_damaged_or_lost_frame_and_mask_are_made_again(serve, damage):
+    whole, flip = damage
+    server = serve(whole.frames, "--out", whole.out, "--store", whole.store, *OPTIONS, "--quiet")
+    key = server.wait("ready")["result"]["key"]
+    addresses = {"frame": "frames/3", "proposals": f"labels/{key}/6", "saliency": "cues/0/5"}
+    before = {stage: server.ask("GET", address).content for stage, address in addresses.items()}
+    server.end()
+    server = serve(whole.frames, "--out", whole.out, "--store", whole.store, *OPTIONS, "--quiet")
+    server.wait("ready")
+    for stage, address in addresses.items():
+        flip(stage)
+        answer = server.ask("GET", address)
+        assert (answer.status, answer.content) == (200, before[stage]), (stage, answer.content[:200])
+    shutil.rmtree(whole.store / "objects" / "frame")
+    assert server.ask("GET", "frames/3").content == before["frame"]
+    assert "Traceback" not in server.end()[1]
+
+
+def test_a_damaged_frame_of_a_result_without_its_video_is_one_line(serve, damage):
+    whole, flip = damage
+    server = serve(whole.out, "--store", whole.store, "--quiet")
+    server.wait("ready")
+    flip("frame")
+    answer = server.ask("GET", "frames/3")
+    message = answer.json()["message"]
+    assert answer.status == 500 and message.startswith("a part of the store cannot be read in frame/")
+    assert f"`moseg view VIDEO --out {whole.out}`" in message and "\n" not in message
+    # The rest of the page works on.
+    assert _edit(server, {"drop": 2}).status == 200
+    _, errors = server.end()
+    assert errors.splitlines()[0] == f"moseg: {message}" and "Traceback" not in errors
+
+
+def test_settings_of_a_folder_without_its_video_may_reach_the_frames(serve, result):
+    file = result.out / "corrections.yaml"
+    file.write_text("version: 1\nsettings:\n  components.min_area: 0.02\n")
+    server = serve(result.out, "--store", result.store, "--quiet")
+    assert server.wait("ready")["result"]["corrections"]["settings"] == ["components.min_area: 0.02"]
+
+
+def test_only_pictures_of_the_result_that_was_asked_about_are_kept(serve_video):
+    server = serve_video("--quiet")
+    grid = server.ask("GET", f"grid/{server.state()['result']['key']}").json()
+    address = f"thumbnails/2/{grid['objects']['2']['best']}?of="
+    assert "immutable" in server.ask("GET", address + grid["objects"]["2"]["tag"]).headers["cache-control"]
+    strokes = [{"radius": 6, "points": [[64, 48]]}]
+    assert _edit(server, {"paint": {"object": 2, "frame": 5, "strokes": strokes}}).status == 200
+    late = server.ask("GET", address + grid["objects"]["2"]["tag"])
+    assert late.status == 200 and late.headers["cache-control"] == "no-store"
+
+
+def test_several_processes_compute_the_same(serve_video, result, moseg, tmp_path):
+    server = serve_video("--workers", "2", "--quiet")
+    strokes = [{"radius": 6, "points": [[20, 20], [30, 25]]}]
+    assert _edit(server, {"paint": {"object": 5, "frame": 5, "strokes": strokes}}).status == 200
+    change = {"revision": server.state()["revision"], "name": "affinity.scale", "value": 0.43, "gesture": "a"}
+    assert server.ask("POST", "settings", change).status == 200
+    assert server.ask("POST", "export", {"revision": server.state()["revision"]}).status == 200
+    code, errors = server.end()
+    assert code == 143 and "Traceback" not in errors
+    base = ("segment", result.frames, "--store", tmp_path / "other", "--out", tmp_path / "out", *OPTIONS, "--quiet")
+    assert moseg(*base, "--corrections", result.out / "corrections.yaml").code == 0
+    for path in sorted((result.out / "masks").iterdir()):
+        assert path.read_bytes() == (tmp_path / "out" / "masks" / path.name).read_bytes()
+
+
 def test_a_full_disk_is_one_line_and_nothing_changes(serve_video, result):
     server = serve_video("--quiet")
     assert _edit(server, {"drop": 2}).status == 200
@@ -91,6 +174,13 @@ def test_a_full_disk_is_one_line_and_nothing_changes(serve_video, result):
     assert refused.status == 400
     assert refused.json()["message"] == f"cannot write in {file}; got File too large"
     assert server.state() == before and file.read_bytes() == content
+    # Neither a setting, whose result would be stored, nor an export is lost or done by half.
+    setting = {"revision": before["revision"], "name": "affinity.scale", "value": 0.41, "gesture": "a"}
+    for path, sent in (("settings", setting), ("export", {"revision": before["revision"]})):
+        refused = server.ask("POST", path, sent)
+        message = refused.json()["message"]
+        assert refused.status in (400, 500) and "File too large" in message and "\n" not in message, message
+        assert server.state() == before and file.read_bytes() == content
     resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (soft, hard))
     # What was refused is in no export either.
     assert server.ask("POST", "export", {"revision": before["revision"]}).status == 200
@@ -98,6 +188,17 @@ def test_a_full_disk_is_one_line_and_nothing_changes(serve_video, result):
     assert _edit(server, {"drop": 1}).status == 200
     _, errors = server.end()
     assert errors.splitlines()[0] == f"moseg: cannot write in {file}; got File too large" and "Traceback" not in errors
+
+
+def test_a_disk_that_is_full_while_a_video_is_dropped_in_is_one_line(serve, tmp_path):
+    server = serve("--out", tmp_path / "new", "--store", tmp_path / "store", "--quiet")
+    limits = resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE)
+    resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (1000, limits[1]))
+    name = {"Content-Type": "application/octet-stream", "X-File-Name": "holiday.mp4"}
+    refused = server.ask("PUT", "upload", b"x" * 5000, name)
+    assert refused.status == 400 and "File too large" in refused.json()["message"]
+    assert not [path for path in (tmp_path / "new").rglob("*") if path.is_file()]
+    assert server.state()["phase"] == "empty"
 
 
 def test_results_of_another_video_are_one_line(serve, result, write_squares, tmp_path):

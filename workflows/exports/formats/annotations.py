@@ -104,8 +104,8 @@ def _encode_mask(mask: np.ndarray) -> tuple[dict, int, list[float]]:
 
 
 def _list_categories(summary: SequenceSummary) -> tuple[list[dict], dict[int, int]]:
-    """Return one category for each tag, and the category of each identity; objects without a tag are `UNNAMED`."""
-    names = {entry.identity: entry.tag or UNNAMED for entry in summary.objects}
+    """Return one category for each name, and the category of each identity; objects without a name are `UNNAMED`."""
+    names = {entry.identity: entry.called or UNNAMED for entry in summary.objects}
     ids = {name: index + 1 for index, name in enumerate(sorted({*names.values()} or {UNNAMED}))}
     categories = [{"id": number, "name": name, "supercategory": UNNAMED} for name, number in ids.items()]
     return categories, {identity: ids[name] for identity, name in names.items()}

@@ -15,13 +15,14 @@ def write_npz(saved: SavedSegmentation, folder: Path, dilation: int | None = Non
     """Write ``<sequence>.npz``, one frame in memory at a time.
 
     It holds ``labels`` uint16 (frame, y, x), ``identities`` and ``motions`` uint16 (object,), ``tags`` str (object,),
-    ``names`` str (frame,) and ``fps`` float64 (); no Python objects, so that it loads without pickle.
+    which are the names of the objects, ``names`` str (frame,) and ``fps`` float64 (); no Python objects, so that it
+    loads without pickle.
     """
     summary = saved.summary
     arrays = {
         "identities": np.array([entry.identity for entry in summary.objects], dtype=np.uint16),
         "motions": np.array([entry.motion for entry in summary.objects], dtype=np.uint16),
-        "tags": np.array([entry.tag or "" for entry in summary.objects], dtype=np.str_),
+        "tags": np.array([entry.called or "" for entry in summary.objects], dtype=np.str_),
         "names": np.array(saved.names, dtype=np.str_),
         "fps": np.array(summary.fps, dtype=np.float64),
     }

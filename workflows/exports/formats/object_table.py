@@ -10,14 +10,15 @@ from moseg.workflows.exports.owned_folder import OwnedFolder
 from moseg.workflows.exports.saved_segmentation import SavedSegmentation, list_identities
 from moseg.workflows.exports.write_text import write_text
 
-COLUMNS = "frame,file,identity,motion,left,top,right,bottom,pixels,moves_now,sure,complete"
+COLUMNS = "frame,file,identity,motion,left,top,right,bottom,pixels,moves_now,sure,complete,name"
 
 
 def write_csv(saved: SavedSegmentation, folder: Path, dilation: int | None = None) -> Path:
     """Write ``objects/objects.csv``: a line for each object and frame.
 
     The box holds its outermost pixels; `moves_now` is 1 if it moves, 0 if it rests; `sure` and `complete` are the
-    expected precision and recall of its mask. They are empty if they are not known.
+    expected precision and recall of its mask; `name` is the user's name of it, else that of a network. They are empty
+    if they are not known.
     """
     of_identity = {entry.identity: entry for entry in saved.summary.objects}
     lines = [COLUMNS]
@@ -28,7 +29,8 @@ def write_csv(saved: SavedSegmentation, folder: Path, dilation: int | None = Non
             box = f"{x.min()},{y.min()},{x.max()},{y.max()},{len(x)}"
             moves = "" if entry.moving_frames is None else int(entry.moves_now(frame))
             confidence = ",".join(_confidence(entry.per_frame, column, frame) for column in ("sure", "complete"))
-            lines.append(f"{frame},{_quoted(name)},{identity},{entry.motion},{box},{moves},{confidence}")
+            what = f"{frame},{_quoted(name)},{identity},{entry.motion}"
+            lines.append(f"{what},{box},{moves},{confidence},{_quoted(entry.called or '')}")
     with csv_folder(folder, saved.summary.name, saved.names) as target:
         write_text(target.folder / "objects.csv", "\n".join(lines) + "\n")
     return target.folder

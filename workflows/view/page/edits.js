@@ -38,17 +38,17 @@ export const undo = () => send("undo", {}, "undone");
 export const redo = () => send("redo", {}, "done again");
 
 // Sliders send their latest value while the server is at the one before; a gesture is one step of undo.
-let waiting = null;
+const waiting = new Map();
 let isSending = false;
 
 export const sendSetting = async (name, value, gesture) => {
-  waiting = { name, value, gesture };
+  waiting.set(name, { name, value, gesture });
   if (isSending) return;
   isSending = true;
   try {
-    while (waiting) {
-      const content = waiting;
-      waiting = null;
+    while (waiting.size) {
+      const [[next, content]] = waiting;
+      waiting.delete(next);
       await send("settings", content, "");
     }
   } finally {

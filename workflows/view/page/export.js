@@ -7,15 +7,14 @@ import { model, result } from "./model.js";
 const dialog = find("export-dialog");
 let form = null;
 
-const checkBox = (name, value, text, isDisabled, title) =>
-  make("label", { class: "check", title }, make("input", { type: "checkbox", name, value, disabled: isDisabled }), make("span", {}, make("b", {}, value), ` ${text}`));
+const checkBox = (name, value, text, isDisabled) =>
+  make("label", { class: "check" }, make("input", { type: "checkbox", name, value, disabled: isDisabled, "aria-describedby": isDisabled && "why-disabled" }), make("span", {}, make("b", {}, value), ` ${text}`));
 
 const field = (label, input, note) => make("label", { class: "field" }, label, input, note && make("span", { class: "muted" }, note));
 
 const build = () => {
-  const { exports, out, hasVideo } = result();
+  const { exports, out, hasVideo, exportCommand, viewCommand } = result();
   const needs = (entry) => entry.needsFrames && !hasVideo;
-  const why = "needs the video, which is not known here: open it by `moseg view VIDEO`";
   const status = make("p", { role: "status", id: "export-status" });
   const progress = make("progress", { id: "export-progress", "aria-label": "writing", hidden: true });
   form = make(
@@ -23,21 +22,22 @@ const build = () => {
     { method: "dialog", onsubmit: (event) => { event.preventDefault(); write(form, status, progress); } },
     make("h2", { id: "export-heading" }, "Export"),
     make("p", {}, "Writes masks/ and motion.json as corrected, and what is chosen here, into ", make("code", {}, out), "."),
+    !hasVideo && make("p", { id: "why-disabled", class: "note" }, "Grey choices contain frames, and this page was opened without the video. Write here, then run ", make("code", {}, exportCommand), "; or open the page with the video: ", make("code", {}, viewCommand), "."),
     make(
       "fieldset",
       {},
       make("legend", {}, "Overlay"),
       field("style", make("select", { name: "overlay" }, ...exports.overlays.map((name) => make("option", { value: name }, name)))),
-      field("size", make("select", { name: "overlaySize" }, make("option", { value: "analysed" }, "as analysed"), make("option", { value: "video", disabled: !hasVideo }, "the video's own"))),
+      field("size", make("select", { name: "overlaySize" }, make("option", { value: "analysed" }, "as analysed"), make("option", { value: "video", disabled: !hasVideo, "aria-describedby": !hasVideo && "why-disabled" }, "the video's own"))),
       make("label", { class: "check" }, make("input", { type: "checkbox", name: "sideBySide" }), "side by side"),
       make("label", { class: "check" }, make("input", { type: "checkbox", name: "identities" }), "numbers of the objects"),
     ),
-    make("fieldset", { class: "formats" }, make("legend", {}, "Formats"), ...exports.formats.map((entry) => checkBox("formats", entry.name, entry.about, needs(entry), needs(entry) ? why : ""))),
+    make("fieldset", { class: "formats" }, make("legend", {}, "Formats"), ...exports.formats.map((entry) => checkBox("formats", entry.name, entry.about, needs(entry)))),
     make(
       "fieldset",
       { class: "formats" },
       make("legend", {}, "Frames and masks as one set"),
-      ...exports.sets.map((entry) => checkBox("sets", entry.name, entry.about, needs(entry), needs(entry) ? why : "")),
+      ...exports.sets.map((entry) => checkBox("sets", entry.name, entry.about, needs(entry))),
       field("only each n-th frame, or one in so many seconds (0.5s)", make("input", { type: "text", name: "every", size: 6, placeholder: "all" })),
     ),
     field("widen what is to be ignored, px", make("input", { type: "number", name: "dilate", min: 0, max: 200, placeholder: "default" })),

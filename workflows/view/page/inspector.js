@@ -1,6 +1,6 @@
 // The inspector: the selected object and what can be done with it.
 
-import { find, make, refill, swatch } from "./elements.js";
+import { find, make, refill, showMessage, swatch } from "./elements.js";
 import { sendEdit } from "./edits.js";
 import { freeIdentity, model, nameOf, objectOf, on, only, result, select } from "./model.js";
 
@@ -30,7 +30,10 @@ export const actions = {
     const into = freeIdentity();
     await sendEdit({ split: { object, frame: model.frame, into } }, `object ${object} is ${into} from frame ${model.frame} on`);
   },
-  rename: () => find("name")?.select(),
+  rename: () => {
+    find("name")?.focus();
+    find("name")?.select();
+  },
 };
 
 const ACTIONS = [
@@ -38,7 +41,7 @@ const ACTIONS = [
   ["keep", "Keep", "K", "stays in the result whatever the settings say", (count) => count > 0],
   ["static", "Static", "S", "belongs to the background's motion", (count) => count > 0],
   ["moving", "Moving", "M", "moves on its own, with a motion of its own", (count) => count > 0],
-  ["merge", "Merge", "G", "one object, with the number of the first one selected", (count) => count > 1],
+  ["merge", "Merge", "G", "one object, with the number of the first one selected; in the result if one of them is", (count) => count > 1],
   ["split", "Split", "X", "another object from this frame on", (count) => count === 1 && model.frame > 0],
 ];
 
@@ -62,7 +65,10 @@ const nameField = (identity) => {
     autocomplete: "off", spellcheck: "false",
     onchange: () => {
       const name = input.value.trim();
-      if (name && name !== object.name) sendEdit({ rename: { object: identity, name } }, `object ${identity} is called ${name}`);
+      if (!name && object.name) {
+        input.value = object.name;
+        showMessage(`A name is changed, or its correction undone; object ${identity} is still called ${object.name}.`);
+      } else if (name !== (object.name ?? "")) sendEdit({ rename: { object: identity, name } }, `object ${identity} is called ${name}`);
     },
     onkeydown: (event) => {
       if (event.key === "Enter") input.blur();

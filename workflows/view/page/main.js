@@ -12,23 +12,20 @@ import { startPlayer } from "./player.js";
 import { startRejected } from "./rejected.js";
 import { startSettings } from "./settings.js";
 import { showProgress, startStart } from "./start.js";
-import { reload } from "./states.js";
+import { hearOf, reload, startStates } from "./states.js";
 import { startStrokes } from "./strokes.js";
 import { startTimeline } from "./timeline.js";
 import { startTools } from "./tools.js";
 
-for (const start of [startStart, startPlayer, startTools, startStrokes, startTimeline, startInspector, startSettings, startRejected, startEvidence, startCorrections, startExport, startKeys]) start();
+for (const start of [startStart, startStates, startPlayer, startTools, startStrokes, startTimeline, startInspector, startSettings, startRejected, startEvidence, startCorrections, startExport, startKeys]) start();
 
 find("message").querySelector("button").addEventListener("click", () => showMessage(""));
-on("fault", () => showMessage(find("picture").dataset.fault));
+on("fault", () => showMessage(model.fault));
 
 let isLost = false;
 
 listen(
-  ({ revision, phase }) => {
-    const known = model.state;
-    if (!known || known.revision < revision || known.phase !== phase) reload();
-  },
+  ({ revision }) => hearOf(revision),
   showProgress,
   (isConnected) => {
     if (isConnected && isLost) {

@@ -15,10 +15,11 @@ export const model = {
   hasOverlay: true,
   hasNames: true,
   hasRejected: false,
-  isBusy: false,
+  isBusy: false, // while the server is at a change of this page
+  fault: "", // why the frame cannot be shown
 };
 
-// Calls a function whenever one of these topics changes: state, grid, frame, selection, tool, view, busy.
+// Calls a function whenever one of these topics changes: state, grid, frame, selection, tool, view, busy, drawn, fault.
 export const on = (topics, listener) => {
   for (const topic of topics.split(" ")) {
     if (!listeners.has(topic)) listeners.set(topic, new Set());

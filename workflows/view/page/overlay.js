@@ -1,6 +1,7 @@
 // The overlay: tinted objects with outlines, as in the overlay video, and outlines of rejected proposals.
 
 const TINT = 0.45;
+const LONGEST = 24; // characters of a name in the picture
 const scratch = document.createElement("canvas");
 
 const levels = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
@@ -52,6 +53,11 @@ export const drawLabels = (context, labels, width, height, colours, { selected, 
   context.drawImage(scratch, 0, 0);
 };
 
+const shorten = (text) => {
+  const characters = [...text];
+  return characters.length > LONGEST ? `${characters.slice(0, LONGEST - 1).join("")}…` : text;
+};
+
 // Writes the name of each object at the mean of its pixels, or above an object that is hardly larger than its name.
 export const drawNames = (context, labels, width, names) => {
   const sums = new Map();
@@ -70,9 +76,12 @@ export const drawNames = (context, labels, width, names) => {
   context.textBaseline = "middle";
   context.lineJoin = "round";
   for (const [label, [count, x, y, top]] of sums) {
-    const text = names.get(label) ?? String(label);
+    const text = shorten(names.get(label) ?? String(label));
     const isSmall = count < 9 * size * size;
-    const place = [x / count, isSmall ? Math.max(top - 0.8 * size, 0.6 * size) : y / count];
+    // Within the frame as a whole.
+    const half = context.measureText(text).width / 2 + size / 4;
+    const column = Math.max(Math.min(x / count, width - half), half);
+    const place = [column, isSmall ? Math.max(top - 0.8 * size, 0.6 * size) : y / count];
     context.lineWidth = size / 4;
     context.strokeStyle = "rgb(0 0 0 / 80%)";
     context.strokeText(text, ...place);

@@ -11,6 +11,8 @@ const SPEEDS = [0.1, 0.25, 0.5, 1, 2];
 const REJECTED_COLOUR = "#b8b8b8";
 
 const canvas = find("picture");
+const scene = document.createElement("canvas");
+let composed = ""; // what the scene shows
 let timer = 0;
 let speed = 1;
 let isLooping = true;
@@ -38,14 +40,19 @@ const gather = async (shown, frame) => {
   ]);
 };
 
-const paintFrame = (shown, frame, [picture, labels, proposals]) => {
+const describeFrame = (shown, frame, picture, labels) => {
+  const cue = model.cue < 0 ? "video" : shown.cues[model.cue].name;
+  const seen = labels ? shown.objects.filter(({ identity }) => labels.includes(identity)) : [];
+  const what = seen.length ? `objects ${seen.map(({ identity }) => nameOf(identity)).join(", ")}` : "no object";
+  return `${cue}, frame ${frame}: ${what}${picture ? "" : "; no picture of this frame"}`;
+};
+
+// Draws all but the brush, which moves without it.
+const compose = (shown, [picture, labels, proposals]) => {
   const { width, height } = shown.grid;
-  if (canvas.width !== width || canvas.height !== height) {
-    canvas.width = width;
-    canvas.height = height;
-  }
-  const context = canvas.getContext("2d");
-  context.clearRect(0, 0, width, height);
+  scene.width = width;
+  scene.height = height;
+  const context = scene.getContext("2d");
   if (picture) context.drawImage(picture, 0, 0, width, height);
   const options = { selected: model.selected, opacity: model.opacity };
   if (proposals) {
@@ -56,11 +63,24 @@ const paintFrame = (shown, frame, [picture, labels, proposals]) => {
   }
   if (labels && model.hasOverlay) drawLabels(context, labels, width, height, readColours(shown.objects), options);
   if (labels && model.hasNames) drawNames(context, labels, width, names(shown));
+};
+
+const paintFrame = (shown, frame, content) => {
+  const { cue, opacity, hasOverlay, hasNames, hasRejected, selected } = model;
+  const wanted = JSON.stringify([shown.key, frame, cue, opacity, hasOverlay, hasNames, hasRejected, [...selected]]);
+  if (composed !== wanted) {
+    compose(shown, content);
+    composed = wanted;
+    canvas.setAttribute("aria-label", describeFrame(shown, frame, ...content));
+  }
+  if (canvas.width !== scene.width || canvas.height !== scene.height) {
+    canvas.width = scene.width;
+    canvas.height = scene.height;
+  }
+  const context = canvas.getContext("2d");
+  context.clearRect(0, 0, canvas.width, canvas.height);
+  context.drawImage(scene, 0, 0);
   drawBrush(context, shown);
-  const cue = model.cue < 0 ? "video" : shown.cues[model.cue].name;
-  const seen = labels ? shown.objects.filter(({ identity }) => labels.includes(identity)) : [];
-  const what = seen.length ? `objects ${seen.map(({ identity }) => nameOf(identity)).join(", ")}` : "no object";
-  canvas.setAttribute("aria-label", `${cue}, frame ${frame}: ${what}${picture ? "" : "; no picture of this frame"}`);
   canvas.dataset.frame = frame;
   canvas.dataset.key = shown.key;
 };
@@ -76,14 +96,35 @@ export const draw = async () => {
     const content = await gather(shown, frame);
     if (shown === result()) paintFrame(shown, frame, content);
     else isStale = true;
-    prefetch(shown, frame);
+    setFault("");
   } catch (error) {
-    canvas.dataset.fault = error.message;
-    changed("fault");
+    // Of a result that another one has replaced, the pictures may be gone.
+    if (shown === result()) blankFrame(shown, frame, error.message);
+    else isStale = true;
   } finally {
     isDrawing = false;
   }
   if (isStale || frame !== model.frame) draw();
+  else {
+    changed("drawn");
+    if (!model.isBusy) prefetch(shown, frame);
+  }
+};
+
+const setFault = (text) => {
+  if (model.fault === text) return;
+  model.fault = text;
+  changed("fault");
+};
+
+// A frame that cannot be shown is not the one before it.
+const blankFrame = (shown, frame, why) => {
+  canvas.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
+  composed = "";
+  canvas.setAttribute("aria-label", `frame ${frame} cannot be shown`);
+  canvas.dataset.frame = frame;
+  canvas.dataset.key = shown.key;
+  setFault(`Frame ${frame} cannot be shown: ${why}`);
 };
 
 const prefetch = (shown, frame) => {

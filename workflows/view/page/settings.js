@@ -21,22 +21,35 @@ const fromSlider = (setting, value) => {
   return Number((10 ** value).toPrecision(3));
 };
 
+const hold = () => {
+  isHeld = true;
+  gesture += 1;
+};
+
+const letGo = () => {
+  isHeld = false;
+};
+
 const makeRange = (setting) => {
   const output = make("output", {}, show(setting, setting.value));
   const input = make("input", {
     type: "range", "data-key": setting.name, "data-setting": setting.name,
     min: toSlider(setting, setting.min), max: toSlider(setting, setting.max), step: setting.step,
     "aria-valuetext": show(setting, setting.value), "aria-label": setting.label,
-    onpointerdown: () => { isHeld = true; gesture += 1; },
-    onpointerup: () => { isHeld = false; },
+    onpointerdown: hold,
+    onpointerup: letGo,
+    onpointercancel: letGo,
+    // A key that is held is one gesture, too.
+    onkeydown: (event) => { if (!event.repeat) hold(); },
+    onkeyup: letGo,
     oninput: () => {
       const value = fromSlider(setting, Number(input.value));
       output.textContent = show(setting, value);
       input.setAttribute("aria-valuetext", show(setting, value));
-      sendSetting(setting.name, value, gesture);
+      sendSetting(setting.name, value, `${setting.name} ${gesture}`);
     },
-    onchange: () => { isHeld = false; gesture += 1; },
-    onblur: () => { isHeld = false; },
+    onchange: () => { if (!isHeld) gesture += 1; },
+    onblur: letGo,
   });
   input.value = toSlider(setting, setting.value);
   return make("div", { class: "setting", title: setting.description }, make("span", {}, setting.label), input, output, makeReset(setting));

@@ -3,13 +3,15 @@
 import { getJson } from "./api.js";
 import { showMessage } from "./elements.js";
 import { useResult } from "./media.js";
-import { changed, model, result } from "./model.js";
+import { changed, model, on, result } from "./model.js";
 
 let gridKey = null;
+let announced = 0; // revision that the server told of
 
+// Areas over time, after the picture that they belong to: while a slider moves, only those of its last value.
 const loadGrid = async () => {
   const shown = result();
-  if (!shown || shown.key === gridKey) return;
+  if (!shown || model.isBusy || shown.key === gridKey) return;
   gridKey = shown.key;
   try {
     const grid = await getJson(`grid/${shown.key}`);
@@ -34,7 +36,6 @@ export const receiveState = (state) => {
     model.selected = new Set([...model.selected].filter((identity) => known.has(identity)));
   }
   changed("state", "selection");
-  loadGrid();
 };
 
 export const reload = async () => {
@@ -43,4 +44,20 @@ export const reload = async () => {
   } catch (error) {
     showMessage(error.message);
   }
+};
+
+// The answer to a change of this page has the new state: only changes of others are fetched.
+const catchUp = () => {
+  if (!model.isBusy && (model.state?.revision ?? 0) < announced) reload();
+};
+
+export const hearOf = (revision) => {
+  announced = revision;
+  catchUp();
+};
+
+export const startStates = () => {
+  on("busy", catchUp);
+  // Not between two values of a slider.
+  on("drawn busy", () => setTimeout(loadGrid));
 };

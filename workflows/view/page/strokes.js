@@ -4,11 +4,14 @@ import { announce, find } from "./elements.js";
 import { labelsAt, proposalsAt } from "./media.js";
 import { changed, freeIdentity, model, nameOf, on, only, result, select } from "./model.js";
 import { sendEdit } from "./edits.js";
+import { play } from "./player.js";
 
 const BRUSHES = new Set(["paint", "erase"]);
 const FAR = 8; // px of a step by arrows, without the shift key
 const canvas = find("picture");
 let stroke = null; // points of the stroke that is being made
+let drawnBy = null; // tool and frame of the stroke: neither changes while it is made
+const pending = new Set(); // strokes and clicks that the server is at, which stay in sight until it has answered
 let cursor = null; // place of the pointer or of the keys' cross
 
 // Canvas pixels and the video's: pixel centres are at integers in both.
@@ -25,26 +28,42 @@ const placeOf = (event) => {
   };
 };
 
+const CLICK_RADIUS = 5; // px of the canvas: the mark of a click
 const radiusOnCanvas = ({ grid, width }) => (model.radius * grid.width) / width;
 
-// The brush, its stroke so far, and the cross of the keys.
-export const drawBrush = (context, shown) => {
-  if (BRUSHES.has(model.tool) && stroke?.length) {
-    context.save();
-    context.lineCap = "round";
-    context.lineJoin = "round";
-    context.lineWidth = 2 * radiusOnCanvas(shown);
-    context.strokeStyle = model.tool === "paint" ? "rgb(80 200 255 / 55%)" : "rgb(255 90 60 / 55%)";
-    context.beginPath();
-    context.moveTo(stroke[0].x, stroke[0].y);
-    for (const { x, y } of stroke) context.lineTo(x, y + (stroke.length === 1 ? 0.01 : 0));
-    context.stroke();
-    context.restore();
+const drawStroke = (context, shown, { tool, places, radius }) => {
+  context.save();
+  context.lineCap = "round";
+  context.lineJoin = "round";
+  context.lineWidth = (2 * radius * shown.grid.width) / shown.width;
+  context.strokeStyle = tool === "erase" ? "rgb(255 90 60 / 55%)" : "rgb(80 200 255 / 55%)";
+  context.beginPath();
+  context.moveTo(places[0].x, places[0].y);
+  for (const { x, y } of places) context.lineTo(x, y + (places.length === 1 ? 0.01 : 0));
+  context.stroke();
+  context.restore();
+};
+
+// Sends what was drawn, and shows it until the result has it.
+const sendDrawn = async (drawn, edit, said) => {
+  pending.add(drawn);
+  changed("tool");
+  try {
+    return await sendEdit(edit, said);
+  } finally {
+    pending.delete(drawn);
+    changed("tool");
   }
+};
+
+// The brush, strokes that are made or sent, and the cross of the keys.
+export const drawBrush = (context, shown) => {
+  for (const each of pending) if (each.frame === model.frame) drawStroke(context, shown, each);
+  if (stroke) drawStroke(context, shown, { ...drawnBy, places: stroke, radius: model.radius });
   if (!cursor || model.tool === "select") return;
   context.save();
   context.beginPath();
-  context.arc(cursor.x, cursor.y, BRUSHES.has(model.tool) ? radiusOnCanvas(shown) : 5, 0, 2 * Math.PI);
+  context.arc(cursor.x, cursor.y, BRUSHES.has(model.tool) ? radiusOnCanvas(shown) : CLICK_RADIUS, 0, 2 * Math.PI);
   context.lineWidth = 3;
   context.strokeStyle = "rgb(0 0 0 / 70%)";
   context.stroke();
@@ -77,28 +96,37 @@ const choose = async (place, isMore) => {
   announce(identity ? `object ${nameOf(identity)} ${chosen.has(identity) ? "selected" : "not selected"}` : "no object here");
 };
 
+const begin = (place) => {
+  play(false);
+  stroke = [place];
+  drawnBy = { tool: model.tool, frame: model.frame };
+};
+
 const finish = async () => {
   const shown = result();
-  const points = (stroke ?? []).map((place) => toVideo(place, shown));
+  const { tool, frame } = drawnBy;
+  const drawn = { tool, frame, places: stroke, radius: model.radius };
+  const strokes = [{ radius: model.radius, points: stroke.map((place) => toVideo(place, shown)) }];
   stroke = null;
-  if (!points.length) return;
-  const strokes = [{ radius: model.radius, points }];
   const target = only();
-  if (model.tool === "paint") {
+  if (tool === "paint") {
     const object = target ?? freeIdentity();
-    await sendEdit({ paint: { object, frame: model.frame, strokes } }, `painted object ${object} in frame ${model.frame}`);
-    select([object]);
+    const edit = { paint: { object, frame, strokes } };
+    if (await sendDrawn(drawn, edit, `painted object ${object} in frame ${frame}`)) select([object]);
   } else {
     const which = target === null ? {} : { object: target };
-    await sendEdit({ erase: { ...which, frame: model.frame, strokes } }, `erased in frame ${model.frame}`);
+    await sendDrawn(drawn, { erase: { ...which, frame, strokes } }, `erased in frame ${frame}`);
   }
 };
 
 const add = async (place) => {
+  play(false);
   const shown = result();
+  const { frame } = model;
   const object = freeIdentity();
-  const edit = { add: { object, frame: model.frame, points: [toVideo(place, shown)], by: model.growing } };
-  if (await sendEdit(edit, `object ${object} added`)) select([object]);
+  const drawn = { tool: "add", frame, places: [place], radius: (CLICK_RADIUS * shown.width) / shown.grid.width };
+  const edit = { add: { object, frame, points: [toVideo(place, shown)], by: model.growing } };
+  if (await sendDrawn(drawn, edit, `object ${object} added`)) select([object]);
 };
 
 const extend = (place) => {
@@ -112,7 +140,7 @@ const pressKey = async () => {
   if (model.tool === "select") await choose(cursor, false);
   else if (model.tool === "add") await add(cursor);
   else if (stroke === null) {
-    stroke = [cursor];
+    begin(cursor);
     announce("brush down: arrows draw, Enter lifts it, Escape drops the stroke");
   } else await finish();
   changed("tool");
@@ -153,7 +181,7 @@ export const startStrokes = () => {
     else if (model.tool === "add") add(place);
     else {
       canvas.setPointerCapture(event.pointerId);
-      stroke = [place];
+      begin(place);
       changed("tool");
     }
   });
@@ -173,5 +201,10 @@ export const startStrokes = () => {
   canvas.addEventListener("keydown", onKey);
   on("tool", () => {
     canvas.dataset.tool = model.tool;
+    if (stroke && model.tool !== drawnBy.tool) stroke = null;
+  });
+  on("frame", () => {
+    // Another frame is seen, so that the stroke would be drawn where nobody looks.
+    if (stroke && model.frame !== drawnBy.frame) cancelStroke();
   });
 };

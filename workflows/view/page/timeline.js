@@ -1,10 +1,11 @@
 // Objects over time: a row for each object with pictures cut out of frames, its area, and when it moves.
 
 import { announce, find, make, makeDrawing, plural, refill, swatch } from "./elements.js";
-import { changed, goTo, model, nameOf, on, result, select } from "./model.js";
+import { goTo, model, nameOf, on, result, select } from "./model.js";
 
 const HEIGHT = 26;
-let playheads = [];
+const FEW = 4; // rows of full height
+const made = new Map(); // rows by identity, with what they were made from
 let active = null; // identity of the row that the tab key stops at
 
 const outline = (areas, step, numFrames, largest) => {
@@ -19,7 +20,6 @@ const outline = (areas, step, numFrames, largest) => {
 const drawTrack = (object, entry, shown) => {
   const { numFrames } = shown;
   const playhead = makeDrawing("line", { class: "playhead", y1: 0, y2: HEIGHT });
-  playheads.push(playhead);
   const area = makeDrawing("polygon", { points: outline(entry.areas, model.grid.step, numFrames, entry.largest) });
   area.style.fill = object.colour;
   const moving = (object.movingFrames ?? []).map(([first, end]) =>
@@ -65,11 +65,23 @@ const makeRow = (object, shown) => {
     make(
       "div",
       { class: "row-name" },
-      make("span", {}, swatch(object.colour), make("b", {}, String(identity)), object.name ? ` ${object.name}` : ""),
+      make("span", { class: "called", title: object.name }, swatch(object.colour), make("b", {}, String(identity)), object.name ? ` ${object.name}` : ""),
       make("span", { class: "muted" }, facts(object, entry)),
     ),
     make("div", { class: "track" }, entry && drawThumbnails(object, entry, shown), entry && drawTrack(object, entry, shown)),
   );
+  return row;
+};
+
+// The row of an object, the same one as before unless what it shows has changed.
+const rowOf = (object, shown) => {
+  const { step, key } = model.grid ?? {};
+  const entry = model.grid?.objects[object.identity];
+  const from = JSON.stringify([object, entry ? [entry.tag, step] : key === shown.key, shown.source]);
+  const known = made.get(object.identity);
+  if (known?.from === from) return known.row;
+  const row = makeRow(object, shown);
+  made.set(object.identity, { from, row });
   return row;
 };
 
@@ -84,7 +96,7 @@ const markRows = () => {
 };
 
 const markFrame = () => {
-  for (const playhead of playheads) {
+  for (const playhead of find("rows").querySelectorAll(".playhead")) {
     playhead.setAttribute("x1", model.frame + 0.5);
     playhead.setAttribute("x2", model.frame + 0.5);
   }
@@ -99,10 +111,11 @@ const drawRuler = (shown) => {
 const drawRows = () => {
   const shown = result();
   if (!shown) return;
-  playheads = [];
   drawRuler(shown);
   const rows = find("rows");
-  refill(rows, ...shown.objects.map((object) => makeRow(object, shown)));
+  const wanted = shown.objects.map((object) => rowOf(object, shown));
+  rows.classList.toggle("is-many", wanted.length > FEW);
+  if (wanted.length !== rows.children.length || wanted.some((row, place) => row !== rows.children[place])) refill(rows, ...wanted);
   if (!shown.objects.length) {
     rows.append(make("li", { class: "nothing muted", role: "option", "aria-selected": "false" }, "No object moves. Rejected proposals can be promoted, objects painted or added by a click."));
   }
@@ -166,5 +179,4 @@ export const startTimeline = () => {
   on("state grid", drawRows);
   on("selection", markRows);
   on("frame", markFrame);
-  on("grid", () => changed("selection"));
 };

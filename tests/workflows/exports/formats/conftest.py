@@ -21,13 +21,14 @@ def volume():
 
 @pytest.fixture
 def write_saved(tmp_path, volume):
-    """Write the labels and open them, with other labels, names of frames or tags where given."""
+    """Write the labels and open them, with other labels, names of frames, tags or names of objects where given."""
 
-    def write(labels=volume, frames=None, tags=None, name="dog walk"):
+    def write(labels=volume, frames=None, tags=None, name="dog walk", given_names=None):
         folder = tmp_path / "out"
         write_masks(folder / "masks", labels)
         motions = {identity: 1 + identity % 2 for identity in np.unique(labels).tolist() if identity}
-        write_motion(folder / "motion.json", summarise_sequence(name, labels, 25.0, 3, motions, tags, frames))
+        summary = summarise_sequence(name, labels, 25.0, 3, motions, tags, frames, given_names=given_names)
+        write_motion(folder / "motion.json", summary)
         return open_segmentation(folder)
 
     return write

@@ -58,3 +58,15 @@ def test_the_file_is_strict_json_that_reads_as_text(saved):
     text = FORMATS["coco"].write(saved, saved.folder, None).read_text(encoding="utf-8")
     assert "größe.JPG" in text
     assert all(isinstance(entry["segmentation"]["counts"], str) for entry in json.loads(text)["annotations"])
+
+
+@pytest.mark.parametrize("form", ["coco", "ytvis"])
+def test_the_users_name_of_an_object_is_its_category(write_saved, form):
+    saved = write_saved(tags={2: "dog", 7: "cat"}, given_names={2: 'Rex, "the dog"'})
+    content = json.loads(FORMATS[form].write(saved, saved.folder, None).read_text())
+    names = {each["id"]: each["name"] for each in content["categories"]}
+    key = "track_id" if form == "coco" else "id"
+    assert {each[key]: names[each["category_id"]] for each in content["annotations"]} == {
+        2: 'Rex, "the dog"',
+        7: "cat",
+    }

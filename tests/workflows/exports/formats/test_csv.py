@@ -52,9 +52,14 @@ def test_a_line_says_how_sure_and_how_complete_its_mask_is(tmp_path, labels):
     assert [(row["sure"], row["complete"]) for row in found] == [("0.9", "0.5"), ("0.8", "0.5"), ("0.6", "0.5")]
 
 
+def test_a_line_has_the_name_of_its_object(write_saved, tmp_path):
+    found = rows(write_saved(tags={2: "dog", 7: "cat"}, given_names={2: 'Rex, "the dog"'}), tmp_path)
+    assert {(row["identity"], row["name"]) for row in found} == {("2", 'Rex, "the dog"'), ("7", "cat")}
+
+
 def test_it_is_left_open_where_it_is_not_known(tmp_path, labels):
     for row in rows(save(tmp_path, labels), tmp_path):
-        assert {row[name] for name in ("moves_now", "sure", "complete")} == {""}
+        assert {row[name] for name in ("moves_now", "sure", "complete", "name")} == {""}
 
 
 def test_runs_are_of_consecutive_frames():

@@ -19,6 +19,12 @@ def test_arrays_are_those_that_were_saved(saved, volume):
     assert arrays["fps"] == 25
 
 
+def test_objects_have_the_names_that_the_user_gave(write_saved):
+    saved = write_saved(tags={2: "dog", 7: "cat"}, given_names={7: "größte Katze"})
+    with np.load(FORMATS["npz"].write(saved, saved.folder, None), allow_pickle=False) as archive:
+        assert archive["tags"].tolist() == ["dog", "größte Katze"]
+
+
 def test_it_is_read_as_predictions(saved, volume):
     FORMATS["npz"].write(saved, saved.folder, None)
     read = open_predictions(saved.folder, "volume").sequence("dog walk", FrameList(4), volume.shape[1:])
