@@ -10,7 +10,8 @@ import numpy as np
 
 def to_float32(half: np.ndarray) -> np.ndarray:
     """Convert `half`, float16 of any shape, to float32."""
-    return cv2.add(half.reshape(-1, 1), 0.0, dtype=cv2.CV_32F).reshape(half.shape)
+    # Contiguous: OpenCV would go through the values of a strided view one by one.
+    return cv2.add(np.ascontiguousarray(half).reshape(-1, 1), 0.0, dtype=cv2.CV_32F).reshape(half.shape)
 
 
 def to_float16(single: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ GEOMETRIES: Mapping[str, Choices] = {
     "paper": {
         "fundamental": {
             "estimator": "eight_point_ransac",
+            "step": 1,
             "num_samples": 200,
             "num_refits": 1,
             "degenerate": "discard",
@@ -68,12 +69,12 @@ QUALITIES: Mapping[str, Choices] = {
         "max_side": 427,
         "flow": {"preset": "light"},
         "saliency": {"working_side": 213},
-        "motion_network": {"step": 3},
+        "motion_network": {"step": 4},
         "scene_parallax": {"num_pairs": 4, "min_pairs": 3, "num_corners": 400},
         "rigid_support": {"step": 16},
         "tracks": {"points_per_object": 40, "background_points": 80, "window": 11, "pyramid_levels": 3},
-        "fundamental": {"step": 3},
-        "flow_model": {"step": 4},
+        "fundamental": {"step": 6},
+        "flow_model": {"step": 8},
     },
     "default": {},
     "best": {"flow": {"preset": "fine"}, "video_network": {"use": "always"}},

@@ -61,7 +61,8 @@ def estimate_saliency(
     previous, next : uint8 (y, x, 3) or None
         The frames before and after; None at the ends of the sequence.
     flow_previous, flow_next : float32 (y, x, 2) or None
-        Flow from `frame` to `previous` and to `next`, px/frame; None together with the frame.
+        Flow from `frame` to `previous` and to `next`, px/frame, of the frames' size or on a coarser grid; None together
+        with the frame.
     params : SaliencyParams
     choice : BackgroundChoice, optional
         The background's model; layers without it.
@@ -73,7 +74,8 @@ def estimate_saliency(
     Raises
     ------
     InputError
-        A flow's or neighbour's size is not the frame's, or only one of a neighbour and its flow is given.
+        A neighbour's size is not the frame's, a flow's grid is finer than the frame or not of its proportions, or only
+        one of a neighbour and its flow is given.
     """
     shape = working_shape(frame.shape[:2], params.working_side)
     flows, residual_flows = np.zeros((2, 2, *shape, 2), np.float16)
@@ -84,7 +86,7 @@ def estimate_saliency(
     for direction, (other, flow) in enumerate(((previous, flow_previous), (next, flow_next))):
         if not _is_given(frame, other, flow):
             continue
-        observed = reduce_flow(flow, shape)
+        observed = reduce_flow(flow, shape, frame.shape[:2])
         background = _explain(observed, params, choice)
         flows[direction], residual_flows[direction] = to_float16(observed), to_float16(observed - background.flow)
         first_layers[direction] = background.first_layer
@@ -116,8 +118,14 @@ def _is_given(frame: np.ndarray, other: np.ndarray | None, flow: np.ndarray | No
         raise InputError(
             "a neighbouring frame and its flow belong together", got="one of them", expected="both or none"
         )
-    if other.shape != frame.shape or flow.shape != (*frame.shape[:2], 2):
+    if other.shape != frame.shape or not _is_grid_of(frame, flow):
         raise InputError(
             "neighbour of another size", got=f"{other.shape}, flow {flow.shape}", expected=f"{frame.shape} and its flow"
         )
     return True
+
+
+def _is_grid_of(frame: np.ndarray, flow: np.ndarray) -> bool:
+    """Check whether a flow is on the frame's grid or on that of a level of its pyramid."""
+    height, width = frame.shape[:2]
+    return any(flow.shape == (height >> level, width >> level, 2) for level in range(height.bit_length()))

@@ -13,7 +13,7 @@ class FundamentalParams(Frozen):
 
     gap: Annotated[int, Unit.FRAMES] = Field(3, ge=1, description="frames between the two frames of a pair")
     step: Annotated[int, Unit.FRAMES] = Field(
-        1, ge=1, description="frames between the first frames of the pairs that are fitted"
+        2, ge=1, description="frames between the first frames of the pairs that are fitted"
     )
     estimator: Literal["poselib", "eight_point_ransac"] = Field(
         "poselib",

@@ -20,9 +20,9 @@ class MotionNetworkParams(Frozen):
     step: Annotated[int, Unit.FRAMES] = Field(
         3,
         ge=1,
-        le=3,
-        description="frames between those that the network looks at; the logit of the others is carried along the flow"
-        " from the frame beside them, or from both",
+        le=8,
+        description="frames between those that the network looks at; the logit of a frame beside them is carried along"
+        " the flow, from one or from both, and of the others there is none",
     )
     share: Annotated[float, Unit.SHARE] = Field(
         0.5, ge=0, le=1, description="weight of the network's logit; that of saliency has the rest"

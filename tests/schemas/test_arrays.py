@@ -25,3 +25,9 @@ def test_arrays_without_a_step_are_not_copied():
     array = np.arange(3.0)
     assert round_arrays({"x": array}, {"x": layout("float64", "y")})["x"] is array
     assert round_arrays({"x": array}, {})["x"] is array
+
+
+def test_rounding_of_many_values_is_that_of_each():
+    array = np.random.default_rng(0).normal(size=(3, 240, 427)).astype(np.float16)
+    found = round_arrays({"x": array}, {"x": layout("float16", "frame y x", step=1 / 64)})["x"]
+    assert found.shape == array.shape and np.array_equal(found, (np.rint(array.astype(float) * 64) / 64).astype("f2"))

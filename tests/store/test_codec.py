@@ -98,12 +98,37 @@ def test_files_are_those_that_zarr_writes(tmp_path: Path, dtype, dims):
     assert {path: (tmp_path / path).read_bytes() for path in files} == stored_bytes(files)
 
 
-def test_arrays_of_earlier_versions_are_decoded_without_zarr(monkeypatch):
+@settings(max_examples=40, deadline=None)
+@given(dtype=st.sampled_from(sorted(DTYPES)), shape=SHAPES, axes=AXES)
+def test_metadata_is_that_which_zarr_writes_for_the_shape(dtype, shape, axes):
+    dims, dtype = axes[: len(shape)], np.dtype(dtype)
+    files, _ = encode_group({"x": np.zeros(shape, dtype)}, {"x": dims})
+    name, shuffle = codec._compressor(dtype)
+    written: dict = {}
+    zarr.create_array(
+        zarr.storage.MemoryStore(written),
+        name="x",
+        shape=shape,
+        dtype=dtype,
+        chunks=chunk_shape(shape, dims),
+        filters=None,
+        compressors=[
+            zarr.codecs.BloscCodec(cname=name, clevel=1, shuffle=shuffle, typesize=dtype.itemsize),
+            zarr.codecs.Crc32cCodec(),
+        ],
+        chunk_key_encoding={"name": "default", "separator": "."},
+        dimension_names=dims,
+    )
+    assert bytes(files["x/zarr.json"]) == written["x/zarr.json"].to_bytes()
+
+
+@pytest.mark.parametrize("compressor", [("lz4", "shuffle"), ("zstd", "bitshuffle")])
+def test_arrays_of_earlier_versions_are_decoded_without_zarr(monkeypatch, compressor):
     array = np.arange(24.0).reshape(2, 3, 4)
     with monkeypatch.context() as earlier:
-        earlier.setattr(codec, "_compressor", lambda dtype: ("lz4", "shuffle"))
+        earlier.setattr(codec, "_compressor", lambda dtype: compressor)
         files, (entry,) = encode_group({"x": array}, {"x": ("frame", "y", "x")})
-    assert b"lz4" in bytes(files["x/zarr.json"])
+    assert compressor[0].encode() in bytes(files["x/zarr.json"])
     encode_group({"x": array}, {"x": ("frame", "y", "x")})
     monkeypatch.setattr(codec, "run_inline", None)
     assert np.array_equal(decode(entry, stored_bytes(files)), array)

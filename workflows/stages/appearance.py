@@ -5,7 +5,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import AppearanceParams, ForegroundParams
-from moseg.workflows.stages.accumulation import mean_of_passes
+from moseg.workflows.stages.accumulation import CONSISTENT, STRICT, mean_of_passes
 from moseg.workflows.stages.own_motion import EVIDENCE_PARAMS
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
@@ -20,13 +20,13 @@ def _run(params, inputs, rng):
 
     appearance = AppearanceParams.of_recipe(params["appearance"])
     foreground = ForegroundParams.of_recipe({"threshold": params["threshold"], "sharpness": params["sharpness"]})
-    accumulated = mean_of_passes(inputs, "accumulation", "maps")
+    accumulated = mean_of_passes(inputs, "accumulation", "maps", (STRICT, CONSISTENT))
     misfits = mean_of_passes(inputs, "coherence", "misfit")
     bins, counts = [], []
     for frame, maps, misfit in zip(inputs.all("frames"), accumulated, misfits, strict=True):
         reduced = reduce_frame(frame.cached("image"), misfit.shape).astype(np.uint8)
         bins.append(colour_bins(reduced, appearance))
-        counts.append(count_colours(bins[-1], maps[..., 0], maps[..., 2], misfit, appearance, foreground))
+        counts.append(count_colours(bins[-1], *maps, misfit, appearance, foreground))
     histograms = np.stack([sum(count.moving for count in counts), sum(count.static for count in counts)])
     totals = {name: sum(getattr(count, name) for count in counts) for name in ("reliability", "weight")}
     return Output({"bins": np.stack(bins), "histograms": histograms.astype(np.float32)}, totals)

@@ -2,7 +2,7 @@
 
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import SaliencyParams
-from moseg.workflows.stages.flow import read_flow
+from moseg.workflows.stages.flow import frame_shape
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -26,8 +26,11 @@ def _run(params, inputs, rng):
 
     saliency_params = SaliencyParams.of_recipe(params)
     # Given flow has gaps where its files hold no value, but every pixel of a map needs flow.
-    flows = [fill_unknown(read_flow(pair)) for pair in inputs.all("flows")]
-    reduced = [reduce_flow(flow, working_shape(flow.shape[:2], saliency_params.working_side)) for flow in flows]
+    reduced = []
+    for pair in inputs.all("flows"):
+        shape = frame_shape(pair)
+        grid = working_shape(shape, saliency_params.working_side)
+        reduced.append(reduce_flow(fill_unknown(pair.cached("flow")), grid, shape))
     return Output({}, choose_background(reduced, saliency_params)._asdict())
 
 
@@ -35,7 +38,7 @@ def _params(config: PipelineConfig) -> dict:
     return config.saliency.model_dump(mode="json", exclude=RESIDUAL_PARAMS | PAIRS_PARAMS)
 
 
-MODEL_SELECTION = Task("background", "model-selection", version=2, run=_run, params=_params)
+MODEL_SELECTION = Task("background", "model-selection", version=3, run=_run, params=_params)
 
 STAGE = Stage(
     name="background",

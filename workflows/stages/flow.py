@@ -27,6 +27,14 @@ def read_flow(view: ArtifactView) -> np.ndarray:
     return full_flow(view.cached("flow"), view.attributes)
 
 
+def frame_shape(view: ArtifactView) -> tuple[int, int]:
+    """Return the height and width of the frames of a view's artifact, px."""
+    from moseg.tasks.flow.flow_grid import SIZE
+
+    height, width = view.attributes.get(SIZE, view.shape("flow")[:2])
+    return height, width
+
+
 def _dis_params(config: PipelineConfig) -> dict:
     return config.flow.model_dump(mode="json", exclude={"method"})
 

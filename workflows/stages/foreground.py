@@ -5,7 +5,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import AppearanceParams, ForegroundParams, VideoNetworkParams
-from moseg.workflows.stages.accumulation import mean_of_passes
+from moseg.workflows.stages.accumulation import CONSISTENT, SALIENT, mean_of_passes
 from moseg.workflows.stages.appearance import RATIO_PARAMS
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
@@ -34,15 +34,14 @@ def _run(params, inputs, rng):
             looks[section] = colour_ratio(pooled, appearance), usual
         return looks[section]
 
-    accumulated = mean_of_passes(inputs, "accumulation", "maps")
+    accumulated = mean_of_passes(inputs, "accumulation", "maps", (SALIENT, CONSISTENT))
     misfits = mean_of_passes(inputs, "coherence", "misfit")
     remembered = mean_of_passes(inputs, "motion_memory", "odds")
     probabilities = []
     cues = zip(sections[own].array("bins"), accumulated, misfits, remembered, strict=True)
     for t, (bins, maps, misfit, odds) in enumerate(cues):
         ratio, usual = _blend(look, centres, own, params["start"] + t)
-        motion = maps[..., 1], maps[..., 2], misfit
-        moves = foreground_probability(*motion, ratio[bins], usual, foreground, remembered_logit(odds))
+        moves = foreground_probability(*maps, misfit, ratio[bins], usual, foreground, remembered_logit(odds))
         probabilities.append(to_float16(moves))
     return Output({"foreground": np.stack(probabilities)})
 

@@ -5,7 +5,14 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import ForegroundParams, MotionMemoryParams
-from moseg.workflows.stages.accumulation import CARRIED, carried_row, mean_of_passes, pass_direction, pass_flows
+from moseg.workflows.stages.accumulation import (
+    CARRIED,
+    SALIENT,
+    carried_row,
+    mean_of_passes,
+    pass_direction,
+    pass_flows,
+)
 from moseg.workflows.stages.own_motion import EVIDENCE_PARAMS
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
@@ -18,10 +25,10 @@ def _run(params, inputs, rng):
     memory = MotionMemoryParams.of_recipe(params["motion_memory"])
     foreground = ForegroundParams.of_recipe({name: params[name] for name in EVIDENCE_PARAMS})
     direction, order = pass_direction(params["from"])
-    seen = mean_of_passes(inputs, "accumulation", "maps")[order]
+    seen = mean_of_passes(inputs, "accumulation", "maps", (SALIENT,), order)
     consistency = inputs["consistency"].array("consistency")[order]
     remembered = accumulate(
-        (motion_odds(maps[..., 1], memory, foreground) for maps in seen),
+        (motion_odds(saliency, memory, foreground) for (saliency,) in seen),
         pass_flows(inputs.all("saliency")[order], direction),
         (np.float32(memory.memory) * to_float32(agreement[direction]) for agreement in consistency),
         carried_row(inputs),

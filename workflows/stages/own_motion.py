@@ -5,7 +5,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import OwnMotionParams
-from moseg.workflows.stages.accumulation import mean_of_passes
+from moseg.workflows.stages.accumulation import CONSISTENT, STRICT, mean_of_passes
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -20,9 +20,9 @@ def _run(params, inputs, rng):
     own_motion_params = OwnMotionParams.of_recipe(params["own_motion"])
     num_frames, start = params["num_frames"], params["start"]
     misfits = []
-    accumulated = mean_of_passes(inputs, "accumulation", "maps")
+    accumulated = mean_of_passes(inputs, "accumulation", "maps", (STRICT, CONSISTENT))
     for t, (frame, maps) in enumerate(zip(inputs.all("saliency"), accumulated, strict=True), start):
-        strict, reliability = maps[..., 0], maps[..., 2]
+        strict, reliability = maps
         moves = probability(motion_logit(strict, params["threshold"], params["sharpness"]))
         to_previous, to_next = to_float32(frame.array("residual_flows"))
         flows = (to_previous if t > 0 else None, to_next if t + 1 < num_frames else None)

@@ -4,7 +4,6 @@ from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import SaliencyParams
 from moseg.workflows.stages.background import SELECTION_PARAMS
-from moseg.workflows.stages.flow import read_flow
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -17,7 +16,8 @@ def _run(params, inputs, rng):
         return inputs[role].cached("image") if role in inputs else None
 
     def flow(role):
-        return fill_unknown(read_flow(inputs[role])) if role in inputs else None
+        # On the grid of its search: enlarged to the frame, it would only be averaged again.
+        return fill_unknown(inputs[role].cached("flow")) if role in inputs else None
 
     background = (BackgroundChoice(**inputs["background"].attributes),) if "background" in inputs else ()
     result = estimate_saliency(
@@ -39,7 +39,7 @@ def _params(config: PipelineConfig) -> dict:
 
 
 BACKGROUND_RESIDUAL = Task(
-    "saliency", "background-residual", version=5, run=_run, params=_params, is_cheap=True, is_cue=True
+    "saliency", "background-residual", version=6, run=_run, params=_params, is_cheap=True, is_cue=True
 )
 
 STAGE = Stage(

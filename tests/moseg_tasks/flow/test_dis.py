@@ -37,7 +37,7 @@ def test_the_flow_is_that_of_opencv_whatever_grid_it_is_searched_on(preset, shap
     assert search_flow(image0, image1, params).shape == (shape[0] >> level, shape[1] >> level, 2)
 
 
-@pytest.mark.parametrize("preset", ["ultrafast", "fast", "light", "medium"])
+@pytest.mark.parametrize("preset", ["ultrafast", "fast", "light", "balanced", "medium"])
 def test_a_translation_is_recovered(preset):
     canvas = texture((140, 180))
     image0, image1 = canvas[10:130, 10:170], canvas[12:132, 7:167]
@@ -46,6 +46,17 @@ def test_a_translation_is_recovered(preset):
     inner = flow[16:-16, 16:-16].reshape(-1, 2)
     np.testing.assert_allclose(np.median(inner, axis=0), [3.0, -2.0], atol=0.2)
     assert np.mean(np.abs(inner - [3.0, -2.0]).max(axis=1) < 0.5) > 0.95
+
+
+def test_a_balanced_search_is_closer_to_medium_than_a_light_one():
+    image0, image1 = texture((240, 320)), texture((240, 320), 1)
+    moved = cv2.remap(
+        image0, *np.meshgrid(*(np.arange(n, dtype=np.float32) * 0.99 + 2 for n in (320, 240))), cv2.INTER_LINEAR
+    )
+    moved[80:140, 100:180] = image1[80:140, 100:180]
+    flows = {name: estimate_flow(image0, moved, FlowParams(preset=name)) for name in ("light", "balanced", "medium")}
+    light, balanced = (np.abs(flows[name] - flows["medium"]).mean() for name in ("light", "balanced"))
+    assert 0 < balanced < light
 
 
 def test_the_flow_between_equal_frames_is_zero():

@@ -114,3 +114,9 @@ def test_the_working_grid_has_its_longer_side_and_is_never_an_enlargement(frame,
 def test_reduced_flow_is_in_pixels_of_the_reduced_grid():
     flow = np.full((90, 160, 2), (8.0, -3.0), np.float32)
     np.testing.assert_allclose(reduce_flow(flow, (30, 40)), np.full((30, 40, 2), (2.0, -1.0)), atol=1e-6)
+
+
+@pytest.mark.parametrize("grid", [(45, 80), (30, 40), (22, 40), (11, 20)])
+def test_flow_on_the_grid_of_its_search_is_reduced_as_if_it_were_enlarged_first(grid):
+    flow = np.full((*grid, 2), (8.0, -3.0), np.float32)
+    np.testing.assert_allclose(reduce_flow(flow, (30, 40), (90, 160)), np.full((30, 40, 2), (2.0, -1.0)), atol=1e-6)

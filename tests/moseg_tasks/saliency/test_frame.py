@@ -165,6 +165,15 @@ def test_a_large_frame_is_worked_on_at_the_working_size():
     np.testing.assert_allclose(result.flows[1, ..., 0], 427 / 640, rtol=2**-11)
 
 
+def test_flow_on_a_coarser_grid_shows_the_same_object():
+    flow = uniform_flow((3.0, 0.0))
+    coarse = cv2.resize(flow, (SHAPE[1] // 2, SHAPE[0] // 2), interpolation=cv2.INTER_AREA)
+    full, reduced = (estimate_saliency(FRAME, None, OTHER, None, each, PARAMS) for each in (flow, coarse))
+    assert reduced.saliency.shape == SHAPE
+    assert np.abs(full.saliency.astype(float) - reduced.saliency).mean() < 0.02
+    assert reduced.saliency[OBJECT].mean() > 0.8
+
+
 @pytest.mark.parametrize(
     ("other", "flow"), [(FRAME, None), (None, uniform_flow()), (FRAME[1:], uniform_flow()), (FRAME, uniform_flow()[1:])]
 )
