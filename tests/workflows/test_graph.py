@@ -21,13 +21,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "aaf7b4090a4cb613",
-    "oc-depth": "e144c6f1d4a2263a",
-    "oc": "ff0a79788c8122c8",
-    "trajs": "5814f02455e886ba",
-    "base": "4b849d23195bbd9f",
-    "flow": "ec6907edf2d34677",
-    "tracks": "cbfefe783bbe62f9",
+    "fused": "5e39a0def5022c37",
+    "oc-depth": "89b40a19b0462998",
+    "oc": "e6fd691e08bb8f32",
+    "trajs": "c26f8cc99481d6f4",
+    "base": "06e919802aa1d0f6",
+    "flow": "0e07b671ef8e1904",
+    "tracks": "b2fb0a8d1a24de3d",
 }
 
 
@@ -93,7 +93,7 @@ def _tasks(refs):
         ({"accumulation__consistency_absolute": 0.2}, BEHIND | FOREGROUND | {"consistency"}),
         ({"motion_network__share": 0.3}, BEHIND | FOREGROUND),
         ({"motion_network__step": 1}, BEHIND | FOREGROUND | {"motion_network"}),
-        ({"fundamental__step": 2}, TRAJS | {"affinity"} | END),
+        ({"fundamental__step": 3}, TRAJS | {"affinity"} | END),
         ({"accumulation__memory": 0.9}, BEHIND | FOREGROUND),
         ({"accumulation__reliability_floor": 0.2}, BEHIND | FOREGROUND),
         ({"own_motion__spread": 0.5}, BEHIND | FOREGROUND - {"accumulation", "motion_memory"}),

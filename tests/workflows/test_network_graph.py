@@ -16,8 +16,8 @@ BEHIND_FLOW = {"flow", "flow_model", "flow_residual"} | GROUPS
 BEHIND_DEPTH = {"depth", "flow_model", "flow_residual"} | GROUPS
 BEHIND_TRACKS = {"tracks", "fundamental", "fundamental_residual"} | GROUPS
 GOLDEN = {
-    "paper": "7dde4765a27801ce",
-    "modern": "03f42f3e2f5cd1d4",
+    "paper": "4a5b4c32c9f58bd1",
+    "modern": "50ecc0d324dd0ab2",
 }
 
 
