@@ -42,7 +42,8 @@ class ObjectAreas:
         """Return the number of pixels of each object in each frame of a section's proposals."""
         with self._lock:
             if ref not in self._proposed:
-                self._proposed[ref] = [np.bincount(frame.ravel()) for frame in ArtifactView(shown.store, ref).cached("masks")]
+                masks = ArtifactView(shown.store, ref).cached("masks")
+                self._proposed[ref] = [np.bincount(frame.ravel()) for frame in masks]
             return self._proposed[ref]
 
 
