@@ -5,6 +5,7 @@ from threading import Lock
 import numpy as np
 
 from moseg.workflows.pipelines.live_labels import LiveLabels
+from moseg.workflows.stages.inputs import ArtifactView
 from moseg.workflows.view.shown_result import ShownResult
 
 
@@ -41,7 +42,8 @@ class ObjectAreas:
         """Return the number of pixels of each object in each frame of a section's proposals."""
         with self._lock:
             if ref not in self._proposed:
-                self._proposed[ref] = [np.bincount(frame.ravel()) for frame in shown.store.read(ref, "masks")]
+                masks = ArtifactView(shown.store, ref).cached("masks")
+                self._proposed[ref] = [np.bincount(frame.ravel()) for frame in masks]
             return self._proposed[ref]
 
 

@@ -12,6 +12,9 @@ HOSTILE = '<img src=x onerror="window.ran=1">\'&amp;'
 ROWS = "document.querySelectorAll('.row').length"
 EDITS = "[...document.querySelectorAll('.edits li')].map((each) => each.textContent)"
 NUM_EDITS = "document.querySelectorAll('.edits li').length"
+# Values of the settings that the server has in force.
+VALUES = """fetch('state').then((answer) => answer.json())
+  .then((state) => state.result.settings.map((each) => each.value))"""
 # What the canvas shows at a share of its width and height, and the frame and the state that it shows.
 PIXEL = """([x, y]) => {
   const canvas = document.getElementById('picture');
@@ -202,7 +205,7 @@ def test_the_result_follows_a_slider_and_a_gesture_is_one_step(serve_video, open
     file = result.out / "corrections.yaml"
     wait_until(page, "document.getElementById('saved').textContent.includes('1 setting saved')")
     page.mouse.up()
-    wait_until(page, "document.getElementById('saved').textContent.includes('1 setting saved')")
+    wait_until(page, f"{VALUES}.then((found) => found[1] > 0.9)")
     value = read_corrections(str(file)).settings["clustering.threshold"]
     assert value > 0.9
     # What is in force is listed, settings too.
@@ -223,9 +226,7 @@ def test_sliders_that_move_at_once_both_keep_their_last_value(serve_video, open_
           }
         }"""
     )
-    state = "fetch('state').then((answer) => answer.json())"
-    values = f"{state}.then((state) => state.result.settings.map((each) => each.value))"
-    wait_until(page, f"{values}.then((found) => found.includes(0.8) && found.includes(0.008))")
+    wait_until(page, f"{VALUES}.then((found) => found.includes(0.8) && found.includes(0.008))")
     settings = read_corrections(str(result.out / "corrections.yaml")).settings
     assert settings == {"clustering.threshold": 0.8, "moving_objects.min_area": 0.008}
 

@@ -23,7 +23,7 @@ const draw = () => {
     corrections.edits.length
       ? make("ol", { class: "edits" }, ...corrections.edits.map((text) => make("li", {}, text)))
       : !corrections.settings.length && make("p", { class: "muted" }, "None yet."),
-    corrections.settings.length > 0 && make("ul", { class: "edits", "aria-label": "settings" }, ...corrections.settings.map((text) => make("li", {}, text))),
+    corrections.settings.length > 0 && make("ul", { class: "in-force", "aria-label": "settings" }, ...corrections.settings.map((text) => make("li", {}, text))),
     make("h3", {}, "The same without this page"),
     make("pre", { class: "command", tabindex: 0, id: "command", "aria-label": "command" }, command),
     make("button", { type: "button", "data-key": "copy", onclick: () => copy(command) }, "Copy"),

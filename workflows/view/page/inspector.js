@@ -98,7 +98,7 @@ const draw = () => {
     find("selection"),
     heading,
     one === null
-      ? make("p", { class: "muted" }, identities.length ? "Several objects: merge them, or one action for each." : "Click an object in the picture or a row below; with shift, several.")
+      ? make("p", { class: "muted" }, identities.length ? "Several objects: merge them, or one action for each." : "Click an object in the picture, or its row; with shift, several.")
       : [make("p", {}, swatch(objectOf(one).colour), isRejected(one) ? "a rejected proposal" : "an object of the result"), facts(one), nameField(one)],
     make("div", { class: "actions", role: "group", "aria-label": "actions" }, ...buttons),
   );
