@@ -247,7 +247,7 @@ def test_a_stroke_belongs_to_the_tool_and_the_frame_with_which_it_began(serve_vi
     page = open_page(serve_video())
     box = page.locator("#picture").bounding_box()
     middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-    for key in ("v", "e", "ArrowRight"):
+    for key in ("v", "e", "End"):
         page.keyboard.press("b")
         page.mouse.move(*middle)
         page.mouse.down()
