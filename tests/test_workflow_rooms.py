@@ -20,7 +20,7 @@ ALLOWED = {
     },
     "api": {
         *("cluster", "config", "datasets", "engine", "exports", "pipelines", "predictions", "process", "reports"),
-        *("plugins", "runlog", "sources", "stages", "training", "weights"),
+        *("plugins", "runlog", "sources", "training", "weights"),
     },
     "pipelines": {
         *("datasets", "engine", "exports", "graph", "predictions", "process", "reports", "results", "runlog"),

@@ -135,3 +135,15 @@ def test_cameras_reach_the_masks_and_two_workers_leave_the_same_bytes(method, se
     assert _contents(both) == _contents(store)
     again = [path.read_bytes() for path in sorted((tmp_path / "together" / "out" / "masks").glob("*.png"))]
     assert len(masks) == NUM_FRAMES and again == masks
+
+
+@pytest.mark.parametrize("arguments", [("--proposals", "saliency"), ("--set", "rigid_support.use=never")])
+def test_weights_that_no_node_reads_are_not_fetched(arguments, moseg, write_squares, tmp_path, monkeypatch):
+    monkeypatch.setenv("MOSEG_WEIGHTS", str(tmp_path / "nothing"))
+    video = write_squares(tmp_path / "clip", num_frames=NUM_FRAMES) / "frames"
+    outputs = ("--store", tmp_path / "store", "--out", tmp_path / "out", "--quiet", "--offline")
+    ran = moseg("segment", video, *outputs, "--set", "cameras.method=depth-anything-3", *arguments)
+    assert ran.code == 0, ran.err
+    # Those of a network that runs are asked for.
+    ran = moseg("segment", video, *outputs, *arguments, "--flow", "raft")
+    assert ran.code == 2 and "moseg weights fetch raft-large" in ran.err

@@ -29,7 +29,6 @@ from moseg.workflows.plugins.loading import load_plugins
 from moseg.workflows.reports.equal_rows import equality_notes
 from moseg.workflows.reports.run_report import RunReport
 from moseg.workflows.reports.score_tables import clip_tables, score_tables
-from moseg.workflows.stages.needed_weights import needed_items
 from moseg.workflows.weights.folder import open_weights
 
 AnyVariant = TypeVar("AnyVariant", Variant, TrajectoryVariant)
@@ -162,13 +161,13 @@ def run_plan(
         trajectories.refuse(dataset.name, list_trajectory_datasets())
         chosen = read_variants(variants, Variant, dataset.name)
         sources = open_sequences(dataset, config, choices)
-        stages, num_open = plan_evaluation(opened, sources, config, chosen, weights)
+        stages, read, num_open = plan_evaluation(opened, sources, config, chosen, weights)
     else:
         config = trajectories.apply(choices, config, dataset.name)
         chosen = read_variants(variants, TrajectoryVariant, dataset.name)
         sources = [dataset.trajectories(name) for name in dataset.names]
-        stages, num_open = plan_trajectories(opened, sources, config, chosen, trajectories.all_seeds), 0
-    items = [weights.item(name) for name in needed_items(config)]
+        stages, read, num_open = plan_trajectories(opened, sources, config, chosen, trajectories.all_seeds), (), 0
+    items = [weights.item(name) for name in read]
     return Planned(stages, tuple(item for item in items if not weights.is_present(item)), num_open)
 
 

@@ -27,7 +27,8 @@ from moseg.workflows.process.amounts import read_size, size
 from moseg.workflows.process.progress import PATIENCE_SEC, StageProgress
 from moseg.workflows.runlog.events import new_run_id
 from moseg.workflows.runlog.run_log import RunLog
-from moseg.workflows.weights.folder import Weights, WeightsLeaf, open_weights, weights_leaf
+from moseg.workflows.weights.folder import Weights, WeightsLeaf, find_item, open_weights, weights_leaf
+from moseg.workflows.weights.leaves_by_name import LeavesByName
 from moseg.workflows.weights.reading import require_network_packages
 
 BUDGET_VARIABLE = "MOSEG_STORE_SIZE"
@@ -200,11 +201,20 @@ class Session:
         self._first.update(found)
         return [found[recipe.ref] for recipe in recipes]
 
-    def name_weights(self, items: Mapping[str, str]) -> dict[str, str]:
-        """Return the leaves of weights items, by name; `items` gives the architecture that each must have."""
-        leaves = {name: weights_leaf(self._weights, name, architecture) for name, architecture in items.items()}
-        self._weights_leaves |= {leaf.recipe.ref: leaf for leaf in leaves.values()}
-        return {name: leaf.recipe.ref for name, leaf in leaves.items()}
+    def name_weights(self, items: Mapping[str, str]) -> LeavesByName:
+        """Return the leaves of weights items, by name; `items` gives the architecture that each must have.
+
+        InputError is raised at once if there is no such item, or if its licence was not accepted; if its files cannot
+        be had, when a graph reads the leaf.
+        """
+        for name, architecture in items.items():
+            self._weights.check_licence(find_item(self._weights, name, architecture))
+        return LeavesByName(items, self._name_leaf)
+
+    def _name_leaf(self, name: str, architecture: str) -> str:
+        leaf = weights_leaf(self._weights, name, architecture)
+        self._weights_leaves[leaf.recipe.ref] = leaf
+        return leaf.recipe.ref
 
     def compute(
         self,

@@ -149,11 +149,14 @@ class Objects:
             inputs["tracked"] = self.proposals(index - 1)
         return self._nodes.add("seeds", inputs)
 
+    def motion_prompts(self, index: int) -> str:
+        """Return the reference of the prompts that moving regions give in a section's first frame."""
+        return self._nodes.add("motion_prompts", {"regions": self._regions(index)})
+
     def _prompted(self, index: int) -> str:
         """Return the reference of the objects that moving regions prompt in a section's first frame."""
-        prompts = self._nodes.add("motion_prompts", {"regions": self._regions(index)})
         frame = self._leaves.frames[self._sections[index].start]
-        return self._nodes.add("instances", {"frame": frame, "prompts": prompts})
+        return self._nodes.add("instances", {"frame": frame, "prompts": self.motion_prompts(index)})
 
     def _instances(self, frame: int) -> str:
         """Return the reference of the objects that the networks find in one frame."""

@@ -39,8 +39,8 @@ class SequenceLeaves(NamedTuple):
         Given cues, one per frame or frame pair.
     motion_weights : reference or None
         The motion network, if the configuration uses it.
-    weights : dict of str to reference
-        The weights that the configuration's networks read, by the name of their item.
+    weights : mapping of str to reference
+        The weights of the configuration's networks, by the name of their item; a leaf may be found when it is read.
     choices : tuple of StretchChoice
         The source of the proposals of every stretch, where the configuration leaves it to the camera's motion.
     edits : tuple of Edit

@@ -106,9 +106,10 @@ class OpenRun:
             def build():
                 graphs[:] = [self._write_graph(config, edits, is_repair=bool(graphs))]
                 graph = graphs[0]
-                self._describe(graph.leaves, config)
                 objects = (*map(graph.objects.proposals, range(len(graph.sections))), graph.objects.linking())
                 sinks = (*objects, graph.clustering(self._variant), *graph.object_areas(), *painted_of(graph))
+                # After the graph is written, which finds the leaves of its weights.
+                self._describe(graph.leaves, config)
                 return graph.recipes, tuple(filter(None, sinks))
 
             def read():

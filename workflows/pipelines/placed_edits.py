@@ -54,8 +54,8 @@ def with_edits(
     if by_network:
         require_network_packages()
         network = find_task("grown_object", "sam2").network
-        weights = session.name_weights({network.item(config): network.architecture})
-        leaves = leaves._replace(weights={**leaves.weights, **weights})
+        named = session.name_weights({network.item(config): network.architecture})
+        leaves = leaves._replace(weights=leaves.weights | named)
     return leaves._replace(edits=given.edits, frame_size=size)
 
 

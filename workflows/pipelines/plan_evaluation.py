@@ -3,9 +3,8 @@
 from collections.abc import Iterable, Mapping, Sequence
 
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant, seeded_configs
-from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError, MissingInputError
-from moseg.schemas.recipes import Recipe, leaf_recipe
+from moseg.schemas.recipes import Recipe
 from moseg.store import ArtifactStore
 from moseg.workflows.datasets import SequenceSource, TrajectorySource, find_ground_truth
 from moseg.workflows.engine.ingest import IngestJob, preview_ingest, recall_ingests
@@ -16,6 +15,7 @@ from moseg.workflows.pipelines.leaves import ingest_jobs, make_leaves, make_traj
 from moseg.workflows.pipelines.source_choices import choice_recipes, with_choices
 from moseg.workflows.stages.needed_weights import needed_items
 from moseg.workflows.weights.folder import Weights, weights_leaf
+from moseg.workflows.weights.leaves_by_name import LeavesByName, absent_leaf
 
 
 class EmptyStore:
@@ -32,8 +32,8 @@ def plan_evaluation(
     config: PipelineConfig,
     variants: Sequence[Variant],
     folder: Weights,
-) -> tuple[dict[str, StageUse], int]:
-    """Return the artifacts to compute and to reuse by stage, and how many choices between sources are not known.
+) -> tuple[dict[str, StageUse], tuple[str, ...], int]:
+    """Return the artifacts to compute and to reuse by stage, the weights items read, and the number of open choices.
 
     Where such a choice is not stored, the rest is counted as if saliency were chosen. Frames that were never ingested
     are decoded, because keys are digests of what files decode to. With weights that are neither here nor pinned nothing
@@ -45,7 +45,7 @@ def plan_evaluation(
         Where the evaluation would have nothing to score against.
     """
     find_ground_truth(sources)
-    weights = {name: _plan_weights(folder, name, needed) for name, needed in needed_items(config).items()}
+    weights = LeavesByName(needed_items(config), lambda name, needed: _plan_weights(folder, name, needed))
     leaves, num_ingests = [], 0
     for source in sources:
         ingested = {}
@@ -62,7 +62,7 @@ def plan_evaluation(
         sinks.extend(graph.cues())
         recipes |= graph.recipes
     num_unknown = sum(ref not in known for ref in written.sinks)
-    return count_uses(store, recipes, sinks, num_ingests), num_unknown
+    return count_uses(store, recipes, sinks, num_ingests), weights.read, num_unknown
 
 
 def plan_trajectories(
@@ -110,7 +110,7 @@ def _plan_weights(folder: Weights, name: str, architecture: str) -> str:
     try:
         return weights_leaf(folder, name, architecture).recipe.ref
     except MissingInputError:
-        return leaf_recipe("weights", digest_json("absent", name)).ref
+        return absent_leaf(name)
 
 
 def _remembered(store: ArtifactStore, ref: str) -> dict | None:

@@ -8,6 +8,7 @@ from moseg.schemas.events import SequenceSubject, SubjectEvent
 from moseg.schemas.frozen import Frozen
 from moseg.workflows.graph import SequenceLeaves, TrajectoryLeaves
 from moseg.workflows.runlog.events import as_unicode, this_process
+from moseg.workflows.weights.leaves_by_name import LeavesByName
 
 
 class Purpose(NamedTuple):
@@ -63,4 +64,6 @@ def _as_json(value: object) -> object:
         return list(map(_as_json, value))
     if isinstance(value, Frozen):
         return value.model_dump(mode="json")
+    if isinstance(value, LeavesByName):
+        return value.recorded()
     return dict(value) if isinstance(value, Mapping) else value

@@ -123,7 +123,7 @@ class Weights:
         InputError
             The licence was not accepted, a file has a wrong size, or the download failed.
         """
-        self._check_licence(item)
+        self.check_licence(item)
         files = self._open(item)
         files.check_sizes()
         for file in (missing := files.missing()):
@@ -137,7 +137,7 @@ class Weights:
 
         Such files are fetched if they are missing. Raises as `ensure` does.
         """
-        self._check_licence(item)
+        self.check_licence(item)
         files = self._open(item)
         if any(files.digest(file) is None for file in item.files):
             self.ensure(item)
@@ -171,7 +171,7 @@ class Weights:
 
         Raises as `ensure` does.
         """
-        self._check_licence(item)
+        self.check_licence(item)
         if again and self._offline:
             expected = f"`{fetch_command(item, again=True)}`, with a network"
             raise InputError("no network is to be used", where=f"weights {item.name}", expected=expected)
@@ -180,10 +180,8 @@ class Weights:
         self._open(item).refuse_wrong()
         self.ensure(item)
 
-    def _open(self, item: WeightsItem) -> ItemFolder:
-        return ItemFolder(item, self.folder / item.name)
-
-    def _check_licence(self, item: WeightsItem) -> None:
+    def check_licence(self, item: WeightsItem) -> None:
+        """Raise InputError if the licence of an item has to be accepted and was not."""
         if self._accepted is None:
             return
         got = f"licence {item.licence}"
@@ -195,12 +193,23 @@ class Weights:
             expected = f"--non-commercial, or {NON_COMMERCIAL_VARIABLE}=1, if your use is non-commercial"
             raise InputError("weights for non-commercial use only", where=item.name, got=got, expected=expected)
 
+    def _open(self, item: WeightsItem) -> ItemFolder:
+        return ItemFolder(item, self.folder / item.name)
+
 
 class WeightsLeaf(NamedTuple):
     """The leaf of a weights item: its recipe, and attributes that name the item and the SHA-256 of each file."""
 
     recipe: Recipe
     attributes: dict[str, Any]
+
+
+def find_item(weights: Weights, name: str, architecture: str) -> WeightsItem:
+    """Return the item of a name; raise InputError if there is none, or if it is of another architecture."""
+    item = weights.item(name)
+    if item.architecture != architecture:
+        raise InputError("weights of another network", where=name, got=item.architecture, expected=architecture)
+    return item
 
 
 def weights_leaf(weights: Weights, name: str, architecture: str) -> WeightsLeaf:
@@ -211,9 +220,7 @@ def weights_leaf(weights: Weights, name: str, architecture: str) -> WeightsLeaf:
     InputError
         There is no such item, it is of another architecture, or its digests are unknown and it cannot be fetched.
     """
-    item = weights.item(name)
-    if item.architecture != architecture:
-        raise InputError("weights of another network", where=name, got=item.architecture, expected=architecture)
+    item = find_item(weights, name, architecture)
     params = {
         "item": item.name,
         "architecture": item.architecture,
