@@ -18,7 +18,7 @@ STORE   ?=
 MOSEG   := .venv/bin/moseg
 OPTIONS  = $(if $(ROOT),--root "$(ROOT)") --workers $(WORKERS) $(if $(STORE),--store "$(STORE)") $(ARGS)
 
-.PHONY: setup eval ablation segment train test test-faults lint docs-check docs-pictures results bench bench-engine bench-faults bench-networks bench-memory bench-objects peers clean
+.PHONY: setup eval ablation segment train test test-faults lint docs-check docs-pictures results bench bench-engine bench-faults bench-networks bench-memory bench-objects bench-prompts peers clean
 
 setup: .venv/.ready
 
@@ -89,6 +89,9 @@ bench-memory: setup
 bench-objects: setup
 	.venv/bin/python benchmarks/kt3dmoseg/object_affinities.py $(if $(ROOT),"$(ROOT)") $(ARGS)
 	.venv/bin/python benchmarks/kt3dmoseg/motion_counts.py $(if $(ROOT),"$(ROOT)")
+
+bench-prompts: setup
+	.venv/bin/python benchmarks/prompts/motion_prompts.py $(if $(DAVIS),--davis "$(DAVIS)") $(if $(KT3DMOSEG),--kt3dmoseg "$(KT3DMOSEG)") $(ARGS)
 
 peers: setup
 	.venv/bin/python benchmarks/peers/compare.py $(if $(DAVIS),--dataset davis16 --root "$(DAVIS)",--dataset $(DATASET) $(if $(ROOT),--root "$(ROOT)")) $(ARGS)

@@ -104,8 +104,11 @@ class PipelineChoices:
             _assign(given, choice.parameter, choice.value)
         for name, value in (*self.settings, *self.corrected.items()):
             _assign(given, name, value)
-        # What a source of proposals implies is more specific than the preset, and less than the user's own choice.
+        # What a source of proposals implies is more specific than the preset, and less than the user's own choice and
+        # than lighter networks, which would not be light with another tracker.
         _merge(values, SOURCE_DEFAULTS.get(str(given.get("proposal_source")), {}))
+        if self.light:
+            _merge(values, LIGHT[self.preset])
         _merge(values, given)
         return _validate(values)
 

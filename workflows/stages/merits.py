@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.configs import MOVING_SOURCES, PipelineConfig
 from moseg.schemas.weights import WeightsItem
 from moseg.workflows.stages.registry import STAGES, all_choices
 from moseg.workflows.stages.stage import Backend, Choice
@@ -73,18 +73,22 @@ class Sum(NamedTuple):
 def sum_costs(config: PipelineConfig, light: bool = False) -> Sum:
     """Return the cost of the networks of a configuration, at 854x480 on one core.
 
+    Flow is counted in both directions where objects are found by their motion.
+
     Parameters
     ----------
     light : bool
         Whether the configuration has the parameters of a preset's lighter networks.
     """
     costs, seconds, unmeasured = read_costs(), 0.0, []
+    directions = 2 if config.proposal_source in MOVING_SOURCES else 1
     for choice, backend in _chosen(config):
         name = backend.network.item(config) + backend.cost_suffix
         found = costs.get(name + LIGHT, costs.get(name)) if light else costs.get(name)
         if found is None:
             unmeasured.append(name)
         else:
+            found *= directions if choice.name == "flow" else 1
             seconds += found / config.sections.length if choice.is_once_a_section else found
     return Sum(seconds, tuple(unmeasured))
 
@@ -93,7 +97,10 @@ def _chosen(config: PipelineConfig) -> Iterator[tuple[Choice, Backend]]:
     """Yield the networks that a configuration runs."""
     for stage in STAGES.values():
         method = stage.chosen(config)
+        network = None if method is None else stage.task(method).network
+        if network is None:
+            continue
         for choice in stage.choices:
-            yield from (
-                (choice, each) for each in choice.backends if each.method == method and each.network is not None
-            )
+            # One network can have several methods, of which the parameter names one.
+            names = {method, choice.value_in(config)}
+            yield from ((choice, each) for each in choice.backends if each.method in names and each.network == network)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import NamedTuple
 
 from moseg.schemas.arrays import ArrayLayout
@@ -68,6 +69,10 @@ class Choice(NamedTuple):
         path = ":PATH" if backend.method == "folder" else ""
         space = "" if self.option.endswith("=") else " "
         return backend.option or f"{self.option}{space}{backend.method}{path}"
+
+    def value_in(self, config: PipelineConfig) -> str | None:
+        """Return the value of the parameter in a configuration; None if there is nothing to choose."""
+        return attrgetter(self.parameter)(config) if self.parameter else None
 
     @property
     def names(self) -> tuple[str, ...]:

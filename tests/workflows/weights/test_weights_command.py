@@ -150,9 +150,7 @@ def test_every_network_has_a_tiny_checkpoint(tmp_path, architecture):
     own = weights.item(item.name)
     checkpoint = weights.read(own, weights.digests(own))
     assert own.architecture == architecture and checkpoint.tensors
-    # The weights of SAM 3 hold a detector and a tracker, and the tracker has 128 channels at least.
-    num_networks = 2 if architecture == "sam3" else 1
-    assert sum(path.stat().st_size for path in tmp_path.rglob("*.*")) < num_networks * 2 * 10**6
+    assert sum(path.stat().st_size for path in tmp_path.rglob("*.*")) < 2 * 10**6
 
 
 def test_tiny_checkpoints_follow_from_their_seed(tmp_path, moseg):

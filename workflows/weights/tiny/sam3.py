@@ -5,6 +5,7 @@ masks; each query of the detector outlines one of them. Its tracker is that of t
 """
 
 import json
+import re
 import string
 
 import torch
@@ -36,6 +37,10 @@ _HIDDEN = 16
 _HALF = 3.5
 """Of what the pixel decoder's normalisation makes of a marked cell."""
 _WORDS = ("person", "car", "dog", "ball")
+_RANDOM = re.compile(
+    r"tracker_neck\..*proj2|output_hypernetworks_mlps.*(proj_in|layers)|pred_obj_score_head.*(proj_in|layers)"
+)
+"""Large weights of the tracker that stay as random as they are: eight bits are enough for them."""
 
 
 def make_sam3(seed: int) -> TinyCheckpoint:
@@ -65,6 +70,7 @@ def make_sam3(seed: int) -> TinyCheckpoint:
     doubled, prefix = "tracker_model.tracker_model.", "tracker_model."
     tensors = load(files["model.safetensors"])
     tensors = {prefix * name.startswith(doubled) + name.removeprefix(doubled): value for name, value in tensors.items()}
+    tensors = {name: value.to(torch.float8_e5m2) if _RANDOM.search(name) else value for name, value in tensors.items()}
     return TinyCheckpoint(files | {"model.safetensors": save(tensors)} | documents)
 
 
