@@ -37,9 +37,20 @@ def test_weights_of_the_light_modern_preset_may_be_used_for_anything():
     assert _items("modern", True) <= free and _items("modern", True) != _items("modern", False)
 
 
-def test_light_networks_take_at_most_two_seconds_a_frame_on_four_cores():
-    config = PipelineConfig.model_validate(choose_preset("modern", light=True))
-    assert sum_costs(config, light=True).seconds / 4 <= 2
+@pytest.mark.parametrize("source", ["detections", "motion-prompts"])
+def test_light_networks_take_at_most_two_seconds_a_frame_on_four_cores(source):
+    config = PipelineChoices(preset="modern", light=True, settings=(("proposal_source", source),)).make_config()
+    found = sum_costs(config, light=True)
+    assert found.seconds / 4 <= 2 and not found.unmeasured
+
+
+@pytest.mark.parametrize("source", ["motion-prompts", "sam3"])
+def test_a_source_of_proposals_keeps_the_light_tracker_unless_another_is_chosen(source):
+    settings = (("proposal_source", source),)
+    light = PipelineChoices(preset="modern", light=True, settings=settings).make_config()
+    assert light.detections.tracker == "deaot" and light.detections.masks == "sam2"
+    chosen = (*settings, ("detections.tracker", "edgetam"))
+    assert PipelineChoices(preset="modern", light=True, settings=chosen).make_config().detections.tracker == "edgetam"
 
 
 @pytest.mark.parametrize("preset", sorted(PRESETS.keys() - LIGHT.keys()))

@@ -2,13 +2,16 @@
 
 import json
 import re
+from io import StringIO
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.presets import LIGHT, PRESETS
-from moseg.workflows.config.pipeline_choices import choose_preset
+from moseg.workflows.cli.merits_table import list_sources, merits_table
+from moseg.workflows.config.pipeline_choices import PipelineChoices, choose_preset
 from moseg.workflows.stages.merits import list_merits, sum_costs
 from moseg.workflows.stages.needed_weights import needed_items
 from moseg.workflows.weights import costs
@@ -70,9 +73,16 @@ def test_a_sum_divides_what_runs_once_a_section_and_names_what_was_not_measured(
     assert set(found.unmeasured) == set(needed_items(_config("paper"))) - {"raft-large", "ram", "deaot-r50-l"}
 
 
+def test_prompts_from_motion_count_masks_and_flow_in_both_directions(measured):
+    measured({"raft-large": (10, 10), "sam2.1-hiera-large": (60, 10), "sam2.1-hiera-large-video": (40, 10)})
+    settings = (("proposal_source", "motion-prompts"), ("flow.method", "raft"))
+    assert sum_costs(PipelineChoices(settings=settings).make_config()).seconds == pytest.approx(2 * 10 + 60 / 30 + 40)
+
+
 def test_lighter_parameters_have_costs_of_their_own(measured):
     measured({"raft-large": (10, 10), "sea-raft-s": (5, 10), "sea-raft-s@light": (2, 10)})
-    flow = PipelineConfig.model_validate({"flow": {"method": "sea-raft"}, "sea_raft": {"weights": "sea-raft-s"}})
+    values = {"flow": {"method": "sea-raft"}, "sea_raft": {"weights": "sea-raft-s"}}
+    flow = PipelineConfig.model_validate({"proposal_source": "groundtruth", **values})
     assert [sum_costs(flow, light).seconds for light in (False, True)] == [5.0, 2.0]
 
 
@@ -85,9 +95,29 @@ def test_the_file_of_costs_names_items_of_the_catalogue():
 def test_the_command_prints_a_table_and_the_seconds_of_presets(moseg):
     ran = moseg("backends", "--why")
     assert (ran.code, ran.err) == (0, "")
-    (row,) = (line for line in ran.out.splitlines() if "--flow sea-raft" in line and "sea-raft-m" in line)
-    assert "BSD-3-Clause" in row and " a frame" in row
-    assert "    --preset modern --light: " in ran.out and "on 4 cores" in ran.out
+    lines = ran.out.splitlines()
+    (index,) = (index for index, line in enumerate(lines) if "--flow sea-raft" in line)
+    assert "sea-raft-m" in lines[index + 1] and "BSD-3-Clause" in lines[index + 1] and " a frame" in lines[index + 1]
+    number = 1 + list_sources(list_merits(ITEMS)).index(FIGURES["sea-raft-m"].source)
+    assert f"[{number}]" in ran.out and f"    [{number}] {FIGURES['sea-raft-m'].source}" in ran.out
+    for words in ("modern", "modern --light", "modern --light --proposals motion-prompts"):
+        assert re.search(rf"    --preset {words}: [\d.]+ s, on 4 cores [\d.]+ s", ran.out)
+
+
+@pytest.mark.parametrize("width", [80, 100, 160])
+def test_names_options_and_licences_stay_whole_in_a_terminal(width):
+    rows = list_merits(ITEMS)
+    out = StringIO()
+    sources = list_sources(rows)
+    Console(file=out, width=width).print(merits_table(rows, sources))
+    text = out.getvalue()
+    assert {line.strip()[-1] for line in text.splitlines()[1:]} <= set("┓┃┩│┤┘")
+    for row in rows:
+        assert row.weights in text
+        assert all(part in text for part in row.licence.split(", "))
+        assert all(word in text for word in re.findall(r"[^\s=]+=?", row.option))
+        if row.figure is not None:
+            assert f"[{1 + sources.index(row.figure.source)}]" in text
 
 
 def test_the_document_states_the_sums_of_the_file_of_costs():

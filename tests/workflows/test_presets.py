@@ -185,14 +185,6 @@ def test_sea_raft_computes_the_same_bytes_again_on_the_cpu(segment, tmp_path):
     assert stores[0] == stores[1]
 
 
-def test_the_light_preset_gives_the_same_bytes_in_two_workers(segment, moseg, video, tmp_path):
-    computed, ran = segment("--preset", "modern", "--light")
-    assert ran.code == 0 and computed > 0, ran.err
-    arguments = ("--store", tmp_path / "other", "--out", tmp_path / "again", "--quiet", *SECTIONS)
-    assert moseg("segment", video, *arguments, "--preset", "modern", "--light", "--workers", "2").code == 0
-    assert _contents(tmp_path / "other") == _contents(tmp_path / "store")
-
-
 def test_given_tags_skip_the_tagger(segment, copy_of, weights, tmp_path):
     copy_of("paper")
     shutil.rmtree(tmp_path / "store" / "objects" / "tags")

@@ -7,6 +7,8 @@ import typer
 
 NUM_CORES = 4
 """Of a laptop."""
+PROMPTED = ("motion-prompts",)
+"""Sources of proposals whose sums are shown beside those of the presets' own."""
 
 
 def backends(
@@ -30,33 +32,30 @@ def backends(
 
 def _print_merits() -> None:
     """Print what each choice gives, costs and allows, and the seconds a frame of the presets."""
-    from rich.table import Table
-
-    from moseg.schemas.configs import PipelineConfig
     from moseg.schemas.presets import LIGHT, PRESETS
+    from moseg.workflows.cli.merits_table import list_sources, merits_table
     from moseg.workflows.cli.tables import console
-    from moseg.workflows.config.pipeline_choices import choose_preset
+    from moseg.workflows.config.pipeline_choices import PipelineChoices
     from moseg.workflows.stages.merits import list_merits, sum_costs
     from moseg.workflows.weights.folder import open_weights
 
-    table = Table(title="what each choice gives and costs")
-    for column in ("stage", "chosen by", "weights", "gives", "source", "CPU seconds", "licence"):
-        table.add_column(column, overflow="fold")
-    for row in list_merits(open_weights(os.environ).items):
-        text, source = row.figure or ("-", "-")
-        seconds = "-" if row.seconds is None else f"{row.seconds:.2g} a {row.frames}"
-        table.add_row(row.choice, row.option, row.weights or "-", text, source, seconds, row.licence)
-    console().print(table)
-    print("Gives: as published, not measured here. CPU seconds: measured at 854x480 on one core; -: not measured.")
-    print("Networks of the presets, a frame of a video of 854x480:")
+    rows = list_merits(open_weights(os.environ).items)
+    sources = list_sources(rows)
+    console().print(merits_table(rows, sources))
+    for number, source in enumerate(sources, start=1):
+        print(f"    [{number}] {source}")
+    print("Figures: as published, not measured here. CPU seconds: measured at 854x480 on one core; -: not measured.")
+    print(f"Networks of the presets, a frame of 854x480 on one core, and on {NUM_CORES} cores that share the frames:")
     for name, is_light in (*((name, False) for name in PRESETS), *((name, True) for name in LIGHT)):
-        found = sum_costs(PipelineConfig.model_validate(choose_preset(name, light=is_light)), is_light)
-        if not found.seconds and not found.unmeasured:
-            continue
-        option = f"--preset {name}{' --light' if is_light else ''}"
-        rest = f", and what was not measured: {', '.join(found.unmeasured)}" if found.unmeasured else ""
-        shared = f"{found.seconds / NUM_CORES:.1f} s on {NUM_CORES} cores that share the frames evenly"
-        print(f"    {option}: {found.seconds:.1f} s on one core, {shared}{rest}")
+        for source in (None, *PROMPTED):
+            settings = () if source is None else (("proposal_source", source),)
+            config = PipelineChoices(preset=name, light=is_light, settings=settings).make_config()
+            found = sum_costs(config, is_light)
+            if not found.seconds and not found.unmeasured:
+                continue
+            words = f"--preset {name}{' --light' if is_light else ''}{f' --proposals {source}' if source else ''}"
+            rest = f", and what was not measured: {', '.join(found.unmeasured)}" if found.unmeasured else ""
+            print(f"    {words}: {found.seconds:.1f} s, on {NUM_CORES} cores {found.seconds / NUM_CORES:.1f} s{rest}")
 
 
 def _print_methods() -> None:

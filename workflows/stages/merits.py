@@ -97,7 +97,8 @@ def _chosen(config: PipelineConfig) -> Iterator[tuple[Choice, Backend]]:
     """Yield the networks that a configuration runs."""
     for stage in STAGES.values():
         method = stage.chosen(config)
-        network = None if method is None else stage.task(method).network
+        # Methods that compute nothing have no task.
+        network = next((task.network for task in stage.tasks if task.method == method), None)
         if network is None:
             continue
         for choice in stage.choices:

@@ -23,6 +23,7 @@ class Figure(NamedTuple):
 
 
 _SAM2, _DINO = "facebookresearch/sam2, README", "IDEA-Research/GroundingDINO, README"
+_DEPTH_V2 = "Yang et al., NeurIPS 2024, table 3"
 _RAFT, _SEA_RAFT = "torchvision, weights of RAFT", "Spring benchmark; Wang et al., ECCV 2024"
 
 FIGURES: Mapping[str, Figure] = {
@@ -44,6 +45,9 @@ FIGURES: Mapping[str, Figure] = {
     "bootstapir": Figure(
         "TAP-Vid DAVIS: 62.4 average Jaccard (first query, 256x256)", "google-deepmind/tapnet, README"
     ),
+    "depth-anything-v2-small": Figure("DA-2K: nearer of two points in 95.3 % of pairs", _DEPTH_V2),
+    "depth-anything-v2-base": Figure("DA-2K: 97.0 %", _DEPTH_V2),
+    "depth-anything-v2-large": Figure("DA-2K: 97.1 %", _DEPTH_V2),
     "grounding-dino-tiny": Figure("COCO, not trained on it: 48.4 AP", _DINO),
     "grounding-dino-base": Figure("COCO, trained on it: 56.7 AP", _DINO),
 }
