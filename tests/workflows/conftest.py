@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from moseg.store import open_store
 from moseg.workflows.reports import run_report
 
 STRIKES = """
@@ -43,6 +44,28 @@ def evaluated_by_workers(evaluated, tmp_path_factory):
     outputs = ("--store", str(folder / "store"), "--json", str(folder / "report.json"))
     assert run([*evaluated.arguments, *outputs, "--workers", "2"]) == 0
     return evaluated._replace(store=folder / "store", report=json.loads((folder / "report.json").read_text()))
+
+
+@pytest.fixture(scope="session")
+def tiny(tmp_path_factory):
+    """Return a folder of tiny checkpoints of every network, made by the command in the documentation; only read it."""
+    from moseg.workflows.cli.app import run
+
+    folder = tmp_path_factory.mktemp("tiny")
+    assert run(["weights", "tiny", str(folder)]) == 0
+    return folder
+
+
+@pytest.fixture(scope="session")
+def contents_of() -> Callable[[Path], dict]:
+    """Return a function that reads all artifacts of a store: digests of their arrays, and their attributes."""
+
+    def call(folder):
+        store = open_store(str(folder), create=False)
+        manifests = {ref: store.manifest(ref) for ref in store.refs()}
+        return {ref: ([entry.digest for entry in found.arrays], found.attributes) for ref, found in manifests.items()}
+
+    return call
 
 
 @pytest.fixture(scope="module")

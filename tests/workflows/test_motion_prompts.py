@@ -16,16 +16,6 @@ from moseg.workflows.stages.needed_weights import needed_items
 NETWORK = {"detections": {"masks": "sam2", "tracker": "sam2"}, "sections": {"length": 4, "overlap": 2}}
 
 
-@pytest.fixture(scope="module")
-def tiny(tmp_path_factory):
-    """Return a folder of tiny checkpoints of every network."""
-    from moseg.workflows.cli.app import run
-
-    folder = tmp_path_factory.mktemp("tiny")
-    assert run(["weights", "tiny", str(folder)]) == 0
-    return folder
-
-
 @pytest.fixture
 def segment(moseg, tiny, tmp_path, monkeypatch, write_squares):
     """Return a function that runs `moseg segment` with motion prompts on twelve frames of two moving squares."""

@@ -20,16 +20,6 @@ STAGES = {"tags", "detections", "instances", "seeds", "proposals", "flow", "dept
 
 
 @pytest.fixture(scope="module")
-def tiny(tmp_path_factory):
-    """Return a folder of tiny checkpoints of every network, made by the command in the documentation."""
-    from moseg.workflows.cli.app import run
-
-    folder = tmp_path_factory.mktemp("tiny")
-    assert run(["weights", "tiny", str(folder)]) == 0
-    return folder
-
-
-@pytest.fixture(scope="module")
 def video(tmp_path_factory, write_squares):
     """Return a video of twelve frames with two moving squares."""
     return write_squares(tmp_path_factory.mktemp("video") / "clip", num_frames=NUM_FRAMES) / "frames"
@@ -176,11 +166,11 @@ def test_sea_raft_leaves_flow_of_each_pair_that_a_second_run_does_not_compute(se
     assert segment("--flow", "sea-raft", "--set", "sea_raft.iterations=2")[0] > 0
 
 
-def test_sea_raft_computes_the_same_bytes_again_on_the_cpu(segment, tmp_path):
+def test_sea_raft_computes_the_same_bytes_again_on_the_cpu(segment, contents_of, tmp_path):
     stores = []
     for _ in range(2):
         assert segment("--flow", "sea-raft", "--device", "cpu")[1].code == 0
-        stores.append(_contents(tmp_path / "store"))
+        stores.append(contents_of(tmp_path / "store"))
         shutil.rmtree(tmp_path / "store")
     assert stores[0] == stores[1]
 
@@ -260,17 +250,10 @@ def _damage(path, how):
     save_file(tensors, path) if is_safe else torch.save(tensors, path)
 
 
-def test_two_workers_give_the_bytes_of_one_process(left_by, moseg, video, weights, tmp_path):
+def test_two_workers_give_the_bytes_of_one_process(left_by, moseg, contents_of, video, weights, tmp_path):
     arguments = ("--store", tmp_path / "other", "--out", tmp_path / "out", "--quiet", *SECTIONS)
     assert moseg("segment", video, *arguments, "--preset", "paper", "--workers", "2").code == 0
-    assert _contents(tmp_path / "other") == _contents(left_by("paper") / "store")
-
-
-def _contents(path):
-    """Return all artifacts of a store: the digests of their arrays, and their attributes."""
-    store = open_store(str(path), create=False)
-    manifests = {ref: store.manifest(ref) for ref in store.refs()}
-    return {ref: ([entry.digest for entry in found.arrays], found.attributes) for ref, found in manifests.items()}
+    assert contents_of(tmp_path / "other") == contents_of(left_by("paper") / "store")
 
 
 def test_why_names_the_weights_file_that_changed(segment, moseg, copy_of, weights, tmp_path):

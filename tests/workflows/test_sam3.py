@@ -58,13 +58,6 @@ def segment(moseg, tiny, write_squares, tmp_path, monkeypatch):
     return call
 
 
-def _contents(path):
-    """Return all artifacts of a store: the digests of their arrays, and their attributes."""
-    store = open_store(str(path), create=False)
-    manifests = {ref: store.manifest(ref) for ref in store.refs()}
-    return {ref: ([entry.digest for entry in found.arrays], found.attributes) for ref, found in manifests.items()}
-
-
 def test_one_network_takes_the_place_of_four():
     config = _config()
     assert needed_items(config) == {"sam3": "sam3"}
@@ -112,7 +105,7 @@ def test_an_evaluation_names_what_was_looked_for():
     assert note.startswith("proposals sam3 (dog, cat; sam3), ")
 
 
-def test_named_objects_are_found_and_tracked_with_the_same_bytes_in_two_workers(segment, tmp_path):
+def test_named_objects_are_found_and_tracked_with_the_same_bytes_in_two_workers(segment, contents_of, tmp_path):
     ran = segment("one", *CHOSEN, "--tags", "person,dog")
     assert ran.code == 0, ran.err
     store = open_store(str(tmp_path / "one"), create=False)
@@ -120,7 +113,7 @@ def test_named_objects_are_found_and_tracked_with_the_same_bytes_in_two_workers(
     assert len(tracked) == 2
     assert all(found["tags"] and set(found["tags"]) <= {"person", "dog"} for found in tracked)
     assert segment("two", *CHOSEN, "--tags", "person,dog", "--workers", "2").code == 0
-    assert _contents(tmp_path / "two") == _contents(tmp_path / "one")
+    assert contents_of(tmp_path / "two") == contents_of(tmp_path / "one")
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,6 @@
 
 import pytest
 
-from moseg.store import open_store
-
 NUM_FRAMES = 6
 PRESETS = {
     "modern": ("--preset", "modern"),
@@ -13,16 +11,6 @@ PRESETS = {
 }
 FITTING = ("--set", "motion_prompts.min_coverage=0", "--set", "motion_prompts.max_growth=1000")
 """Random networks give masks that fit no region otherwise."""
-
-
-@pytest.fixture(scope="module")
-def tiny(tmp_path_factory):
-    """A folder of tiny checkpoints of every network."""
-    from moseg.workflows.cli.app import run
-
-    folder = tmp_path_factory.mktemp("tiny")
-    assert run(["weights", "tiny", str(folder)]) == 0
-    return folder
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +28,7 @@ def cluster(make_cluster, tiny, tmp_path_factory):
 
 
 @pytest.fixture
-def segment(moseg, tiny, tmp_path, monkeypatch, write_squares):
+def segment(moseg, tiny, contents_of, tmp_path, monkeypatch, write_squares):
     """Returns a function that segments a video into a store of its own, and returns all that it left."""
     monkeypatch.setenv("MOSEG_WEIGHTS", str(tiny))
     monkeypatch.setenv("MOSEG_OFFLINE", "1")
@@ -53,16 +41,9 @@ def segment(moseg, tiny, tmp_path, monkeypatch, write_squares):
         assert ran.code == 0, ran.err
         masks = [path.read_bytes() for path in sorted((out / "masks").glob("*.png"))]
         assert len(masks) == NUM_FRAMES
-        return _contents(store), masks, (out / "motion.json").read_bytes()
+        return contents_of(store), masks, (out / "motion.json").read_bytes()
 
     return call
-
-
-def _contents(path):
-    """Return all artifacts of a store: the digests of their arrays, and their attributes."""
-    store = open_store(str(path), create=False)
-    manifests = {ref: store.manifest(ref) for ref in store.refs()}
-    return {ref: ([entry.digest for entry in found.arrays], found.attributes) for ref, found in manifests.items()}
 
 
 @pytest.mark.parametrize("preset", PRESETS)
