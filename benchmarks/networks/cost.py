@@ -1,10 +1,10 @@
 """Memory and time of each network of the published size, with random weights, at 854 x 480 on one CPU thread.
 
 Run ``python benchmarks/networks/cost.py [NAME ...] [--write]``; all take about an hour, a third of it for SAM 3. Each
-network has a process of its own, in which production's code builds it from a state dict and runs it. A row gives the process's memory before
-the run, its peak from the start to the end, weights being read included, and seconds a frame: on the wall, and of the
-CPU, which are fair on a busy machine too. A warm-up is left out, but for the rows that say "one run". NAME@light is a
-network with the parameters of ``--preset modern --light``.
+network has a process of its own, in which production's code builds it from a state dict and runs it. A row gives the
+process's memory before the run, its peak from the start to the end, weights being read included, and seconds a frame:
+on the wall, and of the CPU, which are fair on a busy machine too. A warm-up is left out, but for the rows that say "one
+run". NAME@light is a network with the parameters of ``--preset modern --light``.
 
 ``--write`` puts the seconds of the CPU into ``workflows/weights/costs.json``, which `moseg backends --why` reads, with
 those of RAFT in the same run, because machines and days differ. RAFT's own are recorded only if all run.

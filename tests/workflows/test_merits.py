@@ -125,5 +125,12 @@ def test_the_document_states_the_sums_of_the_file_of_costs():
     seconds = [sum_costs(_config("modern", light), light).seconds for light in (True, False)]
     stated = re.search(r"take\s(\S+) CPU seconds per frame.*`modern` takes (\d+)\)", text)
     assert stated.groups() == (f"{seconds[0]:.1f}", f"{seconds[1]:.0f}")
+    prompted = PipelineChoices(preset="modern", light=True, settings=(("proposal_source", "motion-prompts"),))
+    seconds = sum_costs(prompted.make_config(), light=True).seconds
+    assert f"`--proposals motion-prompts` it is\n{seconds:.1f} s and {seconds / 4:.1f} s" in text
     ratios = {size: costs.read_costs()[f"sea-raft-{size}"] / costs.read_costs()["raft-large"] for size in "ms"}
+    rows = {"EdgeTAM": "edgetam", "EdgeTAM video": "edgetam-video", "SAM 3": "sam3", "SAM 3 video": "sam3-video"}
+    for row, name in rows.items():
+        shown = costs.read_costs()[name]
+        assert re.search(rf"\| {row} \| [^|]+ \| {shown:.{0 if shown >= 10 else 1}f} \|", text), row
     assert f"in that run ({ratios['m']:.2f} and {ratios['s']:.2f})" in text
