@@ -62,6 +62,8 @@ class ViewApplication:
         self._session = session
         self._open_video, self._open_run, self._list_runs = open_video, open_run, list_runs
         self._runs: list[dict] | None = None
+        # What fills the page beside the picture of the frame is made one at a time, so that a change need not wait.
+        self._aside = asyncio.Lock()
 
     def routes(self) -> Starlette:
         """Return the ASGI application."""
@@ -139,7 +141,8 @@ class ViewApplication:
             drawn = draw_thumbnail(shown, identity, frame)
             return Response(status_code=204) if drawn is None else Response(drawn, media_type="image/jpeg")
 
-        response = await self._draw(draw, frame)
+        async with self._aside:
+            response = await self._draw(draw, frame)
         shown, tag = self._session.moment.shown, request.query_params.get("of")
         if tag != await run_in_threadpool(find_tag, self._session.areas, shown, identity):
             # The result has changed since the page asked for it.
@@ -158,7 +161,8 @@ class ViewApplication:
         def describe(shown: ShownResult) -> Response:
             return JSONResponse(describe_grid(self._session.areas, shown))
 
-        return await self._draw(describe, key=request.path_params["key"])
+        async with self._aside:
+            return await self._draw(describe, key=request.path_params["key"])
 
     async def _matrices(self, request: Request) -> Response:
         return await self._draw(lambda shown: JSONResponse(describe_matrices(shown)), key=request.path_params["key"])

@@ -184,8 +184,9 @@ class ViewSession:
             raise
         self._history, self._cues = history, cues
         self._show(shown, phase=Phase.READY, name=shown.name, opened=opened, cues=listed)
-        # After the page has the result, and before a change of it.
-        self._worker.call(self._reported, opened.prepare)
+        # After the page has the result; a change of it waits for one step at most.
+        for step in opened.prepare:
+            self._worker.spare(self._reported, step)
 
     def _put(self, revision: int, change: Callable[[CorrectionHistory], Corrections], gesture: object) -> None:
         history = self._checked(revision)
