@@ -8,7 +8,7 @@ import json
 import traceback
 from collections.abc import Callable, Sequence
 from contextlib import asynccontextmanager
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -28,7 +28,7 @@ from moseg.workflows.view.opened import ExportChoices
 from moseg.workflows.view.page_files import INDEX, page_files
 from moseg.workflows.view.page_state import describe_grid, describe_matrices, describe_moment, find_tag
 from moseg.workflows.view.shown_result import ShownResult
-from moseg.workflows.view.uploads import receive_video
+from moseg.workflows.view.uploads import receive_video, remove_video
 from moseg.workflows.view.view_session import Opening, ViewSession, in_words
 
 MAX_REQUEST_BYTES = 4 * 2**20
@@ -225,7 +225,13 @@ class ViewApplication:
             raise InputError("a result is open already", expected="another `moseg view`")
         given = unquote(request.headers.get("x-file-name", ""), errors="replace")
         path = await receive_video(request.stream(), given, self._session.out)
-        self._session.open(path.name, self._open_video(path), is_only=False)
+        refuse = partial(remove_video, path)
+        try:
+            self._session.open(path.name, self._open_video(path), is_only=False, refuse=refuse)
+        except InputError:
+            # Another page was faster.
+            refuse()
+            raise
         return JSONResponse({})
 
 
