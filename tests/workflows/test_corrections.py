@@ -14,6 +14,7 @@ from moseg.workflows.api.open_run import open_run
 from moseg.workflows.api.run_settings import RunSettings
 from moseg.workflows.config.corrections_file import read_corrections, spell_corrections
 from moseg.workflows.config.pipeline_choices import PipelineChoices
+from moseg.workflows.exports import OverlayStyle
 from moseg.workflows.reports.from_log import report_run
 
 CONFIG = {"sections.length": 4, "sections.overlap": 2}
@@ -293,6 +294,13 @@ def test_trials_of_an_open_run_leave_no_pins(frames, store):
         assert count_pins() <= before + 1
         video.judge()
     assert count_pins() == before + 1
+
+
+def test_an_overlay_has_the_users_names(frames, store):
+    style = OverlayStyle(has_identities=True)
+    plain, named = (_video(frames, store, edits) for edits in ([], [{"rename": {"object": 1, "name": "A"}}]))
+    assert not np.array_equal(plain.overlay(0, style), named.overlay(0, style))
+    np.testing.assert_array_equal(plain.overlay(0), named.overlay(0))
 
 
 def test_areas_of_masks_are_those_of_the_labels(frames, store):
