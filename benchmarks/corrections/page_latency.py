@@ -5,7 +5,8 @@ video, which is computed first as far as the store lacks it, and Chromium, drive
 each control is changed `--repeats` times. The page's own clock measures from the event of the control to the frame that
 is drawn with the new result: the request, the computation, the file of corrections, the new labels and the drawing.
 Printed, and written as JSON, are milliseconds on the wall, median and largest, and those of the processor that the
-server takes for a change, mean: what follows the picture, such as areas over time, is among them.
+server takes for a change, mean: what follows the picture, such as areas over time, is among them. At last `--openings`
+servers open the video anew, and each is sent the first value of a setting as soon as its page shows a frame.
 """
 
 import argparse
@@ -17,7 +18,8 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
@@ -60,21 +62,20 @@ def main() -> int:
     parser.add_argument("video")
     parser.add_argument("--end", default="80", help="frames of the video")
     parser.add_argument("--repeats", type=int, default=15)
+    parser.add_argument("--openings", type=int, default=8, help="servers whose first answer is measured")
     parser.add_argument("--store", default=None, help="default: one that is removed")
     parser.add_argument("--out", type=Path, default=None, help="JSON file of the figures")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="moseg-bench-") as scratch:
         store = options.store or f"{scratch}/store"
         command = ["view", options.video, "--end", options.end, "--store", store, "--out", f"{scratch}/out"]
-        server = subprocess.Popen(
-            [sys.executable, "-m", "moseg", *command, "--no-browser", "--quiet"], stdout=subprocess.PIPE, text=True
-        )
-        try:
-            url = server.stdout.readline().split()[-1]
-            rows, about = _measure(url, options.repeats, partial(_processor_seconds, server.pid))
-        finally:
-            server.terminate()
-            server.wait()
+        with _server(command) as (server, page):
+            rows, about = _measure(page, options.repeats, partial(_processor_seconds, server.pid))
+        first = []
+        for place in range(options.openings):
+            with _server([*command[:-1], f"{scratch}/out-{place}"]) as (_, page):
+                (name, values), *_ = list(_values(1).items())[place % len(_values(1)) :]
+                first += _change(page, name, values)
     about |= {
         "video": Path(options.video).name,
         "processors": os.cpu_count(),
@@ -82,9 +83,35 @@ def main() -> int:
     }
     for name, row in rows.items():
         print(f"{name:32}" + "  ".join(f"{key} {value}" for key, value in row.items()))
+    about["first value after opening, ms"] = [round(each, 1) for each in first]
+    print("first value after opening, ms:", *about["first value after opening, ms"])
     if options.out is not None:
         options.out.write_text(json.dumps({**about, "changes": rows}, indent=2) + "\n")
-    return 0 if all(row["ms, median"] <= LIMIT_MS for row in rows.values()) else 1
+    return (
+        0 if max(first, default=0) <= LIMIT_MS and max(row["ms, largest"] for row in rows.values()) <= LIMIT_MS else 1
+    )
+
+
+@contextmanager
+def _server(command: list[str]) -> Iterator[tuple[subprocess.Popen, Page]]:
+    """Start a server, and give it and its page in a browser once the page shows a frame."""
+    server = subprocess.Popen(
+        [sys.executable, "-m", "moseg", *command, "--no-browser", "--quiet"], stdout=subprocess.PIPE, text=True
+    )
+    executable = next(filter(None, map(shutil.which, BROWSERS)))
+    try:
+        url = server.stdout.readline().split()[-1]
+        with sync_playwright() as playwright:
+            browser = playwright.chromium.launch(executable_path=executable, args=["--no-sandbox", "--disable-gpu"])
+            page = browser.new_context(viewport={"width": 1280, "height": 800}).new_page()
+            page.set_default_timeout(PATIENCE_MS)
+            page.goto(url)
+            page.wait_for_selector("canvas[data-frame]")
+            yield server, page
+            browser.close()
+    finally:
+        server.terminate()
+        server.wait()
 
 
 def _processor_seconds(pid: int) -> float:
@@ -94,33 +121,29 @@ def _processor_seconds(pid: int) -> float:
 
 
 def _measure(
-    url: str, repeats: int, processor: Callable[[], float]
+    page: Page, repeats: int, processor: Callable[[], float]
 ) -> tuple[dict[str, dict[str, float]], dict[str, object]]:
-    executable = next(filter(None, map(shutil.which, BROWSERS)))
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=executable, args=["--no-sandbox", "--disable-gpu"])
-        page = browser.new_context(viewport={"width": 1280, "height": 800}).new_page()
-        page.set_default_timeout(PATIENCE_MS)
-        page.goto(url)
-        page.wait_for_selector("canvas[data-frame]")
-        page.locator(".row .area").first.wait_for()
-        about = {"facts": page.locator("#facts").text_content(), "objects": page.locator(".row").count()}
-        # Other values in every run, so that a store that is kept has none of them.
-        offset = time.time() % 1 / 1000
-        values = {
-            "clustering.threshold": [0.2 + 0.04 * index + offset for index in range(repeats)],
-            "clustering.motions": [1 + index % 3 for index in range(repeats)],
-            "affinity.scale": [-0.9 + 0.1 * index + offset for index in range(repeats)],
-            "moving_objects.min_area": [0.001 + 0.001 * index + offset for index in range(repeats)],
-        }
-        rows = {name: _timed(partial(_change, page, name, values[name]), processor) for name in values}
-        for name in ("clustering.motions", "moving_objects.min_area"):
-            page.locator(f"[data-key='reset-{name}']").click()
-        page.locator(".row").first.click()
-        press = partial(_press, page, ["[data-action=drop]", "#undo"], repeats)
-        rows["drop, then undo"] = _timed(press, processor)
-        browser.close()
+    values = _values(repeats)
+    rows = {name: _timed(partial(_change, page, name, values[name]), processor) for name in values}
+    page.locator(".row .area").first.wait_for()
+    about = {"facts": page.locator("#facts").text_content(), "objects": page.locator(".row").count()}
+    for name in ("clustering.motions", "moving_objects.min_area"):
+        page.locator(f"[data-key='reset-{name}']").click()
+    page.locator(".row").first.click()
+    press = partial(_press, page, ["[data-action=drop]", "#undo"], repeats)
+    rows["drop, then undo"] = _timed(press, processor)
     return rows, about
+
+
+def _values(repeats: int) -> dict[str, list[float]]:
+    """Return values of each setting, other ones in every run, so that a store that is kept has none of them."""
+    offset = time.time() % 1 / 1000
+    return {
+        "clustering.threshold": [0.2 + 0.04 * index + offset for index in range(repeats)],
+        "clustering.motions": [1 + index % 3 for index in range(repeats)],
+        "affinity.scale": [-0.9 + 0.1 * index + offset for index in range(repeats)],
+        "moving_objects.min_area": [0.001 + 0.001 * index + offset for index in range(repeats)],
+    }
 
 
 def _change(page: Page, name: str, values: list[float]) -> list[float]:

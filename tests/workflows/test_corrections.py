@@ -14,6 +14,7 @@ from moseg.workflows.api.open_run import open_run
 from moseg.workflows.api.run_settings import RunSettings
 from moseg.workflows.config.corrections_file import read_corrections, spell_corrections
 from moseg.workflows.config.pipeline_choices import PipelineChoices
+from moseg.workflows.exports import OverlayStyle
 from moseg.workflows.reports.from_log import report_run
 
 CONFIG = {"sections.length": 4, "sections.overlap": 2}
@@ -293,6 +294,33 @@ def test_trials_of_an_open_run_leave_no_pins(frames, store):
         assert count_pins() <= before + 1
         video.judge()
     assert count_pins() == before + 1
+
+
+def test_an_overlay_has_the_users_names(frames, store):
+    style = OverlayStyle(has_identities=True)
+    plain, named = (_video(frames, store, edits) for edits in ([], [{"rename": {"object": 1, "name": "A"}}]))
+    assert not np.array_equal(plain.overlay(0, style), named.overlay(0, style))
+    np.testing.assert_array_equal(plain.overlay(0), named.overlay(0))
+
+
+def test_areas_of_masks_are_those_of_the_labels(frames, store):
+    settings = RunSettings(str(store), quiet=True)
+    stroke = {"object": 2, "frame": 1, "strokes": [{"radius": 6, "points": [[20, 20]]}]}
+    cases = (
+        [],
+        [{"split": {"object": 2, "frame": 3, "into": 5}}, {"drop": 1}],
+        [{"paint": stroke}],
+        [{"erase": stroke}],
+    )
+    with open_run(frames, settings, PipelineChoices(CONFIG)) as video:
+        for edits in cases:
+            video.apply(edits)
+            for frame in range(video.num_frames):
+                section, row = divmod(frame, CONFIG["sections.length"])
+                masks = video.store.read(video.run.graph.objects.proposals(section), "masks")[row]
+                areas = video.run.live.areas(frame, np.bincount(masks.ravel()))
+                counted = np.bincount(video.labels(frame).ravel())
+                assert np.trim_zeros(areas, "b").tolist() == counted.tolist(), (edits, frame)
 
 
 def test_what_was_in_force_stays_after_corrections_that_cannot_be_applied(frames, store):

@@ -21,6 +21,8 @@ from moseg.workflows.engine import execution
 from moseg.workflows.engine.execution import execute_batches
 from moseg.workflows.engine.session import Session
 from moseg.workflows.pipelines.evaluate import evaluate
+from moseg.workflows.runlog import run_log
+from moseg.workflows.runlog.run_log import RunLog
 from moseg.workflows.runlog.status import RunState, list_runs, read_events, read_status
 from moseg.workflows.stages.task import Output, Task
 
@@ -331,3 +333,19 @@ def test_bad_input_is_reported_in_one_line_and_in_the_log(squares, moseg, write_
     events = _events(_open(tmp_path / "store"))
     assert (events[-1].outcome, f"moseg: {events[-1].message}") == ("failed", line)
     assert json.loads(events[-1].model_dump_json())["message"].startswith("too few frames")
+
+
+def test_a_long_session_remembers_only_its_last_plans_and_counts_each_artifact_once(tmp_path, monkeypatch):
+    monkeypatch.setattr(run_log, "MAX_REMEMBERED", 10)
+    store = open_store(str(tmp_path), create=True)
+    log = RunLog(store, "20260101T000000-0123456789abcdef", quiet=True)
+    log.open(lambda: 1)
+    refs = [f"affinity/{number:064x}" for number in range(40)]
+    for ref in refs:
+        log.plan([ref])
+    log.plan(refs[:1])
+    log.close()
+    assert len(log._written) == 10
+    (run_id,) = list_runs(store)
+    assert len([event for event in read_events(store, run_id) if event.event == EventKind.PLANNED]) == 41
+    assert read_status(store, run_id).num_planned == 40

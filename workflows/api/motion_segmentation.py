@@ -138,7 +138,7 @@ class MotionSegmentation:
         index = range(self.num_frames)[frame]
         image = self._store.read(self._stored.frame_refs[index], "image")
         labels = self._stored.frame_labels(self._store, index, self.analysed_shape)
-        return draw_overlay(image, labels, style or DEFAULT_STYLE)
+        return draw_overlay(image, labels, style or DEFAULT_STYLE, self._stored.called)
 
     def figure(self, num_frames: int = 6, *, style: OverlayStyle | None = None, side: int = 320) -> Image.Image:
         """Draw frames spread over the video with their moving objects, three in a row.

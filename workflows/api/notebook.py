@@ -10,7 +10,6 @@ from PIL import Image
 
 from moseg.workflows.api.moving_object import MovingObject
 from moseg.workflows.exports import identity_colours
-from moseg.workflows.exports.draw_overlay import brightest
 
 MAX_ROWS = 20
 """Objects in the table before the rest is only counted."""
@@ -32,7 +31,7 @@ def draw_html(
 
 
 def _row(each: MovingObject) -> str:
-    red, green, blue = brightest(identity_colours(np.array([each.identity], np.uint16)))[0]
+    red, green, blue = identity_colours(np.array([each.identity], np.uint16))[0]
     style = f"display:inline-block;width:0.8em;height:0.8em;background:#{red:02x}{green:02x}{blue:02x}"
     swatch = f'<span style="{style}"></span> {each.identity}'
     frames = f"{each.first_frame} to {each.last_frame}"

@@ -46,7 +46,9 @@ class OverlayOptions:
     side_by_side: Annotated[
         bool, typer.Option("--side-by-side", help="The untouched frame at the left, the overlay at the right.")
     ] = False
-    identities: Annotated[bool, typer.Option("--identities", help="The number of each object on it.")] = False
+    identities: Annotated[
+        bool, typer.Option("--identities", help="The number, and the name, of each object on it.")
+    ] = False
     overlay_size: Annotated[
         Literal["analysed", "video"],
         typer.Option(

@@ -9,7 +9,8 @@ from PIL import Image, ImageDraw
 
 from moseg.workflows.exports.colour_maps import SOFT_COLOURS, colour_soft_map, draw_colour_bar
 from moseg.workflows.exports.draw_errors import ERROR_COLOURS, PointLabels, draw_errors, draw_point_errors
-from moseg.workflows.exports.draw_overlay import default_font, draw_labels
+from moseg.workflows.exports.draw_names import default_font
+from moseg.workflows.exports.draw_overlay import draw_labels
 from moseg.workflows.sources.resize import resize_labels
 
 PAPER, INK = (255, 255, 255), (32, 32, 32)

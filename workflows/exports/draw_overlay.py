@@ -1,11 +1,11 @@
-"""Frames of an overlay: moving objects, their numbers, and the untouched frame beside them."""
+"""Frames of an overlay: moving objects, their numbers and names, and the untouched frame beside them."""
 
-from functools import cache
+from collections.abc import Mapping
 
 import cv2
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
 
+from moseg.workflows.exports.draw_names import draw_names
 from moseg.workflows.exports.overlay_style import DEFAULT_STYLE, LINED, TINTED, OverlayMode, OverlayStyle
 from moseg.workflows.exports.palette import identity_colours
 
@@ -13,13 +13,12 @@ CUTOUT_DIMMING = 0.35
 """Share of the brightness that is kept around cut-out objects: the scene can still be recognised."""
 # Wider lines need round brushes: a square one is 1.4 times as wide along diagonals.
 _WIDEST_SQUARE_BRUSH = 3
-# Of the frame's height, and the smallest legible height, px.
-_TEXT_SHARE, _MIN_TEXT = 1 / 18, 12
-# Of the text's height: white with a dark rim is legible on every colour.
-_STROKE_SHARE = 1 / 10
+NO_NAMES: Mapping[int, str] = {}
 
 
-def draw_overlay(image: np.ndarray, labels: np.ndarray, style: OverlayStyle) -> np.ndarray:
+def draw_overlay(
+    image: np.ndarray, labels: np.ndarray, style: OverlayStyle, names: Mapping[int, str] = NO_NAMES
+) -> np.ndarray:
     """Draw a frame in a style.
 
     Parameters
@@ -28,6 +27,8 @@ def draw_overlay(image: np.ndarray, labels: np.ndarray, style: OverlayStyle) -> 
     labels : uint16 (y, x)
         0 = static, else an identity.
     style : OverlayStyle
+    names : dict of int to str
+        Names of objects by identity, beside their numbers where the style has these.
 
     Returns
     -------
@@ -36,14 +37,14 @@ def draw_overlay(image: np.ndarray, labels: np.ndarray, style: OverlayStyle) -> 
     """
     drawn = draw_labels(image, labels, style)
     if style.has_identities:
-        drawn = _draw_identities(drawn, labels)
+        drawn = draw_names(drawn, labels, names)
     return np.hstack([image, drawn]) if style.is_side_by_side else drawn
 
 
 def draw_labels(image: np.ndarray, labels: np.ndarray, style: OverlayStyle = DEFAULT_STYLE) -> np.ndarray:
     """Show each moving object, by default tinted and with a line two pixels wide, one to either side, on its border.
 
-    The tint is the object's colour, the line that colour at full brightness.
+    The tint and the line have the object's colour.
 
     Parameters
     ----------
@@ -72,12 +73,6 @@ def draw_labels(image: np.ndarray, labels: np.ndarray, style: OverlayStyle = DEF
     return drawn
 
 
-def brightest(colours: np.ndarray) -> np.ndarray:
-    """Return colours at full brightness, uint8 (..., rgb), for dark scenes: the palette's first ones reach half."""
-    strongest = colours.max(axis=-1, keepdims=True).astype(np.uint16)
-    return (colours * np.uint16(255) // np.maximum(strongest, 1)).astype(np.uint8)
-
-
 def _draw_outline(drawn: np.ndarray, labels: np.ndarray, width: int) -> None:
     """Colour, in place, the pixels whose neighbourhood contains more than one label."""
     if not width:
@@ -86,34 +81,4 @@ def _draw_outline(drawn: np.ndarray, labels: np.ndarray, width: int) -> None:
     brush = cv2.getStructuringElement(shape, (width + 1, width + 1))
     largest, smallest = cv2.dilate(labels, brush), cv2.erode(labels, brush)
     outline = largest != smallest
-    drawn[outline] = brightest(identity_colours(largest[outline]))
-
-
-def _draw_identities(image: np.ndarray, labels: np.ndarray) -> np.ndarray:
-    """Draw the number of each object at the mean of its pixels, inside the frame."""
-    height, width = labels.shape
-    size = max(_MIN_TEXT, round(height * _TEXT_SHARE))
-    stroke = max(1, round(size * _STROKE_SHARE))
-    canvas = Image.fromarray(image)
-    pen = ImageDraw.Draw(canvas)
-    y, x = np.nonzero(labels)
-    identities = labels[y, x]
-    areas = np.bincount(identities)
-    sums = np.bincount(identities, weights=x), np.bincount(identities, weights=y)
-    for identity in np.flatnonzero(areas):
-        centre = [float(total[identity] / areas[identity]) for total in sums]
-        half = pen.textlength(str(identity), default_font(size)) / 2 + stroke, size / 2 + stroke
-        place = [
-            min(max(at, reach), max(side - reach, reach))
-            for at, reach, side in zip(centre, half, (width, height), strict=True)
-        ]
-        pen.text(
-            place, str(identity), "white", default_font(size), anchor="mm", stroke_width=stroke, stroke_fill="black"
-        )
-    return np.asarray(canvas)
-
-
-@cache
-def default_font(size: int) -> ImageFont.FreeTypeFont:
-    """Return the font that comes with Pillow, the same on every machine."""
-    return ImageFont.load_default(size)
+    drawn[outline] = identity_colours(largest[outline])

@@ -45,7 +45,6 @@ def draw_regions(
     shape: tuple[int, int],
     style: RegionStyle,
     hatched: np.ndarray | None = None,
-    tints: np.ndarray | None = None,
 ) -> np.ndarray:
     """Tint each region and draw a line along its border, with a thin dark rim around all.
 
@@ -54,14 +53,12 @@ def draw_regions(
     regions : uint16 (y, x)
         0 = no region.
     colours : uint8 (num_colours, rgb)
-        Of borders, by region.
+        By region.
     shape : (int, int)
         Height and width of the picture, px.
     style : RegionStyle
     hatched : bool (y, x), optional
         Striped in grey; the regions lie above.
-    tints : uint8 (num_colours, rgb), optional
-        Of what borders enclose, where it is not their colour.
 
     Returns
     -------
@@ -82,7 +79,7 @@ def draw_regions(
         canvas[stripes & (resize_labels(hatched.astype(np.uint8), large) > 0)] = _ink(np.array(HATCH), _HATCH_OPACITY)
     canvas[rim] = _ink(np.zeros(3), RIM_OPACITY)
     inside = labels > 0
-    canvas[inside] = _ink((colours if tints is None else tints)[labels[inside]], style.opacity)
+    canvas[inside] = _ink(colours[labels[inside]], style.opacity)
     canvas[line] = _ink(colours[largest[line]], 1)
     drawn = reduce_transparent(canvas, shape)
     return _draw_numbers(drawn, resize_labels(regions.astype(np.uint16), shape)) if style.is_numbered else drawn

@@ -46,7 +46,7 @@ class OverlayStyle(Frozen):
     is_side_by_side : bool
         Whether the untouched frame stands at the left.
     has_identities : bool
-        Whether each object bears its number.
+        Whether each object bears its number, and its name if it has one.
     """
 
     mode: OverlayMode = OverlayMode.OUTLINE

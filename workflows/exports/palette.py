@@ -1,4 +1,4 @@
-"""Colours of identities: the palette of PASCAL VOC and DAVIS."""
+"""Colours of identities: the palette of PASCAL VOC and DAVIS for masks, and distinct ones for pictures."""
 
 from functools import cache
 
@@ -26,15 +26,31 @@ def davis_palette() -> np.ndarray:
     return palette
 
 
+DISTINCT_COLOURS = (
+    *("ff4b4b", "00ff00", "2de1ff", "e100ff", "ffd200", "f0a5f0", "4b963c", "ff00a5"),
+    *("0087ff", "d2965a", "00ffc3", "b4f04b", "ff8700", "a569ff", "e17887", "c3f0a5"),
+    *("969600", "00d24b", "1e96d2", "00a587", "ffe178", "f069e1", "f03c78", "ff4b00"),
+    *("8787d2", "d2960f", "5afff0", "ff8769", "87ff96", "96a55a", "f000d2", "96ff00"),
+)
+"""Colours of identities from 1 on, RGB: each is the one farthest in CIELAB from all before it, among those with a
+lightness of 55 to 92 and a chroma of 40 or more, which are visible in dark and in bright scenes.
+
+References
+----------
+Glasbey et al., "Colour Displays for Categorical Images", Color Research and Application 32 (4), 2007.
+"""
+
+
 def identity_colours(labels: np.ndarray) -> np.ndarray:
     """Return the colour of each uint16 label, uint8 (..., rgb), the same in every frame and run; label 0 is black.
 
-    It is the palette's, so that an object has one colour in the overlay and in its mask; beyond 255 colours repeat.
+    It is for people: the palette of DAVIS has reds for 1, 8 and 9 that cannot be told apart in a video. Beyond the
+    number of `DISTINCT_COLOURS`, colours repeat.
     """
     return _colours_of_all_labels()[labels]
 
 
 @cache
 def _colours_of_all_labels() -> np.ndarray:
-    repeats = -(-(2**16) // 255)
-    return np.concatenate([davis_palette()[:1], np.tile(davis_palette()[1:], (repeats, 1))])
+    distinct = np.array([list(bytes.fromhex(colour)) for colour in DISTINCT_COLOURS], np.uint8)
+    return np.concatenate([np.zeros((1, 3), np.uint8), np.resize(distinct, (2**16 - 1, 3))])

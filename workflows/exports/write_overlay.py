@@ -1,7 +1,7 @@
 """Video with its moving objects drawn in: H.264 in MP4, which browsers play."""
 
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 from itertools import zip_longest
 from pathlib import Path
@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.exports.draw_overlay import draw_overlay
+from moseg.workflows.exports.draw_overlay import NO_NAMES, draw_overlay
 from moseg.workflows.exports.encode_video import Encoding, encode_video
 from moseg.workflows.exports.overlay_style import DEFAULT_STYLE, OverlayStyle
 from moseg.workflows.sources.resize import resize_labels, shrink_to, working_size
@@ -29,6 +29,7 @@ def write_overlay(
     style: OverlayStyle = DEFAULT_STYLE,
     crf: int = VISUALLY_LOSSLESS,
     max_side: int | None = None,
+    names: Mapping[int, str] = NO_NAMES,
 ) -> int:
     """Write frames with their moving objects drawn in, one frame in memory at a time.
 
@@ -49,6 +50,8 @@ def write_overlay(
         Constant rate factor, 0 to 51: the smaller the better, and the larger the file.
     max_side : int, optional
         Frames whose longer side exceeds it are reduced to it before drawing, px.
+    names : dict of int to str
+        Names of objects by identity, for a style with their numbers.
 
     Returns
     -------
@@ -60,7 +63,7 @@ def write_overlay(
     InputError
         Where there is no frame, numbers or sizes differ, or the file cannot be written.
     """
-    drawn = _draw(frames, labels, path, style, max_side)
+    drawn = _draw(frames, labels, path, style, max_side, names)
     return encode_video(path, drawn, fps, H264._replace(options={"crf": str(crf), "preset": PRESET}))
 
 
@@ -78,14 +81,19 @@ def encode_overlay(
 
 
 def _draw(
-    frames: Iterable[np.ndarray], labels: Iterable[np.ndarray], path: Path, style: OverlayStyle, max_side: int | None
+    frames: Iterable[np.ndarray],
+    labels: Iterable[np.ndarray],
+    path: Path,
+    style: OverlayStyle,
+    max_side: int | None,
+    names: Mapping[int, str],
 ) -> Iterator[np.ndarray]:
     for index, (image, mask) in enumerate(zip_longest(frames, labels)):
         _check_pair(image, mask, path, index)
         if max_side is not None:
             size = working_size(mask.shape, max_side)
             image, mask = shrink_to(image, size), resize_labels(mask, size)
-        yield draw_overlay(image, mask, style)
+        yield draw_overlay(image, mask, style, names)
 
 
 def _check_pair(image: np.ndarray | None, mask: np.ndarray | None, path: Path, index: int) -> None:

@@ -1,8 +1,10 @@
 """An open run: one video whose corrections are changed again and again, with only what each change needs computed."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from importlib import import_module
+from importlib.metadata import version
 from threading import RLock
 from typing import NamedTuple
 
@@ -174,13 +176,21 @@ class OpenRun:
 
             return self._session.compute(build, read)
 
-    def prepare(self) -> None:
-        """Compute what the first change of a setting would wait for: how large the objects of all frames are."""
+    def prepare_steps(self) -> tuple[Callable[[], None], ...]:
+        """Return functions that compute what the first change of a setting would wait for, each in a short time.
+
+        They measure how large the objects of all frames are, one section after the other.
+        """
         with self._lock:
             sizes = self._config.moving_objects.model_copy(update={"min_area": 1.0})
             config = self._config.model_copy(update={"moving_objects": sizes})
             graph = self._graph.changed(self._graph.leaves, config)
-            self._session.compute(lambda: (graph.recipes, graph.object_areas()), lambda: None, keeps=False)
+
+        def measure(ref: str) -> None:
+            with self._lock:
+                self._session.compute(lambda: (graph.recipes, (ref,)), lambda: None, keeps=False)
+
+        return tuple(partial(measure, ref) for ref in graph.object_areas())
 
     def repair(self, ref: str) -> None:
         """Compute an artifact behind the result again if it is damaged or missing; the video is read for its frames.
@@ -228,8 +238,10 @@ class OpenRun:
 
 def import_kernels() -> None:
     """Import what changes of settings run, so that the first of them is as fast as the next."""
-    for name in ("affinity", "clustering", "rigid_support"):
+    for name in ("affinity", "clustering", "rigid_support", "corrections.areas"):
         import_module(f"moseg.tasks.{name}")
+    # The first change begins the log of the run, which has the version: what reads it is slow to import.
+    version("moseg")
 
 
 def _leading(config: PipelineConfig) -> Mapping[str, object]:

@@ -83,6 +83,26 @@ class LiveLabels:
         erased = section.painted.attributes.get("erased", ())
         return relabel_section(masks, section.objects, self._tables, frame, painted, erased)[0]
 
+    def areas(self, frame: int, mask_areas: np.ndarray) -> np.ndarray:
+        """Return the area of each label of a frame, int64 (label,), px as analysed; of labels beyond them it is 0.
+
+        Where nothing is painted the pixels need not be read.
+
+        Parameters
+        ----------
+        frame : int
+        mask_areas : int64 (value,)
+            Number of pixels of each value of the frame's proposals.
+        """
+        from moseg.tasks.corrections.relabel import relabel_section
+
+        section = self._section_of(frame)
+        if section.painted is not None:
+            return np.bincount(self.frame(frame).ravel())
+        values = np.arange(len(mask_areas), dtype=np.uint16)
+        labels = relabel_section(values[None, None], section.objects, self._tables, frame)[0, 0]
+        return np.bincount(labels, weights=mask_areas).astype(np.int64)
+
     def changed_frames(self, before: "LiveLabels | None") -> tuple[int, ...]:
         """Return the frames whose labels may differ from those before; all if there are none before."""
         stop = self._sections[-1].stop

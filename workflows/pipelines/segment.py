@@ -82,6 +82,11 @@ class StoredSegmentation(NamedTuple):
         """Frames of the video."""
         return len(self.frame_refs)
 
+    @property
+    def called(self) -> dict[int, str]:
+        """The name of each object that has one, by identity: the user's, else that of a network."""
+        return {**self.tags, **self.names}
+
     def frames(self, store: ArtifactStore) -> Iterator[np.ndarray]:
         """Yield frames as analysed, uint8 (y, x, 3) RGB, one at a time."""
         for ref in self.frame_refs:

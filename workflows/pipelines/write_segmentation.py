@@ -74,9 +74,16 @@ def write_segmentation(
                     overlay.unlink()
         elif not has_full_size:
             shown = progress.each("overlay", result.frames(store))
-            write_overlay(overlay, shown, result.labels(store, result.analysed_shape), fps, style)
+            write_overlay(overlay, shown, result.labels(store, result.analysed_shape), fps, style, names=result.called)
         else:
-            write_overlay(overlay, progress.each("overlay", origin.read_full()), result.labels(store), fps, style)
+            write_overlay(
+                overlay,
+                progress.each("overlay", origin.read_full()),
+                result.labels(store),
+                fps,
+                style,
+                names=result.called,
+            )
         labels = progress.each("summary", result.labels(store))
         found = result.num_motions, result.motions, result.tags
         names = None if origin is None else origin.names

@@ -10,7 +10,6 @@ from PIL import Image
 
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
-from moseg.workflows.exports.draw_overlay import brightest
 from moseg.workflows.exports.palette import identity_colours
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.reports.content import Layer, LegendEntry, Picture
@@ -117,17 +116,9 @@ def encode_transparent(image: np.ndarray) -> Picture:
 
 
 @cache
-def all_tints() -> np.ndarray:
-    """Return the colour of each identity's area in the overlay, uint8 (2 ** 16, rgb), read-only; 0 is black."""
-    tints = identity_colours(np.arange(2**16))
-    tints.flags.writeable = False
-    return tints
-
-
-@cache
 def all_colours() -> np.ndarray:
-    """Return the colour of each identity's outline in the overlay, uint8 (2 ** 16, rgb), read-only; 0 is black."""
-    colours = brightest(all_tints())
+    """Return the colour of each identity in the overlay, uint8 (2 ** 16, rgb), read-only; 0 is black."""
+    colours = identity_colours(np.arange(2**16))
     colours.flags.writeable = False
     return colours
 

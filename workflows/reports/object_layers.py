@@ -16,7 +16,6 @@ from moseg.workflows.reports.layers import (
     PlannedLayer,
     SequenceView,
     all_colours,
-    all_tints,
     as_hex,
     encode_transparent,
     object_legend,
@@ -121,5 +120,5 @@ def plan_tracks(view: SequenceView, variant: Variant) -> PlannedLayer:
 
 
 def _draw_objects(labels: np.ndarray, shape: tuple[int, int], style: RegionStyle) -> Picture:
-    """Draw objects as in the overlay: areas in the palette's colours, outlines in these at full brightness."""
-    return encode_transparent(draw_regions(labels, all_colours(), shape, style, tints=all_tints()))
+    """Draw objects as in the overlay: areas and outlines in the colours of identities."""
+    return encode_transparent(draw_regions(labels, all_colours(), shape, style))

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from importlib.metadata import version
+from itertools import islice
 
 from moseg.schemas.errors import CorruptArtifactError, StoreError
 from moseg.schemas.events import (
@@ -25,6 +26,12 @@ from moseg.store.owners import process_space
 from moseg.workflows.process.notebook import print_notice
 from moseg.workflows.runlog.choices import read_choices
 from moseg.workflows.runlog.events import EventLog, as_unicode, describe_error, failed_event, is_written, this_process
+
+MAX_REMEMBERED = 50_000
+"""References of which a log remembers that it has them.
+
+A page that stays open computes a few for every value of a slider. Beyond this many the oldest are forgotten, and
+written again if they are planned again: readers count each once."""
 
 
 class RunLog:
@@ -139,5 +146,7 @@ class RunLog:
         new = [ref for ref in refs if self._written.get(ref) != kind]
         if new:
             self._written.update(dict.fromkeys(new, kind))
+            for oldest in list(islice(self._written, max(0, len(self._written) - MAX_REMEMBERED))):
+                del self._written[oldest]
             sample = PlanEvent(event=kind, ref=new[0], time=this_process()["time"])
             self._events.write_lines(write_plan(sample, new))

@@ -8,7 +8,7 @@ import json
 import traceback
 from collections.abc import Callable, Sequence
 from contextlib import asynccontextmanager
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -28,7 +28,7 @@ from moseg.workflows.view.opened import ExportChoices
 from moseg.workflows.view.page_files import INDEX, page_files
 from moseg.workflows.view.page_state import describe_grid, describe_matrices, describe_moment, find_tag
 from moseg.workflows.view.shown_result import ShownResult
-from moseg.workflows.view.uploads import receive_video
+from moseg.workflows.view.uploads import receive_video, remove_video
 from moseg.workflows.view.view_session import Opening, ViewSession, in_words
 
 MAX_REQUEST_BYTES = 4 * 2**20
@@ -62,6 +62,8 @@ class ViewApplication:
         self._session = session
         self._open_video, self._open_run, self._list_runs = open_video, open_run, list_runs
         self._runs: list[dict] | None = None
+        # What fills the page beside the picture of the frame is made one at a time, so that a change need not wait.
+        self._aside = asyncio.Lock()
 
     def routes(self) -> Starlette:
         """Return the ASGI application."""
@@ -139,7 +141,8 @@ class ViewApplication:
             drawn = draw_thumbnail(shown, identity, frame)
             return Response(status_code=204) if drawn is None else Response(drawn, media_type="image/jpeg")
 
-        response = await self._draw(draw, frame)
+        async with self._aside:
+            response = await self._draw(draw, frame)
         shown, tag = self._session.moment.shown, request.query_params.get("of")
         if tag != await run_in_threadpool(find_tag, self._session.areas, shown, identity):
             # The result has changed since the page asked for it.
@@ -158,7 +161,8 @@ class ViewApplication:
         def describe(shown: ShownResult) -> Response:
             return JSONResponse(describe_grid(self._session.areas, shown))
 
-        return await self._draw(describe, key=request.path_params["key"])
+        async with self._aside:
+            return await self._draw(describe, key=request.path_params["key"])
 
     async def _matrices(self, request: Request) -> Response:
         return await self._draw(lambda shown: JSONResponse(describe_matrices(shown)), key=request.path_params["key"])
@@ -221,7 +225,13 @@ class ViewApplication:
             raise InputError("a result is open already", expected="another `moseg view`")
         given = unquote(request.headers.get("x-file-name", ""), errors="replace")
         path = await receive_video(request.stream(), given, self._session.out)
-        self._session.open(path.name, self._open_video(path), is_only=False)
+        refuse = partial(remove_video, path)
+        try:
+            self._session.open(path.name, self._open_video(path), is_only=False, refuse=refuse)
+        except InputError:
+            # Another page was faster.
+            refuse()
+            raise
         return JSONResponse({})
 
 

@@ -24,7 +24,8 @@ class ObjectAreas:
             changed = shown.live.changed_frames(self._live)
             rows = [*self._rows, *[np.zeros(0, np.int64)] * (shown.num_frames - len(self._rows))]
             for frame in changed:
-                rows[frame] = np.bincount(shown.labels(frame).ravel())
+                section, row = shown.view.place(frame)
+                rows[frame] = shown.live.areas(frame, self._count_masks(shown, section)[row])
             self._live, self._rows = shown.live, rows
         return _by_identity(rows)
 
@@ -33,18 +34,19 @@ class ObjectAreas:
         length, rows = shown.config.sections.length, []
         for section in range(-(-shown.num_frames // length)):
             names = shown.identity_of_masks(section)
-            counted = self._count_masks(shown, shown.graph.objects.proposals(section))
+            with self._lock:
+                counted = self._count_masks(shown, section)
             for counts in counted[: min(length, shown.num_frames - section * length)]:
                 rows.append(np.bincount(names[: len(counts)], weights=counts).astype(np.int64))
         return _by_identity(rows)
 
-    def _count_masks(self, shown: ShownResult, ref: str) -> list[np.ndarray]:
-        """Return the number of pixels of each object in each frame of a section's proposals."""
-        with self._lock:
-            if ref not in self._proposed:
-                masks = ArtifactView(shown.store, ref).cached("masks")
-                self._proposed[ref] = [np.bincount(frame.ravel()) for frame in masks]
-            return self._proposed[ref]
+    def _count_masks(self, shown: ShownResult, section: int) -> list[np.ndarray]:
+        """Return the number of pixels of each object in each frame of a section's proposals; the lock is held."""
+        ref = shown.graph.objects.proposals(section)
+        if ref not in self._proposed:
+            masks = ArtifactView(shown.store, ref).cached("masks")
+            self._proposed[ref] = [np.bincount(frame.ravel()) for frame in masks]
+        return self._proposed[ref]
 
 
 def _by_identity(rows: list[np.ndarray]) -> dict[int, np.ndarray]:

@@ -49,8 +49,8 @@ class Opened:
     correct : Corrector
     write : function of what to write
         Writes the result of the corrections in force into the output folder and returns the paths.
-    prepare : function without arguments
-        Computes what the first change of a setting would wait for.
+    prepare : tuple of functions without arguments
+        Steps, each short, that compute what the first change of a setting would wait for.
     repair : function of a reference
         Computes an artifact again that is damaged or missing.
     video : str or None
@@ -66,7 +66,7 @@ class Opened:
     first: ShownResult
     correct: Corrector
     write: Callable[[ExportChoices], tuple[Path, ...]]
-    prepare: Callable[[], None]
+    prepare: tuple[Callable[[], None], ...]
     repair: Callable[[str], None]
     video: str | None
     has_video: bool

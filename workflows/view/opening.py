@@ -132,7 +132,7 @@ def _open(video: OpenVideo, options: OpenOptions, words: Sequence[str]) -> Opene
         first=first,
         correct=correct,
         write=write,
-        prepare=video.run.prepare,
+        prepare=video.run.prepare_steps(),
         repair=video.run.repair,
         video=identity,
         has_video=video.origin.path is not None,

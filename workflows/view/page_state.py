@@ -12,7 +12,7 @@ from moseg.workflows.config.strict_yaml import spell_value
 from moseg.workflows.exports.formats.reconstruction_sets import SETS
 from moseg.workflows.exports.formats.registry import FORMATS
 from moseg.workflows.exports.overlay_style import OverlayMode
-from moseg.workflows.reports.layers import all_colours, all_tints, as_hex
+from moseg.workflows.reports.layers import all_colours, as_hex
 from moseg.workflows.reports.matrices import object_matrices
 from moseg.workflows.reports.missing import Missing, WhyAbsent, format_missing
 from moseg.workflows.reports.timelines import choose_thumbnails
@@ -114,7 +114,6 @@ def _describe_result(session: ViewSession, moment: Moment) -> dict[str, Any]:
             "name": names.get(identity),
             "motion": shown.found.motions[identity],
             "colour": as_hex(all_colours()[identity]),
-            "tint": as_hex(all_tints()[identity]),
             "verdict": said.get(identity),
         }
 

@@ -2,6 +2,7 @@
 
 import secrets
 import socket
+import sys
 import webbrowser
 from collections.abc import Callable
 from typing import NamedTuple
@@ -15,6 +16,11 @@ from moseg.workflows.view.view_session import ViewSession
 
 HOST = "127.0.0.1"
 """No other machine reaches it."""
+SWITCH_SECONDS = 0.0005
+"""Time that a thread of Python keeps the interpreter while others wait.
+
+A change reads and writes many small files, and waits for the interpreter after each: with the default of 5 ms, each of
+these waits could last as long, while another thread draws pictures."""
 GRACE_SECONDS = 2
 """Time that answers under way have when the server ends."""
 
@@ -64,6 +70,7 @@ def serve(address: Address, session: ViewSession, application: ViewApplication, 
         ws="none",
         timeout_graceful_shutdown=GRACE_SECONDS,
     )
+    sys.setswitchinterval(SWITCH_SECONDS)
     opened = (lambda: webbrowser.open(address.url)) if has_browser else (lambda: None)
     with address.socket:
         _Server(config, session, opened).run(sockets=[address.socket])

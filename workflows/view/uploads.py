@@ -3,6 +3,7 @@
 import re
 import unicodedata
 from collections.abc import AsyncIterator
+from contextlib import suppress
 from pathlib import Path
 
 from moseg.schemas.errors import InputError
@@ -63,3 +64,11 @@ async def receive_video(parts: AsyncIterator[bytes], given: str, out: Path, max_
         if not num_bytes:
             raise InputError("an empty file", where=name, expected="a video")
     return path
+
+
+def remove_video(path: Path) -> None:
+    """Remove a video that was received and cannot be opened, and its folder if nothing else is in it."""
+    # What cannot be removed stays; the page has the reason why the video was refused.
+    with suppress(OSError):
+        path.unlink()
+        path.parent.rmdir()

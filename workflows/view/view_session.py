@@ -118,19 +118,23 @@ class ViewSession:
         """Return a state of the result by its key; None if it is too old, or never was."""
         return self._states.get(key)
 
-    def open(self, name: str, opening: Opening, is_only: bool = True) -> Future:
+    def open(
+        self, name: str, opening: Opening, is_only: bool = True, refuse: Callable[[], None] = lambda: None
+    ) -> Future:
         """Open a result, once; raises InputError if one is open or being opened.
 
         Parameters
         ----------
         is_only : bool
             Whether it is tried again if it cannot be opened; if not, the page asks for another one.
+        refuse : function without arguments
+            Called if it cannot be opened, before the page asks for another one.
         """
         if self._moment.phase in (Phase.WORKING, Phase.READY):
             raise InputError("a result is open already", got=name, expected="another `moseg view`")
         self._opening = (name, opening) if is_only else None
         self._change(phase=Phase.WORKING, name=name, message="")
-        return self._worker.call(self._open, opening)
+        return self._worker.call(self._open, opening, refuse)
 
     def retry(self) -> Future:
         """Open again what could not be opened."""
@@ -165,7 +169,7 @@ class ViewSession:
         self.events.close()
         self._worker.close(self._stack.close)
 
-    def _open(self, opening: Opening) -> None:
+    def _open(self, opening: Opening, refuse: Callable[[], None]) -> None:
         try:
             with observed_progress(self._observe):
                 opened = opening(self._stack)
@@ -175,6 +179,7 @@ class ViewSession:
                 listed = tuple(cues.list())
         except Exception as error:
             self._stack.close()
+            refuse()
             self._report(error)
             phase = Phase.EMPTY if self._opening is None else Phase.FAILED
             self._change(phase=phase, message=in_words(error))
@@ -184,8 +189,9 @@ class ViewSession:
             raise
         self._history, self._cues = history, cues
         self._show(shown, phase=Phase.READY, name=shown.name, opened=opened, cues=listed)
-        # After the page has the result, and before a change of it.
-        self._worker.call(self._reported, opened.prepare)
+        # After the page has the result; a change of it waits for one step at most.
+        for step in opened.prepare:
+            self._worker.spare(self._reported, step)
 
     def _put(self, revision: int, change: Callable[[CorrectionHistory], Corrections], gesture: object) -> None:
         history = self._checked(revision)

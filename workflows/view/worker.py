@@ -4,7 +4,9 @@ import queue
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
-from typing import Any
+from enum import IntEnum
+from itertools import count
+from typing import Any, NamedTuple
 
 END_SECONDS = 5.0
 """Time that a piece of work has to notice that it is to end."""
@@ -12,6 +14,26 @@ END_SECONDS = 5.0
 
 class Ended(KeyboardInterrupt):
     """An interruption of the work, because the server ends: a run's log records it as interrupted."""
+
+
+class Turn(IntEnum):
+    """Order of the work that waits: what has a lower number comes first."""
+
+    ASKED = 0
+    """Somebody waits for it."""
+    SPARE = 1
+    """It is done while nothing else waits."""
+    LAST = 2
+    """The end."""
+
+
+class _Entry(NamedTuple):
+    """A piece of work that waits; of one turn, the one with the lower number comes first."""
+
+    turn: Turn
+    number: int
+    future: Future
+    function: Callable[[], Any]
 
 
 class Worker:
@@ -22,7 +44,8 @@ class Worker:
     """
 
     def __init__(self):
-        self._waiting: queue.SimpleQueue[tuple[Future, Callable[[], Any]] | None] = queue.SimpleQueue()
+        self._waiting: queue.PriorityQueue[_Entry] = queue.PriorityQueue()
+        self._numbers = count()
         self._is_ending = threading.Event()
         self._last: Callable[[], None] = lambda: None
         self._thread = threading.Thread(target=self._work, name="moseg-view", daemon=True)
@@ -30,9 +53,11 @@ class Worker:
 
     def call(self, function: Callable[..., Any], *arguments: Any) -> Future:
         """Have the thread call a function, after what it was given before, and return the future of its result."""
-        future: Future = Future()
-        self._waiting.put((future, lambda: function(*arguments)))
-        return future
+        return self._put(Turn.ASKED, lambda: function(*arguments))
+
+    def spare(self, function: Callable[..., Any], *arguments: Any) -> Future:
+        """Have the thread call a function when it has nothing else to do, and return the future of its result."""
+        return self._put(Turn.SPARE, lambda: function(*arguments))
 
     def check(self) -> None:
         """Raise Ended if the thread is to end; long work calls it between its parts."""
@@ -43,18 +68,23 @@ class Worker:
         """Have the thread drop what waits, call `last`, and end; return when it has, or after `END_SECONDS`."""
         self._last = last
         self._is_ending.set()
-        self._waiting.put(None)
+        self._put(Turn.LAST, lambda: None)
         self._thread.join(END_SECONDS)
 
+    def _put(self, turn: Turn, function: Callable[[], Any]) -> Future:
+        future: Future = Future()
+        self._waiting.put(_Entry(turn, next(self._numbers), future, function))
+        return future
+
     def _work(self) -> None:
-        while (entry := self._waiting.get()) is not None:
-            future, function = entry
+        while (entry := self._waiting.get()).turn is not Turn.LAST:
+            future = entry.future
             if self._is_ending.is_set():
                 future.cancel()
             if not future.set_running_or_notify_cancel():
                 continue
             try:
-                future.set_result(function())
+                future.set_result(entry.function())
             except BaseException as error:
                 future.set_exception(error)
         self._last()

@@ -26,5 +26,5 @@ def test_each_object_bears_its_colour_and_its_score():
         MovingObject(2, 1, 0, 3, 4, 0.25),
     )
     html = draw_html("two", "2 moving objects", objects, PICTURE)
-    assert "#ff0000" in html and "#00ff00" in html
+    assert "#ff4b4b" in html and "#00ff00" in html
     assert "<td>25 %</td><td>0.88</td>" in html and "<td>25 %</td><td></td>" in html

@@ -33,12 +33,6 @@ def test_a_dark_rim_separates_the_border_from_a_base_of_its_colour():
     assert dark.any()
 
 
-def test_the_area_inside_a_border_may_have_another_tint():
-    drawn = draw_regions(scene(), COLOURS, (40, 60), PLAIN, tints=COLOURS // 2)
-    assert drawn[20, 17].tolist() == [127, 0, 0, 128]
-    assert drawn[20, 10].tolist() == [255, 0, 0, 255]
-
-
 def test_touching_regions_have_a_line_between_them_unless_they_have_no_border():
     lined, bare = (draw_regions(scene(), COLOURS, (40, 60), style) for style in (PLAIN, RegionStyle(0.5, line=0)))
     assert lined[20, 24:26, 3].tolist() == [255, 255]

@@ -4,6 +4,7 @@ import base64
 import io
 
 import av
+import cv2
 import numpy as np
 import pytest
 
@@ -11,10 +12,12 @@ from moseg.workflows.exports import (
     OverlayMode,
     OverlayStyle,
     draw_labels,
+    draw_names,
     encode_overlay,
     identity_colours,
     write_overlay,
 )
+from moseg.workflows.exports.draw_names import label_of
 from moseg.workflows.exports.draw_overlay import CUTOUT_DIMMING, draw_overlay
 
 SHAPE = (40, 60)
@@ -49,7 +52,7 @@ def test_contour_draws_a_line_of_its_width_and_leaves_the_rest(image, labels, wi
     drawn = draw_labels(image, labels, OverlayStyle(mode=OverlayMode.CONTOUR, outline_width=width))
     changed = (drawn != image).any(axis=-1)
     assert changed[20].sum() == changed[:, 35].sum() == 2 * width
-    assert {tuple(colour) for colour in drawn[changed].tolist()} == {(255, 0, 255)}
+    assert {tuple(colour) for colour in drawn[changed].tolist()} == {tuple(identity_colours(np.uint16(5)).tolist())}
 
 
 def test_no_outline_is_a_fill(image, labels):
@@ -87,6 +90,80 @@ def test_numbers_lie_on_their_objects_and_inside_the_frame(image, labels):
     assert rows[right].mean() == pytest.approx(32, abs=3)
     assert columns[right].mean() == pytest.approx(39.5, abs=3)
     assert min(rows.min(), columns.min()) > 0
+
+
+NUMBERED = OverlayStyle(mode=OverlayMode.CONTOUR, outline_width=0, has_identities=True)
+
+
+def _written(labels, name):
+    """Return where a name, or the number of object 5 alone, is written, bool (y, x)."""
+    image = np.zeros((*labels.shape, 3), np.uint8)
+    return draw_overlay(image, labels, NUMBERED, {} if name is None else {5: name}).any(axis=-1)
+
+
+@pytest.fixture(params=["OpenCV", "Pillow"])
+def font(request, monkeypatch):
+    """A source of the font: OpenCV before version 5 has none for all languages."""
+    caches = (draw_names._draw_text, draw_names._has_glyph, draw_names._missing)
+    if request.param == "OpenCV" and not hasattr(cv2, "FontFace"):
+        pytest.skip("this OpenCV has no font for all languages")
+    if request.param == "Pillow":
+        monkeypatch.delattr(cv2, "FontFace", raising=False)
+    for cache in caches:
+        cache.cache_clear()
+    yield request.param
+    for cache in caches:
+        cache.cache_clear()
+
+
+@pytest.fixture
+def large():
+    labels = np.zeros((240, 640), np.uint16)
+    labels[100:200, 200:500] = 5
+    return labels
+
+
+@pytest.mark.parametrize("name", ["bear", "<b>&amp;", "?"])
+def test_a_name_stands_beside_the_number(font, large, name):
+    alone, named = _written(large, None), _written(large, name)
+    assert np.ptp(np.nonzero(named)[1]) > np.ptp(np.nonzero(alone)[1]) + 5
+    assert not np.array_equal(named, _written(large, "other"))
+
+
+@pytest.mark.parametrize(
+    "name", ["ourse", "ours\u00e9", "\u718a", "\U0001f43b", "\u0645\u0631", "a\u202eb", "bear\uffff"]
+)
+def test_a_name_is_drawn_with_all_its_characters_or_not_at_all(font, large, name):
+    label = label_of(5, name)
+    assert label in ("5", f"5 {name}")
+    assert (label == "5") == np.array_equal(_written(large, name), _written(large, None))
+    assert not np.array_equal(_written(large, name), _written(large, "?" * len(name)))
+    assert label_of(5, "ourse") == "5 ourse" and label_of(5, "\U0001f43b") == label_of(5, "a\u202eb") == "5"
+
+
+@pytest.mark.skipif(not hasattr(cv2, "FontFace"), reason="this OpenCV has no font for all languages")
+def test_names_in_other_scripts_are_drawn(large):
+    names = [
+        "\u718a",
+        "\u043c\u0435\u0434\u0432\u0435\u0434\u044c",
+        "\u03ac\u03c1\u03ba\u03c4\u03bf\u03c2",
+        "\uacf0",
+        "a\u00e9\u00f1\u00df",
+    ]
+    assert [label_of(5, name) for name in names] == [f"5 {name}" for name in names]
+    assert len({_written(large, name).tobytes() for name in names}) == len(names)
+
+
+def test_a_long_name_is_cut_and_stays_inside_the_frame(font, large):
+    label = label_of(5, 40 * "m")
+    assert len(label) == 24 and label.endswith("m\u2026")
+    assert draw_overlay(np.zeros((20, 30, 3), np.uint8), large[90:110, 190:220], NUMBERED, {5: 40 * "m"}).shape == (
+        20,
+        30,
+        3,
+    )
+    columns = np.flatnonzero(_written(large, 40 * "m").any(axis=0))
+    assert columns[0] > 0 and columns[-1] < 639
 
 
 def test_an_encoded_overlay_is_reduced_and_smaller_at_a_lower_quality(image, labels):

@@ -3,6 +3,7 @@
 import os
 import uuid
 
+import cv2
 import numpy as np
 import pytest
 from PIL import Image
@@ -80,10 +81,18 @@ def test_half_written_files_of_a_killed_run_are_removed_and_those_of_a_running_o
 
 def test_an_identity_keeps_its_colour_and_none_is_black():
     labels = np.array([1, 2, 255, 256, 65535], dtype=np.uint16)
-    colours = identity_colours(labels)
-    np.testing.assert_array_equal(colours[:3], davis_palette()[[1, 2, 255]])
-    assert colours.any(axis=-1).all()
+    np.testing.assert_array_equal(identity_colours(labels), np.stack([identity_colours(each) for each in labels]))
+    assert identity_colours(np.arange(1, 2**16)).any(axis=-1).all()
     assert not identity_colours(np.zeros(1, np.uint16)).any()
+
+
+@pytest.mark.parametrize(("num_objects", "least"), [(8, 50), (16, 35), (32, 25)])
+def test_colours_of_objects_can_be_told_apart(num_objects, least):
+    # Distances in CIELAB; a just noticeable one is about 2.3. The palette of DAVIS, at full brightness, has 0.
+    colours = identity_colours(np.arange(1, num_objects + 1)).astype(np.float32) / 255
+    places = cv2.cvtColor(colours[None], cv2.COLOR_RGB2Lab)[0]
+    distances = np.linalg.norm(places[:, None] - places, axis=-1) + 1000 * np.eye(num_objects)
+    assert distances.min() > least
 
 
 def test_a_folder_that_cannot_be_created_is_named(tmp_path, labels):

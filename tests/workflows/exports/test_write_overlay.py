@@ -65,9 +65,9 @@ def test_drawing_tints_objects_outlines_them_by_two_pixels_and_leaves_the_rest()
     drawn = draw_labels(images[0], labels[0])
     np.testing.assert_array_equal(images[0], before)
     assert drawn[0, 0].tolist() == [GREY] * 3
-    olive = identity_colours(np.array(3, dtype=np.uint16)).astype(float)
-    np.testing.assert_allclose(drawn[24, 20], 0.55 * GREY + 0.45 * olive, atol=1)
-    bright = (drawn[24] == [255, 255, 0]).all(axis=-1)
+    colour = identity_colours(np.array(3, dtype=np.uint16)).astype(float)
+    np.testing.assert_allclose(drawn[24, 20], 0.55 * GREY + 0.45 * colour, atol=1)
+    bright = (drawn[24] == colour).all(axis=-1)
     assert np.flatnonzero(bright).tolist() == [7, 8, 31, 32]
 
 

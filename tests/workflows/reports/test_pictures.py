@@ -21,7 +21,7 @@ from moseg.workflows.reports import layers
 from moseg.workflows.reports import pictures as report_pictures
 from moseg.workflows.reports.content import LayerKind
 from moseg.workflows.reports.cue_layers import plan_cue_layers
-from moseg.workflows.reports.layers import all_colours, all_tints, as_hex
+from moseg.workflows.reports.layers import all_colours, as_hex
 from moseg.workflows.reports.missing import WhyAbsent
 from moseg.workflows.reports.pictures import gather_pictures, picture_refs
 from moseg.workflows.stages.registry import axes_of
@@ -370,9 +370,8 @@ def test_with_ground_truth_of_no_frame_all_frames_and_their_depth_are_shown(eval
 
 
 def test_the_palette_of_all_identities_is_made_once(pictures):
-    for colours in (all_colours, all_tints):
-        assert colours() is colours()
-        assert not colours().flags.writeable
+    assert all_colours() is all_colours()
+    assert not all_colours().flags.writeable
 
 
 def test_tracks_are_read_once_a_section_and_labelled_points_once_a_layer(evaluated_copy, count_reads):

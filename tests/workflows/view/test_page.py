@@ -316,6 +316,26 @@ def test_long_names_stay_within_the_picture(serve_video, open_page):
     assert all(left >= 0 and right <= 200 and 0 <= y <= 100 for _, left, right, y in drawn)
 
 
+def test_an_export_says_what_it_wrote_in_sight_and_offers_given_names(serve_video, open_page, wait_until):
+    page = open_page(serve_video())
+    page.keyboard.press("Control+s")
+    names = page.get_by_label("numbers and names of the objects")
+    assert not names.is_checked()
+    page.get_by_role("button", name="Close", exact=True).click()
+    _select(page, 0)
+    page.keyboard.press("F2")
+    page.keyboard.type("late")
+    page.keyboard.press("Enter")
+    wait_until(page, f"{NUM_EDITS} === 1")
+    page.keyboard.press("Control+s")
+    assert names.is_checked()
+    page.get_by_role("button", name="Write").click()
+    wait_until(page, "!document.getElementById('write').disabled")
+    said = page.locator("#export-status").bounding_box()
+    assert "overlay.mp4" in page.locator("#export-status").text_content()
+    assert said["y"] >= 0 and said["y"] + said["height"] <= 800
+
+
 def test_a_name_that_is_emptied_stays_and_says_so(serve_video, open_page, wait_until):
     page = open_page(serve_video())
     page.keyboard.press("1")

@@ -1,5 +1,7 @@
 """Parts of the page's server: progress that is observed, edits in words, numbers that are free, sliders."""
 
+import threading
+
 import pytest
 
 from moseg.schemas.configs import PipelineConfig
@@ -44,6 +46,18 @@ def test_a_worker_does_one_thing_after_the_other_and_then_the_last():
     assert done == [1, "last"]
     with pytest.raises(Ended):
         worker.check()
+
+
+def test_spare_work_waits_for_what_was_asked_for():
+    worker, done, may_go = Worker(), [], threading.Event()
+    worker.call(may_go.wait)
+    spare = [worker.spare(done.append, f"spare {number}") for number in (1, 2)]
+    asked = worker.call(done.append, "asked")
+    may_go.set()
+    for future in (asked, *spare):
+        future.result()
+    worker.close(lambda: None)
+    assert done == ["asked", "spare 1", "spare 2"]
 
 
 def test_every_edit_has_words():

@@ -265,6 +265,20 @@ def test_a_dropped_file_that_is_no_video_is_one_line(serve, tmp_path):
     assert server.ask("PUT", "upload", b"<html>", name).status == 200
     message = server.wait("empty")["message"]
     assert message and "\n" not in message
+    assert not (tmp_path / "new" / "input").exists()
     # Another one may be dropped in.
     assert server.ask("PUT", "upload", b"x", {**name, "X-File-Name": "x.py"}).status == 400
     assert server.ask("PUT", "upload", b"<html>", name).status == 200
+
+
+def test_only_the_dropped_file_that_is_refused_is_removed(serve, result, tmp_path):
+    folder = result.out / "input"
+    folder.mkdir()
+    (folder / "clip.mp4").write_bytes(b"of before")
+    server = serve("--out", result.out, "--store", tmp_path / "store", "--quiet")
+    name = {"Content-Type": "application/octet-stream", "X-File-Name": "clip.mp4"}
+    # The second one is a video, but the folder has results of another one.
+    for content in (b"<html>", (result.out / "overlay.mp4").read_bytes()):
+        assert server.ask("PUT", "upload", content, name).status == 200
+        assert server.wait("empty")["message"]
+        assert [(path.name, path.read_bytes()) for path in folder.iterdir()] == [("clip.mp4", b"of before")]

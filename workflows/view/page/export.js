@@ -13,7 +13,9 @@ const checkBox = (name, value, text, isDisabled) =>
 const field = (label, input, note) => make("label", { class: "field" }, label, input, note && make("span", { class: "muted" }, note));
 
 const build = () => {
-  const { exports, out, hasVideo, exportCommand, viewCommand } = result();
+  const { exports, objects, out, hasVideo, exportCommand, viewCommand } = result();
+  // Who names objects wants to see it.
+  const hasNames = objects.some(({ name }) => name);
   const needs = (entry) => entry.needsFrames && !hasVideo;
   const status = make("p", { role: "status", id: "export-status" });
   const progress = make("progress", { id: "export-progress", "aria-label": "writing", hidden: true });
@@ -30,7 +32,7 @@ const build = () => {
       field("style", make("select", { name: "overlay" }, ...exports.overlays.map((name) => make("option", { value: name }, name)))),
       field("size", make("select", { name: "overlaySize" }, make("option", { value: "analysed" }, "as analysed"), make("option", { value: "video", disabled: !hasVideo, "aria-describedby": !hasVideo && "why-disabled" }, "the video's own"))),
       make("label", { class: "check" }, make("input", { type: "checkbox", name: "sideBySide" }), "side by side"),
-      make("label", { class: "check" }, make("input", { type: "checkbox", name: "identities" }), "numbers of the objects"),
+      make("label", { class: "check" }, make("input", { type: "checkbox", name: "identities", checked: hasNames }), "numbers and names of the objects"),
     ),
     make("fieldset", { class: "formats" }, make("legend", {}, "Formats"), ...exports.formats.map((entry) => checkBox("formats", entry.name, entry.about, needs(entry)))),
     make(
@@ -41,9 +43,8 @@ const build = () => {
       field("only each n-th frame, or one in so many seconds (0.5s)", make("input", { type: "text", name: "every", size: 6, placeholder: "all" })),
     ),
     field("widen what is to be ignored, px", make("input", { type: "number", name: "dilate", min: 0, max: 200, placeholder: "default" })),
-    progress,
-    status,
-    make("div", { class: "dialog-buttons" }, make("button", { type: "submit", class: "is-main", id: "write" }, "Write"), make("button", { type: "button", onclick: () => dialog.close() }, "Close")),
+    // Beside the button, where what was written is seen without scrolling.
+    make("div", { class: "dialog-buttons" }, make("div", { class: "dialog-said" }, progress, status), make("button", { type: "submit", class: "is-main", id: "write" }, "Write"), make("button", { type: "button", onclick: () => dialog.close() }, "Close")),
   );
   dialog.replaceChildren(form);
 };

@@ -6,9 +6,8 @@ const scratch = document.createElement("canvas");
 
 const levels = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
 
-// Colours by identity, as `#rrggbb` for lines and areas.
-export const readColours = (objects) =>
-  new Map(objects.map(({ identity, colour, tint }) => [identity, { line: levels(colour), area: levels(tint) }]));
+// Colours by identity: red, green and blue, 0 to 255.
+export const readColours = (objects) => new Map(objects.map(({ identity, colour }) => [identity, levels(colour)]));
 
 const isBorder = (labels, at, x, y, width, height) => {
   const label = labels[at];
@@ -37,7 +36,7 @@ export const drawLabels = (context, labels, width, height, colours, { selected, 
       const colour = colours.get(label);
       if (label && colour) {
         const isChosen = selected.has(label);
-        const [red, green, blue] = isEdge ? (isChosen ? [255, 255, 255] : colour.line) : colour.area;
+        const [red, green, blue] = isEdge && isChosen ? [255, 255, 255] : colour;
         out[to] = red;
         out[to + 1] = green;
         out[to + 2] = blue;

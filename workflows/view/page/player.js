@@ -56,9 +56,7 @@ const compose = (shown, [picture, labels, proposals]) => {
   if (picture) context.drawImage(picture, 0, 0, width, height);
   const options = { selected: model.selected, opacity: model.opacity };
   if (proposals) {
-    const colours = readColours(
-      shown.rejected.map(({ identity }) => ({ identity, colour: REJECTED_COLOUR, tint: REJECTED_COLOUR })),
-    );
+    const colours = readColours(shown.rejected.map(({ identity }) => ({ identity, colour: REJECTED_COLOUR })));
     drawLabels(context, proposals, width, height, colours, { ...options, lineOnly: true });
   }
   if (labels && model.hasOverlay) drawLabels(context, labels, width, height, readColours(shown.objects), options);
