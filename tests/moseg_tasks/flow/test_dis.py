@@ -48,6 +48,17 @@ def test_a_translation_is_recovered(preset):
     assert np.mean(np.abs(inner - [3.0, -2.0]).max(axis=1) < 0.5) > 0.95
 
 
+@pytest.mark.parametrize("preset", ["light", "balanced", "fine"])
+def test_the_flow_does_not_depend_on_what_was_searched_before(preset):
+    params = FlowParams(preset=preset)
+    image0, image1, other = (texture((240, 320), seed) for seed in range(3))
+    first = search_flow(image0, image1, params)
+    search_flow(image1, other, params)
+    again = search_flow(image0, image1, params)
+    search_flow(other[:120, :160], image0[:120, :160], params)
+    assert first.tobytes() == again.tobytes() == search_flow(image0, image1, params).tobytes()
+
+
 def test_a_balanced_search_is_closer_to_medium_than_a_light_one():
     image0, image1 = texture((240, 320)), texture((240, 320), 1)
     moved = cv2.remap(
