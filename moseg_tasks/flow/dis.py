@@ -1,5 +1,6 @@
 """Dense inverse search (DIS) optical flow."""
 
+from threading import local
 from typing import NamedTuple
 
 import cv2
@@ -13,12 +14,13 @@ from moseg.tasks.flow.flow_grid import enlarge_flow
 _PRESETS = {
     "ultrafast": cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST,
     "fast": cv2.DISOPTICAL_FLOW_PRESET_FAST,
+    "lighter": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
     "light": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
     "balanced": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
     "medium": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
     "fine": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
 }
-_FINEST = {"ultrafast": 2, "fast": 2, "light": 1, "balanced": 1, "medium": 1, "fine": 0}
+_FINEST = {"ultrafast": 2, "fast": 2, "lighter": 1, "light": 1, "balanced": 1, "medium": 1, "fine": 0}
 """Finest level of each preset's pyramid; each level has half the resolution of the one before."""
 
 
@@ -33,11 +35,12 @@ class _Effort(NamedTuple):
 _MIN_REDUCED_SIDE = 256
 """Longer side from which on a reduced effort differs from that of medium, px."""
 _REDUCED = {
+    "lighter": _Effort(patch_stride=4, descent_iterations=8, refinement_iterations=0),
     "light": _Effort(patch_stride=4, descent_iterations=8, refinement_iterations=2),
     "balanced": _Effort(patch_stride=3, descent_iterations=8, refinement_iterations=2),
 }
 """Of medium, whose effort is 3, 25 and 5: half its time and 0.1 px apart from it at the 95th percentile (light), 0.7 of
-its time and 0.04 px apart (balanced)."""
+its time and 0.04 px apart (balanced); lighter takes two fifths of its time and is twice as far apart as light."""
 # Of a frame. On a smaller one OpenCV raises, returns NaN or crashes.
 _MIN_SIDE = 32
 # Of the grid at which the search ends; OpenCV refuses smaller images.
@@ -84,21 +87,38 @@ def search_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> n
     if image0.shape != image1.shape:
         raise InputError("frames of a pair differ in size", got=image1.shape[:2], expected=image0.shape[:2])
     height, width = image0.shape[:2]
-    search = cv2.DISOpticalFlow_create(_PRESETS[params.preset])
-    # Small frames have too few patches to leave any out, and take little time.
-    effort = _REDUCED.get(params.preset)
-    if effort is not None and max(height, width) >= _MIN_REDUCED_SIDE:
-        search.setPatchStride(effort.patch_stride)
-        search.setGradientDescentIterations(effort.descent_iterations)
-        search.setVariationalRefinementIterations(effort.refinement_iterations)
     level = _FINEST[params.preset]
     if min(height, width) < max(_MIN_SIDE, _MIN_GRID << level):
         # OpenCV chooses the levels of such a frame by itself.
+        search = _make_search(params.preset, (height, width))
         flow = search.calc(_searchable_gray(image0), _searchable_gray(image1), None)
         return np.ascontiguousarray(flow[:height, :width])
-    search.setFinestScale(0)
     reduced = (_reduced(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), level) for image in (image0, image1))
-    return search.calc(*reduced, None) * np.float32(2**level)
+    return _kept_search(params.preset, (height, width)).calc(*reduced, None) * np.float32(2**level)
+
+
+_KEPT = local()
+"""Search of each thread for frames of one size: its maps are allocated once."""
+
+
+def _kept_search(preset: str, size: tuple[int, int]) -> cv2.DISOpticalFlow:
+    """Return this thread's search that ends on the grid of the images which it is given, made anew for another size."""
+    if getattr(_KEPT, "place", None) != (preset, size):
+        _KEPT.search, _KEPT.place = _make_search(preset, size), (preset, size)
+        _KEPT.search.setFinestScale(0)
+    return _KEPT.search
+
+
+def _make_search(preset: str, size: tuple[int, int]) -> cv2.DISOpticalFlow:
+    """Return a search for frames of a size (height, width)."""
+    search = cv2.DISOpticalFlow_create(_PRESETS[preset])
+    # Small frames have too few patches to leave any out, and take little time.
+    effort = _REDUCED.get(preset)
+    if effort is not None and max(size) >= _MIN_REDUCED_SIDE:
+        search.setPatchStride(effort.patch_stride)
+        search.setGradientDescentIterations(effort.descent_iterations)
+        search.setVariationalRefinementIterations(effort.refinement_iterations)
+    return search
 
 
 def _reduced(gray: np.ndarray, level: int) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Dominant motion of a flow field: a RANSAC homography refined to a robust affine flow."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import cv2
@@ -90,17 +91,30 @@ def sample_flow(
     flow: np.ndarray, step: int, among: np.ndarray | None = None, thinning: SaliencyParams | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Sample positions and vectors float64 (N, 2) on a grid of `step` px, inside `among`, thinned out by `thinning`."""
-    height, width = flow.shape[:2]
+    band, nth = (0.0, 1) if thinning is None else (thinning.border_band, thinning.centre_thinning)
+    points, places = _grid_points(flow.shape[:2], step, band, nth)
+    if among is not None:
+        kept = among.reshape(-1)[places]
+        points, places = points[kept], places[kept]
+    return points, flow.reshape(-1, 2)[places].astype(np.float64)
+
+
+@lru_cache(maxsize=32)
+def _grid_points(shape: tuple[int, int], step: int, band: float, nth: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return xy float64 (N, 2) of the points of a grid, and their places int64 (N,) in a map of `shape`, read-only.
+
+    Of those further than `band` heights from the border it is every `nth` one.
+    """
+    height, width = shape
     rows, columns = np.arange(step // 2 % height, height, step), np.arange(step // 2 % width, width, step)
     y, x = np.meshgrid(rows, columns, indexing="ij")
-    kept = np.ones(y.shape, bool) if among is None else among[y, x]
-    if thinning is not None:
-        band = thinning.border_band * height
-        middle = np.minimum(np.minimum(y, height - 1 - y), np.minimum(x, width - 1 - x)) >= band
-        i, j = np.ogrid[: len(rows), : len(columns)]
-        kept &= ~middle | ((i + j) % thinning.centre_thinning == 0)
+    middle = np.minimum(np.minimum(y, height - 1 - y), np.minimum(x, width - 1 - x)) >= band * height
+    i, j = np.ogrid[: len(rows), : len(columns)]
+    kept = ~middle | ((i + j) % nth == 0)
     y, x = y[kept], x[kept]
-    return np.column_stack([x, y]).astype(np.float64), flow[y, x].astype(np.float64)
+    points, places = np.column_stack([x, y]).astype(np.float64), y * width + x
+    points.flags.writeable = places.flags.writeable = False
+    return points, places
 
 
 def _solve_spanned(normal: np.ndarray, right: np.ndarray) -> np.ndarray:

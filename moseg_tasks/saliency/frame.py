@@ -49,6 +49,7 @@ def estimate_saliency(
     flow_next: np.ndarray | None,
     params: SaliencyParams,
     choice: BackgroundChoice = LAYERS,
+    size: tuple[int, int] | None = None,
 ) -> FrameSaliency:
     """Estimate how probable it is that each pixel of a frame moves on its own.
 
@@ -57,7 +58,7 @@ def estimate_saliency(
     Parameters
     ----------
     frame : uint8 (y, x, 3)
-        RGB.
+        RGB, or the same on the working grid, if `size` is given.
     previous, next : uint8 (y, x, 3) or None
         The frames before and after; None at the ends of the sequence.
     flow_previous, flow_next : float32 (y, x, 2) or None
@@ -66,6 +67,8 @@ def estimate_saliency(
     params : SaliencyParams
     choice : BackgroundChoice, optional
         The background's model; layers without it.
+    size : (height, width), optional
+        Of the frames before they were reduced to the working grid, px; by default that of `frame`.
 
     Returns
     -------
@@ -77,16 +80,17 @@ def estimate_saliency(
         A neighbour's size is not the frame's, a flow's grid is finer than the frame or not of its proportions, or only
         one of a neighbour and its flow is given.
     """
-    shape = working_shape(frame.shape[:2], params.working_side)
+    size = size or frame.shape[:2]
+    shape = working_shape(size, params.working_side)
     flows, residual_flows = np.zeros((2, 2, *shape, 2), np.float16)
     reduced = reduce_frame(frame, shape)
     backgrounds: list[Background] = []
     first_layers: list[AffineMotion | None] = [None, None]
     errors = []
     for direction, (other, flow) in enumerate(((previous, flow_previous), (next, flow_next))):
-        if not _is_given(frame, other, flow):
+        if not _is_given(frame, other, flow, size):
             continue
-        observed = reduce_flow(flow, shape, frame.shape[:2])
+        observed = reduce_flow(flow, shape, size)
         background = _explain(observed, params, choice)
         flows[direction], residual_flows[direction] = to_float16(observed), to_float16(observed - background.flow)
         first_layers[direction] = background.first_layer
@@ -110,7 +114,7 @@ def _explain(flow: np.ndarray, params: SaliencyParams, choice: BackgroundChoice)
     return fit_layers(flow, params) if motion is None else explain_rigidly(flow, motion, params)
 
 
-def _is_given(frame: np.ndarray, other: np.ndarray | None, flow: np.ndarray | None) -> bool:
+def _is_given(frame: np.ndarray, other: np.ndarray | None, flow: np.ndarray | None, size: tuple[int, int]) -> bool:
     """Check whether a neighbour and its flow are given, and that they fit the frame."""
     if other is None and flow is None:
         return False
@@ -118,14 +122,14 @@ def _is_given(frame: np.ndarray, other: np.ndarray | None, flow: np.ndarray | No
         raise InputError(
             "a neighbouring frame and its flow belong together", got="one of them", expected="both or none"
         )
-    if other.shape != frame.shape or not _is_grid_of(frame, flow):
+    if other.shape != frame.shape or not _is_grid_of(size, flow):
         raise InputError(
             "neighbour of another size", got=f"{other.shape}, flow {flow.shape}", expected=f"{frame.shape} and its flow"
         )
     return True
 
 
-def _is_grid_of(frame: np.ndarray, flow: np.ndarray) -> bool:
-    """Check whether a flow is on the frame's grid or on that of a level of its pyramid."""
-    height, width = frame.shape[:2]
+def _is_grid_of(size: tuple[int, int], flow: np.ndarray) -> bool:
+    """Check whether a flow is on the grid of frames of a size or on that of a level of their pyramid."""
+    height, width = size
     return any(flow.shape == (height >> level, width >> level, 2) for level in range(height.bit_length()))

@@ -15,10 +15,15 @@ def working_shape(shape: tuple[int, int], working_side: int) -> tuple[int, int]:
 
 def reduce_frame(frame: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
     """Average `frame` uint8 (y, x, 3) over the cells of a grid of `shape`, float32 grey levels."""
+    return reduce_levels(frame, shape).astype(np.float32)
+
+
+def reduce_levels(frame: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Average `frame` uint8 (y, x, 3) over the cells of a grid of `shape`, uint8; `frame` itself if it has it."""
     height, width = shape
     if frame.shape[:2] == (height, width):
-        return frame.astype(np.float32)
-    return cv2.resize(frame, (width, height), interpolation=cv2.INTER_AREA).astype(np.float32)
+        return frame
+    return cv2.resize(frame, (width, height), interpolation=cv2.INTER_AREA)
 
 
 def reduce_flow(flow: np.ndarray, shape: tuple[int, int], frame_shape: tuple[int, int] | None = None) -> np.ndarray:

@@ -14,8 +14,8 @@ class FlowParams(Frozen):
     method: Annotated[str, ChoiceOf("flow.method")] = Field(
         "dis", description="backend: dis (OpenCV DIS), raft, sea-raft, exact maps of the data set, or a folder"
     )
-    preset: Literal["ultrafast", "fast", "light", "balanced", "medium", "fine"] = Field(
+    preset: Literal["ultrafast", "fast", "lighter", "light", "balanced", "medium", "fine"] = Field(
         "balanced",
         description="DIS preset; fine is medium at full resolution, balanced is medium with fewer iterations, light"
-        " also with fewer patches (dis only)",
+        " also with fewer patches, lighter without variational refinement too (dis only)",
     )

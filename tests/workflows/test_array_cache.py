@@ -67,6 +67,25 @@ def test_computed_arrays_are_not_read_back_from_the_store(store, monkeypatch):
     assert np.array_equal(view.rows("labels", 1, 2), made[1:])
 
 
+def test_what_is_derived_from_an_array_is_derived_once_for_each_variant(store):
+    recipe = Recipe(task="segmentation", version=1)
+    _put(store, recipe, {"labels": np.ones((2, 3, 4), np.uint16)})
+    derived = []
+
+    def derive(factor):
+        def times(labels):
+            derived.append(factor)
+            return labels * np.uint16(factor)
+
+        return ArtifactView(store, recipe.ref).derived("labels", f"times {factor}", times)
+
+    found = [derive(factor) for factor in (2, 3, 2)]
+    assert derived == [2, 3]
+    assert [int(labels.max()) for labels in found] == [2, 3, 2]
+    assert not any(labels.flags.writeable for labels in found)
+    assert ArtifactView(store, recipe.ref).array("labels").max() == 1
+
+
 def test_rows_outside_a_kept_array_are_rejected_as_by_the_store(store):
     recipe = Recipe(task="segmentation", version=1)
     _put(store, recipe, {"labels": np.zeros((2, 3, 4), np.uint16)})

@@ -7,6 +7,7 @@ from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import AppearanceParams, ForegroundParams
 from moseg.workflows.stages.accumulation import CONSISTENT, STRICT, mean_of_passes
 from moseg.workflows.stages.own_motion import EVIDENCE_PARAMS
+from moseg.workflows.stages.reduced_frame import reduced_levels
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -16,7 +17,6 @@ RATIO_PARAMS = frozenset({"smoothing", "floor", "doubt", "clip", "memory", "reac
 
 def _run(params, inputs, rng):
     from moseg.tasks.appearance import colour_bins, count_colours
-    from moseg.tasks.saliency import reduce_frame
 
     appearance = AppearanceParams.of_recipe(params["appearance"])
     foreground = ForegroundParams.of_recipe({"threshold": params["threshold"], "sharpness": params["sharpness"]})
@@ -24,8 +24,7 @@ def _run(params, inputs, rng):
     misfits = mean_of_passes(inputs, "coherence", "misfit")
     bins, counts = [], []
     for frame, maps, misfit in zip(inputs.all("frames"), accumulated, misfits, strict=True):
-        reduced = reduce_frame(frame.cached("image"), misfit.shape).astype(np.uint8)
-        bins.append(colour_bins(reduced, appearance))
+        bins.append(colour_bins(reduced_levels(frame, misfit.shape), appearance))
         counts.append(count_colours(bins[-1], *maps, misfit, appearance, foreground))
     histograms = np.stack([sum(count.moving for count in counts), sum(count.static for count in counts)])
     totals = {name: sum(getattr(count, name) for count in counts) for name in ("reliability", "weight")}

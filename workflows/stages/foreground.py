@@ -7,6 +7,7 @@ from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import AppearanceParams, ForegroundParams, VideoNetworkParams
 from moseg.workflows.stages.accumulation import CONSISTENT, SALIENT, mean_of_passes
 from moseg.workflows.stages.appearance import RATIO_PARAMS
+from moseg.workflows.stages.reduced_frame import reduced_levels
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 from moseg.workflows.stages.video_network import EVIDENCE_PARAMS
@@ -48,7 +49,6 @@ def _run(params, inputs, rng):
 
 def _run_video_network(params, inputs, rng):
     from moseg.tasks.half_floats import to_float16, to_float32
-    from moseg.tasks.saliency import reduce_frame
     from moseg.tasks.video_network import Outcome, refine_foreground
 
     foreground, trained = inputs["foreground"].array("foreground"), inputs["video_network"].attributes
@@ -62,8 +62,7 @@ def _run_video_network(params, inputs, rng):
     network_params = VideoNetworkParams.of_recipe(params["video_network"])
     refined = []
     for frame, probability in zip(inputs.all("frames"), foreground, strict=True):
-        reduced = reduce_frame(frame.cached("image"), probability.shape).astype(np.uint8)
-        logits = infer_logits(network, lab_bytes(reduced))
+        logits = infer_logits(network, lab_bytes(reduced_levels(frame, probability.shape)))
         refined.append(to_float16(refine_foreground(to_float32(probability), logits, outcome, network_params)))
     return Output({"foreground": np.stack(refined)})
 

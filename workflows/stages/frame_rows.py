@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 
 from moseg.workflows.stages.inputs import ArtifactView
+from moseg.workflows.stages.reduced_frame import reduced_levels
 
 
 class FrameRows:
@@ -41,13 +42,7 @@ class FrameRows:
 
 def reduced_images(frames: Sequence[ArtifactView], shape: tuple[int, int]) -> FrameRows:
     """Return the frames on the working grid of `shape`, uint8 (frame, y, x, rgb)."""
-    from moseg.tasks.saliency import reduce_frame
-
-    @cache
-    def read(frame: int) -> np.ndarray:
-        return reduce_frame(frames[frame].cached("image"), shape).astype(np.uint8)
-
-    return FrameRows((len(frames), *shape, 3), read)
+    return FrameRows((len(frames), *shape, 3), lambda frame: reduced_levels(frames[frame], shape))
 
 
 def maps_of(artifacts: Sequence[ArtifactView], name: str) -> FrameRows:

@@ -50,6 +50,19 @@ class ArtifactView:
         ARRAYS.keep(self._store.url, self._ref, {name: array})
         return array
 
+    def derived(self, name: str, variant: str, derive: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """Return what `derive` makes of an array, read-only, and cache it in this process.
+
+        `variant` names the result among those of the array: it says all that the result depends on beside it.
+        """
+        entry = f"{name} {variant}"
+        kept = ARRAYS.find(self._store.url, self._ref, entry)
+        if kept is None:
+            kept = derive(self.cached(name))
+            kept.flags.writeable = False
+            ARRAYS.keep(self._store.url, self._ref, {entry: kept})
+        return kept
+
     def rows(self, name: str, start: int, stop: int) -> np.ndarray:
         """Return rows start..stop of the leading axis, reading only their chunks; read-only if the array is cached."""
         kept = ARRAYS.find(self._store.url, self._ref, name)

@@ -2,9 +2,12 @@
 
 import threading
 
+import numpy as np
+
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import SALIENCY_SOURCES, PipelineConfig
 from moseg.schemas.parameters import SaliencyParams
+from moseg.workflows.stages.reduced_frame import reduced_levels
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -42,11 +45,9 @@ class _Looked:
     """A frame on the working grid with its flows."""
 
     def __init__(self, inputs, frame: str, saliency: str):
-        from moseg.tasks.saliency import reduce_frame
-
         self._saliency = inputs[saliency]
         shape = self._saliency.shape("saliency")
-        self.image = reduce_frame(inputs[frame].cached("image"), shape)
+        self.image = reduced_levels(inputs[frame], shape).astype(np.float32)
 
     def neighbour(self, other: "_Looked", direction: int):
         """Return another frame as the neighbour in a direction: 0 the previous frame, 1 the next one."""

@@ -5,6 +5,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import MotionProofParams
+from moseg.workflows.stages.reduced_frame import reduced_levels
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -12,13 +13,12 @@ from moseg.workflows.stages.task import Output, Task
 def _run(params, inputs, rng):
     from moseg.tasks.half_floats import to_float16, to_float32
     from moseg.tasks.motion_proof import average_along_flow, prove_motion
-    from moseg.tasks.saliency import reduce_frame
 
     proof_params = MotionProofParams.of_recipe(params["motion_proof"])
     cues = inputs.all("saliency")
     flows = [to_float32(cue.array("flows")) for cue in cues]
     shape = flows[0].shape[1:3]
-    images = [reduce_frame(frame.cached("image"), shape) for frame in inputs.all("frames")]
+    images = [reduced_levels(frame, shape).astype(np.float32) for frame in inputs.all("frames")]
     # None before the first and after the last frame of the video.
     seen = [None] * (1 - params["first"]) + images + [None]
     proofs = []

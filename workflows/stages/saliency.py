@@ -4,16 +4,21 @@ from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import SaliencyParams
 from moseg.workflows.stages.background import SELECTION_PARAMS
+from moseg.workflows.stages.reduced_frame import reduced_levels
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 
 def _run(params, inputs, rng):
     from moseg.tasks.flow.fill_unknown import fill_unknown
-    from moseg.tasks.saliency import BackgroundChoice, estimate_saliency
+    from moseg.tasks.saliency import BackgroundChoice, estimate_saliency, working_shape
+
+    saliency = SaliencyParams.of_recipe(params)
+    height, width, _ = inputs["frame"].shape("image")
+    grid = working_shape((height, width), saliency.working_side)
 
     def image(role):
-        return inputs[role].cached("image") if role in inputs else None
+        return reduced_levels(inputs[role], grid) if role in inputs else None
 
     def flow(role):
         # On the grid of its search: enlarged to the frame, it would only be averaged again.
@@ -26,8 +31,9 @@ def _run(params, inputs, rng):
         image("next"),
         flow("flow_previous"),
         flow("flow_next"),
-        SaliencyParams.of_recipe(params),
+        saliency,
         *background,
+        size=(height, width),
     )
     arrays = result._asdict()
     first_layers = [motion and motion.to_json() for motion in arrays.pop("first_layers")]

@@ -6,6 +6,7 @@ from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import ComponentParams, VideoNetworkParams
 from moseg.workflows.stages.accumulation import PASSES
+from moseg.workflows.stages.reduced_frame import reduced_levels
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -17,7 +18,6 @@ EVIDENCE_PARAMS = frozenset({"weight", "caution", "limit", "max_growth"})
 
 def _run(params, inputs, rng):
     from moseg.tasks.proposals import keep_best, label_components
-    from moseg.tasks.saliency import reduce_frame
     from moseg.tasks.video_network import measure_outcome, sure_labels
     from moseg.tasks.video_network.crops import lab_bytes
 
@@ -38,7 +38,7 @@ def _run(params, inputs, rng):
 
     shape = labels.shape[1:]
     frames = inputs.all("frames")
-    lab = np.stack([lab_bytes(reduce_frame(frame.array("image"), shape).astype(np.uint8)) for frame in frames])
+    lab = np.stack([lab_bytes(reduced_levels(frame, shape)) for frame in frames])
     network = train_network(lab, labels, rng, network_params)
     checked = slice(None, None, network_params.check_step)
     logits = np.stack([infer_logits(network, frame) for frame in lab[checked]])

@@ -15,6 +15,7 @@ LEVELS = {
     "fine": (0, cv2.DISOPTICAL_FLOW_PRESET_MEDIUM),
 }
 """Finest level of each preset's pyramid, and OpenCV's preset."""
+EFFORTS = ("lighter", "light", "balanced", "medium")
 
 
 def texture(shape: tuple[int, int], seed: int = 0) -> np.ndarray:
@@ -37,7 +38,7 @@ def test_the_flow_is_that_of_opencv_whatever_grid_it_is_searched_on(preset, shap
     assert search_flow(image0, image1, params).shape == (shape[0] >> level, shape[1] >> level, 2)
 
 
-@pytest.mark.parametrize("preset", ["ultrafast", "fast", "light", "balanced", "medium"])
+@pytest.mark.parametrize("preset", ["ultrafast", "fast", "lighter", "light", "balanced", "medium"])
 def test_a_translation_is_recovered(preset):
     canvas = texture((140, 180))
     image0, image1 = canvas[10:130, 10:170], canvas[12:132, 7:167]
@@ -48,15 +49,26 @@ def test_a_translation_is_recovered(preset):
     assert np.mean(np.abs(inner - [3.0, -2.0]).max(axis=1) < 0.5) > 0.95
 
 
-def test_a_balanced_search_is_closer_to_medium_than_a_light_one():
+@pytest.mark.parametrize("preset", ["light", "balanced", "fine"])
+def test_the_flow_does_not_depend_on_what_was_searched_before(preset):
+    params = FlowParams(preset=preset)
+    image0, image1, other = (texture((240, 320), seed) for seed in range(3))
+    first = search_flow(image0, image1, params)
+    search_flow(image1, other, params)
+    again = search_flow(image0, image1, params)
+    search_flow(other[:120, :160], image0[:120, :160], params)
+    assert first.tobytes() == again.tobytes() == search_flow(image0, image1, params).tobytes()
+
+
+def test_a_search_with_more_effort_is_closer_to_medium():
     image0, image1 = texture((240, 320)), texture((240, 320), 1)
     moved = cv2.remap(
         image0, *np.meshgrid(*(np.arange(n, dtype=np.float32) * 0.99 + 2 for n in (320, 240))), cv2.INTER_LINEAR
     )
     moved[80:140, 100:180] = image1[80:140, 100:180]
-    flows = {name: estimate_flow(image0, moved, FlowParams(preset=name)) for name in ("light", "balanced", "medium")}
-    light, balanced = (np.abs(flows[name] - flows["medium"]).mean() for name in ("light", "balanced"))
-    assert 0 < balanced < light
+    flows = {name: estimate_flow(image0, moved, FlowParams(preset=name)) for name in EFFORTS}
+    lighter, light, balanced, _ = (np.abs(flows[name] - flows["medium"]).mean() for name in EFFORTS)
+    assert 0 < balanced < light < lighter
 
 
 def test_the_flow_between_equal_frames_is_zero():

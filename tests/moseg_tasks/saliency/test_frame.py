@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import SaliencyParams
-from moseg.tasks.saliency import BackgroundChoice, estimate_saliency
+from moseg.tasks.saliency import BackgroundChoice, estimate_saliency, reduce_levels, working_shape
 
 PARAMS = SaliencyParams()
 SHAPE = (96, 160)
@@ -38,6 +38,17 @@ def test_a_square_that_moves_against_an_affine_background_is_salient():
     outside = np.ones(SHAPE, bool)
     outside[26:74, 50:110] = False
     assert saliency[outside].max() < 0.05
+
+
+def test_frames_on_the_working_grid_give_what_the_frames_give():
+    params = SaliencyParams(working_side=80)
+    flow = uniform_flow((3.0, 0.0))
+    reduced = [reduce_levels(image, working_shape(SHAPE, 80)) for image in (FRAME, OTHER)]
+    given = estimate_saliency(FRAME, None, OTHER, None, flow, params)
+    found = estimate_saliency(reduced[0], None, reduced[1], None, flow, params, size=SHAPE)
+    assert given.saliency.shape == (48, 80) and given.saliency.max() > 0.9
+    for name in ("saliency", "strict_saliency", "flows", "residual_flows"):
+        assert np.array_equal(getattr(given, name), getattr(found, name))
 
 
 def test_the_camera_s_own_motion_is_not_salient():

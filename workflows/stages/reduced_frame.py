@@ -1,0 +1,15 @@
+"""Frames on the working grid, which several stages read."""
+
+from functools import partial
+
+import numpy as np
+
+from moseg.workflows.stages.inputs import ArtifactView
+
+
+def reduced_levels(frame: ArtifactView, shape: tuple[int, int]) -> np.ndarray:
+    """Return a frame on the working grid of `shape`, uint8 (y, x, rgb), read-only; it is reduced once in a process."""
+    from moseg.tasks.saliency import reduce_levels
+
+    height, width = shape
+    return frame.derived("image", f"{height}x{width}", partial(reduce_levels, shape=(height, width)))
