@@ -8,6 +8,7 @@ import numpy as np
 from moseg.schemas.parameters import EnergyParams
 from moseg.tasks.trajectories.coding_length import CodingLength
 from moseg.tasks.trajectories.epipolar_cost import EpipolarCost
+from moseg.tasks.trajectories.groups import labels_in_use
 from moseg.tasks.trajectories.joint_searches import Needed, Search, run_together
 
 
@@ -133,7 +134,7 @@ class Energy:
 
     def _with_cost(self, grouping: Grouping, cost: float) -> Grouping:
         """Return the grouping with another cost and the energy that follows."""
-        params, num_motions = self._params, len(np.unique(grouping.labels))
+        params, num_motions = self._params, len(labels_in_use(grouping.labels))
         energy = float(cost) + params.cut_weight * grouping.cut + params.coding_weight * grouping.code
         energy += self._price * max(num_motions - params.free_motions, 0)
         return grouping._replace(cost=float(cost), energy=energy)
@@ -169,7 +170,7 @@ def normalised_cut(kernel: np.ndarray, labels: np.ndarray) -> float:
 
 def group_affinities(kernel: np.ndarray, labels: np.ndarray) -> np.ndarray:
     """Return the sums of a kernel's entries between groups, float64 (K, K) in the order of the labels."""
-    members = (labels[:, None] == np.unique(labels)).astype(kernel.dtype)
+    members = (labels[:, None] == labels_in_use(labels)).astype(kernel.dtype)
     return (members.T @ (kernel @ members)).astype(np.float64)
 
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from moseg.tasks.trajectories.energy import Energy, Grouping
+from moseg.tasks.trajectories.groups import labels_in_use
 from moseg.tasks.trajectories.joint_searches import Search, run_together
 
 _SHARES = (1.0, 0.3, 0.1, 0.03)
@@ -89,7 +90,7 @@ def _move_trajectories(grouping: Grouping, energy: Energy) -> Search[Grouping | 
         chosen = order[: int(np.ceil(share * len(order)))]
         moved = labels.copy()
         moved[chosen] = slope[chosen].argmin(axis=1)
-        if len(np.unique(moved)) == slope.shape[1]:
+        if len(labels_in_use(moved)) == slope.shape[1]:
             better = yield from energy.search_below(grouping.energy, [moved])
             if better:
                 return better
