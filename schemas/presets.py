@@ -66,9 +66,9 @@ LIGHT: Mapping[str, Choices] = {
 
 QUALITIES: Mapping[str, Choices] = {
     "fast": {
-        "max_side": 408,
+        "max_side": 384,
         "flow": {"preset": "lighter"},
-        "saliency": {"working_side": 204},
+        "saliency": {"working_side": 192},
         "motion_network": {"step": 4},
         "scene_parallax": {"num_pairs": 4, "min_pairs": 3, "num_corners": 400},
         "rigid_support": {"step": 16},

@@ -68,14 +68,18 @@ def group_clip(
     if params.method == "energy" and not is_stray[all_landmarks].all():
         follows = np.flatnonzero(~is_stray[all_landmarks])
     landmarks = all_landmarks[follows]
-    own_views = [view._replace(kernels=view.kernels[:, follows[:, None], follows]) for view in views]
+    own_views = [view._replace(codes=None).of_landmarks(follows) for view in views]
     own_points, own_visible = points[landmarks], visible[landmarks]
     spans = _spans(own_visible, section_params)
     found = [_section(own_points, own_visible, own_views, frames, section_params.min_visible) for frames in spans]
     sections = [section for section in found if section is not None]
 
     if len(sections) < 2:
-        sections = [_Section(np.arange(len(landmarks)), own_points, own_visible, own_views)]
+        whole = own_views
+        if params.method == "energy":
+            everything = points[all_landmarks], visible[all_landmarks]
+            whole = [view.with_codes(*everything).of_landmarks(follows) for view in views]
+        sections = [_Section(np.arange(len(landmarks)), own_points, own_visible, whole)]
 
     def group(section: _Section, count: int | None) -> TrajectoryGroups:
         return group_trajectories(section.points, section.visible, section.views, count, params, window, rng)
@@ -116,7 +120,7 @@ def _section(
     for view in views:
         inside = ((view.hypotheses.frames >= frames.start) & (view.hypotheses.frames < frames.stop)).all(axis=1)
         drawn = Hypotheses(view.hypotheses.parameters[inside], view.hypotheses.frames[inside] - frames.start)
-        parts.append(ModelKernels(view.model, drawn, view.kernels[:, own[:, None], own]))
+        parts.append(view._replace(hypotheses=drawn).of_landmarks(own))
     if not len(own) or not all(len(part.hypotheses.frames) for part in parts):
         return None
     return _Section(own, points[own, frames], visible[own, frames], parts)

@@ -14,6 +14,7 @@ from moseg.tasks.clustering.spectral import embed_views
 from moseg.tasks.trajectories.candidates import Candidates, View, in_order
 from moseg.tasks.trajectories.energy import Energy, Grouping, motion_price
 from moseg.tasks.trajectories.grouping_search import GroupingSearch
+from moseg.tasks.trajectories.joint_searches import Needed
 from moseg.tasks.trajectories.separation import nearest_trajectories, separate_objects
 
 
@@ -119,7 +120,8 @@ def cluster_trajectories(
         search = GroupingSearch(candidates, small, energy, params)
         groupings = {count: search.candidates(count) for count in counts}
         # Fitting a hundred groups at once costs little more than fitting one.
-        energy.prepare([labels for by_draw in groupings.values() for drawn in by_draw for labels in drawn])
+        everything = [labels for by_draw in groupings.values() for drawn in by_draw for labels in drawn]
+        energy.prepare(Needed(everything, everything))
     else:
         # The published methods give one grouping.
         groupings = {count: [[in_order(cluster(count))]] for count in counts}

@@ -1,23 +1,16 @@
 """The coding length of a grouping of trajectories: bits that describe the trajectories of each group together."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from moseg.schemas.parameters import CodingParams
+from moseg.tasks.trajectories.groups import groups_of
 from moseg.tasks.trajectories.projective_depths import MIN_TRACKS, projective_depths
 from moseg.tasks.trajectories.track_windows import TrackWindow, track_windows
 
 _DIRECTIONS = 3
 """Dimensions of a rigid motion's trajectories about their mean under an affine camera."""
-
-
-class _Group(NamedTuple):
-    """Bits of a group without its labels, and its trajectories: float64 (windows,) each."""
-
-    bits: np.ndarray
-    counts: np.ndarray
 
 
 class CodingLength:
@@ -59,7 +52,7 @@ class CodingLength:
         self._params = params
         self._windows = track_windows(points, visible, params)
         self._sizes = np.array([len(window.tracks) for window in self._windows], dtype=np.float64)
-        self._known: dict[bytes, _Group] = {}
+        self._known: dict[bytes, float] = {}
         everything = np.zeros(len(points), int)
         self._unit = self._bits(everything)
 
@@ -94,20 +87,17 @@ class CodingLength:
 
     def _bits(self, labels: np.ndarray) -> float:
         """Return the bits of a labeling, over all windows."""
-        total = 0.0
-        for label in np.unique(labels):
-            group = self._group(labels == label)
-            share = np.divide(group.counts, self._sizes, out=np.ones_like(self._sizes), where=group.counts > 0)
-            total += float(np.sum(group.bits - group.counts * np.log2(share)))
-        return total
+        return sum(map(self._of_group, groups_of(labels)))
 
-    def _group(self, members: np.ndarray) -> _Group:
-        """Return the bits of a group bool (N,)."""
+    def _of_group(self, members: np.ndarray) -> float:
+        """Return the bits of a group bool (N,) and of its labels, over all windows."""
         key = members.tobytes()
         if key not in self._known:
             inside = [members[window.tracks] for window in self._windows]
             bits = [self._of_tracks(window, own) for window, own in zip(self._windows, inside, strict=True)]
-            self._known[key] = _Group(np.array(bits), np.array([np.count_nonzero(own) for own in inside], float))
+            counts = np.array([np.count_nonzero(own) for own in inside], float)
+            share = np.divide(counts, self._sizes, out=np.ones_like(self._sizes), where=counts > 0)
+            self._known[key] = float(np.sum(np.array(bits) - counts * np.log2(share)))
         return self._known[key]
 
     def _of_tracks(self, window: TrackWindow, own: np.ndarray) -> float:

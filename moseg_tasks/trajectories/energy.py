@@ -8,6 +8,8 @@ import numpy as np
 from moseg.schemas.parameters import EnergyParams
 from moseg.tasks.trajectories.coding_length import CodingLength
 from moseg.tasks.trajectories.epipolar_cost import EpipolarCost
+from moseg.tasks.trajectories.groups import labels_in_use
+from moseg.tasks.trajectories.joint_searches import Needed, Search, run_together
 
 
 class Grouping(NamedTuple):
@@ -54,27 +56,30 @@ class Energy:
         # Bounded below: if one motion explains the data well, a relative gain by a second one is not significant.
         self._unit = max(float(self._cost.of_labelings([np.zeros(len(points), int)])[0]), params.least_unit)
 
-    def prepare(self, labelings: Sequence[np.ndarray]) -> None:
-        """Fit all groups of labelings whose cost is needed later."""
-        self._cost.of_labelings(labelings)
+    def prepare(self, needed: Needed) -> None:
+        """Code and fit all groups of labelings whose coding length or cost is needed later."""
+        self._codes(needed.codes)
+        self._cost.of_labelings(needed.costs)
 
     def minimum(self, labelings: Sequence[np.ndarray]) -> Grouping:
         """Return the labeling of minimal energy, the first of equals."""
         # There is always one below infinity.
-        return self.minimum_below(np.inf, labelings)
+        return run_together([self.search_below(np.inf, labelings)], self.prepare)[0]
 
-    def minimum_below(self, limit: float, labelings: Sequence[np.ndarray]) -> Grouping | None:
-        """Return the labeling of minimal energy, the first of equals; None if no energy is below the limit.
+    def search_below(self, limit: float, labelings: Sequence[np.ndarray]) -> Search[Grouping | None]:
+        """Search for the labeling of minimal energy, the first of equals; None if no energy is below the limit.
 
         Fits take most of the time. Cut, code and what is known of the cost bound the energy from below, so that a
         labeling whose bound is too high is not fitted.
         """
+        yield Needed(codes=labelings)
         codes = self._codes(labelings)
         bounds = [*map(self._grouping, labelings, self._cost.bounds_of_labelings(labelings) / self._unit, codes)]
         best, place = None, len(labelings)
         for index in sorted(range(len(labelings)), key=lambda index: bounds[index].energy):
             if bounds[index].energy >= limit or (best and bounds[index].energy > best.energy):
                 break
+            yield Needed(costs=[labelings[index]])
             cost = float(self._cost.of_labelings([labelings[index]])[0]) / self._unit
             found = self._with_cost(bounds[index], cost)
             if found.energy < limit and (best is None or (found.energy, index) < (best.energy, place)):
@@ -129,7 +134,7 @@ class Energy:
 
     def _with_cost(self, grouping: Grouping, cost: float) -> Grouping:
         """Return the grouping with another cost and the energy that follows."""
-        params, num_motions = self._params, len(np.unique(grouping.labels))
+        params, num_motions = self._params, len(labels_in_use(grouping.labels))
         energy = float(cost) + params.cut_weight * grouping.cut + params.coding_weight * grouping.code
         energy += self._price * max(num_motions - params.free_motions, 0)
         return grouping._replace(cost=float(cost), energy=energy)
@@ -165,7 +170,7 @@ def normalised_cut(kernel: np.ndarray, labels: np.ndarray) -> float:
 
 def group_affinities(kernel: np.ndarray, labels: np.ndarray) -> np.ndarray:
     """Return the sums of a kernel's entries between groups, float64 (K, K) in the order of the labels."""
-    members = (labels[:, None] == np.unique(labels)).astype(kernel.dtype)
+    members = (labels[:, None] == labels_in_use(labels)).astype(kernel.dtype)
     return (members.T @ (kernel @ members)).astype(np.float64)
 
 

@@ -10,6 +10,7 @@ from moseg.schemas.parameters import EnergyParams
 from moseg.tasks.geometry.eigenvectors import largest_eigenvector, smallest_eigenvector
 from moseg.tasks.geometry.eight_point import SAMPLE_SIZE, epipolar_equations
 from moseg.tasks.geometry.sampson import gradient_coefficients, gradient_monomials
+from moseg.tasks.trajectories.groups import groups_of
 
 _LAST_ROUNDS = 2
 """Rounds with the final threshold."""
@@ -93,14 +94,14 @@ class EpipolarCost:
 
         It is 0 if no two frames share eight trajectories.
         """
-        groups = [_groups_of(labels) for labels in labelings]
+        groups = [groups_of(labels) for labels in labelings]
         self._fit_groups([group for labeling in groups for group in labeling])
         totals = [sum(self._known[group.tobytes()].cost for group in labeling) for labeling in groups]
         return np.array(totals) / max(self._num_observations, 1)
 
     def bounds_of_labelings(self, labelings: Sequence[np.ndarray]) -> np.ndarray:
         """Return what `of_labelings` returns, but without the costs of groups that have not been fitted yet."""
-        known = [[self._known.get(group.tobytes()) for group in _groups_of(labels)] for labels in labelings]
+        known = [[self._known.get(group.tobytes()) for group in groups_of(labels)] for labels in labelings]
         totals = [sum(fits.cost for fits in labeling if fits) for labeling in known]
         return np.array(totals) / max(self._num_observations, 1)
 
@@ -133,9 +134,9 @@ class EpipolarCost:
         less then changes the cost by a tenth. The matrix of a part of a group, or of a union of which it is a part,
         often leads to a better one. The groups of `others` only give such matrices.
         """
-        groups = {group.tobytes(): group for labels in labelings for group in _groups_of(labels)}
+        groups = {group.tobytes(): group for labels in labelings for group in groups_of(labels)}
         num_groups = len(groups)
-        groups |= {group.tobytes(): group for labels in others for group in _groups_of(labels)}
+        groups |= {group.tobytes(): group for labels in others for group in groups_of(labels)}
         stacked = np.stack(list(groups.values()))
         self._fit_groups(stacked)
         known = [self._known[key] for key in groups]
@@ -147,7 +148,7 @@ class EpipolarCost:
             costs = _refit(pairs, members, starts, is_fitted)
             totals += np.where(is_fitted[:, :num_groups], costs, 0).sum(axis=0)
         best = {key: min(total, fits.cost) for key, total, fits in zip(groups, totals, known, strict=False)}
-        sums = [sum(best[group.tobytes()] for group in _groups_of(labels)) for labels in labelings]
+        sums = [sum(best[group.tobytes()] for group in groups_of(labels)) for labels in labelings]
         return np.array(sums) / max(self._num_observations, 1)
 
     def _fit_groups(self, groups: Sequence[np.ndarray]) -> None:
@@ -177,11 +178,6 @@ class EpipolarCost:
         for start in range(0, num_pairs, size):
             block = slice(start, start + size)
             yield block, _Pairs(*(array[block] for array in self._pairs))
-
-
-def _groups_of(labels: np.ndarray) -> list[np.ndarray]:
-    """Return the groups bool (N,) of a labeling int (N,)."""
-    return [labels == label for label in np.unique(labels)]
 
 
 def _sampled_pairs(visible: np.ndarray, gap: int, params: EnergyParams) -> range:

@@ -17,11 +17,33 @@ from moseg.tasks.trajectories.trajectory_hypotheses import Hypotheses
 
 
 class ModelKernels(NamedTuple):
-    """Hypotheses of one point model, and the kernels float32 (D, M, M) of D draws between M landmarks."""
+    """Hypotheses of one point model, and the kernels float32 (D, M, M) of D draws between M landmarks.
+
+    `codes`, uint16 (S, M, H), are those of the landmarks (`HypothesisResiduals.all_codes`) if they are known.
+    """
 
     model: PointModel
     hypotheses: Hypotheses
     kernels: np.ndarray
+    codes: np.ndarray | None = None
+
+    def of_landmarks(self, chosen: np.ndarray) -> "ModelKernels":
+        """Return the same for some of the landmarks, int (m,)."""
+        if len(chosen) == self.kernels.shape[1]:
+            return self
+        codes = None if self.codes is None else self.codes[:, chosen]
+        return self._replace(kernels=self.kernels[:, chosen[:, None], chosen], codes=codes)
+
+    def with_codes(self, points: np.ndarray, visible: np.ndarray) -> "ModelKernels":
+        """Return the same with the codes, which are computed if they are not known; without them if too large.
+
+        The codes of fewer landmarks would have other roundings, and results would depend on what is known.
+        """
+        return self._replace(codes=self.residuals(points, visible).all_codes())
+
+    def residuals(self, points: np.ndarray, visible: np.ndarray) -> HypothesisResiduals:
+        """Return the residuals of the landmarks."""
+        return HypothesisResiduals(self.hypotheses, points, visible, self.model, self.codes)
 
 
 class TrajectoryGroups(NamedTuple):
@@ -73,16 +95,15 @@ def group_trajectories(
     sets_outliers_aside = params.method == "energy"
     is_outlier = np.zeros(num_landmarks, bool)
     if sets_outliers_aside:
-        general = views[-1]
-        residuals = HypothesisResiduals(general.hypotheses, points[landmarks], visible[landmarks], general.model)
+        residuals = views[-1].residuals(points[landmarks], visible[landmarks])
         distances = residuals.draws(num_draws)[0].nearest_distances(window)
         is_outlier = find_outliers(mean, distances, params.outliers)
     kept = np.flatnonzero(~is_outlier)
     own_points, own_visible = points[landmarks[kept]], visible[landmarks[kept]]
     by_view = []
     for view in views:
-        residuals = HypothesisResiduals(view.hypotheses, own_points, own_visible, view.model)
-        by_view.append(list(map(View, view.kernels[:, kept[:, None], kept], residuals.draws(num_draws))))
+        own = view.of_landmarks(kept)
+        by_view.append(list(map(View, own.kernels, own.residuals(own_points, own_visible).draws(num_draws))))
     draws = list(zip(*by_view, strict=True))
     clustering = cluster_trajectories(draws, own_points, own_visible, num_motions, params, rng)
     motion = clustering.motion

@@ -9,7 +9,7 @@ from moseg.schemas.parameters import TrajectoryClusteringParams
 from moseg.tasks.trajectories.candidates import Candidates, in_order
 from moseg.tasks.trajectories.energy import Energy, Grouping
 from moseg.tasks.trajectories.merging import merge_by_energy
-from moseg.tasks.trajectories.refinement import refine_grouping
+from moseg.tasks.trajectories.refinement import refine_groupings
 from moseg.tasks.trajectories.splitting import split_grouping
 
 
@@ -42,6 +42,7 @@ class GroupingSearch:
         self._energy = energy
         self._params = params
         self._of: dict[int, list[list[np.ndarray]]] = {}
+        self._of_energy: dict[int, list[Grouping]] = {}
         self._refined: dict[bytes, Grouping] = {}
 
     def candidates(self, count: int) -> list[list[np.ndarray]]:
@@ -56,7 +57,7 @@ class GroupingSearch:
         The energies of different numbers can be compared. A `penalty` 0 or more on labels int (N,) is added to the
         energies before groupings are compared.
         """
-        found = {count: self._refined_into(count) for count in counts}
+        found = self._refined_into(list(counts))
         if self._params.num_refined:
             # The search compares thousands of groups, by fits that sometimes fail; the last few deserve better ones.
             compared = iter(
@@ -65,37 +66,50 @@ class GroupingSearch:
             found = {count: [next(compared) for _ in groupings] for count, groupings in found.items()}
         return {count: _lowest(groupings, penalty) for count, groupings in found.items()}
 
-    def _refined_into(self, count: int) -> list[Grouping]:
-        """Return the best groupings into `count` groups."""
-        found = self._without_splits(count, self._params.num_refined)
-        if count > 1 and self._small_pieces is not None:
+    def _refined_into(self, counts: Sequence[int]) -> dict[int, list[Grouping]]:
+        """Return the best groupings into each number of groups."""
+        num_refined = self._params.num_refined
+        split = [count for count in counts if count > 1 and self._small_pieces is not None]
+        starts = [start for count in counts for start in self._ranked(count)[:num_refined]]
+        self._refine([*starts, *(self._ranked(count - 1)[0] for count in split)])
+        found = {count: self._without_splits(count, num_refined) for count in counts}
+        splits: dict[int, list[Grouping]] = {}
+        for count in split:
             fewer = min(self._without_splits(count - 1, 1), key=lambda grouping: grouping.energy)
-            splits = split_grouping(fewer, self._energy, self._small_pieces, self._params.pieces.num_tried)
-            found += map(self._refine, splits[: self._params.num_split])
+            ranked = split_grouping(fewer, self._energy, self._small_pieces, self._params.pieces.num_tried)
+            splits[count] = ranked[: self._params.num_split]
+        self._refine([start for starts in splits.values() for start in starts])
+        for count, starts in splits.items():
+            found[count] += [self._refined[start.labels.tobytes()] for start in starts]
         return found
 
     def _without_splits(self, count: int, num_refined: int) -> list[Grouping]:
         """Return the best candidate or merged pieces, and refinements of the best."""
-        labelings = [labels for drawn in self.candidates(count) for labels in drawn]
-        labelings += [in_order(merged[count]) for merged in self._merged if count in merged]
-        ranked = self._energy.rank(list({labels.tobytes(): labels for labels in labelings}.values()))
-        return [ranked[0], *map(self._refine, ranked[:num_refined])]
+        ranked = self._ranked(count)
+        return [ranked[0], *(self._refined[start.labels.tobytes()] for start in ranked[:num_refined])]
+
+    def _ranked(self, count: int) -> list[Grouping]:
+        """Return the candidates and the merged pieces in the order of their energy."""
+        if count not in self._of_energy:
+            labelings = [labels for drawn in self.candidates(count) for labels in drawn]
+            labelings += [in_order(merged[count]) for merged in self._merged if count in merged]
+            self._of_energy[count] = self._energy.rank(
+                list({labels.tobytes(): labels for labels in labelings}.values())
+            )
+        return self._of_energy[count]
 
     @cached_property
     def _merged(self) -> list[dict[int, np.ndarray]]:
         """Return the pieces of each draw merged into every number of groups."""
-        num_tried = self._params.pieces.num_tried
-        return [merge_by_energy(each.merged_pieces, self._energy, num_tried) for each in self._candidates]
+        pieces = [each.merged_pieces for each in self._candidates]
+        return merge_by_energy(pieces, self._energy, self._params.pieces.num_tried)
 
-    def _refine(self, start: Grouping) -> Grouping:
-        """Refine a grouping, once."""
-        key = start.labels.tobytes()
-        if key not in self._refined:
-            params = self._params
-            self._refined[key] = refine_grouping(
-                start, self._energy, self._pieces, params.num_refinements, params.pieces.num_tried
-            )
-        return self._refined[key]
+    def _refine(self, starts: Sequence[Grouping]) -> None:
+        """Refine groupings, each once, and keep them."""
+        new = {start.labels.tobytes(): start for start in starts if start.labels.tobytes() not in self._refined}
+        num_rounds, num_tried = self._params.num_refinements, self._params.pieces.num_tried
+        refined = refine_groupings(list(new.values()), self._energy, self._pieces, num_rounds, num_tried)
+        self._refined |= dict(zip(new, refined, strict=True))
 
 
 def _lowest(groupings: Sequence[Grouping], penalty: Callable[[np.ndarray], float] | None) -> Grouping:

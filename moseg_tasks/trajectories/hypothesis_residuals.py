@@ -16,7 +16,7 @@ _DROPPED_BITS = 13
 """Of the mantissa's 23 bits, ten are left: codes resolve relative differences of a thousandth in squared distance."""
 _FIRST_CODE = int(_LEAST.view(np.uint32)) >> _DROPPED_BITS
 _CACHED_BYTES = 2**26
-"""Codes of all trajectories up to this size are computed once; of more, only those of the trajectories asked for."""
+"""Codes of all trajectories up to this size are computed once; of more, only those that are asked for."""
 
 
 class SetCodes(NamedTuple):
@@ -32,8 +32,8 @@ class HypothesisResiduals:
     """Distances of N trajectories to H hypotheses of each of S sets of frames.
 
     Only their order is used, within a set and by medians. Codes of 16 bits hold it, and are selected from and sorted
-    several times faster than floating-point numbers. Nothing is stored: the distances of a clip take more time to
-    write and to read than to compute.
+    several times faster than floating-point numbers. They are not stored, because they take more time to write and to
+    read than to compute.
 
     Parameters
     ----------
@@ -42,13 +42,22 @@ class HypothesisResiduals:
         px.
     visible : bool (N, frame)
     model : PointModel
+    codes : uint16 (S, N, H), optional
+        `all_codes` of these trajectories, if they are known already.
     """
 
-    def __init__(self, hypotheses: Hypotheses, points: np.ndarray, visible: np.ndarray, model: PointModel):
+    def __init__(
+        self,
+        hypotheses: Hypotheses,
+        points: np.ndarray,
+        visible: np.ndarray,
+        model: PointModel,
+        codes: np.ndarray | None = None,
+    ):
         self._hypotheses = hypotheses
         self._points = points
         self._model = model
-        self._all: list[np.ndarray] = []
+        self._all: list[np.ndarray] = [] if codes is None else [codes]
         self._columns = slice(0, hypotheses.parameters.shape[1])
         self.is_seen = visible[:, hypotheses.frames].all(axis=2).T
         """bool (S, N): whether a trajectory is visible in all frames of a set."""
@@ -70,17 +79,25 @@ class HypothesisResiduals:
     def of_set(self, index: int) -> SetCodes:
         """Return the codes of one set."""
         seen = np.flatnonzero(self.is_seen[index])
+        if self._all:
+            return SetCodes(seen, self._all[0][index, seen, self._columns])
         return SetCodes(seen, self._compute(index, seen, self._columns))
+
+    def all_codes(self) -> np.ndarray | None:
+        """Return the codes uint16 (S, N, H) of all trajectories, which are computed once; None if they are too large.
+
+        The code of a trajectory in a set that does not show it is `NOT_SEEN`.
+        """
+        num_sets, num_tracks = self.is_seen.shape
+        num_all = self._hypotheses.parameters.shape[1]
+        if not self._all and 2 * num_sets * num_tracks * num_all <= _CACHED_BYTES:
+            self._all.append(self._of_tracks(np.arange(num_tracks), slice(0, num_all)))
+        return self._all[0][..., self._columns] if self._all else None
 
     def of_tracks(self, tracks: np.ndarray) -> np.ndarray:
         """Return the codes uint16 (S, T, H) of trajectories int (T,), `NOT_SEEN` in sets that do not show them."""
-        num_sets, num_tracks = self.is_seen.shape
-        num_all = self._hypotheses.parameters.shape[1]
-        if 2 * num_sets * num_tracks * num_all > _CACHED_BYTES:
-            return self._of_tracks(tracks, self._columns)
-        if not self._all:
-            self._all.append(self._of_tracks(np.arange(num_tracks), slice(0, num_all)))
-        return self._all[0][:, tracks, self._columns]
+        codes = self.all_codes()
+        return self._of_tracks(tracks, self._columns) if codes is None else codes[:, tracks]
 
     def nearest_distances(self, window: float) -> np.ndarray:
         """Return how far each trajectory is from a share `window` of the hypotheses nearest to it.

@@ -1,14 +1,18 @@
 """Greedy merging of pieces of trajectories by energy."""
 
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
 
 from moseg.tasks.trajectories.energy import Energy
+from moseg.tasks.trajectories.joint_searches import Search, run_together
 
 
-def merge_by_energy(pieces: np.ndarray, energy: Energy, num_tried: int) -> dict[int, np.ndarray]:
-    """Group the pieces into every number of groups down to one.
+def merge_by_energy(
+    oversegmentations: Sequence[np.ndarray], energy: Energy, num_tried: int
+) -> list[dict[int, np.ndarray]]:
+    """Group the pieces of each over-segmentation into every number of groups down to one.
 
     Each step merges the two groups whose union has the smallest energy, among the `num_tried` pairs whose union has the
     smallest normalised cut: only groups with some affinity are fitted. A merge by affinity alone depends on the drawn
@@ -16,16 +20,21 @@ def merge_by_energy(pieces: np.ndarray, energy: Energy, num_tried: int) -> dict[
 
     Parameters
     ----------
-    pieces : int (N,)
-        0 .. P - 1, each in use.
+    oversegmentations : sequence of int (N,)
+        Pieces 0 .. P - 1, each in use.
     energy : Energy
     num_tried : int
 
     Returns
     -------
-    dict of int to int (N,)
-        Labels 0 .. K - 1 for each number of groups K = P .. 1.
+    list of dict of int to int (N,)
+        Labels 0 .. K - 1 for each number of groups K = P .. 1 of an over-segmentation.
     """
+    return run_together([_merge_all(pieces, energy, num_tried) for pieces in oversegmentations], energy.prepare)
+
+
+def _merge_all(pieces: np.ndarray, energy: Energy, num_tried: int) -> Search[dict[int, np.ndarray]]:
+    """Merge the pieces of one over-segmentation."""
     labels, found = pieces, {}
     while True:
         count = int(labels.max()) + 1
@@ -34,7 +43,8 @@ def merge_by_energy(pieces: np.ndarray, energy: Energy, num_tried: int) -> dict[
             return found
         pairs = list(combinations(range(count), 2))
         nearest = np.argsort(_cuts_of_unions(energy.group_affinities(labels), pairs), kind="stable")[:num_tried]
-        labels = energy.minimum([_merge(labels, *pairs[index]) for index in nearest]).labels
+        best = yield from energy.search_below(np.inf, [_merge(labels, *pairs[index]) for index in nearest])
+        labels = best.labels
 
 
 def _cuts_of_unions(affinities: np.ndarray, pairs: list[tuple[int, int]]) -> np.ndarray:

@@ -1,6 +1,7 @@
 """Projective depths of trajectories: factors by which a rigid motion under perspective spans four dimensions only."""
 
 import numpy as np
+from scipy.linalg.lapack import dgeqrf, dorgqr
 
 MIN_TRACKS = 8
 """Trajectories below which depths are not estimated: a group of fewer is flat enough or fits anything."""
@@ -58,7 +59,9 @@ def _leading_vectors(scatter: np.ndarray, before: np.ndarray) -> np.ndarray:
     """Return the four leading eigenvectors; in later rounds by power iterations from those of the round before."""
     if not before.size:
         return np.linalg.eigh(scatter)[1][:, -_RANK:]
-    return np.linalg.qr(scatter @ (scatter @ before))[0]
+    # What `numpy.linalg.qr` calls, whose own work takes several times as long on so few numbers.
+    factors, reflectors, _, _ = dgeqrf(scatter @ (scatter @ before))
+    return dorgqr(factors, reflectors, overwrite_a=True)[0]
 
 
 def _balance(depths: np.ndarray) -> np.ndarray:

@@ -5,23 +5,25 @@ from collections.abc import Sequence
 import numpy as np
 
 from moseg.tasks.trajectories.energy import Energy, Grouping
+from moseg.tasks.trajectories.groups import labels_in_use
+from moseg.tasks.trajectories.joint_searches import Search, run_together
 
 _SHARES = (1.0, 0.3, 0.1, 0.03)
 """Shares of the trajectories with a better group that are moved together, until the energy decreases."""
 
 
-def refine_grouping(
-    grouping: Grouping, energy: Energy, pieces: Sequence[np.ndarray], num_rounds: int, num_tried: int
-) -> Grouping:
-    """Move pieces, then single trajectories, to other groups as long as the energy decreases.
+def refine_groupings(
+    groupings: Sequence[Grouping], energy: Energy, pieces: Sequence[np.ndarray], num_rounds: int, num_tried: int
+) -> list[Grouping]:
+    """Move pieces of each grouping, then single trajectories, to other groups as long as the energy decreases.
 
     Pieces are nearly pure, but groupings made of them inherit their few errors, and a grouping that cuts through one
     motion is several moves away from the right one, each of which is better than the last.
 
     Parameters
     ----------
-    grouping : Grouping
-        Its labels are 0 .. K - 1, each in use.
+    groupings : sequence of Grouping
+        Labels are 0 .. K - 1, each in use.
     energy : Energy
     pieces : sequence of int (N,)
         Over-segmentations. The part of a piece in one group moves together.
@@ -32,23 +34,33 @@ def refine_grouping(
 
     Returns
     -------
-    Grouping
-        Of the same number of groups.
+    list of Grouping
+        Of the same numbers of groups.
     """
+    searches = [_refine(grouping, energy, pieces, num_rounds, num_tried) for grouping in groupings]
+    return run_together(searches, energy.prepare)
+
+
+def _refine(
+    grouping: Grouping, energy: Energy, pieces: Sequence[np.ndarray], num_rounds: int, num_tried: int
+) -> Search[Grouping]:
+    """Refine one grouping."""
     for _ in range(num_rounds):
-        moved = _move_piece(grouping, energy, pieces, num_tried)
+        moved = yield from _move_piece(grouping, energy, pieces, num_tried)
         if moved is None:
             break
         grouping = moved
     for _ in range(num_rounds):
-        moved = _move_trajectories(grouping, energy)
+        moved = yield from _move_trajectories(grouping, energy)
         if moved is None:
             break
         grouping = moved
     return grouping
 
 
-def _move_piece(grouping: Grouping, energy: Energy, pieces: Sequence[np.ndarray], num_tried: int) -> Grouping | None:
+def _move_piece(
+    grouping: Grouping, energy: Energy, pieces: Sequence[np.ndarray], num_tried: int
+) -> Search[Grouping | None]:
     """Return the best grouping with a part of a piece moved to another group; None if none has a lower energy."""
     labels, slope = grouping.labels, energy.gradient(grouping.labels)
     num_groups, sizes = slope.shape[1], np.bincount(grouping.labels)
@@ -66,10 +78,10 @@ def _move_piece(grouping: Grouping, energy: Energy, pieces: Sequence[np.ndarray]
                     moved = np.where(own, group, labels)
                     moves[moved.tobytes()] = (float(change), moved)
     tried = sorted(moves.values(), key=lambda move: move[0])[:num_tried]
-    return _better(grouping, energy, [moved for _, moved in tried])
+    return (yield from energy.search_below(grouping.energy, [moved for _, moved in tried]))
 
 
-def _move_trajectories(grouping: Grouping, energy: Energy) -> Grouping | None:
+def _move_trajectories(grouping: Grouping, energy: Energy) -> Search[Grouping | None]:
     """Return a grouping with trajectories moved to the group of their lowest energy; None if none is better."""
     labels, slope = grouping.labels, energy.gradient(grouping.labels)
     gain = slope[np.arange(len(labels)), labels] - slope.min(axis=1)
@@ -78,11 +90,8 @@ def _move_trajectories(grouping: Grouping, energy: Energy) -> Grouping | None:
         chosen = order[: int(np.ceil(share * len(order)))]
         moved = labels.copy()
         moved[chosen] = slope[chosen].argmin(axis=1)
-        if len(np.unique(moved)) == slope.shape[1] and (better := _better(grouping, energy, [moved])):
-            return better
+        if len(labels_in_use(moved)) == slope.shape[1]:
+            better = yield from energy.search_below(grouping.energy, [moved])
+            if better:
+                return better
     return None
-
-
-def _better(grouping: Grouping, energy: Energy, labelings: Sequence[np.ndarray]) -> Grouping | None:
-    """Return the labeling of minimal energy if that is lower than the grouping's."""
-    return energy.minimum_below(grouping.energy, labelings)

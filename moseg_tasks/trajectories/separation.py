@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
-from scipy.spatial.distance import cdist
+from scipy.spatial.distance import cdist, pdist, squareform
 
 from moseg.schemas.parameters import SeparationParams
 
@@ -91,13 +91,7 @@ def _sampled_frames(visible: np.ndarray) -> range:
 def nearest_trajectories(points: np.ndarray, visible: np.ndarray, count: int) -> csr_array:
     """Return whether j is among the nearest trajectories of i, by their mean distance: sparse (N, N)."""
     num = len(points)
-    total, together = np.zeros((num, num), np.float32), np.zeros((num, num), np.float32)
-    for frame in _sampled_frames(visible):
-        seen = np.flatnonzero(visible[:, frame])
-        both = np.ix_(seen, seen)
-        total[both] += cdist(points[seen, frame], points[seen, frame])
-        together[both] += 1
-    distance = np.divide(total, together, out=np.full_like(total, np.inf), where=together > 0)
+    distance = _mean_distances(points, visible)
     np.fill_diagonal(distance, np.inf)
     count = min(count, num - 1)
     nearest = np.argpartition(distance, count - 1, axis=1)[:, :count] if count else np.zeros((num, 0), int)
@@ -105,6 +99,24 @@ def nearest_trajectories(points: np.ndarray, visible: np.ndarray, count: int) ->
     is_known = np.isfinite(np.take_along_axis(distance, nearest, axis=1)).ravel()
     pairs = rows[is_known], nearest.ravel()[is_known]
     return csr_array((np.ones(len(pairs[0]), dtype=np.int8), pairs), shape=(num, num))
+
+
+def _mean_distances(points: np.ndarray, visible: np.ndarray) -> np.ndarray:
+    """Return the mean distance of trajectories in the frames that show both, px: float32 (N, N), infinite if none."""
+    frames = _sampled_frames(visible)
+    if visible.all():
+        # Half as many distances, and no indices.
+        total = np.zeros(len(points) * (len(points) - 1) // 2, np.float32)
+        for frame in frames:
+            total += pdist(points[:, frame])
+        return squareform(total / np.float32(len(frames)), checks=False)
+    total, together = np.zeros((2, len(points), len(points)), np.float32)
+    for frame in frames:
+        seen = np.flatnonzero(visible[:, frame])
+        both = np.ix_(seen, seen)
+        total[both] += cdist(points[seen, frame], points[seen, frame])
+        together[both] += 1
+    return np.divide(total, together, out=np.full_like(total, np.inf), where=together > 0)
 
 
 def _hull_area(points: np.ndarray, visible: np.ndarray) -> float:

@@ -103,3 +103,10 @@ def test_dropped_arrays_are_no_longer_kept():
     assert cache.find("store", "flow/1", "x") is None and cache.find("store", "flow/2", "x") is not None
     cache.keep("store", "flow/3", {"x": np.zeros(1100)})
     assert cache.find("store", "flow/2", "x") is not None
+
+
+def test_kept_arrays_are_of_one_artifact_and_read_only(store):
+    first, second = (ArtifactView(store, f"hypotheses/{number}") for number in (1, 2))
+    first.keep("sums", np.arange(3))
+    assert first.find_kept("sums").tolist() == [0, 1, 2] and not first.find_kept("sums").flags.writeable
+    assert first.find_kept("other") is None and second.find_kept("sums") is None

@@ -25,9 +25,9 @@ def test_the_default_quality_changes_nothing():
 
 def test_fast_reduces_frames_and_a_setting_overrides_it():
     config = PipelineOptions(quality="fast").choices().read()
-    assert (config.max_side, config.saliency.working_side) == (408, 204)
+    assert (config.max_side, config.saliency.working_side) == (384, 192)
     config = PipelineOptions(quality="fast", settings=["saliency.working_side=300"]).choices().read()
-    assert (config.max_side, config.saliency.working_side) == (408, 300)
+    assert (config.max_side, config.saliency.working_side) == (384, 300)
 
 
 def test_a_quality_keeps_the_backend_of_a_preset():

@@ -18,6 +18,11 @@ def points_of(inputs: Inputs) -> tuple[np.ndarray, np.ndarray]:
     return inputs["trajectories"].cached("points"), inputs["trajectories"].cached("visible")
 
 
+def codes_name(trajectories: ArtifactView, num_landmarks: int) -> str:
+    """Return the name of the codes of landmarks' residuals, which are kept with the hypotheses (`keep`)."""
+    return f"codes of {num_landmarks} landmarks of {trajectories.ref}"
+
+
 def read_hypotheses(drawn: ArtifactView):
     """Return the `Hypotheses` of one point model from their artifact."""
     from moseg.tasks.trajectories import Hypotheses

@@ -63,6 +63,17 @@ class ArtifactView:
             ARRAYS.keep(self._store.url, self._ref, {entry: kept})
         return kept
 
+    def find_kept(self, name: str) -> np.ndarray | None:
+        """Return what `keep` kept in this process, read-only; None if it is not there or no longer."""
+        return ARRAYS.find(self._store.url, self._ref, f"kept: {name}")
+
+    def keep(self, name: str, array: np.ndarray) -> None:
+        """Cache an array that follows from this artifact alone, for the next task of this process that needs it.
+
+        It saves time if the next task runs in the same process; a task must compute the same array otherwise.
+        """
+        ARRAYS.keep(self._store.url, self._ref, {f"kept: {name}": array})
+
     def rows(self, name: str, start: int, stop: int) -> np.ndarray:
         """Return rows start..stop of the leading axis, reading only their chunks; read-only if the array is cached."""
         kept = ARRAYS.find(self._store.url, self._ref, name)

@@ -3,7 +3,7 @@
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import KernelParams
-from moseg.workflows.stages.hypotheses import points_of, read_hypotheses
+from moseg.workflows.stages.hypotheses import codes_name, points_of, read_hypotheses
 from moseg.workflows.stages.model_codes import model_params, point_model_of
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
@@ -17,6 +17,10 @@ def _run(params, inputs, rng):
     tracks = choose_landmarks(points, visible, kernel_params.max_tracks)
     hypotheses = read_hypotheses(inputs["hypotheses"])
     residuals = HypothesisResiduals(hypotheses, points[tracks], visible[tracks], point_model_of(params))
+    codes = residuals.all_codes()
+    if codes is not None:
+        # The clustering of the clip reads them too.
+        inputs["hypotheses"].keep(codes_name(inputs["trajectories"], len(tracks)), codes)
     return Output({"kernel": trajectory_kernels(residuals, params["num_draws"], kernel_params)})
 
 

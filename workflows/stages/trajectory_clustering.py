@@ -6,7 +6,7 @@ from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import ClipSectionParams, TrajectoryClusteringParams
 from moseg.schemas.parameters.clustering import COUNT_READS
-from moseg.workflows.stages.hypotheses import points_of, read_hypotheses
+from moseg.workflows.stages.hypotheses import codes_name, points_of, read_hypotheses
 from moseg.workflows.stages.model_codes import model_params, point_model_of
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
@@ -15,12 +15,11 @@ from moseg.workflows.stages.task import Output, Task
 def _run(params, inputs, rng):
     from moseg.tasks.trajectories import ModelKernels, group_clip
 
-    views = [
-        ModelKernels(point_model_of(model), read_hypotheses(drawn), affinity.array("kernel"))
-        for model, drawn, affinity in zip(
-            params["models"], inputs.all("hypotheses"), inputs.all("kernels"), strict=True
-        )
-    ]
+    views = []
+    for model, drawn, affinity in zip(params["models"], inputs.all("hypotheses"), inputs.all("kernels"), strict=True):
+        kernels = affinity.array("kernel")
+        codes = drawn.find_kept(codes_name(inputs["trajectories"], kernels.shape[1]))
+        views.append(ModelKernels(point_model_of(model), read_hypotheses(drawn), kernels, codes))
     clustering_params = TrajectoryClusteringParams.of_recipe(params["clustering"])
     section_params = ClipSectionParams.of_recipe(params["sections"])
     is_stray = inputs["trajectories"].cached("stray")

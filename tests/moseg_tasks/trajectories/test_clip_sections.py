@@ -107,3 +107,22 @@ def test_strays_join_the_groups_of_the_others():
     assert found.num_outliers >= 5
     assert len(found.clustering.motion) <= len(points) - 5
     assert clustering_error(found.motion, labels) < 2
+
+
+@pytest.mark.parametrize("method", ["energy", "sum"])
+def test_groups_do_not_depend_on_known_codes(method):
+    points, visible, _ = _long_clip(LENGTH, 90)
+    rng = np.random.default_rng(1)
+    points[::15] = rng.uniform(0, 600, (6, 1, 2)) + np.cumsum(rng.normal(0, 4, (6, LENGTH, 2)), axis=1)
+    is_stray = np.arange(90) == 15
+    params = PARAMS.model_copy(update={"method": method})
+    views = _views(points, visible, 80)
+    landmarks = choose_landmarks(points, visible, 80)
+    found = []
+    for known in (views, [view.with_codes(points[landmarks], visible[landmarks]) for view in views]):
+        rest = None, params, SECTIONS, KERNEL.window, np.random.default_rng(0)
+        found.append(group_clip(points, visible, is_stray, known, *rest))
+    assert found[0].num_outliers == found[1].num_outliers and (method == "sum" or found[0].num_outliers > 1)
+    for name in ("motion", "embedding", "costs", "codes"):
+        assert np.array_equal(*(getattr(each.clustering, name) for each in found), equal_nan=True)
+    assert np.array_equal(found[0].motion, found[1].motion)

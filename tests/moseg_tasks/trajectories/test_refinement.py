@@ -6,7 +6,7 @@ import pytest
 from moseg.schemas.parameters import EnergyParams
 from moseg.tasks.metrics.clustering_error import clustering_error
 from moseg.tasks.trajectories.energy import Energy, normalised_cut, normalised_cut_gradient
-from moseg.tasks.trajectories.refinement import refine_grouping
+from moseg.tasks.trajectories.refinement import refine_groupings
 
 
 @pytest.fixture
@@ -22,7 +22,7 @@ def test_single_trajectories_return_to_their_motion(case):
     spoilt = clip.labels.copy()
     spoilt[::9] = 1 - spoilt[::9]
     start = energy.minimum([spoilt])
-    refined = refine_grouping(start, energy, [], 8, 6)
+    refined = refine_groupings([start], energy, [], 8, 6)[0]
     assert refined.energy < start.energy
     assert clustering_error(refined.labels, clip.labels) == 0
 
@@ -31,18 +31,18 @@ def test_a_piece_in_the_wrong_group_moves_as_a_whole(case):
     clip, energy = case
     pieces = np.arange(100) // 20
     spoilt = np.where(pieces == 2, 1, clip.labels)
-    refined = refine_grouping(energy.minimum([spoilt]), energy, [pieces], 1, 6)
+    refined = refine_groupings([energy.minimum([spoilt])], energy, [pieces], 1, 6)[0]
     assert clustering_error(refined.labels, clip.labels) == 0
 
 
 def test_a_minimum_is_left_as_it_is_and_no_group_disappears(case):
     clip, energy = case
     best = energy.minimum([clip.labels])
-    assert refine_grouping(best, energy, [np.arange(100) // 10], 8, 6).energy == best.energy
+    assert refine_groupings([best], energy, [np.arange(100) // 10], 8, 6)[0].energy == best.energy
     one = energy.minimum([np.zeros(100, int)])
-    assert refine_grouping(one, energy, [np.arange(100) // 10], 8, 6) is one
+    assert refine_groupings([one], energy, [np.arange(100) // 10], 8, 6)[0] is one
     few = energy.minimum([(np.arange(100) < 2).astype(int)])
-    assert set(refine_grouping(few, energy, [np.arange(100) // 10], 8, 6).labels) == {0, 1}
+    assert set(refine_groupings([few], energy, [np.arange(100) // 10], 8, 6)[0].labels) == {0, 1}
 
 
 def test_the_gradient_of_the_cut_predicts_a_move():

@@ -5,7 +5,7 @@ import pytest
 
 from moseg.schemas.parameters import EnergyParams, SeparationParams, TrajectoryClusteringParams
 from moseg.tasks.trajectories.cluster import excess_price
-from moseg.tasks.trajectories.separation import separate_objects
+from moseg.tasks.trajectories.separation import nearest_trajectories, separate_objects
 
 PARAMS = SeparationParams(num_neighbours=4, min_tracks=8)
 
@@ -84,3 +84,12 @@ def test_objects_apart_in_one_group_count_against_a_grouping():
     penalty = excess_price(points, visible, params)
     assert penalty(apart) == penalty(5 - apart) == 0
     assert penalty(together) == pytest.approx(0.5)
+
+
+def test_complete_trajectories_have_the_neighbours_of_almost_complete_ones():
+    points, visible, _ = _scene((80, 80), (320, 320))
+    complete = nearest_trajectories(points, visible, 4).toarray()
+    # One more trajectory, far away and hidden in one frame, takes the other branch.
+    far = np.concatenate([points, points[:1] + 1e4])
+    hidden = np.concatenate([visible, [[True, True, True, False]]])
+    assert np.array_equal(nearest_trajectories(far, hidden, 4).toarray()[:-1, :-1], complete)

@@ -87,6 +87,19 @@ def test_draws_share_what_they_compute():
     assert first.num_hypotheses == second.num_hypotheses == 50
 
 
+def test_known_codes_are_not_computed_again():
+    found, residuals = _residuals("affine")
+    codes = residuals.all_codes()
+    model = POINT_MODELS["affine"]
+    again = HypothesisResiduals(found, np.full_like(POINTS, np.nan), VISIBLE, model, codes).draws(2)[1]
+    drawn = residuals.draws(2)[1]
+    tracks = np.array([3, 50, 7])
+    assert np.array_equal(again.of_tracks(tracks), drawn.of_tracks(tracks))
+    fresh = HypothesisResiduals(found, POINTS, VISIBLE, model).draws(2)[1].of_set(1)
+    for one, other in zip(again.of_set(1), fresh, strict=True):
+        assert np.array_equal(one, other)
+
+
 def test_every_gap_has_its_pairs():
     found, _ = _residuals("affine", gaps=(1, 3))
     assert found.frames.tolist() == [[0, 1], [1, 2], [2, 3], [3, 4], [0, 3], [1, 4]]

@@ -1,0 +1,66 @@
+"""Time of `moseg eval` on sets of trajectories, in one process and with two workers.
+
+``python benchmarks/trajectories/speed.py NAME=ROOT ... [--motions gt auto] [--json FILE]`` evaluates the sequences of
+each data set into an empty store, first in one process, then with two workers, with one thread each. Seconds are those
+that pass beyond the start of the command (``moseg --version``). Those of the processor, of all processes together,
+depend less on what else runs on the machine. ``one by two`` is how many times faster two workers are.
+"""
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+
+def run(*arguments: str) -> dict[str, float]:
+    """Return the seconds of a `moseg` command: those that pass, and those of the processor."""
+    before, started = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    command = [sys.executable, "-m", "moseg", *arguments]
+    subprocess.run(command, check=True, env=os.environ | THREADS, stdout=subprocess.DEVNULL)
+    seconds, after = time.perf_counter() - started, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return {"seconds": seconds, "cpu": after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime}
+
+
+def evaluate(name: str, root: str, motions: str, num_workers: int, start: dict[str, float]) -> dict[str, float]:
+    """Return the seconds of an evaluation beyond those of the start, and the number of its sequences."""
+    with tempfile.TemporaryDirectory() as folder:
+        report = Path(folder) / "report.json"
+        choice = ("--variant", "fused", "--motions", motions, "--workers", str(num_workers))
+        where = ("--root", root, "--store", str(Path(folder) / "store"), "--json", str(report))
+        taken = run("eval", "--dataset", name, *choice, *where, "--quiet")
+        (row,) = json.loads(report.read_text(encoding="utf-8"))["rows"]
+    left = {unit: value - start[unit] for unit, value in taken.items()}
+    return {**left, "sequences": len(row["sequences"]), "error": row["mean"]["error"]}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("sets", nargs="+", metavar="NAME=ROOT")
+    parser.add_argument("--motions", nargs="+", choices=("gt", "auto"), default=("gt", "auto"))
+    parser.add_argument("--json", type=Path, help="write the figures here too")
+    options = parser.parse_args()
+    start = min((run("--version") for _ in range(3)), key=lambda taken: taken["seconds"])
+    found: dict[str, dict[str, float]] = {}
+    print(f"{'data set':20} {'sequences':>9} {'seconds':>8} {'CPU s':>7} {'two workers':>12} {'one by two':>11}")
+    for name, root in (each.split("=", 1) for each in options.sets):
+        for motions in options.motions:
+            one, two = (evaluate(name, root, motions, count, start) for count in (0, 2))
+            if one["error"] != two["error"]:
+                raise SystemExit(f"{name}: two workers have another error, {two['error']} instead of {one['error']}")
+            found[f"{name}-{motions}"] = {**one, "two": two["seconds"], "ratio": one["seconds"] / two["seconds"]}
+            each = found[f"{name}-{motions}"]
+            figures = f"{each['sequences']:9d} {each['seconds']:8.1f} {each['cpu']:7.1f} {each['two']:12.1f}"
+            print(f"{name + '-' + motions:20} {figures} {each['ratio']:11.2f}", flush=True)
+    if options.json is not None:
+        options.json.write_text(json.dumps(found), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
