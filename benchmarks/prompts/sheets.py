@@ -6,7 +6,7 @@ from hits import PromptedFrame
 from PIL import Image, ImageDraw
 
 from moseg.workflows.exports.draw_contact_sheet import GAP, HEAD_SIZE, INK, MARGIN, PAPER, TEXT_SIZE
-from moseg.workflows.exports.draw_overlay import brightest, default_font
+from moseg.workflows.exports.draw_names import default_font
 from moseg.workflows.exports.palette import identity_colours
 
 TILE_WIDTH = 640
@@ -46,7 +46,7 @@ def draw_prompts(frame: PromptedFrame) -> np.ndarray:
     shape = (TILE_WIDTH, round(height * scale))
     drawn = cv2.resize(frame.image, shape, interpolation=cv2.INTER_AREA)
     labels = cv2.resize(frame.prompts.labels, shape, interpolation=cv2.INTER_NEAREST)
-    tinted = (1 - TINT) * drawn + TINT * brightest(identity_colours(labels))
+    tinted = (1 - TINT) * drawn + TINT * identity_colours(labels)
     drawn = np.where(labels[..., None] > 0, tinted, drawn).astype(np.uint8)
     if frame.truth is not None:
         for label in frame.objects:
@@ -55,7 +55,7 @@ def draw_prompts(frame: PromptedFrame) -> np.ndarray:
             cv2.drawContours(drawn, outlines, -1, TRUE_OUTLINE, 1)
     rows = zip(frame.prompts.boxes, frame.prompts.points, frame.owners, strict=True)
     for number, (box, points, owners) in enumerate(rows, start=1):
-        colour = tuple(brightest(identity_colours(np.array(number))).tolist())
+        colour = tuple(identity_colours(np.array(number)).tolist())
         left, top, right, bottom = (round(float(side) * scale) for side in box)
         cv2.rectangle(drawn, (left, top), (right, bottom), colour, 2)
         for point, owner in zip(points, owners, strict=True):

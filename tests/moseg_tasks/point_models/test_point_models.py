@@ -107,7 +107,8 @@ def test_blocks_of_models_do_not_change_the_residuals(model, obey, noisy):
     parameters = model.fit(samples_of(model, data, 70))
     whole = model.residual(parameters, data)
     parts = [model.residual(parameters[i : i + 7], data) for i in range(0, 70, 7)]
-    np.testing.assert_allclose(whole, np.concatenate(parts), rtol=1e-9)
+    # The points of a fit are on its model but for rounding: squared distances that small have no equal digits.
+    np.testing.assert_allclose(whole, np.concatenate(parts), rtol=1e-9, atol=1e-18)
 
 
 @every_model
