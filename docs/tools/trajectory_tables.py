@@ -78,10 +78,19 @@ def _trajectory_sizes() -> Rows:
     return [head, *rows]
 
 
+def _trajectory_speed() -> Rows:
+    texts = {"gt": "number given", "auto": "number found"}
+    units = ("sequences:d", "seconds", "cpu", "two", "ratio:.2f")
+    rows = [(text, *(f"{{trajectory-speed/hopkins155-{key}/{unit}}}" for unit in units)) for key, text in texts.items()]
+    head = ("Hopkins155", "sequences", "seconds", "of the processor", "with two workers", "times faster")
+    return [head, *rows]
+
+
 TABLES = {
     "trajectories": _trajectories(),
     "trajectory-sets": _data_sets(),
     "trajectory-counts": _counts(),
     "trajectory-seeds": _other_seeds(),
     "trajectory-sizes": _trajectory_sizes(),
+    "trajectory-speed": _trajectory_speed(),
 }
