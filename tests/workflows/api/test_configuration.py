@@ -23,7 +23,7 @@ def test_a_file_that_was_written_is_read_back(tmp_path):
 
 def test_parameters_go_on_top_of_a_preset():
     config = load_config({"flow.method": "dis"}, preset="paper", quality="fast")
-    assert (config.flow.method, config.depth.method, config.max_side) == ("dis", "dpt-dinov2", 427)
+    assert (config.flow.method, config.depth.method, config.max_side) == ("dis", "dpt-dinov2", 384)
 
 
 def test_motions_come_before_everything():
