@@ -4,7 +4,6 @@ import { announce, find, make, makeDrawing } from "./elements.js";
 import { cueAt, frameAt, labelsAt, proposalsAt } from "./media.js";
 import { changed, goTo, model, nameOf, on, result } from "./model.js";
 import { drawLabels, drawNames, readColours } from "./overlay.js";
-import { drawBrush } from "./strokes.js";
 
 const AHEAD = 12; // frames that are fetched before they are due
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2];
@@ -47,7 +46,12 @@ const describeFrame = (shown, frame, picture, labels) => {
   return `${cue}, frame ${frame}: ${what}${picture ? "" : "; no picture of this frame"}`;
 };
 
-// Draws all but the brush, which moves without it.
+const above = [];
+
+// Has `draw(context, shown)` draw above the frame whenever it is painted, such as a brush, which moves without it.
+export const drawAbove = (draw) => above.push(draw);
+
+// Draws all but what is above.
 const compose = (shown, [picture, labels, proposals]) => {
   const { width, height } = shown.grid;
   scene.width = width;
@@ -78,7 +82,7 @@ const paintFrame = (shown, frame, content) => {
   const context = canvas.getContext("2d");
   context.clearRect(0, 0, canvas.width, canvas.height);
   context.drawImage(scene, 0, 0);
-  drawBrush(context, shown);
+  for (const draw of above) draw(context, shown);
   canvas.dataset.frame = frame;
   canvas.dataset.key = shown.key;
 };

@@ -4,7 +4,7 @@ import { announce, find } from "./elements.js";
 import { labelsAt, proposalsAt } from "./media.js";
 import { changed, freeIdentity, model, nameOf, on, only, result, select } from "./model.js";
 import { sendEdit } from "./edits.js";
-import { play } from "./player.js";
+import { drawAbove, play } from "./player.js";
 
 const BRUSHES = new Set(["paint", "erase"]);
 const FAR = 8; // px of a step by arrows, without the shift key
@@ -57,7 +57,7 @@ const sendDrawn = async (drawn, edit, said) => {
 };
 
 // The brush, strokes that are made or sent, and the cross of the keys.
-export const drawBrush = (context, shown) => {
+const drawBrush = (context, shown) => {
   for (const each of pending) if (each.frame === model.frame) drawStroke(context, shown, each);
   if (stroke) drawStroke(context, shown, { ...drawnBy, places: stroke, radius: model.radius });
   if (!cursor || model.tool === "select") return;
@@ -174,6 +174,7 @@ const onKey = (event) => {
 };
 
 export const startStrokes = () => {
+  drawAbove(drawBrush);
   canvas.addEventListener("pointerdown", (event) => {
     if (event.button !== 0 || !result()) return;
     const place = placeOf(event);
