@@ -52,11 +52,11 @@ class Worker:
         self._thread.start()
 
     def call(self, function: Callable[..., Any], *arguments: Any) -> Future:
-        """Have the thread call a function, after what it was given before, and return the future of its result."""
+        """Queue a function behind what the thread was asked for before, and return the future of its result."""
         return self._put(Turn.ASKED, lambda: function(*arguments))
 
     def spare(self, function: Callable[..., Any], *arguments: Any) -> Future:
-        """Have the thread call a function when it has nothing else to do, and return the future of its result."""
+        """Queue a function for when nothing else waits, and return the future of its result."""
         return self._put(Turn.SPARE, lambda: function(*arguments))
 
     def check(self) -> None:
@@ -65,7 +65,7 @@ class Worker:
             raise Ended
 
     def close(self, last: Callable[[], None]) -> None:
-        """Have the thread drop what waits, call `last`, and end; return when it has, or after `END_SECONDS`."""
+        """Drop what waits, and end the thread after a call of `last`; wait for it, at most `END_SECONDS`."""
         self._last = last
         self._is_ending.set()
         self._put(Turn.LAST, lambda: None)
