@@ -1,6 +1,7 @@
 """Clustering of trajectories into motion groups, from the kernels of several models."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -60,7 +61,8 @@ def cluster_trajectories(
 
     ``energy`` makes groupings from every draw of hypotheses, by spectral clustering and by merging of pieces
     (`Candidates`, `merge_by_energy`), and searches for the one of minimal `Energy` from there (`GroupingSearch`). If
-    the number of motions is not given, it is the number whose grouping has the lowest energy; without a search
+    the number of motions is not given, it is the number whose grouping has the lowest energy, among the numbers whose
+    candidates, or two merged groups of a larger number's grouping, are near the lowest of all; without a search
     (`params.num_refined` 0), the number whose `Candidates` have the smallest mean energy over the draws. Numbers beyond
     `params.energy.free_motions` whose grouping has a motion of fewer than `params.min_tracks` trajectories are ignored.
     ``sum``, ``product`` and ``coregularised`` are spectral clustering of the views' mean kernel, of their geometric
@@ -116,10 +118,10 @@ def cluster_trajectories(
     search = None
     if params.method == "energy":
         candidates = [Candidates(drawn, max_motions, params, seed) for drawn in draws]
-        small = cluster(min(params.small_pieces, len(points))) if params.num_refined and params.num_split else None
-        search = GroupingSearch(candidates, small, energy, params)
+        num_small = min(params.small_pieces, len(points)) if params.num_refined and params.num_split else 0
+        search = GroupingSearch(candidates, partial(cluster, num_small) if num_small else None, energy, params)
         groupings = {count: search.candidates(count) for count in counts}
-        # Fitting a hundred groups at once costs little more than fitting one.
+        # Groups take less time together than one after another.
         everything = [labels for by_draw in groupings.values() for drawn in by_draw for labels in drawn]
         energy.prepare(Needed(everything, everything))
     else:
@@ -129,7 +131,7 @@ def cluster_trajectories(
     best = {count: min(drawn, key=lambda grouping: grouping.energy) for count, drawn in found.items()}
     searched: dict[int, Grouping] = {}
     if search and num_motions is None and params.auto == "energy" and params.num_refined:
-        searched = search.best(_near_lowest(best, params.count_margin))
+        searched = search.best(_near_lowest(best, params.count_margin), margin=params.count_margin)
         found = {count: [grouping] for count, grouping in searched.items()}
     chosen = max_motions
     if num_motions is None:

@@ -53,6 +53,7 @@ class Energy:
         self._kernel = kernel
         self._params = params
         self._price = motion_price(params, len(points))
+        self._cuts: dict[bytes, float] = {}
         # Bounded below: if one motion explains the data well, a relative gain by a second one is not significant.
         self._unit = max(float(self._cost.of_labelings([np.zeros(len(points), int)])[0]), params.least_unit)
 
@@ -130,7 +131,10 @@ class Energy:
         return self._code.of_labelings(labelings) if self._code else np.zeros(len(labelings))
 
     def _grouping(self, labels: np.ndarray, cost: float, code: float) -> Grouping:
-        return self._with_cost(Grouping(labels, 0.0, normalised_cut(self._kernel, labels), float(code), 0.0), cost)
+        key = labels.tobytes()
+        if key not in self._cuts:
+            self._cuts[key] = normalised_cut(self._kernel, labels)
+        return self._with_cost(Grouping(labels, 0.0, self._cuts[key], float(code), 0.0), cost)
 
     def _with_cost(self, grouping: Grouping, cost: float) -> Grouping:
         """Return the grouping with another cost and the energy that follows."""

@@ -60,10 +60,10 @@ class EpipolarCost:
     The cost of a group is the sum over its observations of ``min(d² / tau², 1)``, d the Sampson distance. The tolerance
     grows with the displacement, ``tau² = threshold² + (relative |u|)²``: points that pass by fast and near are tracked
     less accurately and deviate more from a rigid motion. All groups are fitted together by iteratively reweighted least
-    squares: a fit only needs the weighted sum of the equations' outer products, so that a hundred groups cost little
-    more than one. It starts from all points of the group, and the scale of the loss is halved in each round down to
-    tau, so that outliers are gradually down-weighted. With many outliers PoseLib finds better matrices, at about a
-    hundred times the cost.
+    squares: a fit only needs the weighted sum of the equations' outer products, and a hundred groups together take half
+    the time of one after another. It starts from all points of the group, and the scale of the loss is halved in each
+    round down to tau, so that outliers are gradually down-weighted. With many outliers PoseLib finds better matrices,
+    at about a hundred times the cost.
 
     Parameters
     ----------

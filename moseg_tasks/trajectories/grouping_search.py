@@ -8,7 +8,7 @@ import numpy as np
 from moseg.schemas.parameters import TrajectoryClusteringParams
 from moseg.tasks.trajectories.candidates import Candidates, in_order
 from moseg.tasks.trajectories.energy import Energy, Grouping
-from moseg.tasks.trajectories.merging import merge_by_energy
+from moseg.tasks.trajectories.merging import merge_by_energy, merge_pairs
 from moseg.tasks.trajectories.refinement import refine_groupings
 from moseg.tasks.trajectories.splitting import split_grouping
 
@@ -16,15 +16,18 @@ from moseg.tasks.trajectories.splitting import split_grouping
 class GroupingSearch:
     """Groupings of low energy for any number of motions, from the candidates of all draws of hypotheses.
 
-    The best candidates are refined. From some of them the right grouping cannot be reached by moves that each lower
-    the energy: if a large motion is in two groups and a small one in none, both have to change at once. The best
-    grouping into one motion less often lacks only the small motion, so small pieces are split off it as well.
+    The draws are independent. If the candidate of lowest energy is the same in all of them, as in most clips, only that
+    one is refined (`params.trust_agreement`). Otherwise the best candidates and merged pieces are. From some of them
+    the right grouping cannot be reached by moves that each lower the energy: if a large motion is in two groups and a
+    small one in none, both have to change at once. The best grouping into one motion less often lacks only the small
+    motion, so small pieces are split off it as well.
 
     Parameters
     ----------
     candidates : sequence of Candidates
-    small_pieces : int (N,), optional
-        A finer over-segmentation, whose pieces are split off. None: nothing is.
+        One for each draw.
+    make_small_pieces : callable, optional
+        Returns a finer over-segmentation int (N,), whose pieces are split off. None: nothing is.
     energy : Energy
     params : TrajectoryClusteringParams
     """
@@ -32,13 +35,13 @@ class GroupingSearch:
     def __init__(
         self,
         candidates: Sequence[Candidates],
-        small_pieces: np.ndarray | None,
+        make_small_pieces: Callable[[], np.ndarray] | None,
         energy: Energy,
         params: TrajectoryClusteringParams,
     ):
         self._candidates = candidates
         self._pieces = [each for candidate in candidates for each in candidate.finest_pieces]
-        self._small_pieces = small_pieces
+        self._make_small_pieces = make_small_pieces
         self._energy = energy
         self._params = params
         self._of: dict[int, list[list[np.ndarray]]] = {}
@@ -51,14 +54,27 @@ class GroupingSearch:
             self._of[count] = [each.of(count) for each in self._candidates]
         return self._of[count]
 
-    def best(self, counts: Iterable[int], penalty: Callable[[np.ndarray], float] | None = None) -> dict[int, Grouping]:
+    def best(
+        self, counts: Iterable[int], penalty: Callable[[np.ndarray], float] | None = None, margin: float | None = None
+    ) -> dict[int, Grouping]:
         """Return the grouping of lowest energy into each number of groups, from refined candidates and from splits.
 
-        The energies of different numbers can be compared. A `penalty` 0 or more on labels int (N,) is added to the
-        energies before groupings are compared.
+        The energies of different numbers can be compared.
+
+        Parameters
+        ----------
+        counts : iterable of int
+        penalty : callable, optional
+            Returns 0 or more for labels int (N,), which is added to the energies before groupings are compared.
+        margin : float, optional
+            The best grouping into each number, with two of its groups merged, is then a further start for one group
+            less. That number is added if it is not among `counts` and this energy is at most `margin` above the lowest.
         """
-        found = self._refined_into(list(counts))
-        if self._params.num_refined:
+        found = self._searched(list(counts), penalty)
+        if margin is not None:
+            self._add_merged(found, margin)
+        different = {grouping.labels.tobytes() for groupings in found.values() for grouping in groupings}
+        if self._params.num_refined and len(different) > 1:
             # The search compares thousands of groups, by fits that sometimes fail; the last few deserve better ones.
             compared = iter(
                 self._energy.thorough([each for groupings in found.values() for each in groupings], self._pieces)
@@ -66,10 +82,39 @@ class GroupingSearch:
             found = {count: [next(compared) for _ in groupings] for count, groupings in found.items()}
         return {count: _lowest(groupings, penalty) for count, groupings in found.items()}
 
+    def _searched(
+        self, counts: Sequence[int], penalty: Callable[[np.ndarray], float] | None
+    ) -> dict[int, list[Grouping]]:
+        """Return the best groupings into each number of groups: one if the draws agree without a penalty."""
+        trusts = self._params.trust_agreement and self._params.num_refined
+        agreed = {count: self._agreed(count) for count in counts} if trusts else {}
+        kept = {count: each for count, each in agreed.items() if each and not (penalty and penalty(each.labels))}
+        self._refine(list(kept.values()))
+        found = {count: [self._refined[each.labels.tobytes()]] for count, each in kept.items()}
+        return found | self._refined_into([count for count in counts if count not in kept])
+
+    def _agreed(self, count: int) -> Grouping | None:
+        """Return the candidate of lowest energy if it is the same in all draws; None of a single draw."""
+        best = [self._energy.minimum(drawn) for drawn in self.candidates(count)]
+        is_same = all(np.array_equal(each.labels, best[0].labels) for each in best)
+        return best[0] if is_same and len(best) > 1 else None
+
+    def _add_merged(self, found: dict[int, list[Grouping]], margin: float) -> None:
+        """Add refined merges of two groups of the best groupings, from the largest number on."""
+        for count in range(max(found), 1, -1):
+            if count not in found:
+                continue
+            best = min(found[count], key=lambda grouping: grouping.energy)
+            merged = self._energy.minimum([in_order(labels) for labels in merge_pairs(best.labels)])
+            lowest = min(grouping.energy for groupings in found.values() for grouping in groupings)
+            if count - 1 in found or merged.energy <= lowest + margin:
+                self._refine([merged])
+                found.setdefault(count - 1, []).append(self._refined[merged.labels.tobytes()])
+
     def _refined_into(self, counts: Sequence[int]) -> dict[int, list[Grouping]]:
-        """Return the best groupings into each number of groups."""
+        """Return the best groupings into each number of groups, from several starts and from splits."""
         num_refined = self._params.num_refined
-        split = [count for count in counts if count > 1 and self._small_pieces is not None]
+        split = [count for count in counts if count > 1 and self._make_small_pieces]
         starts = [start for count in counts for start in self._ranked(count)[:num_refined]]
         self._refine([*starts, *(self._ranked(count - 1)[0] for count in split)])
         found = {count: self._without_splits(count, num_refined) for count in counts}
@@ -82,6 +127,11 @@ class GroupingSearch:
         for count, starts in splits.items():
             found[count] += [self._refined[start.labels.tobytes()] for start in starts]
         return found
+
+    @cached_property
+    def _small_pieces(self) -> np.ndarray:
+        """Return the pieces int (N,) that are split off."""
+        return self._make_small_pieces()
 
     def _without_splits(self, count: int, num_refined: int) -> list[Grouping]:
         """Return the best candidate or merged pieces, and refinements of the best."""

@@ -22,8 +22,8 @@ Search = Generator[Needed, None, T]
 def run_together(searches: Sequence[Search[T]], prepare: Callable[[Needed], None]) -> list[T]:
     """Return the results of searches, all of which advance by one step after each call of `prepare`.
 
-    A step of one search needs few groups, and to price ten groups costs little more than one. The results do not depend
-    on which searches advance together.
+    A step of one search needs few groups, which take less time together than one after another. The results do not
+    depend on which searches advance together.
     """
     results: dict[int, T] = {}
     running = dict(enumerate(searches))

@@ -33,6 +33,11 @@ def merge_by_energy(
     return run_together([_merge_all(pieces, energy, num_tried) for pieces in oversegmentations], energy.prepare)
 
 
+def merge_pairs(labels: np.ndarray) -> list[np.ndarray]:
+    """Return labels int (N,), 0 .. K - 1, with each pair of groups merged: K (K - 1) / 2 of 0 .. K - 2."""
+    return [_merge(labels, *pair) for pair in combinations(range(int(labels.max()) + 1), 2)]
+
+
 def _merge_all(pieces: np.ndarray, energy: Energy, num_tried: int) -> Search[dict[int, np.ndarray]]:
     """Merge the pieces of one over-segmentation."""
     labels, found = pieces, {}

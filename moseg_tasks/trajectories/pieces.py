@@ -49,15 +49,20 @@ def piece_affinity(residual: HypothesisResiduals, pieces: np.ndarray, params: Pi
 
 
 def link_pieces(affinity: np.ndarray) -> np.ndarray:
-    """Group P pieces by average linkage of affinities (P, P) in 0..1: int (P, P), [number of groups - 1, piece]."""
+    """Group P pieces by average linkage of affinities (P, P) in 0..1: int (P, P), [number of groups - 1, piece].
+
+    Pieces of one group have the same number, which is below 2P.
+    """
     if len(affinity) == 1:
         return np.zeros((1, 1), dtype=np.int64)
     distance = 1.0 - (affinity + affinity.T) / 2
     np.fill_diagonal(distance, 0.0)
     groups = [np.arange(len(affinity))]
-    for index, pair in enumerate(linkage(squareform(distance, checks=False), "average")[:, :2]):
-        groups.append(np.where(np.isin(groups[-1], pair), len(affinity) + index, groups[-1]))
-    return np.stack([np.unique(labels, return_inverse=True)[1] for labels in reversed(groups)])
+    links = linkage(squareform(distance, checks=False), "average")[:, :2].astype(np.int64)
+    for number, (first, second) in enumerate(links.tolist(), start=len(affinity)):
+        last = groups[-1]
+        groups.append(np.where((last == first) | (last == second), number, last))
+    return np.stack(groups[::-1])
 
 
 def _members(pieces: np.ndarray, max_tracks: int) -> np.ndarray:

@@ -111,7 +111,7 @@ class PieceParams(Frozen):
     """Over-segmentation of trajectories into pieces, and the affinity of pieces."""
 
     counts: Annotated[tuple[PositiveInt, ...], Unit.COUNT] = Field(
-        (6, 8, 10), description="numbers of pieces; all are tried"
+        (6, 10), description="numbers of pieces; all are tried"
     )
     window: Annotated[float, Unit.SHARE] = Field(
         0.05, gt=0, le=1, description="share of a pair's hypotheses that a piece prefers"
@@ -277,6 +277,11 @@ class TrajectoryClusteringParams(Frozen):
     )
     num_starts: Annotated[int, Unit.COUNT] = Field(
         3, ge=1, description="k-means runs, of which the one of smallest inertia is used"
+    )
+    trust_agreement: bool = Field(
+        True,
+        description="only one grouping is refined, without merging and splits, if it has the lowest energy in every"
+        " draw of hypotheses",
     )
     num_refined: Annotated[int, Unit.COUNT] = Field(
         4, ge=0, description="groupings of lowest energy that are refined; 0 leaves the best as it is"

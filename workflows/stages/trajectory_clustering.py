@@ -68,7 +68,15 @@ def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) 
     if method != "coregularised":
         unread |= {"co_regularisation", "num_iterations", "tolerance"}
     if method != "energy":
-        unread |= {"pieces", "outliers", "num_refined", "num_refinements", "num_split", "small_pieces"}
+        unread |= {
+            "pieces",
+            "outliers",
+            "trust_agreement",
+            "num_refined",
+            "num_refinements",
+            "num_split",
+            "small_pieces",
+        }
     if method != "energy" or not is_auto or params.auto != "energy":
         unread.add("count_margin")
     if not is_auto or params.auto != "energy":
@@ -79,7 +87,7 @@ def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) 
     return read
 
 
-MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=7, run=_run, params=_params)
+MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=8, run=_run, params=_params)
 
 STAGE = Stage(
     name="trajectory_clustering",

@@ -51,7 +51,7 @@ def test_a_motion_without_group_is_found_though_another_has_two(case, splits):
     wrong = np.where(np.arange(120) < 30, 2, two)
     small = np.where(clip.labels == 2, 10, np.arange(120) // 15)
     params = TrajectoryClusteringParams(num_refined=1)
-    search = GroupingSearch([_Candidates(two, wrong)], small if splits else None, energy, params)
+    search = GroupingSearch([_Candidates(two, wrong)], (lambda: small) if splits else None, energy, params)
     error = clustering_error(search.best([3])[3].labels, clip.labels)
     assert error == 0 if splits else error > 10
 
@@ -60,7 +60,7 @@ def test_the_search_never_returns_more_than_the_lowest_candidate(case):
     clip, energy = case
     candidates = [clip.labels, np.arange(120) % 3, np.arange(120) // 40]
     every = _Candidates(np.minimum(clip.labels, 1), *candidates)
-    search = GroupingSearch([every], np.arange(120) // 12, energy, TrajectoryClusteringParams(num_refined=0))
+    search = GroupingSearch([every], lambda: np.arange(120) // 12, energy, TrajectoryClusteringParams(num_refined=0))
     assert search.best([3])[3].energy <= energy.minimum(candidates).energy
     assert search.candidates(3)[0] is search.candidates(3)[0]
 
@@ -87,3 +87,54 @@ def test_a_penalty_chooses_among_the_refined_groupings(case):
     other = search.best([3], penalty)[3]
     assert not np.array_equal(other.labels, free.labels) and other.energy > free.energy
     assert np.array_equal(search.best([3], lambda labels: 9.0)[3].labels, free.labels)
+
+
+@pytest.mark.parametrize("trusts", [True, False])
+def test_what_all_draws_find_is_refined_alone(case, trusts):
+    clip, energy = case
+    # No move that lowers the energy leads from here to the motions, but a split of the best two does.
+    two = np.minimum(clip.labels, 1)
+    stuck = np.where(np.arange(120) < 30, 2, two)
+    small = np.where(clip.labels == 2, 10, np.arange(120) // 15)
+    draws = [_Candidates(two, stuck), _Candidates(two, np.arange(120) % 3, stuck)]
+    params = TrajectoryClusteringParams(num_refined=1, trust_agreement=trusts)
+    error = clustering_error(GroupingSearch(draws, lambda: small, energy, params).best([3])[3].labels, clip.labels)
+    assert error > 10 if trusts else error == 0
+
+
+def test_draws_that_differ_are_searched(case):
+    clip, energy = case
+    stuck = np.where(np.arange(120) < 30, 2, np.minimum(clip.labels, 1))
+    other = np.where(np.arange(120) < 29, 2, np.minimum(clip.labels, 1))
+    small = np.where(clip.labels == 2, 10, np.arange(120) // 15)
+    params = TrajectoryClusteringParams(num_refined=1)
+    two = np.minimum(clip.labels, 1)
+    search = GroupingSearch([_Candidates(two, stuck), _Candidates(two, other)], lambda: small, energy, params)
+    assert clustering_error(search.best([3])[3].labels, clip.labels) == 0
+
+
+def test_what_all_draws_find_is_not_trusted_with_a_penalty(case):
+    clip, energy = case
+    stuck = np.where(np.arange(120) < 30, 2, np.minimum(clip.labels, 1))
+    draw = _Candidates(np.minimum(clip.labels, 1), stuck)
+    small = np.where(clip.labels == 2, 10, np.arange(120) // 15)
+    search = GroupingSearch([draw, draw], lambda: small, energy, TrajectoryClusteringParams(num_refined=1))
+
+    def penalty(labels):
+        return 9.0 if clustering_error(labels, clip.labels) > 10 else 0.0
+
+    assert clustering_error(search.best([3], penalty)[3].labels, clip.labels) == 0
+
+
+def test_a_smaller_number_is_reached_by_merging_the_best_grouping(case):
+    clip, energy = case
+    bad = np.arange(120) % 2
+    draw = _Candidates(bad, clip.labels, np.zeros(120, int))
+    search = GroupingSearch([draw, draw], None, energy, TrajectoryClusteringParams(num_refined=1))
+    assert set(search.best([3])) == {3}
+    assert set(search.best([3], margin=-9.0)) == {3}
+    found = search.best([3], margin=9.0)
+    assert set(found) == {1, 2, 3} and len(np.unique(found[2].labels)) == 2
+    assert energy.minimum([found[2].labels]).energy < energy.minimum([bad]).energy
+    # The number may have been asked for as well.
+    assert np.array_equal(search.best([2, 3], margin=-9.0)[2].labels, found[2].labels)
