@@ -14,6 +14,10 @@ from moseg.workflows.process.devices import list_accelerators, set_device
 from moseg.workflows.process.interrupts import defer_interrupts
 from moseg.workflows.process.resources import allocation_environ, pin_threads, thread_environ
 
+CALM = {"distributed.admin.tick.interval": "1s", "distributed.admin.system-monitor.interval": "2s"}
+"""Scheduler, workers and their guards measure the delay of their event loops and their use of the machine this often,
+for the dashboard. With Dask's 20 ms and 0.5 s that takes some 5 % of a processor while workers compute."""
+
 
 class LocalWorkers:
     """A number of processes of this machine, which start with the first call and are restarted if they die."""
@@ -35,6 +39,7 @@ class LocalWorkers:
                 "distributed.nanny.pre-spawn-environ": thread_environ(self.setup.threads) | allocation_environ(),
                 # Samples the stack of every worker a hundred times a second.
                 "distributed.worker.profile.enabled": False,
+                **CALM,
                 **SHORT_LOGS,
             }
             with defer_interrupts(), dask.config.set(settings):
