@@ -1,5 +1,6 @@
 """Worker processes of this machine."""
 
+import gc
 from contextlib import ExitStack
 from importlib import import_module
 
@@ -122,3 +123,8 @@ class WorkerSetup(WorkerPlugin):
             # restarted after a crash did before it had any.
             worker.status = Status.paused
             worker.status = Status.running
+
+    def teardown(self, worker):
+        # The interpreter would search all modules for unreachable objects before it ends, in up to half a second for
+        # which the client waits.
+        gc.freeze()
