@@ -48,10 +48,10 @@ def drawn(monkeypatch):
 
 
 def _evaluate(moseg, root, store, *options):
-    ran = moseg("eval", "--root", root, "--store", store, "--json", "report.json", *OPTIONS, *options)
+    report = store.parent / "report.json"
+    ran = moseg("eval", "--root", root, "--store", store, "--json", report, *OPTIONS, *options)
     assert ran.code == 0, ran.err
-    with open("report.json") as file:
-        return json.load(file)
+    return json.loads(report.read_text())
 
 
 def _manifests(path):
@@ -93,17 +93,16 @@ def test_a_clip_that_failed_goes_on_from_its_first_missing_artifact(many, moseg,
                 raise InputError("a fault of the third clip")
             return self._task.compute(params, inputs, generators)
 
-    monkeypatch.setattr(
-        "moseg.workflows.engine.execution.find_task", lambda name, method: Failing(find_task(name, method))
-    )
     arguments = ("--root", many, "--store", tmp_path / "store", *OPTIONS)
-    ran = moseg("eval", *arguments)
+    with monkeypatch.context() as patch:
+        found = "moseg.workflows.engine.execution.find_task"
+        patch.setattr(found, lambda name, method: Failing(find_task(name, method)))
+        ran = moseg("eval", *arguments)
     assert ran.code == 2 and "a fault of the third clip" in ran.err
     store = open_store(str(tmp_path / "store"))
     (failure,) = read_status(store, list_runs(store)[0]).failures
     assert failure.ref.startswith("trajectory_clustering/")
     done = len(list(store.refs()))
-    monkeypatch.undo()
     # Of the third clip all but the clustering and the score is there.
     again = _evaluate(moseg, many, tmp_path / "store")
     assert again["store"]["computed"] == len(NAMES) * OF_A_CLIP - (2 * OF_A_CLIP + OF_A_CLIP - 2)
