@@ -1,5 +1,6 @@
 """Worker processes of this machine."""
 
+import gc
 from contextlib import ExitStack
 from importlib import import_module
 
@@ -13,6 +14,10 @@ from moseg.workflows.cluster.remote_calls import make_setup
 from moseg.workflows.process.devices import list_accelerators, set_device
 from moseg.workflows.process.interrupts import defer_interrupts
 from moseg.workflows.process.resources import allocation_environ, pin_threads, thread_environ
+
+CALM = {"distributed.admin.tick.interval": "1s", "distributed.admin.system-monitor.interval": "2s"}
+"""Scheduler, workers and their guards measure the delay of their event loops and their use of the machine this often,
+for the dashboard. Dask's 20 ms and 0.5 s wake each of them fifty times a second while workers compute."""
 
 
 class LocalWorkers:
@@ -35,6 +40,7 @@ class LocalWorkers:
                 "distributed.nanny.pre-spawn-environ": thread_environ(self.setup.threads) | allocation_environ(),
                 # Samples the stack of every worker a hundred times a second.
                 "distributed.worker.profile.enabled": False,
+                **CALM,
                 **SHORT_LOGS,
             }
             with defer_interrupts(), dask.config.set(settings):
@@ -117,3 +123,8 @@ class WorkerSetup(WorkerPlugin):
             # restarted after a crash did before it had any.
             worker.status = Status.paused
             worker.status = Status.running
+
+    def teardown(self, worker):
+        # The interpreter would search all modules for unreachable objects before it ends, in up to half a second for
+        # which the client waits.
+        gc.freeze()

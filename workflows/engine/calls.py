@@ -6,6 +6,7 @@ from moseg.schemas.digests import canonical_json
 from moseg.schemas.recipes import Recipe
 from moseg.workflows.cluster.call import Call
 from moseg.workflows.cluster.runners import Runner
+from moseg.workflows.engine.brief_clips import split_brief_clips
 from moseg.workflows.engine.execution import execute_batches
 from moseg.workflows.engine.phases import network_of
 from moseg.workflows.stages.registry import find_task
@@ -41,11 +42,18 @@ def make_calls(
     def is_cheap(recipe: Recipe) -> bool:
         return find_task(recipe.task, recipe.params["method"]).is_cheap
 
+    def is_brief(recipe: Recipe) -> bool:
+        return find_task(recipe.task, recipe.params["method"]).is_brief
+
+    clips, recipes = split_brief_clips(recipes, is_brief, CALLS_PER_WORKER * runner.num_workers())
+    for clip in clips:
+        yield Call(_call_name(clip[0]), execute_batches, (store_url, tuple((recipe,) for recipe in clip), run_id))
+
     call_of: dict[str, str] = {}
     # With little to do, no worker should wait for the long call of another.
     share = sum(map(is_cheap, recipes.values())) // (CALLS_PER_WORKER * runner.num_workers())
     for batches in batch_cheap(batch_recipes(recipes, size), is_cheap, min(max(share, 1), CHEAP_PER_CALL)):
-        name = batches[0][0].ref.replace("/", "-")
+        name = _call_name(batches[0][0])
         computed = [recipe for batch in batches for recipe in batch]
         parents = dict.fromkeys(
             call_of[parent] for recipe in computed for parent in recipe.input_refs() if parent in call_of
@@ -94,3 +102,7 @@ def batch_cheap(
             joined = []
     if joined:
         yield joined
+
+
+def _call_name(first: Recipe) -> str:
+    return first.ref.replace("/", "-")

@@ -48,7 +48,7 @@ def _params(config: PipelineConfig, model: str) -> dict:
     return {**model_params("point", model), "hypotheses": config.hypotheses.model_dump(mode="json")}
 
 
-MINIMAL_SAMPLES = Task("hypotheses", "minimal-samples", version=4, run=_run, params=_params)
+MINIMAL_SAMPLES = Task("hypotheses", "minimal-samples", version=4, run=_run, params=_params, is_brief=True)
 
 STAGE = Stage(
     name="hypotheses",

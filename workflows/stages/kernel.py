@@ -29,7 +29,7 @@ def _params(config: PipelineConfig, model: str) -> dict:
     return {**model_params("point", model), "num_draws": config.hypotheses.num_draws, "kernel": kernel}
 
 
-ORDERED_RESIDUALS = Task("kernel", "ordered-residuals", version=2, run=_run, params=_params)
+ORDERED_RESIDUALS = Task("kernel", "ordered-residuals", version=2, run=_run, params=_params, is_brief=True)
 
 STAGE = Stage(
     name="kernel",

@@ -20,7 +20,7 @@ def _params(config: PipelineConfig) -> dict:
     return config.noise_reduction.model_dump(mode="json")
 
 
-PROJECTION = Task("noise_reduction", "projection", version=1, run=_run, params=_params, is_cheap=True)
+PROJECTION = Task("noise_reduction", "projection", version=1, run=_run, params=_params, is_cheap=True, is_brief=True)
 
 STAGE = Stage(
     name="noise_reduction",

@@ -89,7 +89,7 @@ def _point_params(config: PipelineConfig) -> dict:
 MOTION_SEGMENTATION = Task("score", "motion-segmentation", version=1, run=_run_masks, params=_mask_params)
 LABELLED_POINTS = Task("score", "labelled-points", version=1, run=_run_points, params=_point_params)
 STILL = Task("score", "still", version=1, run=_run_still)
-TRAJECTORIES = Task("score", "trajectories", version=1, run=_run_trajectories)
+TRAJECTORIES = Task("score", "trajectories", version=1, run=_run_trajectories, is_brief=True)
 
 STAGE = Stage(
     name="score",

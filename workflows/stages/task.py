@@ -75,6 +75,9 @@ class Task:
         Its weights are the input ``weights``.
     is_cheap : bool
         Whether one frame takes a fraction of a second, so that several recipes share a call.
+    is_brief : bool
+        Whether it takes about a second for a whole clip, so that one call computes all that is missing of a clip if
+        there are many.
     is_cue : bool
         Whether its artifacts are dense maps that are large and cheap to compute again: `segment` lets go of them.
     code : str, optional
@@ -89,6 +92,7 @@ class Task:
     params: Callable[..., dict] = no_params
     network: Network | None = None
     is_cheap: bool = False
+    is_brief: bool = False
     is_cue: bool = False
     code: str | None = None
 
