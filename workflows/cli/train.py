@@ -25,7 +25,7 @@ def train(
     ] = ".moseg/training",
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of scenes, random weights and batches.")] = 0,
     scenes: Annotated[
-        int | None, typer.Option("--scenes", help="Rendered scenes (default: 9000; with --videos 300).")
+        int | None, typer.Option("--scenes", help="Rendered scenes (default: 4200; with --videos 300).")
     ] = None,
     steps: Annotated[
         int | None, typer.Option("--steps", help="Steps of the optimizer (default: 7000; with --videos 200).")
@@ -86,7 +86,7 @@ def train(
 ) -> None:
     """Train the network that finds moving pixels, on scenes that are rendered for it or on videos without labels.
 
-    Nothing is downloaded and no real label is used. By default it starts from random weights, and scenes take 12 GB of
+    Nothing is downloaded and no real label is used. By default it starts from random weights, and scenes take 6 GB of
     the folder. The result is used by `--set motion_network.weights=FILE`.
 
     Examples
