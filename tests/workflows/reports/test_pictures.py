@@ -1,4 +1,4 @@
-"""The pictures of a sequence in a report show the results of the run, and name what is absent."""
+"""The pictures of a sequence in a report show the results of the run."""
 
 import io
 
@@ -8,7 +8,6 @@ import pytest
 from PIL import Image
 
 from moseg.schemas.configs import PipelineConfig, SectionParams, Variant
-from moseg.schemas.errors import CorruptArtifactError
 from moseg.schemas.parameters import DepthParams, FlowParams
 from moseg.schemas.recipes import leaf_recipe, split_ref
 from moseg.store import open_store
@@ -22,7 +21,6 @@ from moseg.workflows.reports import pictures as report_pictures
 from moseg.workflows.reports.content import LayerKind
 from moseg.workflows.reports.cue_layers import plan_cue_layers
 from moseg.workflows.reports.layers import all_colours, as_hex
-from moseg.workflows.reports.missing import WhyAbsent
 from moseg.workflows.reports.pictures import gather_pictures, picture_refs
 from moseg.workflows.stages.registry import axes_of
 
@@ -73,17 +71,6 @@ def _layer(pictures, name):
 
 def _read(evaluation, kind, number):
     return np.asarray(Image.open(evaluation.root / "squares" / kind / f"{number:05d}.png"))
-
-
-def _drop(store, *tasks):
-    for ref in [ref for task in tasks for ref in store.refs(task)]:
-        store.remove(ref)
-
-
-def _read_missing(text):
-    """Return why artifacts are absent, and the absent artifacts of each part."""
-    why, _, parts = text.removesuffix("].").partition(": ")
-    return why, dict(part.split(" [") for part in parts.split("]; "))
 
 
 @pytest.fixture(scope="module")
@@ -201,14 +188,6 @@ def test_timelines_and_masks_are_those_of_all_frames(pictures, evaluated):
         assert np.array_equal(mask, labels[frame])
 
 
-def test_timelines_without_frames_have_no_thumbnails(evaluated_copy):
-    store, graph = _open(evaluated_copy)
-    _drop(store, "frame")
-    pictures = gather_pictures(store, graph, CONFIG, FUSED, 2, fps=5.0)
-    assert len(pictures.timelines) == len(pictures.objects) > 0
-    assert {each.thumbnails for each in pictures.timelines} == {()}
-
-
 def _play(video):
     with av.open(io.BytesIO(video.data)) as container:
         stream = container.streams.video[0]
@@ -243,61 +222,6 @@ def test_pictures_read_exactly_the_sinks_of_the_run(evaluated):
     assert recorder.refs == set(refs)
     assert len(refs) == len(set(refs))
     assert store.present(refs) == set(refs)
-
-
-@pytest.mark.parametrize(
-    ("task", "names"),
-    [
-        ("saliency", {"motion saliency", "flow relative to the background"}),
-        ("flow", {"optical flow"}),
-        ("tracks", {"tracks"}),
-        ("proposals", {"proposals"}),
-        ("frame", {"frame", "video of fused"}),
-        (
-            "segmentation",
-            {"moving objects (fused)", "errors (fused)", "table of objects", "video of fused"},
-        ),
-    ],
-)
-def test_layers_without_their_artifacts_are_left_out_and_named(evaluated_copy, task, names):
-    store, graph = _open(evaluated_copy)
-    _drop(store, task)
-    pictures = gather_pictures(store, graph, CONFIG, FUSED, 2, fps=5.0)
-    why, parts = _read_missing(*pictures.missing)
-    assert why == WhyAbsent.GONE and set(parts) == names
-    assert all(task in stages for stages in parts.values())
-    assert {layer.name for layer in pictures.layers} == {*OPAQUE, *OVER} - names
-    assert (pictures.video is None) == ("video of fused" in names)
-
-
-def test_a_variant_that_never_ran_and_absent_ground_truth_are_named(evaluated_copy):
-    store, graph = _open(evaluated_copy)
-    store.remove(graph.leaves.annotation)
-    pictures = gather_pictures(store, graph, CONFIG, (Variant.FUSED, Variant.OC), 2, fps=5.0)
-    assert pictures.frames == (2, 7)
-    absent, said = pictures.missing
-    assert said == "The ground truth is no longer in the store."
-    assert set(_read_missing(absent)[1]) == {"ground truth", "errors (fused)", "errors (oc)", "moving objects (oc)"}
-
-
-def test_artifacts_of_a_running_run_are_not_called_collected(evaluated_copy):
-    store, graph = _open(evaluated_copy)
-    _drop(store, "flow", "segmentation")
-    pictures = gather_pictures(store, graph, CONFIG, FUSED, 2, 5.0, WhyAbsent.NOT_YET)
-    (said,) = pictures.missing
-    assert said.startswith("Not computed yet: ") and said.count("omputed") == 1
-    parts = _read_missing(said)[1]
-    assert parts["optical flow"] == "2 flow" and parts["table of objects"] == "3 segmentation"
-
-
-def test_a_damaged_artifact_is_an_error(evaluated_copy):
-    store, graph = _open(evaluated_copy)
-    task, key = split_ref(graph.frame_cues.flow(5, 6))
-    files = [path for path in (evaluated_copy.store / "objects" / task / key[:2] / key).rglob("*") if path.is_file()]
-    largest = max(files, key=lambda path: path.stat().st_size)
-    largest.write_bytes(largest.read_bytes()[:-1])
-    with pytest.raises(CorruptArtifactError):
-        gather_pictures(store, graph, CONFIG, FUSED, 1, fps=5.0)
 
 
 def test_given_depth_is_shown_lighter_where_near(evaluated_copy):

@@ -1,4 +1,4 @@
-"""Fixtures: a segmented clip of two squares, and servers of `moseg view` in processes of their own."""
+"""Fixtures: a segmented clip of two squares, servers of `moseg view` in processes of their own, and their pages."""
 
 import http.client
 import json
@@ -16,6 +16,13 @@ import pytest
 
 OPTIONS = ("--section-length", "4", "--set", "sections.overlap=2")
 PATIENCE_SECONDS = 600
+COUNTED = {"rows": ".row", "areas": ".row .area", "edits": ".edits li", "rejected": ".rejected li"}
+"""Elements of a page that tests wait for: objects, those with their area, corrections and rejected proposals."""
+PIXEL = """([x, y]) => {
+  const canvas = document.getElementById('picture');
+  const at = [Math.round(x * canvas.width), Math.round(y * canvas.height)];
+  return [...canvas.getContext('2d').getImageData(...at, 1, 1).data].slice(0, 3);
+}"""
 
 
 class Segmented(NamedTuple):
@@ -116,6 +123,63 @@ class Server:
         return self.process.returncode, errors
 
 
+class ViewPage:
+    """A page of Playwright about a result, with what users do there; `faults` are the errors that it reported."""
+
+    def __init__(self, page: Any, wait_until: Callable[..., None]):
+        self._page = page
+        self._wait_until = wait_until
+        self.faults: list[str] = []
+        page.on("console", lambda message: self.faults.append(message.text) if message.type == "error" else None)
+        page.on("pageerror", lambda error: self.faults.append(str(error)))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._page, name)
+
+    def wait_until(self, expression: str) -> None:
+        """Wait until an expression is true."""
+        self._wait_until(self._page, expression)
+
+    def wait_for(self, **counts: int) -> None:
+        """Wait until there are so many of each of `COUNTED` at once."""
+        has = (f"document.querySelectorAll('{COUNTED[name]}').length === {count}" for name, count in counts.items())
+        self.wait_until(" && ".join(has))
+
+    def edits(self) -> list[str]:
+        """Return the corrections in force, as the page lists them."""
+        return self.evaluate(f"[...document.querySelectorAll('{COUNTED['edits']}')].map((each) => each.textContent)")
+
+    def pixel(self, x: float, y: float) -> list[int]:
+        """Return the RGB levels of the canvas at a share of its width and height."""
+        return self.evaluate(PIXEL, [x, y])
+
+    def select(self, *rows: int) -> None:
+        """Select the objects in these rows."""
+        for place, row in enumerate(rows):
+            self.locator(".row").nth(row).locator(".row-name").click(modifiers=["Shift"] if place else [])
+
+    def stroke(self, *shares: tuple[float, float]) -> None:
+        """Draw a stroke through places, shares of the picture's width and height."""
+        box = self.locator("#picture").bounding_box()
+        places = [(box["x"] + x * box["width"], box["y"] + y * box["height"]) for x, y in shares]
+        self.mouse.move(*places[0])
+        self.mouse.down()
+        for place in places[1:]:
+            self.mouse.move(*place, steps=4)
+        self.mouse.up()
+
+    def export(self, *formats: str) -> str:
+        """Export in these formats too, and return what the page says about it."""
+        self.get_by_role("button", name="Export…").click()
+        for name in formats:
+            self.locator(f"input[name=formats][value={name}]").check()
+        self.get_by_role("button", name="Write").click()
+        self.wait_until("!document.getElementById('write').disabled")
+        said = self.locator("#export-status").text_content()
+        self.get_by_role("button", name="Close", exact=True).click()
+        return said
+
+
 @pytest.fixture(scope="session")
 def segmented(write_squares, tmp_path_factory) -> Segmented:
     """Return the segmentation of two squares; tests do not change it."""
@@ -175,3 +239,18 @@ def serve_video(serve, result) -> Callable[..., Server]:
         return server
 
     return start
+
+
+@pytest.fixture
+def open_page(new_page, wait_until) -> Callable[..., ViewPage]:
+    """Return a function that opens a server's page and waits until its result is drawn."""
+
+    def open_in(server: Server, **options: Any) -> ViewPage:
+        page = ViewPage(new_page(viewport={"width": 1280, "height": 800}, **options), wait_until)
+        page.goto(server.url)
+        page.wait_for_selector("canvas[data-frame]")
+        rows, areas = (f"document.querySelectorAll('{COUNTED[name]}').length" for name in ("rows", "areas"))
+        page.wait_until(f"{areas} === {rows} && {rows} > 0")
+        return page
+
+    return open_in
