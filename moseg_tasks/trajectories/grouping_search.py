@@ -16,11 +16,11 @@ from moseg.tasks.trajectories.splitting import split_grouping
 class GroupingSearch:
     """Groupings of low energy for any number of motions, from the candidates of all draws of hypotheses.
 
-    The draws are independent. If the candidate of lowest energy is the same in all of them, as in most clips, only that
-    one is refined (`params.trust_agreement`). Otherwise the best candidates and merged pieces are. From some of them
-    the right grouping cannot be reached by moves that each lower the energy: if a large motion is in two groups and a
-    small one in none, both have to change at once. The best grouping into one motion less often lacks only the small
-    motion, so small pieces are split off it as well.
+    The draws are independent. If the candidate of lowest energy is the same in all of them, as in most clips, and needs
+    fewer bits than a single motion, only that one is refined (`params.trust_agreement`). Otherwise the best candidates
+    and merged pieces are. From some of them the right grouping cannot be reached by moves that each lower the energy:
+    if a large motion is in two groups and a small one in none, both have to change at once. The best grouping into one
+    motion less often lacks only the small motion, so small pieces are split off it as well.
 
     Parameters
     ----------
@@ -94,10 +94,14 @@ class GroupingSearch:
         return found | self._refined_into([count for count in counts if count not in kept])
 
     def _agreed(self, count: int) -> Grouping | None:
-        """Return the candidate of lowest energy if it is the same in all draws; None of a single draw."""
+        """Return the candidate of lowest energy if it is the same in all draws and shorter to describe than one motion.
+
+        Where it is not shorter, all draws may have cut through a motion. None of a single draw.
+        """
         best = [self._energy.minimum(drawn) for drawn in self.candidates(count)]
         is_same = all(np.array_equal(each.labels, best[0].labels) for each in best)
-        return best[0] if is_same and len(best) > 1 else None
+        is_shorter = count == 1 or best[0].code < 1
+        return best[0] if is_same and is_shorter and len(best) > 1 else None
 
     def _add_merged(self, found: dict[int, list[Grouping]], margin: float) -> None:
         """Add refined merges of two groups of the best groupings, from the largest number on."""

@@ -281,7 +281,7 @@ class TrajectoryClusteringParams(Frozen):
     trust_agreement: bool = Field(
         True,
         description="only one grouping is refined, without merging and splits, if it has the lowest energy in every"
-        " draw of hypotheses",
+        " draw of hypotheses and needs fewer bits than a single motion",
     )
     num_refined: Annotated[int, Unit.COUNT] = Field(
         4, ge=0, description="groupings of lowest energy that are refined; 0 leaves the best as it is"

@@ -89,17 +89,42 @@ def test_a_penalty_chooses_among_the_refined_groupings(case):
     assert np.array_equal(search.best([3], lambda labels: 9.0)[3].labels, free.labels)
 
 
+@pytest.fixture
+def large_case(rigid_clip):
+    """A clip whose three motions are shorter to describe than a single one, and its energy."""
+    clip = rigid_clip((200, 160, 120), num_frames=12, hidden=0)
+    kernel = 0.5 + 0.5 * (clip.labels[:, None] == clip.labels)
+    return clip, Energy(clip.points, clip.visible, kernel.astype(np.float32), EnergyParams(step=1, motion_weight=0))
+
+
 @pytest.mark.parametrize("trusts", [True, False])
-def test_what_all_draws_find_is_refined_alone(case, trusts):
+def test_what_all_draws_find_is_refined_alone(large_case, trusts):
+    clip, energy = large_case
+    two = np.minimum(clip.labels, 1)
+    nearly = np.where(np.arange(480) == 5, 1, clip.labels)
+    draws = [_Candidates(two, nearly), _Candidates(two, np.arange(480) % 3, nearly)]
+    searches = []
+
+    def small():
+        searches.append(1)
+        return np.arange(480) // 30
+
+    params = TrajectoryClusteringParams(num_refined=1, trust_agreement=trusts)
+    found = GroupingSearch(draws, small, energy, params).best([3])[3]
+    assert np.array_equal(found.labels, clip.labels)
+    assert bool(searches) != trusts
+
+
+def test_draws_that_agree_on_a_longer_description_are_searched(case):
     clip, energy = case
     # No move that lowers the energy leads from here to the motions, but a split of the best two does.
     two = np.minimum(clip.labels, 1)
     stuck = np.where(np.arange(120) < 30, 2, two)
+    assert energy.minimum([stuck]).code > 1
     small = np.where(clip.labels == 2, 10, np.arange(120) // 15)
-    draws = [_Candidates(two, stuck), _Candidates(two, np.arange(120) % 3, stuck)]
-    params = TrajectoryClusteringParams(num_refined=1, trust_agreement=trusts)
-    error = clustering_error(GroupingSearch(draws, lambda: small, energy, params).best([3])[3].labels, clip.labels)
-    assert error > 10 if trusts else error == 0
+    draws = [_Candidates(two, stuck), _Candidates(two, stuck)]
+    search = GroupingSearch(draws, lambda: small, energy, TrajectoryClusteringParams(num_refined=1))
+    assert clustering_error(search.best([3])[3].labels, clip.labels) == 0
 
 
 def test_draws_that_differ_are_searched(case):
@@ -113,17 +138,19 @@ def test_draws_that_differ_are_searched(case):
     assert clustering_error(search.best([3])[3].labels, clip.labels) == 0
 
 
-def test_what_all_draws_find_is_not_trusted_with_a_penalty(case):
-    clip, energy = case
-    stuck = np.where(np.arange(120) < 30, 2, np.minimum(clip.labels, 1))
-    draw = _Candidates(np.minimum(clip.labels, 1), stuck)
-    small = np.where(clip.labels == 2, 10, np.arange(120) // 15)
-    search = GroupingSearch([draw, draw], lambda: small, energy, TrajectoryClusteringParams(num_refined=1))
+def test_what_all_draws_find_is_not_trusted_with_a_penalty(large_case):
+    clip, energy = large_case
+    draw = _Candidates(np.minimum(clip.labels, 1), clip.labels)
+    searches = []
 
-    def penalty(labels):
-        return 9.0 if clustering_error(labels, clip.labels) > 10 else 0.0
+    def small():
+        searches.append(1)
+        return np.arange(480) // 30
 
-    assert clustering_error(search.best([3], penalty)[3].labels, clip.labels) == 0
+    for penalty in (0.0, 9.0):
+        search = GroupingSearch([draw, draw], small, energy, TrajectoryClusteringParams(num_refined=1))
+        search.best([3], lambda labels, penalty=penalty: penalty)
+        assert bool(searches) == (penalty > 0)
 
 
 def test_a_smaller_number_is_reached_by_merging_the_best_grouping(case):
