@@ -92,13 +92,13 @@ _TWO_FRAMES = TrajectoryClusteringParams(
     energy=EnergyParams(
         least_unit=0.15, cut_weight=0.85, coding_weight=0.0, motion_weight=0.01, chance_weight=0.0, free_motions=0
     ),
-    pieces=PieceParams(merged="middle"),
+    pieces=PieceParams(counts=(6, 8, 10), merged="middle"),
     num_refined=0,
     min_tracks=1,
     separation=SeparationParams(min_gap=0),
 )
-"""Grouping without coding length, search and distance of separate motions, whose effects on the tracks of a video are
-not measured."""
+"""Grouping without coding length, search and distance of separate motions, and with other numbers of pieces: effects
+on the tracks of a video are not measured."""
 
 
 class TrackGroupParams(Frozen):

@@ -77,6 +77,8 @@ def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) 
             "num_split",
             "small_pieces",
         }
+    if not params.num_refined:
+        unread.add("trust_agreement")
     if method != "energy" or not is_auto or params.auto != "energy":
         unread.add("count_margin")
     if not is_auto or params.auto != "energy":
