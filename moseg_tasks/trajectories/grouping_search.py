@@ -86,7 +86,7 @@ class GroupingSearch:
         self, counts: Sequence[int], penalty: Callable[[np.ndarray], float] | None
     ) -> dict[int, list[Grouping]]:
         """Return the best groupings into each number of groups: one if the draws agree without a penalty."""
-        trusts = self._params.trust_agreement and self._params.num_refined
+        trusts = self._params.num_refined and self._params.trust_agreement
         agreed = {count: self._agreed(count) for count in counts} if trusts else {}
         kept = {count: each for count, each in agreed.items() if each and not (penalty and penalty(each.labels))}
         self._refine(list(kept.values()))
