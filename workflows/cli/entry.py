@@ -4,6 +4,8 @@ import os
 import signal
 import sys
 import threading
+from collections.abc import Callable
+from functools import partial
 
 EXIT_FAULT, EXIT_INTERRUPTED, EXIT_TERMINATED = 1, 130, 143
 _KEPT = "what was finished is kept, the same command goes on from there"
@@ -13,6 +15,8 @@ class _Terminated(KeyboardInterrupt):
     """An interruption by SIGTERM: a batch system, a container or `kill` ends a run as Ctrl-C does."""
 
 
+_AGAIN_SECONDS = 0.01
+"""Until a dropped interruption is repeated: the callback that dropped it has returned by then, or drops it again."""
 _received: list[int] = []
 """Signals that ended this process, the first one first."""
 
@@ -21,6 +25,8 @@ def main(arguments: list[str] | None = None) -> None:
     """Run `moseg`: exit code 0 when done, 2 for bad use or input, 1 for a fault, 130 or 143 when interrupted."""
     if os.name == "posix" and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, _terminate)
+    report_unraisable = sys.unraisablehook
+    sys.unraisablehook = partial(_repeat_interruption, report_unraisable)
     try:
         # Inside the block, because it takes a while and may be interrupted.
         from moseg.workflows.cli.app import run
@@ -28,6 +34,8 @@ def main(arguments: list[str] | None = None) -> None:
         code = run(sys.argv[1:] if arguments is None else arguments)
     except KeyboardInterrupt:
         code = report_interruption()
+    finally:
+        sys.unraisablehook = report_unraisable
     if code in (EXIT_INTERRUPTED, EXIT_TERMINATED) and os.name == "posix":
         # Only threads and processes that end by themselves are left: a second interruption must not print their traces.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -45,6 +53,20 @@ def report_interruption() -> int:
 def _terminate(number: int, frame: object) -> None:
     _received.append(number)
     raise _Terminated
+
+
+def _repeat_interruption(report: Callable[[object], object], unraisable: object) -> None:
+    """Interrupt the main thread again if Python has dropped an interruption; report all else as before.
+
+    What a signal raises in a callback of the garbage collector or in a finaliser goes no further.
+    """
+    if not isinstance(unraisable.exc_value, KeyboardInterrupt) or not hasattr(signal, "pthread_kill"):
+        report(unraisable)
+        return
+    number = signal.SIGTERM if isinstance(unraisable.exc_value, _Terminated) else signal.SIGINT
+    again = threading.Timer(_AGAIN_SECONDS, signal.pthread_kill, (threading.main_thread().ident, number))
+    again.daemon = True
+    again.start()
 
 
 def _flush(code: int) -> int:
