@@ -104,7 +104,11 @@ class GroupingSearch:
         return best[0] if is_same and is_shorter and len(best) > 1 else None
 
     def _add_merged(self, found: dict[int, list[Grouping]], margin: float) -> None:
-        """Add refined merges of two groups of the best groupings, from the largest number on."""
+        """Add merges of two groups of the best groupings and their refinements, from the largest number on.
+
+        The fits to the groups of a right merge may fail, so that its refinement leaves it. Better fits are compared at
+        the end.
+        """
         for count in range(max(found), 1, -1):
             if count not in found:
                 continue
@@ -113,7 +117,7 @@ class GroupingSearch:
             lowest = min(grouping.energy for groupings in found.values() for grouping in groupings)
             if count - 1 in found or merged.energy <= lowest + margin:
                 self._refine([merged])
-                found.setdefault(count - 1, []).append(self._refined[merged.labels.tobytes()])
+                found.setdefault(count - 1, []).extend([merged, self._refined[merged.labels.tobytes()]])
 
     def _refined_into(self, counts: Sequence[int]) -> dict[int, list[Grouping]]:
         """Return the best groupings into each number of groups, from several starts and from splits."""

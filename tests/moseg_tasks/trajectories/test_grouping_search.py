@@ -5,6 +5,7 @@ import pytest
 
 from moseg.schemas.parameters import EnergyParams, TrajectoryClusteringParams
 from moseg.tasks.metrics.clustering_error import clustering_error
+from moseg.tasks.trajectories import grouping_search
 from moseg.tasks.trajectories.energy import Energy
 from moseg.tasks.trajectories.grouping_search import GroupingSearch
 from moseg.tasks.trajectories.splitting import split_grouping
@@ -165,3 +166,17 @@ def test_a_smaller_number_is_reached_by_merging_the_best_grouping(case):
     assert energy.minimum([found[2].labels]).energy < energy.minimum([bad]).energy
     # The number may have been asked for as well.
     assert np.array_equal(search.best([2, 3], margin=-9.0)[2].labels, found[2].labels)
+
+
+def test_a_merge_is_kept_beside_its_refinement(large_case, monkeypatch):
+    clip, energy = large_case
+    wrong = energy.minimum([np.arange(480) % 2])
+
+    def refine(starts, *_others):
+        return [start if start.labels.max() == 2 else wrong._replace(energy=start.energy - 1) for start in starts]
+
+    monkeypatch.setattr(grouping_search, "refine_groupings", refine)
+    draw = _Candidates(wrong.labels, clip.labels)
+    search = GroupingSearch([draw, draw], None, energy, TrajectoryClusteringParams(num_refined=1))
+    found = search.best([3], margin=9.0)[2]
+    assert not np.array_equal(found.labels, wrong.labels)
