@@ -32,6 +32,7 @@ PAGES = (
             "results",
             "weights_free",
             "trajectories",
+            "trajectory_trials",
             "models",
             "pipeline",
             "road_scenes",

@@ -116,8 +116,11 @@ def cluster_trajectories(
 
     counts = [max_motions] if num_motions is not None else range(1, max_motions + 1)
     search = None
+    num_more = 0
     if params.method == "energy":
-        candidates = [Candidates(drawn, max_motions, params, seed) for drawn in draws]
+        if num_motions is not None and params.num_refined:
+            num_more = min(params.num_more, len(points) - max_motions)
+        candidates = [Candidates(drawn, max_motions + num_more, params, seed) for drawn in draws]
         num_small = min(params.small_pieces, len(points)) if params.num_refined and params.num_split else 0
         search = GroupingSearch(candidates, partial(cluster, num_small) if num_small else None, energy, params)
         groupings = {count: search.candidates(count) for count in counts}
@@ -139,7 +142,8 @@ def cluster_trajectories(
         chosen = _count(found, mean, lambda: embed(1).eigenvalues, tracks, params, rng)
     if search and chosen not in searched:
         is_penalised = num_motions is not None and params.separate and params.num_refined
-        searched = search.best([chosen], excess_price(points, visible, params) if is_penalised else None)
+        penalty = excess_price(points, visible, params) if is_penalised else None
+        searched = search.best([chosen], penalty, num_more=num_more)
     best |= searched
     motion, embedding = in_order(best[chosen].labels), embed(chosen)
     each = [best.get(count) for count in range(1, max_motions + 1)]

@@ -20,7 +20,8 @@ class GroupingSearch:
     fewer bits than a single motion, only that one is refined (`params.trust_agreement`). Otherwise the best candidates
     and merged pieces are. From some of them the right grouping cannot be reached by moves that each lower the energy:
     if a large motion is in two groups and a small one in none, both have to change at once. The best grouping into one
-    motion less often lacks only the small motion, so small pieces are split off it as well.
+    motion less often lacks only the small motion, so small pieces are split off it as well. And a grouping into more
+    motions often lacks only a merge.
 
     Parameters
     ----------
@@ -55,7 +56,11 @@ class GroupingSearch:
         return self._of[count]
 
     def best(
-        self, counts: Iterable[int], penalty: Callable[[np.ndarray], float] | None = None, margin: float | None = None
+        self,
+        counts: Iterable[int],
+        penalty: Callable[[np.ndarray], float] | None = None,
+        margin: float | None = None,
+        num_more: int = 0,
     ) -> dict[int, Grouping]:
         """Return the grouping of lowest energy into each number of groups, from refined candidates and from splits.
 
@@ -69,8 +74,13 @@ class GroupingSearch:
         margin : float, optional
             The best grouping into each number, with two of its groups merged, is then a further start for one group
             less. That number is added if it is not among `counts` and this energy is at most `margin` above the lowest.
+        num_more : int
+            Unless the draws agree on the largest of `counts`, so many numbers beyond it are searched too, only for
+            their best groupings with two groups merged.
         """
         found = self._searched(list(counts), penalty)
+        if num_more:
+            found = self._and_merged_from_more(found, num_more, penalty)
         if margin is not None:
             self._add_merged(found, margin)
         different = {grouping.labels.tobytes() for groupings in found.values() for grouping in groupings}
@@ -118,6 +128,18 @@ class GroupingSearch:
             if count - 1 in found or merged.energy <= lowest + margin:
                 self._refine([merged])
                 found.setdefault(count - 1, []).extend([merged, self._refined[merged.labels.tobytes()]])
+
+    def _and_merged_from_more(
+        self, found: dict[int, list[Grouping]], num_more: int, penalty: Callable[[np.ndarray], float] | None
+    ) -> dict[int, list[Grouping]]:
+        """Return the groupings with merges of groups of those into up to `num_more` motions more than the largest."""
+        largest = max(found)
+        if len(found[largest]) == 1:
+            # The draws agree.
+            return found
+        every = found | self._searched(range(largest + 1, largest + num_more + 1), penalty)
+        self._add_merged(every, -np.inf)
+        return {count: every[count] for count in found}
 
     def _refined_into(self, counts: Sequence[int]) -> dict[int, list[Grouping]]:
         """Return the best groupings into each number of groups, from several starts and from splits."""

@@ -298,6 +298,12 @@ class TrajectoryClusteringParams(Frozen):
         " none",
     )
     small_pieces: Annotated[int, Unit.COUNT] = Field(20, ge=1, description="number of small pieces")
+    num_more: Annotated[int, Unit.COUNT] = Field(
+        2,
+        ge=0,
+        description="if the number is given and draws of hypotheses differ: numbers beyond it that are searched too, so"
+        " that two of their groups can be merged; 0 searches none",
+    )
     count_margin: Annotated[float, Unit.RATIO] = Field(
         0.15,
         ge=0,

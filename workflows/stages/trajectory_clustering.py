@@ -79,6 +79,8 @@ def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) 
         }
     if not params.num_refined:
         unread.add("trust_agreement")
+    if method != "energy" or is_auto or not params.num_refined:
+        unread.add("num_more")
     if method != "energy" or not is_auto or params.auto != "energy":
         unread.add("count_margin")
     if not is_auto or params.auto != "energy":
@@ -89,7 +91,7 @@ def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) 
     return read
 
 
-MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=9, run=_run, params=_params, is_brief=True)
+MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=10, run=_run, params=_params, is_brief=True)
 
 STAGE = Stage(
     name="trajectory_clustering",

@@ -8,6 +8,7 @@ from moseg.tasks.metrics.clustering_error import clustering_error
 from moseg.tasks.trajectories import grouping_search
 from moseg.tasks.trajectories.energy import Energy
 from moseg.tasks.trajectories.grouping_search import GroupingSearch
+from moseg.tasks.trajectories.merging import merge_pairs
 from moseg.tasks.trajectories.splitting import split_grouping
 
 
@@ -180,3 +181,31 @@ def test_a_merge_is_kept_beside_its_refinement(large_case, monkeypatch):
     search = GroupingSearch([draw, draw], None, energy, TrajectoryClusteringParams(num_refined=1))
     found = search.best([3], margin=9.0)[2]
     assert not np.array_equal(found.labels, wrong.labels)
+
+
+@pytest.mark.parametrize("num_more", [0, 1])
+def test_a_grouping_that_only_lacks_a_merge_is_found(large_case, monkeypatch, num_more):
+    clip, energy = large_case
+    # No move leads away from a grouping.
+    monkeypatch.setattr(grouping_search, "refine_groupings", lambda starts, *_others: starts)
+    bad = [np.arange(480) % 2, np.arange(480) // 7 % 2]
+    draws = [_Candidates(labels, clip.labels) for labels in bad]
+    search = GroupingSearch(draws, None, energy, TrajectoryClusteringParams(num_refined=1))
+    found = search.best([2], num_more=num_more)
+    assert set(found) == {2}
+    merged = energy.minimum(merge_pairs(clip.labels)).labels
+    assert (clustering_error(found[2].labels, merged) == 0) == (num_more > 0)
+
+
+def test_no_more_motions_are_searched_where_the_draws_agree(large_case):
+    clip, energy = large_case
+    draw = _Candidates(np.minimum(clip.labels, 1), clip.labels)
+    asked = []
+
+    def of(count):
+        asked.append(count)
+        return _Candidates.of(draw, count)
+
+    draw.of = of
+    GroupingSearch([draw, draw], None, energy, TrajectoryClusteringParams(num_refined=1)).best([2], num_more=1)
+    assert set(asked) == {2}
