@@ -75,8 +75,8 @@ class GroupingSearch:
             The best grouping into each number, with two of its groups merged, is then a further start for one group
             less. That number is added if it is not among `counts` and this energy is at most `margin` above the lowest.
         num_more : int
-            Unless the draws agree on the largest of `counts`, so many numbers beyond it are searched too, only for
-            their best groupings with two groups merged.
+            Unless the draws agree on the largest of `counts`, or its best grouping needs more bits than one motion, so
+            many numbers beyond it are searched too, only for their best groupings with two groups merged.
         """
         found = self._searched(list(counts), penalty)
         if num_more:
@@ -134,8 +134,10 @@ class GroupingSearch:
     ) -> dict[int, list[Grouping]]:
         """Return the groupings with merges of groups of those into up to `num_more` motions more than the largest."""
         largest = max(found)
-        if len(found[largest]) == 1:
-            # The draws agree.
+        draws_agree = len(found[largest]) == 1
+        # More motions would need still more bits.
+        is_longer = min(found[largest], key=lambda grouping: grouping.energy).code >= 1
+        if draws_agree or is_longer:
             return found
         every = found | self._searched(range(largest + 1, largest + num_more + 1), penalty)
         self._add_merged(every, -np.inf)

@@ -184,17 +184,22 @@ def test_a_merge_is_kept_beside_its_refinement(large_case, monkeypatch):
 
 
 @pytest.mark.parametrize("num_more", [0, 1])
-def test_a_grouping_that_only_lacks_a_merge_is_found(large_case, monkeypatch, num_more):
+@pytest.mark.parametrize("is_longer", [False, True])
+def test_a_grouping_that_only_lacks_a_merge_is_found(large_case, monkeypatch, num_more, is_longer):
     clip, energy = large_case
     # No move leads away from a grouping.
     monkeypatch.setattr(grouping_search, "refine_groupings", lambda starts, *_others: starts)
-    bad = [np.arange(480) % 2, np.arange(480) // 7 % 2]
+    if is_longer:
+        bad = [np.arange(480) % 2, np.arange(480) // 7 % 2]
+    else:
+        bad = [np.where(np.arange(480) < count, 1, clip.labels == 1) for count in (10, 20)]
+    assert all((energy.minimum([labels]).code > 1) == is_longer for labels in bad)
     draws = [_Candidates(labels, clip.labels) for labels in bad]
     search = GroupingSearch(draws, None, energy, TrajectoryClusteringParams(num_refined=1))
     found = search.best([2], num_more=num_more)
     assert set(found) == {2}
     merged = energy.minimum(merge_pairs(clip.labels)).labels
-    assert (clustering_error(found[2].labels, merged) == 0) == (num_more > 0)
+    assert (clustering_error(found[2].labels, merged) == 0) == (num_more > 0 and not is_longer)
 
 
 def test_no_more_motions_are_searched_where_the_draws_agree(large_case):
