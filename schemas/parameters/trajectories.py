@@ -301,8 +301,9 @@ class TrajectoryClusteringParams(Frozen):
     num_more: Annotated[int, Unit.COUNT] = Field(
         2,
         ge=0,
-        description="if the number is given and draws of hypotheses differ: numbers beyond it that are searched too, so"
-        " that two of their groups can be merged; 0 searches none",
+        description="if the number is given, draws of hypotheses differ and the best grouping needs fewer bits than a"
+        " single motion: numbers beyond it that are searched too, so that two of their groups can be merged; 0 searches"
+        " none",
     )
     count_margin: Annotated[float, Unit.RATIO] = Field(
         0.15,
