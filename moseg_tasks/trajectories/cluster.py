@@ -63,8 +63,8 @@ def cluster_trajectories(
     (`Candidates`, `merge_by_energy`), and searches for the one of minimal `Energy` from there (`GroupingSearch`). If
     the number of motions is not given, it is the number whose grouping has the lowest energy, among the numbers whose
     candidates, or two merged groups of a larger number's grouping, are near the lowest of all; without a search
-    (`params.num_refined` 0), the number whose `Candidates` have the smallest mean energy over the draws. Numbers beyond
-    `params.energy.free_motions` whose grouping has a motion of fewer than `params.min_tracks` trajectories are ignored.
+    (`params.num_refined` 0), the number whose `Candidates` have the smallest mean energy over the draws. Groupings into
+    more than `params.energy.free_motions` with a motion of fewer than `params.min_tracks` trajectories are ignored.
     ``sum``, ``product`` and ``coregularised`` are spectral clustering of the views' mean kernel, of their geometric
     mean and of all views, as published. `params.auto` names the other ways to find the number.
 
@@ -134,7 +134,8 @@ def cluster_trajectories(
     best = {count: min(drawn, key=lambda grouping: grouping.energy) for count, drawn in found.items()}
     searched: dict[int, Grouping] = {}
     if search and num_motions is None and params.auto == "energy" and params.num_refined:
-        searched = search.best(_near_lowest(best, params.count_margin), margin=params.count_margin)
+        counts = _near_lowest(best, params.count_margin)
+        searched = search.best(counts, partial(_small_motion_penalty, params=params), params.count_margin)
         found = {count: [grouping] for count, grouping in searched.items()}
     chosen = max_motions
     if num_motions is None:
@@ -191,10 +192,11 @@ def _near_lowest(best: dict[int, Grouping], margin: float) -> list[int]:
     return [count for count, grouping in best.items() if grouping.energy <= bound]
 
 
-def _smallest(drawn: Sequence[Grouping]) -> int:
-    """Return the size of the smallest group of the grouping of lowest energy."""
-    labels = min(drawn, key=lambda grouping: grouping.energy).labels
-    return int(np.unique(labels, return_counts=True)[1].min())
+def _small_motion_penalty(labels: np.ndarray, params: TrajectoryClusteringParams) -> float:
+    """Return infinity for labels of a number that is not found because one of the motions is too small, else 0."""
+    sizes = np.unique(labels, return_counts=True)[1]
+    is_free = len(sizes) <= max(params.energy.free_motions, 1)
+    return 0.0 if is_free or sizes.min() >= params.min_tracks else np.inf
 
 
 def _clustered_kernels(by_view: Sequence[np.ndarray], method: str) -> np.ndarray:
@@ -219,8 +221,8 @@ def _count(
     if params.auto == "energy":
         # One grouping for each number after a search; else the mean over the draws, which is robust to lucky fits.
         means = {count: np.mean([grouping.energy for grouping in drawn]) for count, drawn in found.items()}
-        free = max(params.energy.free_motions, 1)
-        large = [count for count in means if count <= free or _smallest(found[count]) >= params.min_tracks]
+        lowest = {count: min(drawn, key=lambda grouping: grouping.energy) for count, drawn in found.items()}
+        large = [count for count in means if not _small_motion_penalty(lowest[count].labels, params)]
         return min(large or [min(means)], key=means.get)
     if params.auto == "eigengap":
         return count_by_eigengap(spectrum(), len(found))

@@ -57,6 +57,9 @@ class _GroupFits(NamedTuple):
 class EpipolarCost:
     """The cost of groups of trajectories, with one fundamental matrix per group and pair of frames.
 
+    Pairs of neighbouring frames are seen by most trajectories; those farther apart show slow motion, and parallax that
+    is lost in noise before.
+
     The cost of a group is the sum over its observations of ``min(d² / tau², 1)``, d the Sampson distance. The tolerance
     grows with the displacement, ``tau² = threshold² + (relative |u|)²``: points that pass by fast and near are tracked
     less accurately and deviate more from a rigid motion. All groups are fitted together by iteratively reweighted least
@@ -80,9 +83,7 @@ class EpipolarCost:
 
     def __init__(self, points: np.ndarray, visible: np.ndarray, params: EnergyParams):
         self._params = params
-        gap = min(params.gap, points.shape[1] - 1)
-        firsts = _sampled_pairs(visible, gap, params) if gap > 0 else ()
-        pairs = [(first, first + gap) for first in firsts]
+        pairs = _sampled_pairs(visible, params)
         seen = [np.flatnonzero(visible[:, pair].all(axis=1)) for pair in pairs]
         enough = [index for index, tracks in enumerate(seen) if len(tracks) >= SAMPLE_SIZE]
         self._num_observations = sum(len(seen[index]) for index in enough)
@@ -180,12 +181,16 @@ class EpipolarCost:
             yield block, _Pairs(*(array[block] for array in self._pairs))
 
 
-def _sampled_pairs(visible: np.ndarray, gap: int, params: EnergyParams) -> range:
-    """Return the first frames of the pairs: one in `params.step`, fewer in long clips."""
-    num_firsts = visible.shape[1] - gap
-    seen = np.count_nonzero(visible[:, :num_firsts] & visible[:, gap:])
-    mean = seen / params.step / max(len(visible), 1)
-    return range(0, num_firsts, params.step * max(1, math.ceil(mean / params.max_pairs)))
+def _sampled_pairs(visible: np.ndarray, params: EnergyParams) -> list[tuple[int, int]]:
+    """Return the pairs of frames of each gap, spaced out by a share of it, and by more in long clips."""
+    num_frames, pairs = visible.shape[1], []
+    for gap in sorted({min(gap, num_frames - 1) for gap in params.gaps} - {0}):
+        seen = np.count_nonzero(visible[:, :-gap] & visible[:, gap:])
+        step = math.ceil(params.spacing * gap)
+        mean = seen / step / max(len(visible), 1)
+        firsts = range(0, num_frames - gap, step * max(1, math.ceil(mean / params.max_pairs)))
+        pairs += [(first, first + gap) for first in firsts]
+    return pairs
 
 
 def _prepare(

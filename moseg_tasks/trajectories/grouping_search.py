@@ -70,7 +70,8 @@ class GroupingSearch:
         ----------
         counts : iterable of int
         penalty : callable, optional
-            Returns 0 or more for labels int (N,), which is added to the energies before groupings are compared.
+            Returns 0 or more for labels int (N,), which is added to the energies before groupings of one number are
+            compared; with infinity, they are chosen only if there are no others.
         margin : float, optional
             The best grouping into each number, with two of its groups merged, is then a further start for one group
             less. That number is added if it is not among `counts` and this energy is at most `margin` above the lowest.
@@ -113,14 +114,15 @@ class GroupingSearch:
         is_shorter = count == 1 or best[0].code < 1
         return best[0] if is_same and is_shorter and len(best) > 1 else None
 
-    def _add_merged(self, found: dict[int, list[Grouping]], margin: float) -> None:
+    def _add_merged(self, found: dict[int, list[Grouping]], margin: float | None) -> None:
         """Add merges of two groups of the best groupings and their refinements, from the largest number on.
 
-        The fits to the groups of a right merge may fail, so that its refinement leaves it. Better fits are compared at
-        the end.
+        A number that is not there is added if the energy of the merge is at most `margin` above the lowest; None: none
+        is. The fits to the groups of a right merge may fail, so that its refinement leaves it. Better fits are compared
+        at the end.
         """
         for count in range(max(found), 1, -1):
-            if count not in found:
+            if count not in found or (count - 1 not in found and margin is None):
                 continue
             best = min(found[count], key=lambda grouping: grouping.energy)
             merged = self._energy.minimum([in_order(labels) for labels in merge_pairs(best.labels)])
@@ -140,7 +142,7 @@ class GroupingSearch:
         if draws_agree or is_longer:
             return found
         every = found | self._searched(range(largest + 1, largest + num_more + 1), penalty)
-        self._add_merged(every, -np.inf)
+        self._add_merged(every, None)
         return {count: every[count] for count in found}
 
     def _refined_into(self, counts: Sequence[int]) -> dict[int, list[Grouping]]:
@@ -201,6 +203,6 @@ def _lowest(groupings: Sequence[Grouping], penalty: Callable[[np.ndarray], float
         if grouping.energy >= lowest:
             break
         total = grouping.energy + (penalty(grouping.labels) if penalty else 0.0)
-        if total < lowest:
+        if best is None or total < lowest:
             best, lowest = grouping, total
     return best

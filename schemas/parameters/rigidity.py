@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field, PositiveFloat, PositiveInt, field_validator
 
 from moseg.schemas.frozen import Frozen
-from moseg.schemas.parameters.comma_separated import are_different_counts, split_commas
+from moseg.schemas.parameters.comma_separated import check_gaps, split_commas
 from moseg.schemas.units import Unit
 
 
@@ -217,10 +217,4 @@ class RigidityParams(Frozen):
 
     _split_gaps = field_validator("gaps", mode="before")(split_commas)
     _split_focals = field_validator("focals", "camera_focals", mode="before")(split_commas)
-
-    @field_validator("gaps")
-    @classmethod
-    def _check_gaps(cls, value: tuple[int, ...]) -> tuple[int, ...]:
-        if not are_different_counts(value):
-            raise ValueError("different numbers of frames from 1 on, separated by commas")
-        return value
+    _check_gaps = field_validator("gaps")(check_gaps)

@@ -90,7 +90,13 @@ class CandidateParams(Frozen):
 
 _TWO_FRAMES = TrajectoryClusteringParams(
     energy=EnergyParams(
-        least_unit=0.15, cut_weight=0.85, coding_weight=0.0, motion_weight=0.01, chance_weight=0.0, free_motions=0
+        gaps=(3,),
+        least_unit=0.15,
+        cut_weight=0.85,
+        coding_weight=0.0,
+        motion_weight=0.01,
+        chance_weight=0.0,
+        free_motions=0,
     ),
     pieces=PieceParams(counts=(6, 8, 10), merged="middle"),
     num_refined=0,

@@ -6,7 +6,7 @@ from pydantic import Field, PositiveInt, field_validator
 
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.parameters.clustering import MotionCountParams
-from moseg.schemas.parameters.comma_separated import are_different_counts, split_commas
+from moseg.schemas.parameters.comma_separated import are_different_counts, check_gaps, split_commas
 from moseg.schemas.units import Unit
 
 
@@ -34,13 +34,7 @@ class HypothesisParams(Frozen):
     )
 
     _split_gaps = field_validator("gaps", mode="before")(split_commas)
-
-    @field_validator("gaps")
-    @classmethod
-    def _check_gaps(cls, value: tuple[int, ...]) -> tuple[int, ...]:
-        if not are_different_counts(value):
-            raise ValueError("different numbers of frames from 1 on, separated by commas")
-        return value
+    _check_gaps = field_validator("gaps")(check_gaps)
 
 
 class KernelParams(Frozen):
@@ -171,12 +165,19 @@ class CodingParams(Frozen):
 class EnergyParams(Frozen):
     """Energy of groupings: fundamental matrices of groups, the cut, and the coding length over many frames."""
 
-    gap: Annotated[int, Unit.FRAMES] = Field(3, ge=1, description="frames between the two frames of a pair")
-    step: Annotated[int, Unit.COUNT] = Field(2, ge=1, description="spacing of the pairs that are read")
+    gaps: Annotated[tuple[PositiveInt, ...], Unit.FRAMES] = Field(
+        (3, 8),
+        description="frames between the two frames of a pair; all gaps are used, and the largest possible in place of"
+        " those too long for a clip",
+    )
+    spacing: Annotated[float, Unit.RATIO] = Field(
+        0.5, gt=0, description="frames between the starts of the pairs of a gap that are read, relative to the gap"
+    )
     max_pairs: Annotated[int, Unit.COUNT] = Field(
         60,
         ge=1,
-        description="pairs in which a trajectory takes part on average; if there are more, they are spaced out evenly",
+        description="pairs of a gap in which a trajectory takes part on average; if there are more, they are spaced out"
+        " evenly",
     )
     threshold: Annotated[float, Unit.PIXELS] = Field(
         0.5, gt=0, description="tau: Sampson distance at which the cost of an observation reaches 1, px"
@@ -200,7 +201,7 @@ class EnergyParams(Frozen):
         0.0, ge=0, description="penalty on each motion beyond free_motions if the number is found"
     )
     chance_weight: Annotated[float, Unit.RATIO] = Field(
-        1.1,
+        1.3,
         ge=0,
         description="addition to motion_weight, divided by the square root of the number of trajectories: the fewer,"
         " the more a split of one motion saves by chance",
@@ -209,6 +210,9 @@ class EnergyParams(Frozen):
         2, ge=0, description="motions without penalty: a clip is expected to show something that moves"
     )
     coding: CodingParams = CodingParams()
+
+    _split_gaps = field_validator("gaps", mode="before")(split_commas)
+    _check_gaps = field_validator("gaps")(check_gaps)
 
 
 class SeparationParams(Frozen):

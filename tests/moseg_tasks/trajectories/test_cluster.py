@@ -20,10 +20,11 @@ from moseg.tasks.trajectories import (
     draw_hypotheses,
     trajectory_kernels,
 )
+from moseg.tasks.trajectories.grouping_search import GroupingSearch
 
 MODELS = ("affine", "homography", "fundamental")
 DRAWN = HypothesisParams(num_hypotheses=100, num_draws=2, gaps=(1,))
-PARAMS = TrajectoryClusteringParams(pieces=PieceParams(counts=(5, 7)), energy=EnergyParams(step=1))
+PARAMS = TrajectoryClusteringParams(pieces=PieceParams(counts=(5, 7)), energy=EnergyParams(spacing=0.3))
 
 
 def _draws(points, visible, models=MODELS, seed=0):
@@ -119,6 +120,20 @@ def test_a_number_is_not_found_if_one_of_its_motions_has_too_few_trajectories(ri
     for energy, min_tracks, count in ((costly, 25, 3), (costly, 27, 2), (free, 27, 3)):
         params = PARAMS.model_copy(update={"separate": False, "energy": energy, "min_tracks": min_tracks})
         assert _cluster(clip, None, params).num_motions == count
+
+
+def test_groupings_with_a_motion_too_small_are_ruled_out_before_numbers_are_compared(rigid_clip, monkeypatch):
+    clip = rigid_clip((80, 30, 25))
+    small = np.where(np.arange(135) < 8, 2, np.minimum(clip.labels, 1))
+    best, penalties = GroupingSearch.best, []
+
+    def best_under(self, counts, penalty, *others, **named):
+        penalties.append([penalty(small), penalty(clip.labels), penalty(small % 2)])
+        return best(self, counts, penalty, *others, **named)
+
+    monkeypatch.setattr(GroupingSearch, "best", best_under)
+    _cluster(clip, None, PARAMS.model_copy(update={"separate": False, "min_tracks": 20}))
+    assert penalties == [[np.inf, 0, 0]]
 
 
 @pytest.mark.parametrize("count", [4, 9])

@@ -30,7 +30,7 @@ def two_turning_bodies(noise=0.1, seed=0):
 def test_many_frames_separate_what_one_fundamental_matrix_explains_in_any_two():
     points, visible, labels = two_turning_bodies()
     one, mixed = np.zeros(80, int), np.roll(labels, 20)
-    costs = EpipolarCost(points, visible, EnergyParams(step=1)).of_labelings([one, labels])
+    costs = EpipolarCost(points, visible, EnergyParams(spacing=0.3)).of_labelings([one, labels])
     assert costs[0] < 0.1 and costs[0] - costs[1] < 0.05
     true, wrong = CodingLength(points, visible, PARAMS).of_labelings([labels, mixed])
     assert true < 1 and true < wrong - 0.1

@@ -29,7 +29,7 @@ def test_a_trajectory_without_affinity_counts_as_cut_off():
 def test_the_cut_decides_between_groupings_of_equal_cost(rigid_clip):
     clip = rigid_clip((40,), noise=0)
     near = np.abs(clip.points[:, 0, None, 0] - clip.points[None, :, 0, 0]) < 150
-    energy = Energy(clip.points, clip.visible, near.astype(np.float32), EnergyParams(step=1))
+    energy = Energy(clip.points, clip.visible, near.astype(np.float32), EnergyParams(spacing=0.3))
     by_side, by_chance = clip.points[:, 0, 0] > np.median(clip.points[:, 0, 0]), np.arange(40) % 2
     best = energy.minimum([by_chance, by_side.astype(int)])
     assert np.array_equal(best.labels, by_side) and best.cost < 1e-9
@@ -38,7 +38,7 @@ def test_the_cut_decides_between_groupings_of_equal_cost(rigid_clip):
 def test_the_cost_decides_between_groupings_of_equal_cut(rigid_clip):
     clip = rigid_clip((60, 40))
     everything = np.ones((100, 100), np.float32)
-    energy = Energy(clip.points, clip.visible, everything, EnergyParams(step=1))
+    energy = Energy(clip.points, clip.visible, everything, EnergyParams(spacing=0.3))
     wrong = np.roll(clip.labels, 20)
     assert np.array_equal(energy.minimum([wrong, clip.labels]).labels, clip.labels)
 

@@ -6,7 +6,7 @@ import pytest
 from moseg.schemas.parameters import EnergyParams
 from moseg.tasks.trajectories.epipolar_cost import EpipolarCost
 
-PARAMS = EnergyParams(gap=3, step=1)
+PARAMS = EnergyParams(gaps=(3,), spacing=0.3)
 TRUE = np.repeat([0, 1], [60, 40])
 ONE = np.zeros(100, int)
 
@@ -66,8 +66,42 @@ def test_a_few_outliers_cost_little_more_than_themselves(rigid_clip):
 
 def test_a_clip_shorter_than_the_gap_is_judged_by_its_ends(clip):
     short = clip._replace(points=clip.points[:, :3], visible=clip.visible[:, :3])
-    costs = _cost(short, [TRUE, ONE], PARAMS.model_copy(update={"gap": 5}))
+    costs = _cost(short, [TRUE, ONE], PARAMS.model_copy(update={"gaps": (5, 9)}))
     assert 0 < costs[0] < costs[1]
+    assert costs.tolist() == _cost(short, [TRUE, ONE], PARAMS.model_copy(update={"gaps": (2,)})).tolist()
+
+
+def test_all_gaps_count_by_their_observations(rigid_clip):
+    clip = rigid_clip((60, 40), hidden=0)
+    num_frames = clip.points.shape[1]
+    short, long, both = (
+        _cost(clip, [TRUE, ONE], PARAMS.model_copy(update={"gaps": gaps, "spacing": 1 / 6}))
+        for gaps in ((3,), (6,), (6, 3))
+    )
+    num_short, num_long = num_frames - 3, num_frames - 6
+    np.testing.assert_allclose(both, (num_short * short + num_long * long) / (num_short + num_long), rtol=1e-9)
+
+
+def test_frames_farther_apart_show_slow_motion():
+    rng = np.random.default_rng(3)
+    angles, frames = rng.uniform(0, 2 * np.pi, (100, 1)), np.arange(8)
+    drift = 0.1 * frames[None, :, None] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    points = rng.uniform(0, 300, (100, 1, 2)) + drift + rng.normal(0, 0.02, (100, 8, 2))
+    near, far = (
+        EpipolarCost(points, np.ones((100, 8), bool), PARAMS.model_copy(update={"gaps": gaps})).of_labelings([ONE])[0]
+        for gaps in ((3,), (3, 7))
+    )
+    assert far > 1.5 * near
+
+
+def test_pairs_start_as_far_apart_as_a_share_of_their_gap(rigid_clip):
+    clip = rigid_clip((60, 40), hidden=0)
+    params = PARAMS.model_copy(update={"gaps": (4,), "spacing": 1.0})
+    points = clip.points.copy()
+    read = np.arange(0, points.shape[1], 4)
+    unread = np.setdiff1d(np.arange(points.shape[1]), read)
+    points[:, unread] += np.random.default_rng(4).normal(0, 20, points[:, unread].shape)
+    assert _cost(clip._replace(points=points), [TRUE], params) == _cost(clip, [TRUE], params)
 
 
 def test_the_cost_of_coincident_points_is_zero():

@@ -29,7 +29,9 @@ def case(rigid_clip):
     """A clip of three motions and its energy, with an affinity by motion that is weak."""
     clip = rigid_clip((60, 40, 20), num_frames=12, hidden=0)
     kernel = 0.5 + 0.5 * (clip.labels[:, None] == clip.labels)
-    return clip, Energy(clip.points, clip.visible, kernel.astype(np.float32), EnergyParams(step=1, motion_weight=0))
+    return clip, Energy(
+        clip.points, clip.visible, kernel.astype(np.float32), EnergyParams(spacing=0.3, motion_weight=0)
+    )
 
 
 def test_the_best_split_is_along_the_motions(case):
@@ -76,7 +78,8 @@ def test_each_number_of_groups_has_its_own_grouping(case):
     assert clustering_error(found[3].labels, clip.labels) == 0
 
 
-def test_a_penalty_chooses_among_the_refined_groupings(case):
+@pytest.mark.parametrize("amount", [9.0, np.inf])
+def test_a_penalty_chooses_among_the_refined_groupings(case, amount):
     clip, energy = case
     # From the second candidate the first cannot be reached by moves that each lower the energy.
     stuck = np.where(np.arange(120) < 30, 2, np.minimum(clip.labels, 1))
@@ -84,11 +87,11 @@ def test_a_penalty_chooses_among_the_refined_groupings(case):
     free = search.best([3])[3]
 
     def penalty(labels):
-        return 9.0 if np.array_equal(labels, free.labels) else 0.0
+        return amount if np.array_equal(labels, free.labels) else 0.0
 
     other = search.best([3], penalty)[3]
     assert not np.array_equal(other.labels, free.labels) and other.energy > free.energy
-    assert np.array_equal(search.best([3], lambda labels: 9.0)[3].labels, free.labels)
+    assert np.array_equal(search.best([3], lambda labels: amount)[3].labels, free.labels)
 
 
 @pytest.fixture
@@ -96,7 +99,9 @@ def large_case(rigid_clip):
     """A clip whose three motions are shorter to describe than a single one, and its energy."""
     clip = rigid_clip((200, 160, 120), num_frames=12, hidden=0)
     kernel = 0.5 + 0.5 * (clip.labels[:, None] == clip.labels)
-    return clip, Energy(clip.points, clip.visible, kernel.astype(np.float32), EnergyParams(step=1, motion_weight=0))
+    return clip, Energy(
+        clip.points, clip.visible, kernel.astype(np.float32), EnergyParams(spacing=0.3, motion_weight=0)
+    )
 
 
 @pytest.mark.parametrize("trusts", [True, False])

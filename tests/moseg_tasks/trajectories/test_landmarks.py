@@ -93,7 +93,7 @@ def test_a_trajectory_without_evidence_joins_the_largest_group(rigid_clip):
 
 def test_few_landmarks_give_nearly_the_groups_of_all_trajectories(rigid_clip):
     clip = rigid_clip((150, 60, 40))
-    params = TrajectoryClusteringParams(pieces=PieceParams(counts=(5, 7)), energy=EnergyParams(step=1))
+    params = TrajectoryClusteringParams(pieces=PieceParams(counts=(5, 7)), energy=EnergyParams(spacing=0.3))
     hypotheses = _hypotheses(clip, num_draws=2)
     found = {}
     for limit in (80, 250):

@@ -14,7 +14,9 @@ def case(rigid_clip):
     """A clip of two motions and its energy, with an affinity by motion that is weak."""
     clip = rigid_clip((60, 40), num_frames=12, hidden=0)
     kernel = 0.5 + 0.5 * (clip.labels[:, None] == clip.labels)
-    return clip, Energy(clip.points, clip.visible, kernel.astype(np.float32), EnergyParams(step=1, motion_weight=0))
+    return clip, Energy(
+        clip.points, clip.visible, kernel.astype(np.float32), EnergyParams(spacing=0.3, motion_weight=0)
+    )
 
 
 def test_single_trajectories_return_to_their_motion(case):
