@@ -182,10 +182,15 @@ class EpipolarCost:
 
 
 def _sampled_pairs(visible: np.ndarray, params: EnergyParams) -> list[tuple[int, int]]:
-    """Return the pairs of frames of each gap, spaced out by a share of it, and by more in long clips."""
+    """Return the pairs of frames of each gap, spaced out by a share of it, and by more in long clips.
+
+    Trajectories that last longest are those of distant points, so that a gap that few span says little of the others.
+    """
     num_frames, pairs = visible.shape[1], []
     for gap in sorted({min(gap, num_frames - 1) for gap in params.gaps} - {0}):
         seen = np.count_nonzero(visible[:, :-gap] & visible[:, gap:])
+        if pairs and seen < params.min_spanning * np.count_nonzero(visible[:, :-gap]):
+            continue
         step = math.ceil(params.spacing * gap)
         mean = seen / step / max(len(visible), 1)
         firsts = range(0, num_frames - gap, step * max(1, math.ceil(mean / params.max_pairs)))

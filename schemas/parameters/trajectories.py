@@ -173,6 +173,13 @@ class EnergyParams(Frozen):
     spacing: Annotated[float, Unit.RATIO] = Field(
         0.5, gt=0, description="frames between the starts of the pairs of a gap that are read, relative to the gap"
     )
+    min_spanning: Annotated[float, Unit.SHARE] = Field(
+        0.8,
+        ge=0,
+        le=1,
+        description="share of the trajectories in the first frames of a gap's pairs that must be seen in the second"
+        " frames too; else the gap is left out, unless it is the smallest",
+    )
     max_pairs: Annotated[int, Unit.COUNT] = Field(
         60,
         ge=1,
@@ -201,7 +208,7 @@ class EnergyParams(Frozen):
         0.0, ge=0, description="penalty on each motion beyond free_motions if the number is found"
     )
     chance_weight: Annotated[float, Unit.RATIO] = Field(
-        1.3,
+        1.2,
         ge=0,
         description="addition to motion_weight, divided by the square root of the number of trajectories: the fewer,"
         " the more a split of one motion saves by chance",
@@ -317,8 +324,8 @@ class TrajectoryClusteringParams(Frozen):
     min_tracks: Annotated[int, Unit.COUNT] = Field(
         9,
         ge=1,
-        description="trajectories of the smallest motion, below which a number beyond energy.free_motions is not found;"
-        " any eight have a fundamental matrix",
+        description="trajectories of the smallest motion, below which a grouping into more than energy.free_motions is"
+        " not found; any eight have a fundamental matrix",
     )
     separate: bool = Field(
         True,

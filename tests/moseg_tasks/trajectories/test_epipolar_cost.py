@@ -82,6 +82,18 @@ def test_all_gaps_count_by_their_observations(rigid_clip):
     np.testing.assert_allclose(both, (num_short * short + num_long * long) / (num_short + num_long), rtol=1e-9)
 
 
+def test_a_gap_that_few_trajectories_span_is_not_read(rigid_clip):
+    clip = rigid_clip((60, 40), hidden=0)
+    starts = np.arange(100)[:, None] % 4
+    short = clip._replace(visible=(np.arange(8) >= starts) & (np.arange(8) < starts + 5))
+    near, both, always = (
+        _cost(short, [TRUE, ONE], PARAMS.model_copy(update=update)).tolist()
+        for update in ({"gaps": (2,)}, {"gaps": (2, 4)}, {"gaps": (2, 4), "min_spanning": 0.0})
+    )
+    assert near == both != always
+    assert _cost(short, [TRUE, ONE], PARAMS.model_copy(update={"gaps": (4,)})).any()
+
+
 def test_frames_farther_apart_show_slow_motion():
     rng = np.random.default_rng(3)
     angles, frames = rng.uniform(0, 2 * np.pi, (100, 1)), np.arange(8)
