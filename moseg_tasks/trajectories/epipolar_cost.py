@@ -14,10 +14,6 @@ from moseg.tasks.trajectories.groups import groups_of
 
 _LAST_ROUNDS = 2
 """Rounds with the final threshold."""
-_AFFINE_ROUNDS = 2
-"""First rounds, which fit the fundamental matrix of an affine camera."""
-_AFFINE = [2, 5, 6, 7]
-"""Entries of an affine camera's fundamental matrix, beside the last: its epipoles lie at infinity."""
 _MIN_GRADIENT = 1e-20
 """Squared gradient of the error, in coordinates of unit size, below which a point lies on the epipole."""
 
@@ -69,9 +65,8 @@ class EpipolarCost:
     less accurately and deviate more from a rigid motion. All groups are fitted together by iteratively reweighted least
     squares: a fit only needs the weighted sum of the equations' outer products, and a hundred groups together take half
     the time of one after another. It starts from all points of the group, and the scale of the loss is halved in each
-    round down to tau, so that outliers are gradually down-weighted. The first rounds fit the matrix of an affine
-    camera: points whose depths differ little leave its other entries to noise and outliers. With many outliers PoseLib
-    finds better matrices, at about a hundred times the cost.
+    round down to tau, so that outliers are gradually down-weighted. With many outliers PoseLib finds better matrices,
+    at about a hundred times the cost.
 
     Parameters
     ----------
@@ -82,7 +77,7 @@ class EpipolarCost:
 
     References
     ----------
-    R. Hartley and A. Zisserman, Multiple View Geometry, 2nd edition, sections 11.2, 11.4.3 and 14.3; A. Blake and
+    R. Hartley and A. Zisserman, Multiple View Geometry, 2nd edition, sections 11.2 and 11.4.3; A. Blake and
     A. Zisserman, Visual Reconstruction, 1987 (graduated non-convexity).
     """
 
@@ -255,9 +250,8 @@ def _fit(
     weights, shape = members if start is None else start, members.shape[:2]
     min_costs = np.full(shape, np.inf)
     for left in reversed(range(num_iterations)):
-        normal = (weights @ pairs.products).reshape(-1, len(_ROWS))[:, _ENTRY]
-        is_affine = start is None and left >= max(num_iterations - _AFFINE_ROUNDS, _LAST_ROUNDS)
-        matrices = (_solve_affine if is_affine else _solve)(normal).reshape(*shape, 3, 3)
+        matrices = _solve((weights @ pairs.products).reshape(-1, len(_ROWS))[:, _ENTRY])
+        matrices = matrices.reshape(*shape, 3, 3)
         squared, gradient = _squared_distances(pairs, matrices)
         min_costs = np.minimum(min_costs, np.einsum("skn,skn->sk", np.minimum(squared, 1.0), members))
         if left:
@@ -291,20 +285,6 @@ def _solve(normal: np.ndarray) -> np.ndarray:
     F = _nearest_rank_two(smallest_eigenvector(change @ normal @ np.swapaxes(change, 1, 2)).reshape(-1, 3, 3))
     F = np.swapaxes(transform1, 1, 2) @ F @ transform0
     return F / np.sqrt(np.einsum("kij,kij->k", F, F))[:, None, None]
-
-
-def _solve_affine(normal: np.ndarray) -> np.ndarray:
-    """Solve sums (K, 9, 9) of the equations' outer products for affine fundamental matrices (K, 3, 3) of unit norm.
-
-    The plane through the points (x1, y1, x0, y0) of least squared distances.
-    """
-    sums, weight = normal[:, _AFFINE, 8], normal[:, 8, 8]
-    weight = np.where(weight > 0, weight, 1.0)
-    scatter = normal[:, _AFFINE][:, :, _AFFINE] - sums[:, :, None] * sums[:, None] / weight[:, None, None]
-    F = np.zeros((len(normal), 9))
-    F[:, _AFFINE] = smallest_eigenvector(scatter)
-    F[:, 8] = -np.einsum("ki,ki->k", F[:, _AFFINE], sums) / weight
-    return (F / np.sqrt(np.einsum("ki,ki->k", F, F))[:, None]).reshape(-1, 3, 3)
 
 
 def _nearest_rank_two(F: np.ndarray) -> np.ndarray:

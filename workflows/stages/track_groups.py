@@ -26,7 +26,7 @@ def _params(config: PipelineConfig) -> dict:
     return read
 
 
-MOTION_GROUPS = Task("track_groups", "motion-groups", version=6, run=_run, params=_params)
+MOTION_GROUPS = Task("track_groups", "motion-groups", version=5, run=_run, params=_params)
 
 STAGE = Stage(
     name="track_groups",

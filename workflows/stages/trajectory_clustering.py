@@ -91,7 +91,7 @@ def read_params(params: TrajectoryClusteringParams, method: str, is_auto: bool) 
     return read
 
 
-MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=12, run=_run, params=_params, is_brief=True)
+MOTION_GROUPS = Task("trajectory_clustering", "motion-groups", version=11, run=_run, params=_params, is_brief=True)
 
 STAGE = Stage(
     name="trajectory_clustering",
