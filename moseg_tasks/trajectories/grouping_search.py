@@ -96,13 +96,21 @@ class GroupingSearch:
     def _searched(
         self, counts: Sequence[int], penalty: Callable[[np.ndarray], float] | None
     ) -> dict[int, list[Grouping]]:
-        """Return the best groupings into each number of groups: one if the draws agree without a penalty."""
-        trusts = self._params.num_refined and self._params.trust_agreement
-        agreed = {count: self._agreed(count) for count in counts} if trusts else {}
-        kept = {count: each for count, each in agreed.items() if each and not (penalty and penalty(each.labels))}
-        self._refine(list(kept.values()))
-        found = {count: [self._refined[each.labels.tobytes()]] for count, each in kept.items()}
-        return found | self._refined_into([count for count in counts if count not in kept])
+        """Return the best groupings into each number of groups: one and its refinement if the draws are trusted.
+
+        The fits to the groups of the right one may fail, so that its refinement leaves it.
+        """
+        trusted = self._trusted(counts, penalty)
+        self._refine(list(trusted.values()))
+        found = {count: [each, self._refined[each.labels.tobytes()]] for count, each in trusted.items()}
+        return found | self._refined_into([count for count in counts if count not in trusted])
+
+    def _trusted(self, counts: Sequence[int], penalty: Callable[[np.ndarray], float] | None) -> dict[int, Grouping]:
+        """Return the groupings on which the draws agree, and which are not penalised, by the number of their groups."""
+        if not (self._params.num_refined and self._params.trust_agreement):
+            return {}
+        agreed = {count: self._agreed(count) for count in counts}
+        return {count: each for count, each in agreed.items() if each and not (penalty and penalty(each.labels))}
 
     def _agreed(self, count: int) -> Grouping | None:
         """Return the candidate of lowest energy if it is the same in all draws and shorter to describe than one motion.
@@ -136,10 +144,9 @@ class GroupingSearch:
     ) -> dict[int, list[Grouping]]:
         """Return the groupings with merges of groups of those into up to `num_more` motions more than the largest."""
         largest = max(found)
-        draws_agree = len(found[largest]) == 1
         # More motions would need still more bits.
         is_longer = min(found[largest], key=lambda grouping: grouping.energy).code >= 1
-        if draws_agree or is_longer:
+        if is_longer or self._trusted([largest], penalty):
             return found
         every = found | self._searched(range(largest + 1, largest + num_more + 1), penalty)
         self._add_merged(every, None)

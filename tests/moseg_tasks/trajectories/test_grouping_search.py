@@ -122,6 +122,16 @@ def test_what_all_draws_find_is_refined_alone(large_case, trusts):
     assert bool(searches) != trusts
 
 
+def test_what_all_draws_find_is_kept_beside_its_refinement(large_case, monkeypatch):
+    clip, energy = large_case
+    wrong = energy.minimum([np.arange(480) % 3])
+    moved = [wrong._replace(energy=-1.0)]
+    monkeypatch.setattr(grouping_search, "refine_groupings", lambda starts, *_others: moved * len(starts))
+    draw = _Candidates(np.minimum(clip.labels, 1), clip.labels)
+    found = GroupingSearch([draw, draw], None, energy, TrajectoryClusteringParams(num_refined=1)).best([3])[3]
+    assert np.array_equal(found.labels, clip.labels)
+
+
 def test_draws_that_agree_on_a_longer_description_are_searched(case):
     clip, energy = case
     # No move that lowers the energy leads from here to the motions, but a split of the best two does.
