@@ -37,6 +37,10 @@ def _assert_refused(ran, *words):
         ("eval --set clustering.fusion=sum", ("clustering.fusion", "trajectory_clustering")),
         ("eval --set hypotheses.gaps=0", ("hypotheses.gaps",)),
         ("eval --set hypotheses.gaps=1,1", ("hypotheses.gaps",)),
+        (
+            "eval --set trajectory_clustering.energy.gaps=3,3",
+            ("trajectory_clustering.energy.gaps", "different numbers"),
+        ),
         ("eval --set kernel.window=2", ("kernel.window",)),
         ("eval --views affine,homographie", ("--views", "homographie", "fundamental")),
         ("eval --views affine,affine", ("--views",)),
