@@ -3,7 +3,8 @@
 ``python benchmarks/trajectories/worst_sequences.py NAME=ROOT ... [--sequences A,B] [--count N] [--store DIR] [--out
 FILE]`` segments the clips of data sets of labelled trajectories twice, with the number of motions given: as before
 coding lengths and refinements were introduced, and with the default parameters. It prints both errors of each clip,
-in percent, and draws the clips with the largest error before.
+in percent, and draws the clips with the largest error before. A group has the colour of the motion that it is matched
+with, groups without such a motion are grey, and a ring marks a trajectory in a wrong group.
 """
 
 import argparse
@@ -19,19 +20,28 @@ from moseg.workflows.datasets import open_dataset
 from moseg.workflows.engine.session import Session, open_session
 from moseg.workflows.graph import TrajectoryGraph
 from moseg.workflows.pipelines.leaves import ingest_trajectories
+from moseg.workflows.reports.clip_layers import match_groups
 
 BEFORE = TrajectoryClusteringParams(
     energy=EnergyParams(
-        least_unit=0.15, cut_weight=0.85, coding_weight=0.0, motion_weight=0.01, chance_weight=0.0, free_motions=0
+        gaps=(3,),
+        least_unit=0.15,
+        cut_weight=0.85,
+        coding_weight=0.0,
+        motion_weight=0.01,
+        chance_weight=0.0,
+        free_motions=0,
     ),
     pieces=PieceParams(merged="middle"),
     num_refined=0,
     min_tracks=1,
 )
-COLOURS = ((178, 114, 0), (0, 159, 230), (115, 158, 0), (0, 94, 213), (167, 121, 204), (90, 90, 90))
-"""BGR of the groups, after Okabe and Ito."""
-WIDTH, HEIGHT, MARGIN = 400, 230, 26
-"""Size of a panel, and its upper margin, px."""
+COLOURS = ((178, 114, 0), (0, 159, 230), (115, 158, 0), (167, 121, 204), (0, 94, 213))
+"""BGR of the motions, after Okabe and Ito."""
+UNMATCHED = (150, 150, 150)
+"""BGR of groups without a motion, and of trajectories without a label."""
+WIDTH, MAX_HEIGHT, MARGIN, BORDER = 400, 250, 26, 10
+"""Size of a panel, its upper margin and its other ones, px."""
 
 
 class Outcome(NamedTuple):
@@ -78,33 +88,42 @@ def segment_clips(session: Session, dataset: str, root: str, names: list[str]) -
 
 
 def draw_outcome(outcome: Outcome) -> np.ndarray:
-    """Draw the trajectories of a clip three times, coloured by group: uint8 (HEIGHT, 3 WIDTH, 3)."""
-    titles = (
-        "truth",
-        *(f"{name} {error:.1f} %" for name, error in zip(("before", "after"), outcome.errors, strict=True)),
-    )
+    """Draw the trajectories of a clip three times, coloured by group: uint8 (height, 3 WIDTH, 3)."""
+    truth, *found = outcome.labels
+    partners = [match_groups(labels, truth) for labels in found]
+    # In the labels of the truth; -1 has no partner.
+    matched = [
+        np.array([partner.get(label, -1) for label in labels.tolist()])
+        for partner, labels in zip(partners, found, strict=True)
+    ]
+    errors = (f"{name} {error:.1f} %" for name, error in zip(("before", "after"), outcome.errors, strict=True))
     panels = [
-        _draw_groups(outcome, labels, f"{outcome.name}: {title}")
-        for labels, title in zip(outcome.labels, titles, strict=True)
+        _draw_groups(outcome, labels, (labels != truth) & (truth > 0), f"{outcome.name}: {title}")
+        for labels, title in zip((truth, *matched), ("truth", *errors), strict=True)
     ]
     return np.hstack(panels)
 
 
-def _draw_groups(outcome: Outcome, labels: np.ndarray, title: str) -> np.ndarray:
-    """Draw the trajectories over the whole clip, with a dot in the middle of each."""
-    picture = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
+def _draw_groups(outcome: Outcome, labels: np.ndarray, is_wrong: np.ndarray, title: str) -> np.ndarray:
+    """Draw the trajectories over the whole clip, with a dot in the middle of each, and a ring around wrong ones."""
     seen = outcome.points[outcome.visible]
-    low, high = seen.min(axis=0), seen.max(axis=0)
-    scale = min((WIDTH - 20) / (high[0] - low[0]), (HEIGHT - MARGIN - 10) / (high[1] - low[1]))
-    for track, is_visible, label in zip(outcome.points, outcome.visible, labels, strict=True):
-        places = ((track[is_visible] - low) * scale + (10, MARGIN)).round().astype(np.int32)
+    low, extent = seen.min(axis=0), np.ptp(seen, axis=0)
+    scale = min((WIDTH - 2 * BORDER) / extent[0], (MAX_HEIGHT - MARGIN - BORDER) / extent[1])
+    picture = np.full((round(MARGIN + BORDER + scale * extent[1]), WIDTH, 3), 255, np.uint8)
+    rings = []
+    for track, is_visible, label, wrong in zip(outcome.points, outcome.visible, labels, is_wrong, strict=True):
+        places = ((track[is_visible] - low) * scale + (BORDER, MARGIN)).round().astype(np.int32)
         if not len(places):
             continue
-        colour = COLOURS[label % len(COLOURS)]
+        colour = COLOURS[(label - 1) % len(COLOURS)] if label > 0 else UNMATCHED
         pale = tuple((255 + value) // 2 for value in colour)
+        middle = places[len(places) // 2].tolist()
         cv2.polylines(picture, [places.reshape(-1, 1, 2)], False, pale, 1, cv2.LINE_AA)
-        cv2.circle(picture, places[len(places) // 2].tolist(), 2, colour, -1, cv2.LINE_AA)
-    cv2.putText(picture, title, (10, 18), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (0, 0, 0), 1, cv2.LINE_AA)
+        cv2.circle(picture, middle, 2, colour, -1, cv2.LINE_AA)
+        rings += [middle] if wrong else []
+    for middle in rings:
+        cv2.circle(picture, middle, 3, (0, 0, 0), 1, cv2.LINE_AA)
+    cv2.putText(picture, title, (BORDER, 18), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (0, 0, 0), 1, cv2.LINE_AA)
     return picture
 
 
@@ -128,8 +147,8 @@ def main() -> None:
         print(f"{outcome.name:30s} before {outcome.errors[0]:5.1f}  after {outcome.errors[1]:5.1f}")
     drawn = np.vstack([draw_outcome(outcome) for outcome in outcomes[: arguments.count]])
     picture = Image.fromarray(cv2.cvtColor(drawn, cv2.COLOR_BGR2RGB))
-    # A few colours in a fifth of the space.
-    picture.quantize(48, dither=Image.Dither.NONE).save(arguments.out, optimize=True)
+    # Few colours in a fraction of the space; an octree keeps the rare ones.
+    picture.quantize(64, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(arguments.out, optimize=True)
 
 
 if __name__ == "__main__":
