@@ -124,6 +124,8 @@ class SubjectEvent(_ProcessLine):
         Seeds over which figures are averaged, if several runs on trajectories were requested.
     notes : tuple of str
         Remarks that a reader needs to interpret the figures.
+    words : tuple of str
+        Command line without `moseg` that leads to the same, of a run that continues another; empty for all others.
     sequences : tuple of SequenceSubject
     """
 
@@ -134,6 +136,7 @@ class SubjectEvent(_ProcessLine):
     config: dict[str, JsonValue]
     seeds: tuple[int, ...] | None = None
     notes: tuple[str, ...] = ()
+    words: tuple[str, ...] = ()
     sequences: tuple[SequenceSubject, ...]
 
 

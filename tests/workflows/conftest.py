@@ -117,7 +117,7 @@ def pages(monkeypatch):
 
     def render(made):
         written.append(made)
-        return made.title
+        return f"<!doctype html>{made.title}"
 
     monkeypatch.setattr(run_report, "render_page", render)
     return written

@@ -97,3 +97,12 @@ def test_leaves_behind_cues_are_kept():
     score = Recipe(task="flow", version=2, params={"method": "raft"}, inputs={"flow": flow.ref})
     recipes = {recipe.ref: recipe for recipe in (flow, score)}
     assert split_cues(recipes, [score.ref]) == ([score.ref, "frame/" + "0" * 64], [flow.ref])
+
+
+def test_keep_cues_computes_those_that_an_earlier_run_did_not_keep(segment, tmp_path):
+    segment()
+    assert _tasks(tmp_path).isdisjoint(CUES)
+    said = segment("--keep-cues")
+    assert {"flow", "saliency"} <= _tasks(tmp_path)
+    assert "0 artifacts computed" not in said
+    assert "0 artifacts computed" in segment("--keep-cues")

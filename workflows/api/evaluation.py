@@ -20,7 +20,7 @@ from moseg.workflows.config.trajectory_choices import TrajectoryChoices
 from moseg.workflows.datasets import DATASETS, Dataset, SequenceSource, list_trajectory_datasets, open_dataset
 from moseg.workflows.datasets.given_folders import with_given_folders
 from moseg.workflows.engine.session import StageUse
-from moseg.workflows.exports import check_writable, write_text
+from moseg.workflows.exports import TextKind, check_replaceable, write_text
 from moseg.workflows.pipelines.evaluate import evaluate
 from moseg.workflows.pipelines.evaluate_trajectories import evaluate_trajectories
 from moseg.workflows.pipelines.plan_evaluation import EmptyStore, plan_evaluation, plan_trajectories
@@ -98,7 +98,7 @@ def run_evaluation(
     """
     config = choices.read()
     if json is not None:
-        check_writable(json)
+        check_replaceable(json, TextKind.JSON)
     dataset = data.open(config.max_side)
     if dataset.has_frames:
         chosen, seeds = read_variants(variants, Variant, dataset.name), None

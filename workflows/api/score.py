@@ -8,7 +8,7 @@ from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.scores import EvaluationReport, StillReport
 from moseg.workflows.api.arguments import Kind, check_kinds, named_as_arguments
 from moseg.workflows.api.evaluation import DataChoice, read_data, write_report_json
-from moseg.workflows.exports import check_writable
+from moseg.workflows.exports import TextKind, check_replaceable
 from moseg.workflows.pipelines.score_predictions import score_predictions
 from moseg.workflows.predictions import open_predictions
 
@@ -76,7 +76,7 @@ def run_score(
 ) -> EvaluationReport | StillReport:
     """Score saved masks as `score` does, and write the report to the file `json` where one is given."""
     if json is not None:
-        check_writable(json)
+        check_replaceable(json, TextKind.JSON)
     saved = open_predictions(Path(predictions), format)
     dataset = data.open(PipelineConfig().max_side)
     report = score_predictions(dataset, saved, name or Path(predictions).resolve().name, quiet)

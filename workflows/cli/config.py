@@ -70,10 +70,10 @@ def dump(
     moseg config dump --config my-config.yaml --set tracks.border=8 --changed
     """
     from moseg.workflows.config.config_files import write_config
-    from moseg.workflows.exports import check_writable, write_text
+    from moseg.workflows.exports import TextKind, check_replaceable, write_text
 
     if out is not None:
-        check_writable(Path(out))
+        check_replaceable(Path(out), TextKind.YAML)
     text = write_config(pipeline.choices().read(), changed_only=changed)
     if out is None:
         print(text, end="")

@@ -33,11 +33,11 @@ def report(
     moseg report latest -o report.html
     """
     from moseg.store import open_store
-    from moseg.workflows.exports import check_writable
+    from moseg.workflows.exports import TextKind, check_replaceable
     from moseg.workflows.reports.from_log import report_run
     from moseg.workflows.reports.run_report import write_report
 
-    check_writable(out)
+    check_replaceable(out, TextKind.PAGE)
     names = sequence_names(sequences)
     page = report_run(open_store(store, create=False), run, names, frames, quiet)
     print(write_report(out, page))

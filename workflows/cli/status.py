@@ -39,11 +39,11 @@ def status(
     moseg status latest --json run.json
     """
     from moseg.store import open_store
-    from moseg.workflows.exports import check_writable, write_text
+    from moseg.workflows.exports import TextKind, check_replaceable, write_text
     from moseg.workflows.runlog.status import LATEST, find_run, list_runs
 
     if json is not None:
-        check_writable(Path(json))
+        check_replaceable(Path(json), TextKind.JSON)
     opened = open_store(store, create=False)
     if run is None and not follow:
         runs = list_runs(opened)

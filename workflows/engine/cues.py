@@ -37,6 +37,11 @@ def split_cues(recipes: Mapping[str, Recipe], results: Iterable[str]) -> tuple[l
     return kept, cues
 
 
+def cues_behind(recipes: Mapping[str, Recipe], results: Iterable[str]) -> list[str]:
+    """Return the cues among results and all that they are computed from; see `split_cues`."""
+    return split_cues(recipes, results)[1]
+
+
 def is_cue(recipe: Recipe) -> bool:
     """Return whether a recipe computes a cue."""
     return find_task(recipe.task, recipe.params["method"]).is_cue

@@ -146,6 +146,11 @@ class Session:
         self._quiet = quiet
 
     @property
+    def keeps_cues(self) -> bool:
+        """Whether cues stay in the store after the results are read."""
+        return self._keep_cues
+
+    @property
     def seconds(self) -> float:
         """Wall time since the session began."""
         return time.perf_counter() - self._started

@@ -7,15 +7,16 @@ from moseg.workflows.exports.palette import davis_palette, identity_colours
 from moseg.workflows.exports.summarise import summarise_sequence
 from moseg.workflows.exports.write_masks import write_masks
 from moseg.workflows.exports.write_overlay import encode_overlay, write_overlay
-from moseg.workflows.exports.write_text import check_folder, check_writable, write_text
+from moseg.workflows.exports.write_text import TextKind, check_folder, check_replaceable, write_text
 
 __all__ = [
     "ObjectSummary",
     "OverlayMode",
     "OverlayStyle",
     "SequenceSummary",
+    "TextKind",
     "check_folder",
-    "check_writable",
+    "check_replaceable",
     "davis_palette",
     "draw_labels",
     "encode_overlay",

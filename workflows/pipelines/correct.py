@@ -13,6 +13,7 @@ import numpy as np
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.store import ArtifactStore
 from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.engine.cues import cues_behind
 from moseg.workflows.engine.session import Session
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 from moseg.workflows.pipelines.leaves import ingest_sequences
@@ -94,7 +95,8 @@ class OpenRun:
     def apply(self, config: PipelineConfig, edits: PlacedEdits = NO_EDITS) -> Change:
         """Compute the labels under a configuration and edits, in place of those before.
 
-        The first call computes whatever the store lacks. If it raises, the result before stays in force.
+        The first call computes whatever the store lacks, also cues if the session keeps them and the video was not
+        opened from a finished run. If it raises, the result before stays in force.
 
         Raises
         ------
@@ -110,9 +112,13 @@ class OpenRun:
                 graph = graphs[0]
                 objects = (*map(graph.objects.proposals, range(len(graph.sections))), graph.objects.linking())
                 sinks = (*objects, graph.clustering(self._variant), *graph.object_areas(), *painted_of(graph))
+                sinks = tuple(filter(None, sinks))
+                if self._graph is None and self._session.keeps_cues:
+                    # A run that did not keep them may have stored all the rest.
+                    sinks = (*sinks, *cues_behind(graph.recipes, sinks))
                 # After the graph is written, which finds the leaves of its weights.
                 self._describe(graph.leaves, config)
-                return graph.recipes, tuple(filter(None, sinks))
+                return graph.recipes, sinks
 
             def read():
                 return LiveLabels(self._session.store, graphs[0], config, self._variant, edits)

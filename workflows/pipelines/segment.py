@@ -10,6 +10,7 @@ from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.stretch_choice import StretchChoice
 from moseg.store import ArtifactStore
 from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.engine.cues import cues_behind
 from moseg.workflows.engine.session import Session
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.leaves import ingest_sequences
@@ -139,7 +140,8 @@ def segment(
 ) -> Result:
     """Segment one video, reusing every artifact that exists, and return what `use` makes of it.
 
-    `use` is called again where it met a damaged artifact, once that is made again.
+    `use` is called again where it met a damaged artifact, once that is made again. A session that keeps cues computes
+    those that an earlier run did not keep.
 
     Parameters
     ----------
@@ -166,6 +168,9 @@ def segment(
         graphs[:] = [SequenceGraph(leaves, config)]
         check_edits(session, graphs[0], edits)
         sinks = sinks_of(graphs[0], config, variant)
+        if session.keeps_cues:
+            # A run that did not keep them may have stored all the rest.
+            sinks = (*sinks, *cues_behind(graphs[0].recipes, sinks))
         if panels is not None:
             sinks = (*sinks, *panels.sinks(graphs[0]))
         session.log.describe(make_subject(purpose, None, config, [variant], [(leaves, fps())]))

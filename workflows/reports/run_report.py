@@ -5,7 +5,7 @@ from pathlib import Path
 
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
 from moseg.workflows.engine.session import Session
-from moseg.workflows.exports import check_writable, write_text
+from moseg.workflows.exports import TextKind, check_replaceable, write_text
 from moseg.workflows.reports.content import ReportPage, ScoreTable, SequencePanel
 from moseg.workflows.reports.facts import RunFacts, facts_of_session, parameter_rows
 from moseg.workflows.reports.page import render_page
@@ -83,7 +83,7 @@ class RunReport:
         seeds: Sequence[int] | None = None,
     ):
         self._path = Path(path)
-        check_writable(self._path)
+        check_replaceable(self._path, TextKind.PAGE)
         self._about, self._config, self._variants = about, config, tuple(variants)
         self._names, self._seeds = tuple(names), seeds
         self._shown = choose_shown(self._names)

@@ -37,6 +37,8 @@ class RunSubject(NamedTuple):
     seeds : tuple of int or None
         Seeds over which figures are averaged.
     notes : tuple of str
+    words : tuple of str
+        Command line without `moseg` that leads to the same, of a run that continues another; empty for all others.
     """
 
     command: Literal["eval", "ablate", "segment"]
@@ -46,6 +48,7 @@ class RunSubject(NamedTuple):
     sequences: tuple[RunSequence, ...]
     seeds: tuple[int, ...] | None = None
     notes: tuple[str, ...] = ()
+    words: tuple[str, ...] = ()
 
     @property
     def has_frames(self) -> bool:
@@ -111,4 +114,5 @@ def _read(events: list[SubjectEvent]) -> RunSubject:
         sequences=sequences,
         seeds=first.seeds,
         notes=first.notes,
+        words=first.words,
     )

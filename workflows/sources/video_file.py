@@ -207,6 +207,8 @@ def _video_stream(container: InputContainer, path: str) -> VideoStream:
         raise InputError("video of too many pixels", where=path, got=got, expected=expected)
     # The decoder refuses larger sizes later in the data.
     codec.options = {"max_pixels": str(MAX_PIXELS)}
+    # With a thread for each slice, FFmpeg does not report damaged slices.
+    codec.thread_type = "NONE"
     return stream
 
 

@@ -20,6 +20,7 @@ from moseg.workflows.exports.frame_origin import FrameOrigin
 from moseg.workflows.exports.motion_json import SequenceSummary
 from moseg.workflows.exports.outputs import MOTION, check_outputs, check_same_video
 from moseg.workflows.pipelines.correct import OpenRun
+from moseg.workflows.pipelines.purpose import Purpose
 from moseg.workflows.view.growing_methods import list_growing_methods
 from moseg.workflows.view.opened import ExportChoices, Opened
 from moseg.workflows.view.shown_result import ShownResult
@@ -94,10 +95,11 @@ def run_opening(run: StoredRun, out: Path, settings: RunSettings, summary: Seque
         source = SequenceSource(run.leaves.name, frames)
         origin = FrameOrigin(None, frames) if summary is None else StoredOrigin(None, frames, summary)
         leaves = run.leaves._replace(edits=())
-        opened = OpenRun(session, source, run.variant, leaves=leaves, config=run.config)
+        words = _as_segment(run.words, run.leaves.name, out)
+        opened = OpenRun(session, source, run.variant, Purpose("segment", words=words), leaves, run.config)
         video = OpenVideo(opened, source, origin, PipelineChoices(run.config), fps)
         options = OpenOptions(out, PipelineChoices(run.config), FrameRange(), fps, run.variant, settings)
-        return _open(video, options, _as_segment(run.status.command[1:], run.leaves.name, out))
+        return _open(video, options, words)
 
     return open_stored
 

@@ -35,6 +35,8 @@ class StoredRun(NamedTuple):
     config : PipelineConfig
     variant : Variant
     fps : float or None
+    words : tuple of str
+        Its command line without `moseg`; for a run that continues another, that of the other one.
     """
 
     status: RunStatus
@@ -42,6 +44,7 @@ class StoredRun(NamedTuple):
     config: PipelineConfig
     variant: Variant
     fps: float | None
+    words: tuple[str, ...]
 
 
 def read_run(store: ArtifactStore, name: str) -> StoredRun:
@@ -58,7 +61,9 @@ def read_run(store: ArtifactStore, name: str) -> StoredRun:
         got, expected = f"a run of moseg {subject.command}", "a run of moseg segment, which has one video"
         raise InputError("a run that cannot be viewed", where=f"run {run_id}", got=got, expected=expected)
     (sequence, *_), (variant, *_) = subject.sequences, subject.variants
-    return StoredRun(read_status(store, run_id), sequence.leaves, subject.config, variant, sequence.fps)
+    status = read_status(store, run_id)
+    words = subject.words or status.command[1:]
+    return StoredRun(status, sequence.leaves, subject.config, variant, sequence.fps, words)
 
 
 def list_segmentations(store: ArtifactStore) -> list[dict]:

@@ -173,6 +173,19 @@ def test_damage_is_reported_with_its_frame(tmp_path, write_video, moving):
     assert "\n" not in str(caught.value)
 
 
+def test_damage_within_one_slice_of_a_frame_is_reported(tmp_path, write_video, moving):
+    path = tmp_path / "a.mp4"
+    write_video(path, [np.tile(image, (8, 8, 1)) for image in moving], slices="4")
+    with av.open(str(path)) as container:
+        packet = next(container.demux(video=0))
+        start = packet.pos + packet.size * 2 // 5
+    content = np.fromfile(path, np.uint8)
+    content[start : start + 60] ^= 0x55
+    content.tofile(path)
+    with pytest.raises(InputError, match=r"decoding failed at frame 0 in .*a\.mp4; got damaged data"):
+        list(VideoFile(str(path), 1000).read())
+
+
 @pytest.mark.parametrize("name", ["a.mp4", "a.txt"])
 @pytest.mark.parametrize("content", [b"", b"not a video\n" * 100])
 def test_other_files_are_not_videos(tmp_path, name, content):

@@ -1,0 +1,46 @@
+"""Text files are not written over files of another kind."""
+
+import pytest
+
+from moseg.schemas.errors import InputError
+from moseg.workflows.exports import TextKind, check_replaceable
+
+PAGE, JSON, YAML = b"<!DOCTYPE html>\n<title>", b' {"name": 1}', "# größer\nmax_side: 200\n".encode()
+VIDEO, IMAGE = b"\0\0\0 ftypisom", b"\x89PNG\r\n\x1a\n\0\0"
+
+
+@pytest.mark.parametrize(
+    ("kind", "own", "others"),
+    [
+        (TextKind.PAGE, PAGE, (JSON, YAML, VIDEO, IMAGE)),
+        (TextKind.JSON, JSON, (PAGE, YAML, VIDEO, IMAGE)),
+        (TextKind.YAML, YAML, (PAGE, JSON, VIDEO, IMAGE)),
+    ],
+)
+def test_only_a_file_of_its_kind_is_replaced(tmp_path, kind, own, others):
+    path = tmp_path / "file"
+    check_replaceable(path, kind)
+    for content in (own, b""):
+        path.write_bytes(content)
+        check_replaceable(path, kind)
+    for content in others:
+        path.write_bytes(content)
+        with pytest.raises(InputError, match=f"a file would be replaced in .*file; got .*expected {kind.value}"):
+            check_replaceable(path, kind)
+        assert path.read_bytes() == content
+
+
+def test_a_report_does_not_replace_the_video_or_a_result(squares, tmp_path, moseg):
+    frames, out = squares / "squares" / "frames", tmp_path / "out"
+    arguments = ("segment", frames, "--store", tmp_path / "store", "--out", out, "--quiet")
+    page = tmp_path / "page.html"
+    assert moseg(*arguments, "--report", page).code == 0
+    assert moseg(*arguments, "--report", page).code == 0
+    image = sorted(frames.iterdir())[0]
+    for path in (image, out / "motion.json", out / "overlay.mp4"):
+        before = path.read_bytes()
+        ran = moseg(*arguments, "--report", path)
+        assert (ran.code, path.read_bytes() == before) == (2, True)
+        assert "a file would be replaced" in ran.err
+    for command in (("report", "latest", "--store", tmp_path / "store", "-o"), ("config", "dump", "--out")):
+        assert moseg(*command, image).code == 2
