@@ -116,6 +116,9 @@ def _read_text(path: Path, kind: YamlKind) -> str:
     try:
         if path.is_dir():
             raise InputError("a folder, not a file", where=path, expected=expected)
+        if path.is_fifo():
+            # Choices are checked before the work, and read again by it.
+            raise InputError(f"a {kind.name} that can be read only once", where=path, got="a pipe", expected=expected)
         with path.open("rb") as file:
             content = file.read(kind.max_nbytes + 1)
     except FileNotFoundError as error:

@@ -1,6 +1,7 @@
 """Files of parameters: what a dump writes a run reads back, and what is wrong with a file is one line."""
 
 import json
+import os
 import re
 
 import pytest
@@ -223,3 +224,12 @@ def test_trajectories_take_a_full_file_but_no_changes_for_images(tmp_path):
     path.write_text(write_config(PipelineConfig(max_side=300)))
     with pytest.raises(InputError, match="max_side"):
         TrajectoryChoices().apply(choices, config, "kt3dmoseg")
+
+
+def test_a_configuration_from_a_pipe_is_refused_by_name(moseg, tmp_path):
+    # It would be empty when the work reads it again.
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    ran = moseg("segment", tmp_path / "frames", "--config", pipe)
+    assert ran.code == 2 and ran.err.count("\n") == 1
+    assert f"a configuration file that can be read only once in {pipe}; got a pipe" in ran.err
