@@ -124,8 +124,8 @@ class SubjectEvent(_ProcessLine):
         Seeds over which figures are averaged, if several runs on trajectories were requested.
     notes : tuple of str
         Remarks that a reader needs to interpret the figures.
-    words : tuple of str
-        Command line without `moseg` that leads to the same, of a run that continues another; empty for all others.
+    words : tuple of str or None
+        Command line without `moseg` that leads to the same, of a run that continues another.
     sequences : tuple of SequenceSubject
     """
 
@@ -136,7 +136,7 @@ class SubjectEvent(_ProcessLine):
     config: dict[str, JsonValue]
     seeds: tuple[int, ...] | None = None
     notes: tuple[str, ...] = ()
-    words: tuple[str, ...] = ()
+    words: tuple[str, ...] | None = None
     sequences: tuple[SequenceSubject, ...]
 
 

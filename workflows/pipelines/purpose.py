@@ -21,14 +21,14 @@ class Purpose(NamedTuple):
         What a reader must know to read its figures rightly.
     fps : float or None
         Frames per second, in place of those that its data have.
-    words : tuple of str
-        Command line without `moseg` that leads to the same, of a run that continues another; empty for all others.
+    words : tuple of str or None
+        Command line without `moseg` that leads to the same, of a run that continues another.
     """
 
     command: Literal["eval", "ablate", "segment"]
     notes: tuple[str, ...] = ()
     fps: float | None = None
-    words: tuple[str, ...] = ()
+    words: tuple[str, ...] | None = None
 
 
 EVALUATION = Purpose("eval")
@@ -51,7 +51,7 @@ def make_subject(
         config=config.model_dump(mode="json"),
         seeds=None if seeds is None else tuple(seeds),
         notes=tuple(map(as_unicode, purpose.notes)),
-        words=tuple(map(as_unicode, purpose.words)),
+        words=None if purpose.words is None else tuple(map(as_unicode, purpose.words)),
         sequences=tuple(SequenceSubject(leaves=_plain(leaves), fps=fps) for leaves, fps in sequences),
         **this_process(),
     )

@@ -37,8 +37,8 @@ class RunSubject(NamedTuple):
     seeds : tuple of int or None
         Seeds over which figures are averaged.
     notes : tuple of str
-    words : tuple of str
-        Command line without `moseg` that leads to the same, of a run that continues another; empty for all others.
+    words : tuple of str or None
+        Command line without `moseg` that leads to the same, of a run that continues another.
     """
 
     command: Literal["eval", "ablate", "segment"]
@@ -48,7 +48,7 @@ class RunSubject(NamedTuple):
     sequences: tuple[RunSequence, ...]
     seeds: tuple[int, ...] | None = None
     notes: tuple[str, ...] = ()
-    words: tuple[str, ...] = ()
+    words: tuple[str, ...] | None = None
 
     @property
     def has_frames(self) -> bool:

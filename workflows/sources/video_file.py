@@ -21,7 +21,7 @@ from moseg.workflows.sources.pillow_image import MAX_PIXELS
 from moseg.workflows.sources.resize import shrink_to, working_size
 from moseg.workflows.sources.truncation import bytes_without_index, missing_bytes
 
-DECODING_VERSION = 1
+DECODING_VERSION = 2
 """Raised when `VideoFile.read` starts to yield other pixels for the same bytes."""
 NOT_VIDEOS = frozenset(("tty", "hls", "dash", "concat", "sdp", "rtp", "rtsp", "imf"))
 """FFmpeg's demuxers that turn a text file into 'video', or read other files and addresses named in a text."""

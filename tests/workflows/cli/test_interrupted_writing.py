@@ -86,7 +86,7 @@ def test_an_interrupted_export_leaves_what_was_there(moseg, arguments, monkeypat
 
 def test_an_interrupted_report_leaves_the_one_before(moseg, evaluated, monkeypatch, tmp_path):
     page = tmp_path / "report.html"
-    page.write_text("the one before")
+    page.write_text("<!doctype html>the one before")
     report = ("report", "latest", "--store", evaluated.store, "--out", page, "--quiet")
 
     def interrupt(*arguments, **options):
@@ -98,7 +98,7 @@ def test_an_interrupted_report_leaves_the_one_before(moseg, evaluated, monkeypat
             ran = moseg(*report)
         assert ran.code == 130
         assert len(ran.err.splitlines()) == 1
-        assert page.read_text() == "the one before"
+        assert page.read_text() == "<!doctype html>the one before"
         assert list(tmp_path.glob("*report*")) == [page]
     assert moseg(*report).code == 0
     assert page.read_text().startswith("<!")
