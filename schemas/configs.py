@@ -71,6 +71,7 @@ from moseg.schemas.parameters import (
     TrajectoryClusteringParams,
     VideoNetworkParams,
 )
+from moseg.schemas.parameters.comma_separated import split_commas
 from moseg.schemas.units import Unit
 
 
@@ -192,8 +193,9 @@ class PipelineConfig(Frozen):
     moving_objects: MovingObjectParams = MovingObjectParams()
     carrying: CarryingParams = CarryingParams()
     growing: GrowingParams = GrowingParams()
-    fused_point_models: tuple[str, ...] = Field(
+    fused_point_models: tuple[Annotated[str, ChoiceOf("fused_point_models")], ...] = Field(
         ("affine", "homography", "fundamental"),
+        min_length=1,
         description="point models that the fused variant combines on labelled trajectories, separated by commas",
     )
     noise_reduction: NoiseReductionParams = NoiseReductionParams()
@@ -202,10 +204,7 @@ class PipelineConfig(Frozen):
     clip_sections: ClipSectionParams = ClipSectionParams()
     trajectory_clustering: TrajectoryClusteringParams = TrajectoryClusteringParams()
 
-    @field_validator("fused_point_models", mode="before")
-    @classmethod
-    def _split_models(cls, value: object) -> object:
-        return tuple(name.strip() for name in value.split(",")) if isinstance(value, str) else value
+    _split_models = field_validator("fused_point_models", mode="before")(split_commas)
 
     def point_models(self, variant: TrajectoryVariant) -> tuple[str, ...]:
         """Return the point models of a variant on labelled trajectories."""

@@ -2,10 +2,11 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from moseg.schemas.choices import ChoiceOf
 from moseg.schemas.frozen import Frozen
+from moseg.schemas.parameters.comma_separated import split_commas
 from moseg.schemas.units import Unit
 
 
@@ -56,7 +57,7 @@ class AffinityParams(Frozen):
 class HypothesisAffinityParams(Frozen):
     """Affinity of objects from many motion hypotheses, each drawn from the tracks of a few objects."""
 
-    models: tuple[str, ...] = Field(
+    models: tuple[Annotated[str, ChoiceOf("clustering.count.affinity.models")], ...] = Field(
         ("homography", "fundamental"),
         min_length=1,
         description="point models of two frames, the models of the hypotheses",
@@ -84,3 +85,5 @@ class HypothesisAffinityParams(Frozen):
         "product", description="geometric or arithmetic mean of the models' cosines between preferences"
     )
     power: Annotated[float, Unit.RATIO] = Field(5.0, gt=0, description="power of that mean")
+
+    _split_models = field_validator("models", mode="before")(split_commas)

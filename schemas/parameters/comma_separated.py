@@ -1,9 +1,24 @@
 """Parameters with several values, which may be given as text separated by commas."""
 
+_QUOTES = "\"'"
+
 
 def split_commas(value: object) -> object:
-    """Split text at its commas into a tuple; return any other value unchanged."""
-    return tuple(part.strip() for part in value.split(",")) if isinstance(value, str) else value
+    """Split text at its commas into a tuple, ``1,2`` as well as ``[1, 2]``; return any other value unchanged."""
+    if not isinstance(value, str):
+        return value
+    text = value.strip()
+    is_list = text.startswith("[") and text.endswith("]")
+    parts = [part.strip() for part in (text[1:-1] if is_list else text).split(",")]
+    # As in YAML, a comma may follow the last value of a list, and values may have quotes.
+    if is_list:
+        parts = [_unquote(part) for part in (parts if parts[-1] else parts[:-1])]
+    return tuple(parts)
+
+
+def _unquote(text: str) -> str:
+    is_quoted = len(text) > 1 and text[0] == text[-1] and text[0] in _QUOTES
+    return text[1:-1] if is_quoted else text
 
 
 def are_different_counts(values: tuple[int, ...]) -> bool:

@@ -2,9 +2,10 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, PositiveFloat
+from pydantic import Field, PositiveFloat, field_validator
 
 from moseg.schemas.frozen import Frozen
+from moseg.schemas.parameters.comma_separated import split_commas
 from moseg.schemas.units import Unit
 
 
@@ -178,3 +179,5 @@ class SaliencyParams(Frozen):
     strict_gate_error: Annotated[float, Unit.GREY_LEVELS] = Field(
         6.0, gt=0, description="the same for the strict saliency, from which colours are learnt"
     )
+
+    _split_focals = field_validator("focals", mode="before")(split_commas)

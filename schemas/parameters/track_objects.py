@@ -4,6 +4,7 @@ from typing import Annotated
 
 from pydantic import Field, field_validator
 
+from moseg.schemas.choices import ChoiceOf
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.parameters.comma_separated import split_commas
 from moseg.schemas.parameters.trajectories import (
@@ -126,7 +127,7 @@ class TrackGroupParams(Frozen):
     cell: Annotated[int, Unit.PIXELS] = Field(
         60, ge=1, description="side of the cells of the frame that give one static track each, px"
     )
-    models: tuple[str, ...] = Field(
+    models: tuple[Annotated[str, ChoiceOf("fused_point_models")], ...] = Field(
         ("homography", "fundamental"), min_length=1, description="point models, separated by commas"
     )
     num_hypotheses: Annotated[int, Unit.COUNT] = Field(

@@ -166,6 +166,49 @@ def test_a_method_and_a_model_are_computed_and_their_code_is_part_of_the_keys(ru
     assert "code" not in _recipe(store, "tracks").params
 
 
+def test_other_modules_of_the_user_are_part_of_the_keys(run_with, site, squares, tmp_path):
+    path = site / "nova" / "__init__.py"
+    path.write_text(path.read_text().replace("import cv2", "import cv2\nimport nova_math"))
+    (site / "nova_math.py").write_text("from os import path\n\nif path:\n    import json, nova_deep as deep\n")
+    (site / "nova_deep.py").write_text("FACTOR = 1\n")
+    data = ("--dataset", "folder", "--root", squares, "--store", tmp_path / "store", *CUES, "--affinity", "nova-mean")
+    ((code, _, err), (_, planned, _)) = run_with(("eval", *data, "--quiet"), ("plan", *data))
+    assert code == 0, err
+    assert "\n0 artifacts to compute" in planned
+    (site / "nova_deep.py").write_text("FACTOR = 2\n")
+    ((_, planned, _),) = run_with(("plan", *data))
+    assert "\n0 artifacts to compute" not in planned and "affinity" in planned
+
+
+def _codes(site: Path, tmp_path: Path, *start: str) -> str:
+    """Return what a process prints whose last lines print the codes of the plug-ins."""
+    environ = os.environ | {"PYTHONPATH": str(site)}
+    ran = subprocess.run(
+        [sys.executable, *start], env=environ, cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert ran.returncode == 0, ran.stderr
+    return ran.stdout
+
+
+def test_the_key_does_not_depend_on_who_imports_an_installed_plug_in(site, tmp_path):
+    printing = "from moseg.workflows.plugins import loading, registered\nloading.load_plugins()\n"
+    printing += "print([(entry.package, entry.code) for entry in registered.entries])\n"
+    script = tmp_path / "script.py"
+    script.write_text(f"from nova import PLUGIN\n{printing}")
+    expected = _codes(site, tmp_path, "-c", printing)
+    assert "'nova'" in expected
+    assert _codes(site, tmp_path, "-c", f"from nova import PLUGIN\n{printing}") == expected
+    assert _codes(site, tmp_path, str(script)) == expected
+
+
+def test_an_object_is_registered_without_a_file_only_if_it_comes_from_one(site, tmp_path):
+    (site / "nova-1.0.dist-info" / "entry_points.txt").unlink()
+    _codes(site, tmp_path, "-c", "import moseg, nova\nmoseg.register(*nova.PLUGIN)\n")
+    made = "moseg.Method(moseg.workflows.stages.task.Task('flow', 'mine', version=1, run=nova.run_flow), '')"
+    with pytest.raises(AssertionError, match="the code of a plug-in cannot be read in __main__; got no file"):
+        _codes(site, tmp_path, "-c", f"import moseg, moseg.workflows.stages.task, nova\nmoseg.register({made})\n")
+
+
 def test_a_script_registers_for_worker_processes_too(site, squares, tmp_path):
     (site / "nova-1.0.dist-info" / "entry_points.txt").unlink()
     script = tmp_path / "script.py"

@@ -16,14 +16,13 @@ def parameter_error(error: ValidationError, where: object = None) -> InputError:
     A parameter of several types has an error for each.
     """
     errors = error.errors()
+    # Of a list whose values are all wrong, pydantic reports too that it has none.
+    errors = [each for each in errors if each["type"] != "too_short"] or errors
     first = errors[0]
     name = _parameter(first)
     if first["type"] == "extra_forbidden":
         return unknown_parameter(name, where)
-    messages = [each["msg"].removeprefix("Value error, ") for each in errors if _parameter(each) == name]
-    expected = " or ".join(
-        message.removeprefix("Input should be ").partition(", unable to parse")[0] for message in messages
-    )
+    expected = " or ".join(dict.fromkeys(_expected(each) for each in errors if _parameter(each) == name))
     if name in list_stages() and first["type"] == "model_type":
         known = [each.partition(f"{name}.")[2] for each in list_parameters() if each.startswith(f"{name}.")]
         expected = f"parameters by name ({', '.join(known[:3])}{', …' if len(known) > 3 else ''})"
@@ -51,6 +50,12 @@ def unknown_parameter(name: str, where: object = None) -> InputError:
         return unknown_name("parameter", name, siblings, where=where, expected="one that `moseg config show` lists")
     shown = ", ".join(siblings[:12]) + (", …" if len(siblings) > 12 else "")
     return InputError("unknown parameter", where=where, got=repr(name), expected=f"one of {shown}")
+
+
+def _expected(error: Any) -> str:
+    if error["type"] == "too_short":
+        return "at least one value"
+    return error["msg"].removeprefix("Value error, ").removeprefix("Input should be ").partition(", unable to parse")[0]
 
 
 def _parameter(error: Any) -> str:

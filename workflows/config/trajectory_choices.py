@@ -72,7 +72,7 @@ def _check_views(names: Sequence[str], where: str) -> None:
     from moseg.tasks.point_models import POINT_MODELS
 
     known = [name for name, model in POINT_MODELS.items() if not model.needs_depth]
-    if not set(names) <= set(known) or len(set(names)) < len(names):
+    if not names or not set(names) <= set(known) or len(set(names)) < len(names):
         expected = f"different ones of {', '.join(known)}, separated by commas"
         raise InputError("not point models", where=where, got=",".join(names), expected=expected)
 

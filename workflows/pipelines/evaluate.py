@@ -1,14 +1,16 @@
-"""Evaluation: variants of the pipeline scored on a data set."""
+"""Evaluation: variants of the pipeline sinks_of on a data set."""
 
 from collections.abc import Sequence
 
 from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.recipes import Recipe
 from moseg.schemas.scores import AnyReport, AnyScore, GroundTruth, make_report, score_class
 from moseg.store import map_reads
 from moseg.workflows.datasets import SequenceSource, find_ground_truth
 from moseg.workflows.engine.session import Session
 from moseg.workflows.engine.waves import in_waves
 from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.pipelines.failed_sequence import name_failed_sequence
 from moseg.workflows.pipelines.leaves import ingest_sequences
 from moseg.workflows.pipelines.purpose import EVALUATION, Purpose, make_subject
 from moseg.workflows.reports.panels import Panels
@@ -69,21 +71,27 @@ def _score(
     """Return scores of the sequences of a wave, by variant and name."""
     refs: dict[tuple[Variant, str], str] = {}
     shown: dict[SequenceGraph, float | None] = {}
+    recipes: dict[str, Recipe] = {}
+    sinks_of: dict[str, list[str]] = {}
 
     def build():
-        recipes, cues, sequences = {}, [], []
+        cues, sequences = [], []
         shown.clear()
+        recipes.clear()
+        sinks_of.clear()
         for source, leaves in zip(sources, ingest_sequences(session, sources, config, annotated=True), strict=True):
             graph = SequenceGraph(leaves, config)
             fps = source.frames.describe().fps
             sequences.append((leaves, fps))
             for variant in variants:
-                refs[variant, leaves.name] = graph.score(variant)
+                refs[variant, leaves.name] = score = graph.score(variant)
+                sinks_of.setdefault(leaves.name, []).append(score)
             cues.extend(graph.cues())
+            sinks_of[leaves.name].extend(graph.cues())
             if panels is not None and panels.shows(leaves.name):
                 shown[graph] = fps
                 cues.extend(panels.sinks(graph))
-            recipes |= graph.recipes
+            recipes.update(graph.recipes)
         session.log.describe(make_subject(purpose, dataset, config, variants, sequences))
         return recipes, (*refs.values(), *cues)
 
@@ -94,4 +102,5 @@ def _score(
             panels.gather(session.store, graph, fps)
         return scores
 
-    return session.compute(build, read)
+    with name_failed_sequence(recipes, sinks_of):
+        return session.compute(build, read)

@@ -1,8 +1,9 @@
-"""Evaluation on labelled trajectories: variants scored on clips, under one seed or several."""
+"""Evaluation on labelled trajectories: variants sinks_of on clips, under one seed or several."""
 
 from collections.abc import Sequence
 
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, seeded_configs
+from moseg.schemas.recipes import Recipe
 from moseg.schemas.trajectory_scores import (
     TrajectoryReport,
     TrajectoryScore,
@@ -11,6 +12,7 @@ from moseg.schemas.trajectory_scores import (
 from moseg.workflows.datasets import TrajectorySource
 from moseg.workflows.engine.session import Session
 from moseg.workflows.graph import TrajectoryGraph
+from moseg.workflows.pipelines.failed_sequence import name_failed_sequence
 from moseg.workflows.pipelines.leaves import ingest_trajectories
 from moseg.workflows.pipelines.purpose import EVALUATION, Purpose, make_subject
 from moseg.workflows.reports.panels import Panels
@@ -46,20 +48,25 @@ def evaluate_trajectories(
     first = next(iter(configs))
     shown: list[TrajectoryGraph] = []
     refs: dict[tuple[int | None, TrajectoryVariant, str], str] = {}
+    recipes: dict[str, Recipe] = {}
+    sinks_of: dict[str, list[str]] = {}
 
     def build():
-        recipes, more = {}, []
+        more = []
         shown.clear()
+        recipes.clear()
+        sinks_of.clear()
         clips = ingest_trajectories(session, sources)
         for leaves in clips:
             for seed, seeded in configs.items():
                 graph = TrajectoryGraph(leaves, seeded)
                 for variant in variants:
-                    refs[seed, variant, leaves.name] = graph.score(variant)
+                    refs[seed, variant, leaves.name] = score = graph.score(variant)
+                    sinks_of.setdefault(leaves.name, []).append(score)
                 if panels is not None and seed == first and panels.shows(leaves.name):
                     shown.append(graph)
                     more.extend(panels.sinks(graph))
-                recipes |= graph.recipes
+                recipes.update(graph.recipes)
         session.log.describe(
             make_subject(purpose, dataset, config, variants, [(leaves, None) for leaves in clips], seeds)
         )
@@ -71,7 +78,8 @@ def evaluate_trajectories(
             panels.gather(session.store, graph)
         return scores
 
-    by_ref = session.compute(build, read)
+    with name_failed_sequence(recipes, sinks_of):
+        by_ref = session.compute(build, read)
     rows = []
     for variant in variants:
         by_seed = {

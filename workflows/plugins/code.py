@@ -1,8 +1,13 @@
 """Fingerprint of a plug-in's code, which is part of the keys of the artifacts that the plug-in computes."""
 
+import re
 import sys
+from collections.abc import Iterable
 from functools import cache
 from hashlib import blake2b
+from importlib.machinery import ModuleSpec
+from importlib.metadata import packages_distributions
+from importlib.util import find_spec
 from pathlib import Path
 
 from moseg.schemas.errors import InputError
@@ -11,15 +16,22 @@ OWN_PACKAGE = "moseg"
 MAIN, SPAWNED_MAIN = "__main__", "__mp_main__"
 """Names of the main script, in its own process and in one that multiprocessing has spawned."""
 DIGEST_BYTES = 16
+INSTALLED = {"site-packages", "dist-packages"}
+"""Folders of installed packages."""
+_KNOWN = sys.stdlib_module_names | {OWN_PACKAGE}
+_IMPORT = re.compile(
+    r"(?:^|[:;])[ \t]*(?:from[ \t]+(?P<package>\w[\w.]*)[ \t]+import\b|import[ \t]+(?P<names>\w[^\n;#]*))", re.MULTILINE
+)
 
 
 def code_of_plugin(declared: object, caller: str) -> tuple[str, str]:
     """Return the packages that define an object, and the fingerprint of their code.
 
-    These are the packages of the caller and of the functions in the object, and those that hold the object in a
-    variable, or in a list or tuple, because a script may register an object that it imports. The fingerprint covers
-    every ``.py`` file of a package, or the file of a module outside any package. A comment changes the fingerprint
-    too: artifacts are computed anew more often than needed, never too seldom.
+    These are the packages of the caller and of the functions in the object; those that hold the object in a variable,
+    or in a list or tuple, because a script may register an object that it imports; and those that any of these imports
+    by a statement, unless they were installed by themselves. The fingerprint covers every ``.py`` file of a package, or
+    the file of a module outside any package. A comment changes the fingerprint too: artifacts are computed anew more
+    often than needed, never too seldom.
 
     Parameters
     ----------
@@ -33,27 +45,74 @@ def code_of_plugin(declared: object, caller: str) -> tuple[str, str]:
     InputError
         The code is in no file, such as the code of a notebook's cell.
     """
-    modules = {caller, type(declared).__module__, *_holders(declared)}
     task = getattr(declared, "task", None)
-    modules |= {each.__module__ for each in (getattr(task, "run", None), getattr(task, "run_together", None)) if each}
-    found = {module.partition(".")[0] for module in modules} - {OWN_PACKAGE}
-    names = sorted(MAIN if name == SPAWNED_MAIN else name for name in found)
+    functions = [each for each in (getattr(task, name, None) for name in ("run", "run_together", "params")) if each]
+    defining = _packages(getattr(each, "__module__", None) or MAIN for each in (type(declared), *functions))
+    calling = _packages([caller])
+    # The main script has its own variables, but not those of a package that is found without it.
+    holding = {name for name in _packages(_holders(declared)) - {MAIN} if _has_code(name)}
+    if not (all(map(_has_code, calling)) or holding):
+        # Otherwise the object was imported from a file, into a notebook for instance.
+        defining |= calling
+    names = _with_imports({*filter(_has_code, calling), *defining, *holding})
     state = blake2b(digest_size=DIGEST_BYTES, person=b"moseg:plugin")
-    for name in dict.fromkeys(names):
-        state.update(_code_of_package(SPAWNED_MAIN if name == MAIN and SPAWNED_MAIN in sys.modules else name))
-    return " ".join(dict.fromkeys(names)), state.hexdigest()
+    for name in names:
+        state.update(_code_of_package(name))
+    return " ".join(names), state.hexdigest()
+
+
+def _packages(modules: Iterable[str]) -> set[str]:
+    """Return the outermost packages of modules, without this project's and Python's own."""
+    found = {module.partition(".")[0] for module in modules}
+    return {MAIN if name == SPAWNED_MAIN else name for name in found} - _KNOWN
 
 
 def _holders(declared: object) -> set[str]:
     """Return the names of the modules with a variable that is the object or a list of it."""
     found = set()
     for name, module in list(sys.modules.items()):
-        if name.partition(".")[0] in sys.stdlib_module_names - {MAIN}:
-            continue
         for value in list(getattr(module, "__dict__", {}).values()):
             if value is declared or (type(value) in (list, tuple) and any(each is declared for each in value)):
                 found.add(name)
     return found
+
+
+def _with_imports(packages: set[str]) -> list[str]:
+    """Return packages and all that belongs to them, sorted: what they import of the user's own code, and so on."""
+    found, waiting = set(packages), list(packages)
+    while waiting:
+        package = waiting.pop()
+        for name in _imports(package) - found - _KNOWN:
+            if _belongs_to(name, package):
+                found.add(name)
+                waiting.append(name)
+    return sorted(found)
+
+
+def _belongs_to(name: str, package: str) -> bool:
+    """Return whether a package that another one imports is code of the same user, not of a library."""
+    paths = _places(name)
+    if not paths:
+        return False
+    is_installed = any(INSTALLED.intersection(path.parts) for path in paths)
+    return not is_installed or bool({*_distributions().get(name, ())} & {*_distributions().get(package, ())})
+
+
+@cache
+def _distributions() -> dict[str, list[str]]:
+    return dict(packages_distributions())
+
+
+@cache
+def _imports(package: str) -> set[str]:
+    """Return the outermost names that the statements of a package's files import."""
+    found: set[str] = set()
+    for _, path in _sources(package):
+        text = path.read_bytes().decode("utf-8", "replace").replace("\\\n", " ")
+        for match in _IMPORT.finditer(text):
+            names = match["package"] or match["names"]
+            found.update(re.match(r"\w*", each.strip())[0] for each in names.split(","))
+    return {name.partition(".")[0] for name in found if name}
 
 
 @cache
@@ -67,13 +126,39 @@ def _code_of_package(package: str) -> bytes:
 
 
 def _sources(package: str) -> list[tuple[str, Path]]:
-    module = sys.modules[package]
-    folders = [Path(folder) for folder in getattr(module, "__path__", ())]
-    if folders:
-        found = [(path.relative_to(folder).as_posix(), path) for folder in folders for path in folder.rglob("*.py")]
-        return sorted(found)
-    file = getattr(module, "__file__", None)
-    if file is None or not Path(file).is_file():
+    """Return the names and paths of a package's files; raises InputError if there is none."""
+    places = _places(package)
+    if not places:
         expected = "a module in a file"
         raise InputError("the code of a plug-in cannot be read", where=package, got="no file", expected=expected)
-    return [("", Path(file))]
+    if not places[0].is_dir():
+        return [("", places[0])]
+    found = [(path.relative_to(folder).as_posix(), path) for folder in places for path in folder.rglob("*.py")]
+    return sorted(found)
+
+
+def _has_code(package: str) -> bool:
+    return bool(_places(package))
+
+
+def _places(package: str) -> list[Path]:
+    """Return the folders of a package, or the file of a module; empty if it is in no file."""
+    module = sys.modules.get(package)
+    if package == MAIN:
+        # While a spawned process runs the main script, its own main module is another.
+        module = sys.modules.get(SPAWNED_MAIN, module)
+    if module is None:
+        spec = _find(package)
+        folders, file = (spec.submodule_search_locations, spec.origin) if spec else (None, None)
+    else:
+        folders, file = getattr(module, "__path__", None), getattr(module, "__file__", None)
+    if folders:
+        return [Path(folder) for folder in folders]
+    return [Path(file)] if file is not None and Path(file).is_file() else []
+
+
+def _find(name: str) -> ModuleSpec | None:
+    try:
+        return find_spec(name)
+    except (ImportError, ValueError):
+        return None

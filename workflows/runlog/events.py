@@ -122,7 +122,13 @@ def note_written(error: BaseException, ref: str) -> None:
 
 def is_written(error: BaseException) -> bool:
     """Return whether the process in which the error occurred has written it to the log."""
-    return any(note.startswith(_WRITTEN) for note in getattr(error, "__notes__", ()))
+    return written_ref(error) is not None
+
+
+def written_ref(error: BaseException) -> str | None:
+    """Return the artifact that was being computed when an error occurred, if that is in the log."""
+    notes = getattr(error, "__notes__", ())
+    return next((note.removeprefix(_WRITTEN) for note in notes if note.startswith(_WRITTEN)), None)
 
 
 def _join(lines: Iterable[bytes]) -> Iterator[bytes]:

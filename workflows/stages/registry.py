@@ -134,6 +134,12 @@ def names_of(parameter: str) -> tuple[str, ...]:
         from moseg.tasks.motion_models import FLOW_MODELS
 
         return tuple(FLOW_MODELS)
+    if parameter in ("fused_point_models", "clustering.count.affinity.models"):
+        from moseg.tasks.point_models import POINT_MODELS
+
+        are_pairs = parameter != "fused_point_models"
+        models = [model for model in POINT_MODELS.values() if not model.needs_depth]
+        return tuple(model.name for model in models if model.num_frames == 2 or not are_pairs)
     if parameter.startswith("weights."):
         return _names_of_weights(parameter)
     (names,) = (choice.names for choice in all_choices() if choice.parameter == parameter)

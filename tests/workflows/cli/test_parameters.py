@@ -9,6 +9,7 @@ from pydantic import BaseModel
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.units import Unit
 from moseg.workflows.config.parameters import list_parameters, list_stages, value_of
+from moseg.workflows.config.pipeline_choices import PipelineChoices
 
 NUMBER = re.compile(r"\b(int|float)\b|Positive(Int|Float)")
 
@@ -94,3 +95,15 @@ def test_show_knows_what_was_meant(moseg, name, meant):
     (line,) = ran.err.splitlines()
     assert "did you mean" in line
     assert meant in line
+
+
+LISTS = {name: each.default for name, each in list_parameters().items() if isinstance(each.default, tuple)}
+
+
+@pytest.mark.parametrize("form", ["{}", "[{}]", "[ {},]"])
+@pytest.mark.parametrize("name", LISTS)
+def test_a_list_is_set_with_brackets_or_without(name, form):
+    values = LISTS[name] or ("one name", "two")
+    text = form.format(", ".join(map(str, values)))
+    config = PipelineChoices(settings=((name, text),)).make_config()
+    assert value_of(config, list_parameters()[name]) == values

@@ -34,6 +34,7 @@ def test_errors_are_those_of_the_command_line(clips, tmp_path, request):
         ({"config": moseg.PipelineConfig(max_side=300)}, "a parameter for images in max_side"),
         ({"seed": 1, "seeds": 2}, "two choices in seed; got seeds 2 too"),
         ({"views": ["affine", "affine"]}, "not point models in views; got affine,affine"),
+        ({"views": []}, "not point models in views; got ; expected different ones"),
         ({"variants": "oc"}, "in variants; got 'oc'"),
     ],
 )
