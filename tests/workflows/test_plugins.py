@@ -230,12 +230,39 @@ def test_an_export_of_a_plug_in_is_written(run_with, squares, tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("return {}", "return None", "parameters of a recipe that are no mapping in affinity by nova-mean; got None"),
+        (
+            "return Output({",
+            "return ({",
+            "no Output in flow by farneback, sequence squares; got dict",
+        ),
+        (
+            "(affinity + affinity.T) / 2",
+            "[affinity]",
+            "affinity that is no array in affinity by nova-mean, sequence",
+        ),
+    ],
+)
+def test_what_a_method_returns_is_checked(run_with, site, squares, tmp_path, old, new, message):
+    (site / "nova" / "__init__.py").write_text(NOVA.replace(old, new))
+    data = ("--dataset", "folder", "--root", squares, "--store", tmp_path / "store", *CUES)
+    ((code, _, err),) = run_with(("eval", *data, "--flow", "farneback", "--affinity", "nova-mean", "--quiet"))
+    assert code == 2 and message in err and len(err.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("import nowhere", "plug-in cannot be imported in nova:PLUGIN; got ModuleNotFoundError: No module named"),
         ("PLUGIN = 3", "nothing that a plug-in can add in nova; got 3"),
         (NOVA.replace('"farneback"', '"dis"'), "method exists in stage flow; got dis"),
         (NOVA.replace('Task("flow"', 'Task("flows"'), "unknown stage; got flows"),
+        (
+            NOVA.replace("params=view_params", "params=None"),
+            "params that is no function in affinity by nova-mean of nova; got None",
+        ),
         (NOVA.replace('"nova-set"', '"davis16"'), "data set exists in plug-in; got davis16"),
     ],
 )

@@ -108,11 +108,9 @@ def run_evaluation(
         notes = (*evaluation_notes(config, chosen, option), *absent)
     else:
         chosen, seeds = read_variants(variants, TrajectoryVariant, dataset.name), trajectories.all_seeds
-        config = trajectories.apply(choices, config, dataset.name)
+        config = trajectories.apply(choices, config, dataset.name, chosen)
         sources = [dataset.trajectories(name) for name in dataset.names]
-        absent = f"; not on disk: {', '.join(dataset.absent)}" if dataset.absent else ""
-        ran = f"{len(dataset.names)} of the {len(dataset.layout.official)} clips ran{absent}"
-        notes = (ran, *trajectory_notes(config, chosen, seeds))
+        notes = (_say_which_ran(dataset), *trajectory_notes(config, chosen, seeds))
     shown = None if page is None else RunReport(page, dataset.name, config, chosen, dataset.names, seeds)
     with run.open() as session:
         purpose, panels = Purpose(command, notes), None if shown is None else shown.panels
@@ -163,12 +161,24 @@ def run_plan(
         sources = open_sequences(dataset, config, choices)
         stages, read, num_open = plan_evaluation(opened, sources, config, chosen, weights)
     else:
-        config = trajectories.apply(choices, config, dataset.name)
         chosen = read_variants(variants, TrajectoryVariant, dataset.name)
+        config = trajectories.apply(choices, config, dataset.name, chosen)
         sources = [dataset.trajectories(name) for name in dataset.names]
         stages, read, num_open = plan_trajectories(opened, sources, config, chosen, trajectories.all_seeds), (), 0
     items = [weights.item(name) for name in read]
     return Planned(stages, tuple(item for item in items if not weights.is_present(item)), num_open)
+
+
+def _say_which_ran(dataset: Dataset) -> str:
+    """Return how many clips of the official list an evaluation has, how many others, and which are missing."""
+    official = dataset.layout.official
+    if official is None:
+        ran = f"{len(dataset.names)} clips ran"
+    else:
+        others = set(dataset.names).difference(official)
+        ran = f"{len(dataset.names) - len(others)} of the {len(official)} clips ran"
+        ran += f", and {len(others)} that are not of the data set" if others else ""
+    return f"{ran}; not on disk: {', '.join(dataset.absent)}" if dataset.absent else ran
 
 
 def read_data(

@@ -99,6 +99,7 @@ class PipelineChoices:
             got = ", ".join(f"{kind}={name!r}" for kind, name in self.names.items())
             expected = "one of the two; a mapping of single parameters goes with a preset"
             raise InputError("a whole configuration beside a choice", got=got, expected=expected)
+        self._refuse_two()
         values, given = choose_preset(**self.names), self.given_values()
         for choice in self.chosen:
             _assign(given, choice.parameter, choice.value)
@@ -144,6 +145,16 @@ class PipelineChoices:
     def given_config(self) -> PipelineConfig:
         """Return what `config` alone makes of the defaults."""
         return _validate(self.given_values())
+
+    def _refuse_two(self) -> None:
+        """Raise InputError where an option and `--set` give a parameter different values."""
+        settings = dict(self.settings)
+        for choice in self.chosen:
+            value = settings.get(choice.parameter)
+            # About a folder and its use there is an error of its own.
+            if value is not None and value != str(choice.value) and choice.value != "folder":
+                got = f"--set {choice.parameter}={value} too"
+                raise InputError("two choices", where=choice.option, got=got, expected="one of them")
 
     def _check_sources(self, config: PipelineConfig) -> None:
         """Raise InputError where an option would change nothing, because proposals come from elsewhere."""

@@ -1,9 +1,9 @@
 """Choices of evaluations on labelled trajectories, and which of the others have no meaning there."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
 from moseg.schemas.errors import InputError
 from moseg.workflows.config.parameters import list_parameters, value_of
 from moseg.workflows.config.pipeline_choices import PipelineChoices
@@ -18,6 +18,7 @@ READ_PARAMETERS = (
     "trajectory_clustering.",
 )
 """Parameters, and stages of parameters, that trajectories without images read."""
+SEED = "hypotheses.seed"
 DEFAULT_NAMES = {"preset": "weights-free", "quality": "default", "geometry": "default", "light": False}
 
 
@@ -52,11 +53,25 @@ class TrajectoryChoices:
                 known = " or ".join(expected)
                 raise InputError("an option of labelled trajectories", where=where, got=got, expected=known)
 
-    def apply(self, choices: PipelineChoices, config: PipelineConfig, dataset: str) -> PipelineConfig:
-        """Return the configuration with these choices; raises InputError where another choice needs images."""
+    def apply(
+        self, choices: PipelineChoices, config: PipelineConfig, dataset: str, variants: Collection[TrajectoryVariant]
+    ) -> PipelineConfig:
+        """Return the configuration with these choices.
+
+        Raises
+        ------
+        InputError
+            Another choice needs images or says otherwise, or one of these has no meaning for the variants.
+        """
         _refuse_images(choices, dataset)
         if self.seed is not None and self.seeds is not None:
             raise InputError("two choices", where="--seed", got=f"--seeds {self.seeds} too", expected="one of them")
+        self._refuse_settings(choices)
+        if self.views is not None and TrajectoryVariant.FUSED not in variants:
+            got = f"--variant {','.join(variants)}"
+            raise InputError(
+                "an option of variant fused", where="--views", got=got, expected="fused among the variants"
+            )
         chosen = {}
         if self.views is not None:
             chosen["fused_point_models"] = self.views
@@ -64,7 +79,17 @@ class TrajectoryChoices:
             chosen["hypotheses"] = config.hypotheses.model_copy(update={"seed": self.seed})
         config = config.model_copy(update=chosen)
         _check_views(config.fused_point_models, "fused_point_models" if self.views is None else "--views")
+        _check_draws(config, variants)
         return config
+
+    def _refuse_settings(self, choices: PipelineChoices) -> None:
+        """Raise InputError where `--set` names a parameter that one of these options gives too."""
+        parameters = {"views": "fused_point_models", "seed": SEED, "seeds": SEED}
+        given = {parameters[name]: f"--{name}" for name in parameters if getattr(self, name) is not None}
+        for name, value in choices.settings:
+            if name in given:
+                got = f"--set {name}={value} too"
+                raise InputError("two choices", where=given[name], got=got, expected="one of them")
 
 
 def _check_views(names: Sequence[str], where: str) -> None:
@@ -75,6 +100,23 @@ def _check_views(names: Sequence[str], where: str) -> None:
     if not names or not set(names) <= set(known) or len(set(names)) < len(names):
         expected = f"different ones of {', '.join(known)}, separated by commas"
         raise InputError("not point models", where=where, got=",".join(names), expected=expected)
+
+
+def _check_draws(config: PipelineConfig, variants: Iterable[TrajectoryVariant]) -> None:
+    """Raise InputError where the number of motions is to be found by draws of which a variant has only one."""
+    if config.clustering.motions != "auto" or config.trajectory_clustering.auto != "stability":
+        return
+    from moseg.workflows.stages.trajectory_clustering import clustering_method
+
+    what = "too few draws to compare"
+    where, expected = "trajectory_clustering.auto=stability", "another method for the number, or the number"
+    if config.hypotheses.num_draws < 2:
+        raise InputError(what, where=where, got="hypotheses.num_draws=1", expected=expected)
+    for variant in variants:
+        method = clustering_method(config, len(config.point_models(variant)))
+        if method != "energy":
+            got = f"variant {variant}, whose clustering by {method} gives one grouping"
+            raise InputError(what, where=where, got=got, expected=expected)
 
 
 def _refuse_images(choices: PipelineChoices, dataset: str) -> None:

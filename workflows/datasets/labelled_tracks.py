@@ -32,7 +32,8 @@ class LabelledTracks:
 
     Attributes
     ----------
-    name, official, tree, source, ground_truth : str
+    name, tree, source, ground_truth : str
+    official : tuple of str, or None
         As `DatasetLayout`.
     suffixes : tuple of str
         Ends of the files' names.
@@ -41,7 +42,7 @@ class LabelledTracks:
     """
 
     name: str
-    official: tuple[str, ...]
+    official: tuple[str, ...] | None
     suffixes: tuple[str, ...]
     tree: str
     source: str

@@ -19,6 +19,7 @@ from moseg.workflows.runlog.events import EventLog, failed_event, note_written, 
 from moseg.workflows.stages.array_cache import ARRAYS
 from moseg.workflows.stages.inputs import Inputs
 from moseg.workflows.stages.registry import find_task, layouts_of
+from moseg.workflows.stages.task import Output
 from moseg.workflows.weights.reading import require_network_packages
 
 
@@ -94,11 +95,26 @@ def _execute_batch(store: WriteBehind, recipes: Sequence[Recipe], log: EventLog)
             outputs = task.compute(params, inputs, [seeded_generator(recipe.key) for recipe in missing])
         seconds = (time.perf_counter() - started) / len(missing)
         for recipe, computed in zip(missing, outputs, strict=True):
+            with _logged_failures(log, [recipe]):
+                _check_output(recipe, computed)
             output = computed._replace(arrays=round_arrays(computed.arrays, layouts_of(recipe.task)))
             ARRAYS.keep(store.url, recipe.ref, output.arrays)
             store.put(recipe, output, seconds)
     log.add(*(work_event(EventKind.LOST_RACE, recipe.ref) for recipe in stored))
     return [TaskReport(recipe.ref, 0.0, PutOutcome.LOST_RACE) for recipe in stored]
+
+
+def _check_output(recipe: Recipe, computed: object) -> None:
+    """Raise InputError unless a task returned an `Output` of arrays, as one of a plug-in may not."""
+    where = f"{recipe.task} by {recipe.params['method']}"
+    if not isinstance(computed, Output):
+        got = type(computed).__name__
+        raise InputError("a task that returned no Output", where=where, got=got, expected="Output({name: array})")
+    for name, array in computed.arrays.items():
+        if not isinstance(array, np.ndarray):
+            raise InputError(
+                f"{name} that is no array", where=where, got=type(array).__name__, expected="numpy.ndarray"
+            )
 
 
 @contextmanager

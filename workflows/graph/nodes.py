@@ -1,7 +1,7 @@
 """Nodes of a graph: the recipes written so far, and the writer of a stage's recipe."""
 
 from collections import ChainMap
-from collections.abc import MutableMapping
+from collections.abc import Mapping, MutableMapping
 
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
@@ -75,7 +75,11 @@ class Nodes:
         """Return a recipe without inputs, and its input of weights, if it has one."""
         stage = find_stage(name)
         task = stage.task(stage.chosen(self.config) if method is None else method)
-        params = {"method": task.method, **task.params(self.config, **place)}
+        read = task.params(self.config, **place)
+        if not isinstance(read, Mapping):
+            where, got = f"{name} by {task.method}", type(read).__name__
+            raise InputError("parameters of a recipe that are no mapping", where=where, got=got, expected="a dict")
+        params = {"method": task.method, **read}
         if task.code is not None:
             params["code"] = task.code
         weights = {} if task.network is None else {"weights": self.leaves.weights[task.network.item(self.config)]}

@@ -78,6 +78,13 @@ def check_kind(declared: object, where: str) -> None:
     if not isinstance(declared, Declared):
         expected = "a Method, a FlowModel, a PointModel, the layout of a data set, or an ExportFormat"
         raise InputError("nothing that a plug-in can add", where=where, got=repr(declared), expected=expected)
+    if isinstance(declared, Method):
+        task = declared.task
+        functions = {"params": task.params, "run or run_together": task.run or task.run_together}
+        for name, function in functions.items():
+            if not callable(function):
+                place = f"{task.name} by {task.method} of {where}"
+                raise InputError(f"{name} that is no function", where=place, got=repr(function), expected="a function")
 
 
 def add_entry(entry: Registered) -> None:

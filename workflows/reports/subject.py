@@ -86,7 +86,8 @@ def read_subject(store: ArtifactStore, run_id: str) -> RunSubject:
         first = error.errors()[0]
         got = f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
         expected = "a run of this version; the run's own command, given again, makes one"
-        raise InputError("a run of another version of moseg", where=where, got=got, expected=expected) from error
+        what = "a run of another version of moseg, or of a plug-in that is not installed"
+        raise InputError(what, where=where, got=got, expected=expected) from error
 
 
 def _is_json(line: bytes) -> bool:

@@ -75,7 +75,7 @@ def decode_mat_tracks(content: bytes, path: str) -> MatTracks:
     shape = homogeneous.shape[1:]
     if homogeneous.ndim != 3 or len(homogeneous) != 3 or seen.shape != shape or labels.shape != shape[:1]:
         shapes = (homogeneous.shape, seen.shape, labels.shape)
-        got = ", ".join(f"{name} {size}" for name, size in zip(names, shapes, strict=True))
+        got = ", ".join(f"{name} {size}" for name, size in zip(names, shapes, strict=True) if name is not None)
         raise InputError("not labelled trajectories", where=path, got=got, expected=_LAYOUT)
     if not seen.size:
         raise InputError("no labelled trajectories", where=path, got=f"{names[0]} {homogeneous.shape}")
@@ -98,8 +98,8 @@ def decode_mat_tracks(content: bytes, path: str) -> MatTracks:
     return MatTracks(points, visible, labels.astype(np.int64))
 
 
-def _read_arrays(content: bytes, path: str) -> tuple[tuple[str, str, str], np.ndarray, np.ndarray, np.ndarray]:
-    """Return the names of points, visibility and labels in the file, and their values, float64."""
+def _read_arrays(content: bytes, path: str) -> tuple[tuple[str, str | None, str], np.ndarray, np.ndarray, np.ndarray]:
+    """Return the names of points, visibility (None where it is absent) and labels in the file, and their values."""
     data = read_struct(content, STRUCT, path)
     names = (POINTS, VISIBLE, LABELS)
     if data is None:
@@ -114,5 +114,6 @@ def _read_arrays(content: bytes, path: str) -> tuple[tuple[str, str, str], np.nd
         if name in data and data[name] is None:
             raise InputError("not real numbers", where=f"{name} of {path}", expected=_LAYOUT)
     points, labels = data[points_name].astype(np.float64), data[labels_name].astype(np.float64)
-    visible = data[visible_name].astype(np.float64) if visible_name in data else np.ones(points.shape[1:])
-    return names, points, visible, labels
+    if visible_name not in data:
+        return (points_name, None, labels_name), points, np.ones(points.shape[1:]), labels
+    return names, points, data[visible_name].astype(np.float64), labels

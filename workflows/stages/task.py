@@ -48,7 +48,7 @@ class Network(NamedTuple):
         return getattr(getattr(config, stage), name) or self.default
 
 
-def no_params(config: PipelineConfig) -> dict:
+def no_params(config: PipelineConfig, **place) -> dict:
     """Return the empty parameters of a task that reads none."""
     return {}
 

@@ -9,7 +9,7 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
 from moseg.schemas.errors import InputError
 from moseg.schemas.presets import GEOMETRIES, PRESETS, QUALITIES
 from moseg.workflows.config.config_files import MAX_BYTES, read_config_file, write_config
@@ -220,10 +220,10 @@ def test_trajectories_take_a_full_file_but_no_changes_for_images(tmp_path):
     path.write_text(write_config(PipelineConfig()))
     choices = PipelineChoices(str(path))
     config = choices.read()
-    assert TrajectoryChoices().apply(choices, config, "kt3dmoseg") == PipelineConfig()
+    assert TrajectoryChoices().apply(choices, config, "kt3dmoseg", TrajectoryVariant) == PipelineConfig()
     path.write_text(write_config(PipelineConfig(max_side=300)))
     with pytest.raises(InputError, match="max_side"):
-        TrajectoryChoices().apply(choices, config, "kt3dmoseg")
+        TrajectoryChoices().apply(choices, config, "kt3dmoseg", TrajectoryVariant)
 
 
 def test_a_configuration_from_a_pipe_is_refused_by_name(moseg, tmp_path):

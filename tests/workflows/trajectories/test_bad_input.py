@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import loadmat, savemat
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 
@@ -47,6 +48,21 @@ def _assert_refused(ran, *words):
         ("eval --views oc_depth", ("--views", "oc_depth")),
         ("eval --set fused_point_models=oc_depth", ("fused_point_models",)),
         ("eval --seed 1 --seeds 2", ("--seed", "--seeds 2")),
+        ("eval --seed 1 --set hypotheses.seed=2", ("two choices in --seed", "--set hypotheses.seed=2 too")),
+        ("plan --seeds 2 --set hypotheses.seed=2", ("two choices in --seeds", "--set hypotheses.seed=2 too")),
+        ("eval --motions 3 --set clustering.motions=4", ("two choices in --motions", "clustering.motions=4 too")),
+        (
+            "eval --views affine --variant trajs --variant homography",
+            ("--views", "--variant trajs,homography", "fused"),
+        ),
+        (
+            "eval --motions auto --variant fused --variant trajs --set trajectory_clustering.auto=stability",
+            ("too few draws", "variant trajs", "sum"),
+        ),
+        (
+            "plan --motions auto --set trajectory_clustering.auto=stability --set hypotheses.num_draws=1",
+            ("too few draws", "num_draws=1"),
+        ),
         ("eval --seeds 0", ("--seeds",)),
         ("eval --seed -1", ("--seed",)),
         ("eval --motions 0", ("clustering.motions",)),
@@ -84,3 +100,16 @@ def test_a_damaged_clip_is_named(moseg, write_clip, tmp_path, damage):
     assert ran.code == 2
     (line,) = ran.err.splitlines()
     assert str(path) in line
+
+
+@pytest.mark.parametrize("num_workers", [0, 2])
+def test_a_clip_that_cannot_be_grouped_is_named(moseg, write_clip, tmp_path, num_workers):
+    for seed, name in enumerate(("Seq005_Clip01", "Seq005_Clip02", "Seq028_clip03")):
+        path = write_clip(tmp_path / f"{name}_Tracks.mat", seed, hidden=0.0)
+        if seed == 1:
+            data = loadmat(path, simplify_cells=True)["Data"]
+            few = {"ySparse": data["ySparse"][:, :5], "visibleSparse": data["visibleSparse"][:5]}
+            savemat(path, {"Data": {**few, "GtLabel": data["GtLabel"][:5, None]}})
+    ran = moseg("eval", "--dataset", "kt3dmoseg", "--root", tmp_path, "--quiet", "--workers", num_workers)
+    assert ran.code == 2 and ran.err.count("\n") == 1
+    assert "model in sequence Seq005_Clip02; got 5 in 6 frames" in ran.err

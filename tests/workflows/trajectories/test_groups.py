@@ -11,6 +11,8 @@ from moseg.schemas.recipes import leaf_recipe
 from moseg.schemas.sequence_groups import SequenceGroup
 from moseg.store import open_store
 from moseg.tasks.metrics import clustering_error
+from moseg.workflows.datasets import DATASETS
+from moseg.workflows.datasets.labelled_tracks import LabelledTracks
 from moseg.workflows.graph import TrajectoryLeaves
 from moseg.workflows.reports.published_groups import PUBLISHED_GROUPS
 
@@ -159,3 +161,21 @@ def test_the_sequences_on_disk_are_shown(moseg, hopkins):
     ran = moseg("datasets", "show", "hopkins155", "--root", hopkins)
     assert ran.code == 0
     assert "hopkins155: 3 sequences" in ran.out and "1R2RC_g12, cars4, dancing" in ran.out
+
+
+@pytest.mark.parametrize(
+    ("official", "says"),
+    [
+        (None, "2 clips ran\n"),
+        (("a", "gone"), "1 of the 2 clips ran, and 1 that are not of the data set\n"),
+    ],
+)
+def test_clips_of_no_official_list_run_and_are_counted_apart(moseg, write_clip, tmp_path, monkeypatch, official, says):
+    layout = LabelledTracks("own", official, ("_own.mat",), tree="<clip>_own.mat", source="https://example.org")
+    monkeypatch.setitem(DATASETS, "own", layout)
+    for seed, name in enumerate("ab"):
+        write_clip(tmp_path / "own" / f"{name}_own.mat", seed)
+    words = ("--dataset", "own", "--root", tmp_path / "own", "--store", tmp_path / "store", "--sequences", "a,b")
+    ran = moseg("eval", *words, "--variant", "affine")
+    assert ran.code == 0, ran.err
+    assert says in ran.out
