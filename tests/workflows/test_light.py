@@ -2,7 +2,7 @@
 
 import pytest
 
-from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
 from moseg.schemas.errors import InputError
 from moseg.schemas.presets import GEOMETRIES, LIGHT, PRESETS, QUALITIES
 from moseg.workflows.api.configuration import load_config
@@ -83,7 +83,7 @@ def test_light_without_its_preset_ends_in_one_line(moseg, arguments):
 
 def test_trajectories_have_no_lighter_networks():
     with pytest.raises(InputError, match="an option for images in --light"):
-        TrajectoryChoices().apply(PipelineChoices(light=True), PipelineConfig(), "kt3dmoseg")
+        TrajectoryChoices().apply(PipelineChoices(light=True), PipelineConfig(), "kt3dmoseg", TrajectoryVariant)
 
 
 def test_tiny_checkpoints_include_those_of_the_light_preset(moseg, tmp_path):

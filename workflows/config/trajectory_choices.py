@@ -106,16 +106,14 @@ def _check_draws(config: PipelineConfig, variants: Iterable[TrajectoryVariant]) 
     """Raise InputError where the number of motions is to be found by draws of which a variant has only one."""
     if config.clustering.motions != "auto" or config.trajectory_clustering.auto != "stability":
         return
-    from moseg.workflows.stages.trajectory_clustering import clustering_method
-
     what = "too few draws to compare"
     where, expected = "trajectory_clustering.auto=stability", "another method for the number, or the number"
     if config.hypotheses.num_draws < 2:
         raise InputError(what, where=where, got="hypotheses.num_draws=1", expected=expected)
     for variant in variants:
-        method = clustering_method(config, len(config.point_models(variant)))
-        if method != "energy":
-            got = f"variant {variant}, whose clustering by {method} gives one grouping"
+        # Spectral clustering, which a single view always has, gives one grouping.
+        if len(config.point_models(variant)) < 2 or config.trajectory_clustering.method != "energy":
+            got = f"variant {variant}, which is clustered spectrally"
             raise InputError(what, where=where, got=got, expected=expected)
 
 

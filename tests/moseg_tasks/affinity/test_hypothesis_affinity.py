@@ -214,7 +214,7 @@ def test_with_a_single_frame_all_are_unknown(scenes):
 @pytest.mark.parametrize("models", [("trifocal",), ("oc_depth",), ("no such model",)])
 def test_a_model_that_two_frames_of_tracks_do_not_determine_is_an_input_error(scenes, models):
     with pytest.raises(InputError, match="model"):
-        affinity_of(scenes[0], HypothesisAffinityParams(models=models))
+        affinity_of(scenes[0], HypothesisAffinityParams().model_copy(update={"models": models}))
 
 
 def test_tracks_that_disagree_are_an_input_error(scenes):

@@ -57,7 +57,7 @@ def _assert_refused(ran, *words):
         ),
         (
             "eval --motions auto --variant fused --variant trajs --set trajectory_clustering.auto=stability",
-            ("too few draws", "variant trajs", "sum"),
+            ("too few draws", "variant trajs", "spectrally"),
         ),
         (
             "plan --motions auto --set trajectory_clustering.auto=stability --set hypotheses.num_draws=1",
