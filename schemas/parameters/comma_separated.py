@@ -4,21 +4,30 @@ _QUOTES = "\"'"
 
 
 def split_commas(value: object) -> object:
-    """Split text at its commas into a tuple, ``1,2`` as well as ``[1, 2]``; return any other value unchanged."""
+    """Split text at its commas into a tuple, ``1,2`` as well as ``[1, 2]``; return any other value unchanged.
+
+    Raises
+    ------
+    ValueError
+        A bracket or a quote at the edge of a value has no counterpart.
+    """
     if not isinstance(value, str):
         return value
     text = value.strip()
     is_list = text.startswith("[") and text.endswith("]")
     parts = [part.strip() for part in (text[1:-1] if is_list else text).split(",")]
     # As in YAML, a comma may follow the last value of a list, and values may have quotes.
-    if is_list:
-        parts = [_unquote(part) for part in (parts if parts[-1] else parts[:-1])]
-    return tuple(parts)
+    if is_list and not parts[-1]:
+        parts = parts[:-1]
+    return tuple(map(_unquote, parts))
 
 
 def _unquote(text: str) -> str:
-    is_quoted = len(text) > 1 and text[0] == text[-1] and text[0] in _QUOTES
-    return text[1:-1] if is_quoted else text
+    if len(text) > 1 and text[0] == text[-1] and text[0] in _QUOTES:
+        return text[1:-1]
+    if text[:1] in ("[", *_QUOTES) or text[-1:] in ("]", '"'):
+        raise ValueError("values separated by commas, without or within one pair of brackets")
+    return text
 
 
 def are_different_counts(values: tuple[int, ...]) -> bool:

@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 
 from moseg.store import open_store
@@ -95,6 +97,14 @@ for words in json.loads(sys.argv[1]):
         code = run(words)
     results.append([code, out.getvalue(), err.getvalue()])
 print(json.dumps(results))
+"""
+NO_LIST = "did not return a list with an Output for each input in flow by farneback, sequence squares"
+TOGETHER = """
+def run_together(params, inputs):
+    for each in inputs:
+        if each["frame0"].cached("image").mean() < 10:
+            raise InputError("too dark")
+    return [run_flow(params, each, None) for each in inputs]
 """
 CUES = ("--set", "sections.length=4", "--set", "sections.overlap=2")
 
@@ -243,6 +253,9 @@ def test_an_export_of_a_plug_in_is_written(run_with, squares, tmp_path):
             "[affinity]",
             "affinity that is no array in affinity by nova-mean, sequence",
         ),
+        ("rng):\n", "rng):\n    return Output([1])\n", "no Output in flow by farneback, sequence squares; got list"),
+        ("run=run_flow", "run_together=lambda params, inputs: None", f"{NO_LIST}; got NoneType; expected 1 of them"),
+        ("run=run_flow", "run_together=lambda params, inputs: []", f"{NO_LIST}; got 0 values; expected 1 of them"),
     ],
 )
 def test_what_a_method_returns_is_checked(run_with, site, squares, tmp_path, old, new, message):
@@ -250,6 +263,24 @@ def test_what_a_method_returns_is_checked(run_with, site, squares, tmp_path, old
     data = ("--dataset", "folder", "--root", squares, "--store", tmp_path / "store", *CUES)
     ((code, _, err),) = run_with(("eval", *data, "--flow", "farneback", "--affinity", "nova-mean", "--quiet"))
     assert code == 2 and message in err and len(err.splitlines()) == 1
+
+
+def test_only_the_sequence_that_an_error_is_about_is_named(run_with, site, write_squares, tmp_path):
+    text = NOVA.replace("import cv2", "import cv2\nfrom moseg.schemas.errors import InputError")
+    text = text.replace("def run_affinity", f"{TOGETHER}\n\ndef run_affinity").replace(
+        "run=run_flow", "run_together=run_together"
+    )
+    (site / "nova" / "__init__.py").write_text(text)
+    root = tmp_path / "data"
+    for name in ("first", "second"):
+        write_squares(root / name)
+    for path in (root / "second" / "frames").iterdir():
+        cv2.imwrite(str(path), np.zeros_like(cv2.imread(str(path))))
+    data = ("eval", "--dataset", "folder", "--root", root, *CUES, "--flow", "farneback", "--quiet")
+    runs = ((*data, "--batch", number, "--store", tmp_path / number) for number in ("1", "40"))
+    alone, together = run_with(*runs)
+    assert (alone[0], alone[2]) == (2, "moseg: too dark in sequence second\n")
+    assert (together[0], together[2]) == (2, "moseg: too dark\n")
 
 
 @pytest.mark.parametrize(

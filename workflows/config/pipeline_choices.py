@@ -152,7 +152,8 @@ class PipelineChoices:
         for choice in self.chosen:
             value = settings.get(choice.parameter)
             # About a folder and its use there is an error of its own.
-            if value is not None and value != str(choice.value) and choice.value != "folder":
+            is_folder = choice.value == "folder"
+            if value is not None and not is_folder and not are_equal(choice.parameter, value, choice.value):
                 got = f"--set {choice.parameter}={value} too"
                 raise InputError("two choices", where=choice.option, got=got, expected="one of them")
 
@@ -174,6 +175,12 @@ class PipelineChoices:
         if {"detections.tags", "detections.tagger"} <= given.keys():
             got = f"--tags {given['detections.tags'].value}"
             raise InputError("nothing to tag", where="--tagger", got=got, expected="one of the two")
+
+
+def are_equal(parameter: str, *values: Any) -> bool:
+    """Return whether values of ``stage.name`` are the same to the configuration, such as 1, "1" and "1.0"."""
+    first, *others = (_read_alone(parameter, value) for value in values)
+    return all(each == first for each in others)
 
 
 def choose_preset(
@@ -214,6 +221,14 @@ def _value_of(config: PipelineConfig, parameter: str) -> Any:
     for name in parameter.split("."):
         value = getattr(value, name)
     return value
+
+
+def _read_alone(parameter: str, value: Any) -> Any:
+    try:
+        return _value_of(_validate(_nested(parameter, value)), parameter)
+    except InputError:
+        # It is refused where the whole configuration is read.
+        return str(value)
 
 
 def _nested(dotted: str, value: Any) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
 from moseg.schemas.errors import InputError
 from moseg.workflows.config.parameters import list_parameters, value_of
-from moseg.workflows.config.pipeline_choices import PipelineChoices
+from moseg.workflows.config.pipeline_choices import PipelineChoices, are_equal
 
 READ_PARAMETERS = (
     "fused_point_models",
@@ -83,11 +83,12 @@ class TrajectoryChoices:
         return config
 
     def _refuse_settings(self, choices: PipelineChoices) -> None:
-        """Raise InputError where `--set` names a parameter that one of these options gives too."""
+        """Raise InputError where `--set` gives a parameter another value than one of these options."""
         parameters = {"views": "fused_point_models", "seed": SEED, "seeds": SEED}
         given = {parameters[name]: f"--{name}" for name in parameters if getattr(self, name) is not None}
-        for name, value in choices.settings:
-            if name in given:
+        values = {"fused_point_models": self.views, SEED: self.seed}
+        for name, value in dict(choices.settings).items():
+            if name in given and (values[name] is None or not are_equal(name, value, values[name])):
                 got = f"--set {name}={value} too"
                 raise InputError("two choices", where=given[name], got=got, expected="one of them")
 

@@ -1,7 +1,7 @@
 """Execution of recipes: inputs from the store, the task's function, its outputs into the store."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from typing import NamedTuple
 
@@ -93,10 +93,9 @@ def _execute_batch(store: WriteBehind, recipes: Sequence[Recipe], log: EventLog)
             task = find_task(missing[0].task, params.pop("method"))
             inputs = [Inputs(store, recipe) for recipe in missing]
             outputs = task.compute(params, inputs, [seeded_generator(recipe.key) for recipe in missing])
+            _check_outputs(missing, outputs)
         seconds = (time.perf_counter() - started) / len(missing)
         for recipe, computed in zip(missing, outputs, strict=True):
-            with _logged_failures(log, [recipe]):
-                _check_output(recipe, computed)
             output = computed._replace(arrays=round_arrays(computed.arrays, layouts_of(recipe.task)))
             ARRAYS.keep(store.url, recipe.ref, output.arrays)
             store.put(recipe, output, seconds)
@@ -104,17 +103,21 @@ def _execute_batch(store: WriteBehind, recipes: Sequence[Recipe], log: EventLog)
     return [TaskReport(recipe.ref, 0.0, PutOutcome.LOST_RACE) for recipe in stored]
 
 
-def _check_output(recipe: Recipe, computed: object) -> None:
-    """Raise InputError unless a task returned an `Output` of arrays, as one of a plug-in may not."""
-    where = f"{recipe.task} by {recipe.params['method']}"
-    if not isinstance(computed, Output):
-        got = type(computed).__name__
-        raise InputError("a task that returned no Output", where=where, got=got, expected="Output({name: array})")
-    for name, array in computed.arrays.items():
-        if not isinstance(array, np.ndarray):
-            raise InputError(
-                f"{name} that is no array", where=where, got=type(array).__name__, expected="numpy.ndarray"
-            )
+def _check_outputs(recipes: Sequence[Recipe], outputs: object) -> None:
+    """Raise InputError unless a task returned an `Output` of arrays for each recipe, as one of a plug-in may not."""
+    where = f"{recipes[0].task} by {recipes[0].params['method']}"
+    if not isinstance(outputs, list | tuple) or len(outputs) != len(recipes):
+        got = f"{len(outputs)} values" if isinstance(outputs, list | tuple) else type(outputs).__name__
+        what, expected = "a task that did not return a list with an Output for each input", f"{len(recipes)} of them"
+        raise InputError(what, where=where, got=got, expected=expected)
+    for computed in outputs:
+        if not isinstance(computed, Output) or not isinstance(computed.arrays, Mapping):
+            got = type(computed.arrays if isinstance(computed, Output) else computed).__name__
+            raise InputError("a task that returned no Output", where=where, got=got, expected="Output({name: array})")
+        for name, array in computed.arrays.items():
+            if not isinstance(array, np.ndarray):
+                got = type(array).__name__
+                raise InputError(f"{name} that is no array", where=where, got=got, expected="numpy.ndarray")
 
 
 @contextmanager
@@ -128,7 +131,7 @@ def _logged_failures(log: EventLog, recipes: Sequence[Recipe]) -> Iterator[None]
         # Keep the original error if logging also fails.
         with suppress(StoreError):
             log.write(failed_event(error, recipe.ref) for recipe in recipes)
-            note_written(error, recipes[0].ref)
+            note_written(error, *(recipe.ref for recipe in recipes))
         raise
 
 

@@ -1,4 +1,4 @@
-"""Evaluation: variants of the pipeline sinks_of on a data set."""
+"""Evaluation: variants of the pipeline scored on a data set."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""Evaluation on labelled trajectories: variants sinks_of on clips, under one seed or several."""
+"""Evaluation on labelled trajectories: variants scored on clips, under one seed or several."""
 
 from collections.abc import Sequence
 

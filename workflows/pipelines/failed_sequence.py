@@ -1,16 +1,18 @@
 """The sequence in whose computation an error occurred."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.recipes import Recipe
-from moseg.workflows.runlog.events import written_ref
+from moseg.workflows.runlog.events import written_refs
 
 
 @contextmanager
 def name_failed_sequence(recipes: Mapping[str, Recipe], sinks_of: Mapping[str, Sequence[str]]) -> Iterator[None]:
     """Add the name of its sequence to an InputError of the block that a stage raised; stages do not know the names.
+
+    Where a network computed frames of several sequences at once, the error stays without a name.
 
     Parameters
     ----------
@@ -22,8 +24,8 @@ def name_failed_sequence(recipes: Mapping[str, Recipe], sinks_of: Mapping[str, S
     try:
         yield
     except InputError as error:
-        ref = written_ref(error)
-        name = next((name for name, sinks in sinks_of.items() if _depend(sinks, ref, recipes)), None)
+        refs = set(written_refs(error))
+        name = next((name for name, sinks in sinks_of.items() if refs and _depend(sinks, refs, recipes)), None)
         if name is None:
             raise
         what, where, got, expected = error.parts
@@ -34,14 +36,12 @@ def name_failed_sequence(recipes: Mapping[str, Recipe], sinks_of: Mapping[str, S
         raise named from error
 
 
-def _depend(sinks: Sequence[str], ref: str | None, recipes: Mapping[str, Recipe]) -> bool:
-    """Return whether an artifact is among the sinks or is needed by one of them."""
+def _depend(sinks: Sequence[str], refs: Set[str], recipes: Mapping[str, Recipe]) -> bool:
+    """Return whether each of some artifacts is among the sinks or is needed by one of them."""
     waiting, seen = list(sinks), set()
     while waiting:
         each = waiting.pop()
-        if each == ref:
-            return True
-        if each in recipes and each not in seen:
+        if each not in seen:
             seen.add(each)
-            waiting.extend(recipes[each].input_refs())
-    return False
+            waiting.extend(recipes[each].input_refs() if each in recipes else ())
+    return refs <= seen

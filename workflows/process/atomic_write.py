@@ -12,6 +12,8 @@ from moseg.schemas.errors import InputError
 _PART = re.compile(r"\.[0-9a-f]{32}\.part")
 """Names of temporary files, as short as possible: that of the file itself may be as long as the system allows."""
 
+_STREAM_FOLDERS = {Path("/dev"), Path("/dev/fd"), Path("/proc/self/fd")}
+
 
 @contextmanager
 def blame_output(path: Path, *more: type[Exception]) -> Iterator[None]:
@@ -25,15 +27,24 @@ def blame_output(path: Path, *more: type[Exception]) -> Iterator[None]:
         raise InputError("cannot write", where=path, got=getattr(error, "strerror", None) or error) from error
 
 
+def is_stream(path: Path) -> bool:
+    """Return whether a path is a pipe, a device or the like, to which one writes and which no file may replace."""
+    path = Path(path)
+    # What these folders name may be a file, if the shell redirects to one.
+    return (path.exists() and not path.is_file() and not path.is_dir()) or path.absolute().parent in _STREAM_FOLDERS
+
+
 @contextmanager
 def atomic_path(path: Path) -> Iterator[Path]:
     """Give the block a path beside `path`, renamed to it if the block succeeds and removed if it fails.
 
-    Folders are created. Failures inside the block stay as they are: here it is unknown whether they come from writing
-    or from the data.
+    Folders are created. A pipe or a device is refused. Failures inside the block stay as they are: here it is unknown
+    whether they come from writing or from the data.
     """
     path = Path(path)
     with blame_output(path):
+        if is_stream(path):
+            raise InputError("cannot write a file", where=path, got="a pipe or a device", expected="a file name")
         path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{uuid.uuid4().hex}.part")
     try:

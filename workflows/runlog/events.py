@@ -115,20 +115,20 @@ def describe_error(error: BaseException) -> str:
     return text if len(text) <= MAX_MESSAGE else f"{text[: MAX_MESSAGE - 1]}…"
 
 
-def note_written(error: BaseException, ref: str) -> None:
-    """Add a note to an error that the artifact was being computed; it also marks the error as logged."""
-    error.add_note(f"{_WRITTEN}{ref}")
+def note_written(error: BaseException, *refs: str) -> None:
+    """Add a note to an error that the artifacts were being computed; it also marks the error as logged."""
+    error.add_note(f"{_WRITTEN}{' '.join(refs)}")
 
 
 def is_written(error: BaseException) -> bool:
     """Return whether the process in which the error occurred has written it to the log."""
-    return written_ref(error) is not None
+    return bool(written_refs(error))
 
 
-def written_ref(error: BaseException) -> str | None:
-    """Return the artifact that was being computed when an error occurred, if that is in the log."""
+def written_refs(error: BaseException) -> list[str]:
+    """Return the artifacts that were being computed together when an error occurred; empty if it is not in the log."""
     notes = getattr(error, "__notes__", ())
-    return next((note.removeprefix(_WRITTEN) for note in notes if note.startswith(_WRITTEN)), None)
+    return [ref for note in notes if note.startswith(_WRITTEN) for ref in note.removeprefix(_WRITTEN).split()]
 
 
 def _join(lines: Iterable[bytes]) -> Iterator[bytes]:

@@ -7,9 +7,10 @@ import pytest
 from pydantic import BaseModel
 
 from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.errors import InputError
 from moseg.schemas.units import Unit
 from moseg.workflows.config.parameters import list_parameters, list_stages, value_of
-from moseg.workflows.config.pipeline_choices import PipelineChoices
+from moseg.workflows.config.pipeline_choices import PARAMETER_OF, Choice, PipelineChoices
 
 NUMBER = re.compile(r"\b(int|float)\b|Positive(Int|Float)")
 
@@ -95,6 +96,33 @@ def test_show_knows_what_was_meant(moseg, name, meant):
     (line,) = ran.err.splitlines()
     assert "did you mean" in line
     assert meant in line
+
+
+@pytest.mark.parametrize("text", ["[dog,cat", "dog,cat]", "[a],[b]", "['a, b', c]", "'dog,cat"])
+def test_a_list_with_a_bracket_or_a_quote_too_few_is_refused(text):
+    with pytest.raises(InputError, match=r"detections.tags; got .*; expected values separated by commas"):
+        PipelineChoices(settings=(("detections.tags", text),)).make_config()
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "text", "is_refused"),
+    [
+        ("--sensitivity", 1.0, "1", False),
+        ("--sensitivity", 1.0, "1.5", True),
+        ("--tags", "dog, cat", "[dog,cat]", False),
+        ("--tags", "dog", "cat", True),
+        ("--section-length", 20, "20.0", False),
+    ],
+)
+def test_an_option_and_a_setting_may_give_the_same_value(option, value, text, is_refused):
+    name = PARAMETER_OF[option]
+    choices = PipelineChoices(chosen=(Choice(option, name, value),), settings=((name, text),))
+    if is_refused:
+        with pytest.raises(InputError, match=f"two choices in {option}; got --set {name}={text} too"):
+            choices.make_config()
+    else:
+        alone = PipelineChoices(settings=((name, text),))
+        assert choices.make_config() == alone.make_config()
 
 
 LISTS = {name: each.default for name, each in list_parameters().items() if isinstance(each.default, tuple)}

@@ -113,3 +113,10 @@ def test_a_clip_that_cannot_be_grouped_is_named(moseg, write_clip, tmp_path, num
     ran = moseg("eval", "--dataset", "kt3dmoseg", "--root", tmp_path, "--quiet", "--workers", num_workers)
     assert ran.code == 2 and ran.err.count("\n") == 1
     assert "model in sequence Seq005_Clip02; got 5 in 6 frames" in ran.err
+
+
+def test_an_option_and_a_setting_of_trajectories_may_give_the_same_value(moseg, clips, tmp_path):
+    both = ("--views", "affine,homography", "--set", "fused_point_models=[affine, homography]")
+    both += ("--seed", "1", "--set", "hypotheses.seed=1")
+    data = ("--dataset", "kt3dmoseg", "--root", clips, "--store", tmp_path / "store")
+    assert moseg("plan", *data, *both).code == 0
