@@ -190,6 +190,53 @@ def test_other_modules_of_the_user_are_part_of_the_keys(run_with, site, squares,
     assert "\n0 artifacts to compute" not in planned and "affinity" in planned
 
 
+@pytest.mark.parametrize(
+    ("statement", "is_followed"),
+    [
+        ("import helper", True),
+        ("\ufeffimport helper", True),
+        ("import \\\r\n    helper\r\n", True),
+        ("from helper . sub import x", True),
+        ("def run():\n    from helper import *", True),
+        ("import wave", True),
+        ("import package.part", True),
+        ('"""Words\nimport helper\n"""', False),
+        ("import empty", False),
+        ("import library", False),
+        ("from test import support", False),
+        ("import json", False),
+    ],
+)
+def test_only_code_of_the_user_is_followed(tmp_path, statement, is_followed):
+    files = {
+        "helper.py": "",
+        "wave.py": "",
+        "package/part.py": "",
+        "package/.#part.py": None,
+        "package/.venv/pyvenv.cfg": "",
+        "package/.venv/broken.py": "",
+        "package/env/pyvenv.cfg": "",
+        "package/env/broken.py": "",
+        "empty/notes.txt": "",
+        "library.py": "",
+        "library-1.0.dist-info/METADATA": "Metadata-Version: 2.1\nName: library\nVersion: 1.0\n",
+        "library-1.0.dist-info/RECORD": "library.py,,\n",
+        "mine.py": statement,
+    }
+    for name, text in files.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if text is None:
+            path.symlink_to("nowhere")
+        else:
+            path.write_bytes(text.encode())
+    printing = "from moseg.workflows.plugins import code\n"
+    printing += "print(code._with_imports({'mine'}), [p.name for p in code._python_files(code.Path('package'))])\n"
+    names, parts = _codes(tmp_path, tmp_path, "-c", printing).strip().split("] [")
+    assert (names.count(",") == 1) == is_followed, names
+    assert parts == "'part.py']"
+
+
 def _codes(site: Path, tmp_path: Path, *start: str) -> str:
     """Return what a process prints whose last lines print the codes of the plug-ins."""
     environ = os.environ | {"PYTHONPATH": str(site)}

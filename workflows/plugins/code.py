@@ -1,12 +1,14 @@
 """Fingerprint of a plug-in's code, which is part of the keys of the artifacts that the plug-in computes."""
 
-import re
+import ast
+import os
 import sys
+import sysconfig
 from collections.abc import Iterable
 from functools import cache
 from hashlib import blake2b
 from importlib.machinery import ModuleSpec
-from importlib.metadata import packages_distributions
+from importlib.metadata import distribution, packages_distributions
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -18,10 +20,10 @@ MAIN, SPAWNED_MAIN = "__main__", "__mp_main__"
 DIGEST_BYTES = 16
 INSTALLED = {"site-packages", "dist-packages"}
 """Folders of installed packages."""
-_KNOWN = sys.stdlib_module_names | {OWN_PACKAGE}
-_IMPORT = re.compile(
-    r"(?:^|[:;])[ \t]*(?:from[ \t]+(?P<package>\w[\w.]*)[ \t]+import\b|import[ \t]+(?P<names>\w[^\n;#]*))", re.MULTILINE
-)
+ENVIRONMENT = "pyvenv.cfg"
+"""File of a virtual environment."""
+_BASE = {"platbase": sys.base_exec_prefix}
+_STANDARD_LIBRARY = {Path(sysconfig.get_path(kind, vars=_BASE)).resolve() for kind in ("stdlib", "platstdlib")}
 
 
 def code_of_plugin(declared: object, caller: str) -> tuple[str, str]:
@@ -29,9 +31,9 @@ def code_of_plugin(declared: object, caller: str) -> tuple[str, str]:
 
     These are the packages of the caller and of the functions in the object; those that hold the object in a variable,
     or in a list or tuple, because a script may register an object that it imports; and those that any of these imports
-    by a statement, unless they were installed by themselves. The fingerprint covers every ``.py`` file of a package, or
-    the file of a module outside any package. A comment changes the fingerprint too: artifacts are computed anew more
-    often than needed, never too seldom.
+    by a statement, unless they were installed by themselves. The fingerprint covers every ``.py`` file of a package,
+    without hidden folders and environments, or the file of a module outside any package. A comment changes the
+    fingerprint too: artifacts are computed anew more often than needed, never too seldom.
 
     Parameters
     ----------
@@ -64,7 +66,17 @@ def code_of_plugin(declared: object, caller: str) -> tuple[str, str]:
 def _packages(modules: Iterable[str]) -> set[str]:
     """Return the outermost packages of modules, without this project's and Python's own."""
     found = {module.partition(".")[0] for module in modules}
-    return {MAIN if name == SPAWNED_MAIN else name for name in found} - _KNOWN
+    return {MAIN if name == SPAWNED_MAIN else name for name in found if not _is_known(name)}
+
+
+def _is_known(name: str) -> bool:
+    """Return whether a module is this project's or Python's own, and not the user's with the name of such a one."""
+    places = [] if name in (MAIN, SPAWNED_MAIN) else [place.resolve() for place in _places(name)]
+    if name == OWN_PACKAGE or not places:
+        return name == OWN_PACKAGE or name in sys.stdlib_module_names
+    return all(
+        _STANDARD_LIBRARY.intersection(each.parents) and not INSTALLED.intersection(each.parts) for each in places
+    )
 
 
 def _holders(declared: object) -> set[str]:
@@ -82,8 +94,8 @@ def _with_imports(packages: set[str]) -> list[str]:
     found, waiting = set(packages), list(packages)
     while waiting:
         package = waiting.pop()
-        for name in _imports(package) - found - _KNOWN:
-            if _belongs_to(name, package):
+        for name in _imports(package) - found:
+            if not _is_known(name) and _belongs_to(name, package):
                 found.add(name)
                 waiting.append(name)
     return sorted(found)
@@ -91,11 +103,20 @@ def _with_imports(packages: set[str]) -> list[str]:
 
 def _belongs_to(name: str, package: str) -> bool:
     """Return whether a package that another one imports is code of the same user, not of a library."""
-    paths = _places(name)
-    if not paths:
+    if not _has_code(name):
         return False
-    is_installed = any(INSTALLED.intersection(path.parts) for path in paths)
-    return not is_installed or bool({*_distributions().get(name, ())} & {*_distributions().get(package, ())})
+    mine = {*_distributions().get(name, ())}
+    return not _is_installed(name, mine) or bool(mine & {*_distributions().get(package, ())})
+
+
+def _is_installed(name: str, distributions: Iterable[str]) -> bool:
+    """Return whether a package is where libraries are, or beside the list of files with which one was installed."""
+    places = _places(name)
+    if any(INSTALLED.intersection(place.parts) for place in places):
+        return True
+    found = map(distribution, distributions)
+    folders = {Path(str(each.locate_file(""))).resolve() for each in found if each.read_text("RECORD") is not None}
+    return any(place.parent.resolve() in folders for place in places)
 
 
 @cache
@@ -108,37 +129,66 @@ def _imports(package: str) -> set[str]:
     """Return the outermost names that the statements of a package's files import."""
     found: set[str] = set()
     for _, path in _sources(package):
-        text = path.read_bytes().decode("utf-8", "replace").replace("\\\n", " ")
-        for match in _IMPORT.finditer(text):
-            names = match["package"] or match["names"]
-            found.update(re.match(r"\w*", each.strip())[0] for each in names.split(","))
-    return {name.partition(".")[0] for name in found if name}
+        for node in _statements(path):
+            if isinstance(node, ast.Import):
+                found.update(alias.name for alias in node.names)
+            elif isinstance(node, ast.ImportFrom) and node.level == 0:
+                found.add(node.module)
+    return {name.partition(".")[0] for name in found}
+
+
+def _statements(path: Path) -> Iterable[ast.AST]:
+    """Return the nodes of a file's syntax tree; none if it is not Python, which cannot be imported either."""
+    try:
+        return ast.walk(ast.parse(_read(path)))
+    except (SyntaxError, ValueError):
+        return ()
 
 
 @cache
 def _code_of_package(package: str) -> bytes:
+    sources = _sources(package)
+    if not sources:
+        expected = "a module in a file"
+        raise InputError("the code of a plug-in cannot be read", where=package, got="no file", expected=expected)
     state = blake2b(digest_size=DIGEST_BYTES)
-    for name, path in _sources(package):
-        for part in (name.encode(), path.read_bytes().replace(b"\r\n", b"\n")):
+    for name, path in sources:
+        for part in (name.encode(), _read(path).replace(b"\r\n", b"\n")):
             state.update(len(part).to_bytes(8, "little"))
             state.update(part)
     return state.digest()
 
 
 def _sources(package: str) -> list[tuple[str, Path]]:
-    """Return the names and paths of a package's files; raises InputError if there is none."""
+    """Return the names and paths of a package's files; empty if it is in none."""
     places = _places(package)
-    if not places:
-        expected = "a module in a file"
-        raise InputError("the code of a plug-in cannot be read", where=package, got="no file", expected=expected)
-    if not places[0].is_dir():
+    if places and not places[0].is_dir():
         return [("", places[0])]
-    found = [(path.relative_to(folder).as_posix(), path) for folder in places for path in folder.rglob("*.py")]
-    return sorted(found)
+    return sorted((path.relative_to(folder).as_posix(), path) for folder in places for path in _python_files(folder))
+
+
+@cache
+def _python_files(folder: Path) -> list[Path]:
+    """Return the ``.py`` files in a folder and in those within it, except hidden ones and those of libraries."""
+    found = []
+    for parent, folders, files in os.walk(folder):
+        here = Path(parent)
+        folders[:] = [name for name in folders if not name.startswith(".") and name not in INSTALLED]
+        folders[:] = [name for name in folders if not (here / name / ENVIRONMENT).exists()]
+        found += [here / name for name in files if name.endswith(".py") and not name.startswith(".")]
+    # A link may lead nowhere.
+    return [path for path in found if path.is_file()]
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError("the code of a plug-in cannot be read", where=path, got=error.strerror) from error
 
 
 def _has_code(package: str) -> bool:
-    return bool(_places(package))
+    return bool(_sources(package))
 
 
 def _places(package: str) -> list[Path]:
