@@ -12,7 +12,7 @@ import yaml
 from moseg.schemas.errors import InputError
 from moseg.workflows.process.atomic_write import atomic_path, blame_output, is_stream
 
-_HEAD_NBYTES = 2**20
+_HEAD_NBYTES = 2**18
 _PAGE = re.compile("<(!doctype )?html", re.IGNORECASE)
 
 
@@ -41,7 +41,8 @@ def _is_mapping(text: str) -> bool:
     """Return whether text is YAML of names and values, or has none of them."""
     try:
         return isinstance(yaml.safe_load(text), dict | NoneType)
-    except yaml.YAMLError:
+    except (yaml.YAMLError, ValueError, RecursionError):
+        # A date that does not exist is a ValueError.
         return False
 
 

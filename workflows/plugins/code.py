@@ -4,6 +4,7 @@ import ast
 import os
 import sys
 import sysconfig
+import warnings
 from collections.abc import Iterable
 from functools import cache
 from hashlib import blake2b
@@ -140,7 +141,10 @@ def _imports(package: str) -> set[str]:
 def _statements(path: Path) -> Iterable[ast.AST]:
     """Return the nodes of a file's syntax tree; none if it is not Python, which cannot be imported either."""
     try:
-        return ast.walk(ast.parse(_read(path)))
+        with warnings.catch_warnings():
+            # What Python warns about in the file, it says when the file is imported.
+            warnings.simplefilter("ignore")
+            return ast.walk(ast.parse(_read(path)))
     except (SyntaxError, ValueError):
         return ()
 

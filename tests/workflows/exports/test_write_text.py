@@ -17,7 +17,7 @@ VIDEO, IMAGE = b"\0\0\0 ftypisom", b"\x89PNG\r\n\x1a\n\0\0"
     [
         (TextKind.PAGE, PAGE, (JSON, YAML, VIDEO, IMAGE)),
         (TextKind.JSON, JSON, (PAGE, YAML, VIDEO, IMAGE)),
-        (TextKind.YAML, YAML, (PAGE, JSON, VIDEO, IMAGE, b"import this\n", b"x, y\n1, 2\n")),
+        (TextKind.YAML, YAML, (PAGE, JSON, VIDEO, IMAGE, b"import this\n", b"x, y\n1, 2\n", b"2020-99-99")),
         (TextKind.YAML, b"{max_side: 200}", ()),
         (TextKind.PAGE, b"<!-- mine -->\n<html>", (b"<svg>", b"a <html>")),
     ],
