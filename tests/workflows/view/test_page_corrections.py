@@ -160,11 +160,12 @@ def test_the_result_follows_a_slider_and_a_gesture_is_one_step(serve_video, open
     file = result.out / "corrections.yaml"
     page.wait_until("document.getElementById('saved').textContent.includes('1 setting saved')")
     page.mouse.up()
-    page.wait_until(f"{VALUES}.then((found) => found[1] > 0.9)")
-    value = read_corrections(str(file)).settings["clustering.threshold"]
-    assert value > 0.9
-    # What is in force is listed, settings too.
-    assert page.get_by_role("list", name="settings").text_content() == f"clustering.threshold: {value}"
+    # The slider sends values while it moves: wait until the last one is in force, which is listed, settings too.
+    chosen = float(slider.input_value())
+    assert chosen > 0.9
+    listed = "document.querySelector('ul[aria-label=settings]')?.textContent"
+    page.wait_until(f"{listed} === 'clustering.threshold: {chosen}'")
+    assert read_corrections(str(file)).settings == {"clustering.threshold": chosen}
     page.get_by_role("button", name="Undo").click()
     page.wait_until("document.getElementById('saved').textContent === 'no corrections'")
     assert not file.exists()
