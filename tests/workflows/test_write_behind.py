@@ -75,7 +75,16 @@ def test_a_read_waits_for_the_put_of_its_artifact(store, reported):
         view = ArtifactView(behind, _flow(0).ref)
         assert view.shape("flow") == FLOW.shape
         assert np.array_equal(view.rows("flow", 1, 2), FLOW[1:2])
-        assert view.attributes == {"count": 3}
+
+
+def test_attributes_are_read_before_they_are_stored_and_belong_to_their_reader(store, reported):
+    with WriteBehind(store, reported.append) as behind:
+        behind.put(_flow(0), Output({"flow": FLOW}, {"counts": [3]}), seconds=0.0)
+        view = ArtifactView(behind, _flow(0).ref)
+        view.attributes["counts"].append(4)
+        assert view.attributes == {"counts": [3]} and not store.has(_flow(0).ref)
+        store.gate.set()
+    assert store.attributes(_flow(0).ref) == {"counts": [3]}
 
 
 def _put_and_read(store):

@@ -1,7 +1,8 @@
 """A store that takes a task's output while the next task computes."""
 
+import copy
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import AbstractContextManager
 from typing import NamedTuple
@@ -29,7 +30,7 @@ class Put(NamedTuple):
 
 
 class WriteBehind(AbstractContextManager):
-    """A store whose puts run in a thread; reads of an artifact that is not stored yet wait for it.
+    """A store whose puts run in a thread; an array of an artifact that is not stored yet is read when it is.
 
     Digesting, encoding and writing take a seventh of the time of the tasks, and release the interpreter's lock: if a
     core is free they cost nothing.
@@ -48,6 +49,7 @@ class WriteBehind(AbstractContextManager):
         self._writer = ThreadPoolExecutor(1, thread_name_prefix="moseg-writer")
         self._waiting: deque[Put] = deque()
         self._outcomes: dict[str, Future[PutOutcome]] = {}
+        self._attributes: dict[str, Mapping] = {}
 
     def __exit__(self, kind, *exception) -> None:
         self._writer.shutdown(wait=True)
@@ -73,6 +75,7 @@ class WriteBehind(AbstractContextManager):
             self._store.put, recipe, output.arrays, output.attributes, seconds=seconds, dims=axes
         )
         self._outcomes[recipe.ref] = outcome
+        self._attributes[recipe.ref] = output.attributes
         self._waiting.append(Put(recipe, output, seconds, outcome))
         self._settle(MAX_WAITING)
 
@@ -85,7 +88,10 @@ class WriteBehind(AbstractContextManager):
         return self._stored(ref).manifest(ref)
 
     def attributes(self, ref: str) -> dict:
-        """See `ArtifactStore.attributes`."""
+        """See `ArtifactStore.attributes`; until a put is reported, those that it was given."""
+        if ref in self._attributes:
+            # A store takes only values that it returns unchanged.
+            return copy.deepcopy(dict(self._attributes[ref]))
         return self._stored(ref).attributes(ref)
 
     def read(self, ref: str, name: str) -> np.ndarray:
@@ -106,4 +112,5 @@ class WriteBehind(AbstractContextManager):
         while self._waiting and (len(self._waiting) > max_waiting or self._waiting[0].outcome.done()):
             put = self._waiting.popleft()
             wait([put.outcome])
+            del self._attributes[put.recipe.ref]
             self._report(put)

@@ -10,7 +10,7 @@ The MathWorks, "MAT-File Format": the Level 5 format.
 
 import math
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
@@ -50,44 +50,34 @@ class _Matrix(NamedTuple):
     values: Iterator[_Element]
 
 
-def read_struct(content: bytes, name: str, path: str) -> dict[str, np.ndarray | None] | None:
-    """Return the fields of a variable that is a single struct.
+def iterate_variables(
+    content: bytes, names: Container[str], path: str
+) -> Iterator[tuple[str, np.ndarray | dict[str, np.ndarray | None] | None]]:
+    """Yield the names and values of a file's variables that have these names, in the order of the file.
 
     Parameters
     ----------
     content : bytes
         Of the whole file.
-    name : str
-        The variable.
+    names : container of str
     path : str
         The file, for errors.
 
-    Returns
-    -------
-    dict of str to array, or None
-        Real numbers in their stored type and the shape of the field; None for a field that holds anything else. None
-        if the file has no such variable or it is not a single struct.
+    Yields
+    ------
+    str, and array, dict of str to array, or None
+        Real numbers in their stored type and the shape of the variable; the fields of a single struct, each so or
+        None; None for anything else.
 
     Raises
     ------
     InputError
-        The file is not of these versions, or damaged.
+        The file is not of these versions, or damaged as far as it was read.
     """
     with _naming_damage(path):
         for matrix, order in _variables(content, path):
-            if matrix.name == name:
-                return _fields(matrix, order) if _is_single_struct(matrix) else None
-    return None
-
-
-def read_variables(content: bytes, names: Sequence[str], path: str) -> dict[str, np.ndarray | None]:
-    """Return the variables of these names that the file has; see `read_struct` for their values and what it raises."""
-    found = {}
-    with _naming_damage(path):
-        for matrix, order in _variables(content, path):
-            if matrix.name in names and matrix.name not in found:
-                found[matrix.name] = _values(matrix, order)
-    return found
+            if matrix.name in names:
+                yield matrix.name, _fields(matrix, order) if _is_single_struct(matrix) else _values(matrix, order)
 
 
 @contextmanager

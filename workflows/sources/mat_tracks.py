@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.sources.mat_file import read_struct, read_variables
+from moseg.workflows.sources.mat_file import iterate_variables
 
 STRUCT = "Data"
 POINTS, VISIBLE, LABELS = "ySparse", "visibleSparse", "GtLabel"
@@ -100,18 +100,21 @@ def decode_mat_tracks(content: bytes, path: str) -> MatTracks:
 
 def _read_arrays(content: bytes, path: str) -> tuple[tuple[str, str | None, str], np.ndarray, np.ndarray, np.ndarray]:
     """Return the names of points, visibility (None where it is absent) and labels in the file, and their values."""
-    data = read_struct(content, STRUCT, path)
-    names = (POINTS, VISIBLE, LABELS)
-    if data is None:
-        names = (HOPKINS_POINTS, HOPKINS_VISIBLE, HOPKINS_LABELS)
-        data = read_variables(content, names, path)
+    names = (HOPKINS_POINTS, HOPKINS_VISIBLE, HOPKINS_LABELS)
+    data: dict = {}
+    for name, value in iterate_variables(content, (STRUCT, *names), path):
+        if name != STRUCT:
+            data.setdefault(name, value)
+        elif isinstance(value, dict):
+            names, data = (POINTS, VISIBLE, LABELS), value
+            break
     points_name, visible_name, labels_name = names
     missing = [name for name in (points_name, labels_name) if name not in data]
     if missing:
         got = f"no {', '.join(missing)}" if data else f"no struct {STRUCT}"
         raise InputError("not labelled trajectories", where=path, got=got, expected=_LAYOUT)
     for name in names:
-        if name in data and data[name] is None:
+        if name in data and not isinstance(data[name], np.ndarray):
             raise InputError("not real numbers", where=f"{name} of {path}", expected=_LAYOUT)
     points, labels = data[points_name].astype(np.float64), data[labels_name].astype(np.float64)
     if visible_name not in data:

@@ -11,10 +11,11 @@ from moseg.workflows.sources.numpy_file import decode_arrays
 from moseg.workflows.sources.resize import working_size
 
 TRACK_SUFFIXES = (".npz",)
-DECODING_VERSION = 1
-"""Raised when `TrackFile.read` starts to yield other values for the same bytes."""
+DECODING_VERSION = 2
+"""Raised when `TrackFile.read` starts to yield other values for the same bytes, or to refuse them."""
 
 _MIN_INSIDE = 0.5  # share of the visible points; fewer come from frames of another size
+_MIN_SIDE = 8  # px; in a smaller frame all points may lie in the corner pixel, else they are shares of its sides
 _LAYOUT = "points float (N, F, 2) and visible bool (N, F)"
 
 
@@ -59,21 +60,27 @@ class TrackFile:
         Raises
         ------
         InputError
-            Not such a file, another number of frames, a visible point that is not finite, or most visible points
-            outside the frame, as for frames of another size.
+            Not such a file, another number of frames, no visible point or one that is not finite, coordinates that are
+            shares of the frame's sides, or most visible points outside the frame, as for frames of another size.
         """
         points, visible = decode_tracks(read_bytes(self.path), self.path)
         if points.shape[1] != self.num_frames:
             got = f"{points.shape[1]} frames"
             raise InputError("tracks of another sequence", where=self.path, got=got, expected=f"{self.num_frames}")
+        if not visible.any():
+            raise InputError("no visible point", where=self.path, got=f"{len(visible)} tracks")
         height, width = self.size
+        expected = f"xy in px of the original frames, {width}x{height} px"
+        if (farthest := np.abs(points[visible]).max()) <= 1 and min(self.size) >= _MIN_SIDE:
+            got = f"visible points no farther than {farthest:.3g} from 0"
+            raise InputError("coordinates that are not in px", where=self.path, got=got, expected=expected)
         inside = visible & ((points >= -0.5) & (points < (width - 0.5, height - 0.5))).all(axis=-1)
         if np.count_nonzero(inside) < _MIN_INSIDE * np.count_nonzero(visible):
             raise InputError(
                 "most points outside the frame",
                 where=self.path,
                 got=f"{np.count_nonzero(inside)} of {np.count_nonzero(visible)} visible points inside",
-                expected=f"xy in px of the original frames, {width}x{height} px",
+                expected=expected,
             )
         reduced = working_size(self.size, self.max_side)
         scaled = (points + 0.5) * (reduced[1] / width, reduced[0] / height) - 0.5

@@ -99,6 +99,7 @@ def test_hopkins_with_missing_data_has_a_mask():
         ({"y": None}, "got no y;"),
         ({"s": LABELS[1:]}, r"got y \(3, 7, 5\), s \(6,\);"),
         ({"s": "cars"}, "not real numbers in s of a.mat"),
+        ({"y": {"a": 1}}, "not real numbers in y of a.mat"),
         ({"s": np.zeros(NUM_TRACKS)}, "no labelled trajectories in s of a.mat"),
         ({"y": np.zeros((2, NUM_TRACKS, NUM_FRAMES))}, r"y \(2, 7, 5\)"),
         ({"m": VISIBLE.T}, r"m \(5, 7\)"),

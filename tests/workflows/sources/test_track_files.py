@@ -69,6 +69,20 @@ def test_points_of_larger_frames_are_refused(read):
         read(POINTS * 10)
 
 
+@pytest.mark.parametrize(
+    "points", [POINTS / 47, POINTS / 23.5 - 1, np.zeros_like(POINTS)], ids=["0 to 1", "-1 to 1", "0"]
+)
+def test_coordinates_that_are_shares_of_the_frame_are_refused(read, points):
+    with pytest.raises(InputError, match=r"not in px in .*dog\.npz; got visible points .* expected .* 64x48 px"):
+        read(points)
+
+
+@pytest.mark.parametrize("num_tracks", [0, 7])
+def test_tracks_without_a_visible_point_are_refused(read, num_tracks):
+    with pytest.raises(InputError, match=rf"no visible point in .*dog\.npz; got {num_tracks} tracks"):
+        read(POINTS[:num_tracks], np.zeros((num_tracks, NUM_FRAMES), bool))
+
+
 @pytest.mark.parametrize("num_frames", [NUM_FRAMES - 1, NUM_FRAMES + 1])
 def test_tracks_over_another_number_of_frames_are_refused(read, num_frames):
     points, visible = np.ones((3, num_frames, 2)), np.ones((3, num_frames), bool)
