@@ -312,6 +312,16 @@ def test_what_a_method_returns_is_checked(run_with, site, squares, tmp_path, old
     assert code == 2 and message in err and len(err.splitlines()) == 1
 
 
+@pytest.mark.parametrize("workers", ["0", "1"])
+def test_a_fault_names_the_plug_in_whose_code_ran(run_with, site, squares, tmp_path, workers):
+    text = NOVA.replace("rng):\n    grey0", "rng):\n    cv2.cvtColor(None)\n    grey0")
+    (site / "nova" / "__init__.py").write_text(text)
+    data = ("--dataset", "folder", "--root", squares, "--store", tmp_path / "store", *CUES)
+    ((code, _, err),) = run_with(("eval", *data, "--flow", "farneback", "--workers", workers, "--quiet"))
+    assert code == 1 and "Traceback" in err and 'nova/__init__.py", line' in err
+    assert err.splitlines()[-1].startswith("moseg: a fault in plug-in nova: ")
+
+
 def test_only_the_sequence_that_an_error_is_about_is_named(run_with, site, write_squares, tmp_path):
     text = NOVA.replace("import cv2", "import cv2\nfrom moseg.schemas.errors import InputError")
     text = text.replace("def run_affinity", f"{TOGETHER}\n\ndef run_affinity").replace(

@@ -19,6 +19,7 @@ from moseg.workflows.cli.help_texts import HELP_NAMES, with_readable_help
 from moseg.workflows.cli.store import store_app
 from moseg.workflows.cli.usage_errors import describe_usage_error
 from moseg.workflows.cli.weights import weights_app
+from moseg.workflows.plugins.failing import failing_plugin
 from moseg.workflows.plugins.loading import load_plugins
 
 EXIT_BAD_INPUT = 2
@@ -102,5 +103,8 @@ def run(arguments: list[str]) -> int:
             print(f"moseg: nothing more can be written: {error.strerror}", file=sys.stderr)
             return EXIT_FAULT
         traceback.print_exc()
-        print(f"moseg: a fault, not your input: {type(error).__name__}: {error}", file=sys.stderr)
+        plugin = failing_plugin(error)
+        place = "a fault, not your input" if plugin is None else f"a fault in plug-in {plugin}"
+        # Messages of libraries may have several lines.
+        print(f"moseg: {place}: {type(error).__name__}: {' '.join(str(error).split())}", file=sys.stderr)
         return EXIT_FAULT
