@@ -71,7 +71,7 @@ from moseg.schemas.parameters import (
     TrajectoryClusteringParams,
     VideoNetworkParams,
 )
-from moseg.schemas.parameters.comma_separated import split_commas
+from moseg.schemas.parameters.comma_separated import check_models, split_commas
 from moseg.schemas.units import Unit
 
 
@@ -205,6 +205,7 @@ class PipelineConfig(Frozen):
     trajectory_clustering: TrajectoryClusteringParams = TrajectoryClusteringParams()
 
     _split_models = field_validator("fused_point_models", mode="before")(split_commas)
+    _check_models = field_validator("fused_point_models")(check_models)
 
     def point_models(self, variant: TrajectoryVariant) -> tuple[str, ...]:
         """Return the point models of a variant on labelled trajectories."""

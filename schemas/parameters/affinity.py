@@ -6,7 +6,7 @@ from pydantic import Field, field_validator
 
 from moseg.schemas.choices import ChoiceOf
 from moseg.schemas.frozen import Frozen
-from moseg.schemas.parameters.comma_separated import split_commas
+from moseg.schemas.parameters.comma_separated import check_models, split_commas
 from moseg.schemas.units import Unit
 
 
@@ -87,3 +87,4 @@ class HypothesisAffinityParams(Frozen):
     power: Annotated[float, Unit.RATIO] = Field(5.0, gt=0, description="power of that mean")
 
     _split_models = field_validator("models", mode="before")(split_commas)
+    _check_models = field_validator("models")(check_models)

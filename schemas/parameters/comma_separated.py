@@ -42,6 +42,13 @@ def check_gaps(values: tuple[int, ...]) -> tuple[int, ...]:
     return values
 
 
+def check_models(values: tuple[str, ...]) -> tuple[str, ...]:
+    """Return names of models; raise ValueError if there are two of one, which would count twice."""
+    if len(set(values)) < len(values):
+        raise ValueError("different models, separated by commas")
+    return values
+
+
 def are_names(values: tuple[str, ...]) -> bool:
     """Return whether there are values, none of them blank."""
     return bool(values) and all(value.strip() for value in values)

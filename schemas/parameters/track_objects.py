@@ -6,7 +6,7 @@ from pydantic import Field, field_validator
 
 from moseg.schemas.choices import ChoiceOf
 from moseg.schemas.frozen import Frozen
-from moseg.schemas.parameters.comma_separated import split_commas
+from moseg.schemas.parameters.comma_separated import check_models, split_commas
 from moseg.schemas.parameters.trajectories import (
     EnergyParams,
     KernelParams,
@@ -137,6 +137,7 @@ class TrackGroupParams(Frozen):
     clustering: TrajectoryClusteringParams = _TWO_FRAMES
 
     _split_models = field_validator("models", mode="before")(split_commas)
+    _check_models = field_validator("models")(check_models)
 
 
 class RegroupParams(Frozen):

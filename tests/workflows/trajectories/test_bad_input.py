@@ -47,6 +47,7 @@ def _assert_refused(ran, *words):
         ("eval --views affine,affine", ("--views",)),
         ("eval --views oc_depth", ("--views", "oc_depth")),
         ("eval --set fused_point_models=oc_depth", ("fused_point_models",)),
+        ("eval --set fused_point_models=affine,affine", ("fused_point_models", "different models")),
         ("eval --seed 1 --seeds 2", ("--seed", "--seeds 2")),
         ("eval --seed 1 --set hypotheses.seed=2", ("two choices in --seed", "--set hypotheses.seed=2 too")),
         ("plan --seeds 2 --set hypotheses.seed=2", ("two choices in --seeds", "--set hypotheses.seed=2 too")),
