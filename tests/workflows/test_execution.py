@@ -1,12 +1,14 @@
-"""A package or memory that a task lacks on its machine is reported in one line."""
+"""A package or memory that a task lacks is reported in one line; the arrays of a clip do not stay in memory."""
 
+import numpy as np
 import pytest
 
 from moseg.schemas.errors import InputError
-from moseg.schemas.recipes import Recipe
+from moseg.schemas.recipes import Recipe, leaf_recipe
 from moseg.store import LocalStore
-from moseg.workflows.engine.execution import execute_batches
-from moseg.workflows.stages.task import Task
+from moseg.workflows.engine.execution import execute_batches, execute_clip
+from moseg.workflows.stages.array_cache import ARRAYS
+from moseg.workflows.stages.task import Output, Task
 
 
 class OutOfMemoryError(RuntimeError):
@@ -52,3 +54,25 @@ def test_a_worker_without_access_to_the_store_creates_none(tmp_path):
     with pytest.raises(InputError, match="no artifact store"):
         execute_batches(str(tmp_path / "not shared"), [[Recipe(task="flow", version=1, params={"method": "raft"})]])
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_arrays_of_a_clip_are_kept_until_its_last_recipe_only(tmp_path, monkeypatch):
+    def run(params, inputs, rng):
+        if "first" not in inputs:
+            return Output({"flow": inputs["leaf"].cached("image").astype(np.float32)})
+        assert all(ARRAYS.find(store.url, each, name) is not None for each, name in kept.items())
+        return Output({"flow": inputs["first"].array("flow") + 1})
+
+    monkeypatch.setattr(
+        "moseg.workflows.engine.execution.find_task", lambda *_: Task("flow", "raft", version=1, run=run)
+    )
+    store = LocalStore(tmp_path / "store")
+    leaf = leaf_recipe("frame", "0" * 64)
+    store.put(leaf, {"image": np.ones((2, 2, 3), np.uint8)}, dims={"image": ("y", "x", "rgb")})
+    first = Recipe(task="flow", version=1, params={"method": "raft"}, inputs={"leaf": leaf.ref})
+    second = Recipe(task="flow", version=1, params={"method": "raft"}, inputs={"first": first.ref})
+    kept = {leaf.ref: "image", first.ref: "flow"}
+    reports = execute_clip(store.url, [first, second])
+    assert [report.ref for report in reports] == [first.ref, second.ref]
+    assert np.array_equal(store.read(second.ref, "flow"), np.full((2, 2, 3), 2))
+    assert all(ARRAYS.find(store.url, ref, name) is None for ref, name in (kept | {second.ref: "flow"}).items())

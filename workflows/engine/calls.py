@@ -7,7 +7,7 @@ from moseg.schemas.recipes import Recipe
 from moseg.workflows.cluster.call import Call
 from moseg.workflows.cluster.runners import Runner
 from moseg.workflows.engine.brief_clips import split_brief_clips
-from moseg.workflows.engine.execution import execute_batches
+from moseg.workflows.engine.execution import execute_batches, execute_clip
 from moseg.workflows.engine.phases import network_of
 from moseg.workflows.stages.registry import find_task
 
@@ -47,7 +47,7 @@ def make_calls(
 
     clips, recipes = split_brief_clips(recipes, is_brief, CALLS_PER_WORKER * runner.num_workers())
     for clip in clips:
-        yield Call(_call_name(clip[0]), execute_batches, (store_url, tuple((recipe,) for recipe in clip), run_id))
+        yield Call(_call_name(clip[0]), execute_clip, (store_url, tuple(clip), run_id))
 
     call_of: dict[str, str] = {}
     # With little to do, no worker should wait for the long call of another.

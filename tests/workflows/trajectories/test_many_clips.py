@@ -5,6 +5,7 @@ import json
 import pytest
 
 from moseg.schemas.errors import InputError
+from moseg.schemas.recipes import Recipe
 from moseg.store import open_store
 from moseg.workflows.cluster.runners import SynchronousRunner
 from moseg.workflows.runlog.status import list_runs, read_status
@@ -40,7 +41,7 @@ def drawn(monkeypatch):
     def draw(calls):
         for call in calls:
             if not call.name.startswith("ingest"):
-                found.append(sum(map(len, call.arguments[1])))
+                found.append(sum(1 if isinstance(part, Recipe) else len(part) for part in call.arguments[1]))
             yield call
 
     monkeypatch.setattr(SynchronousRunner, "run", lambda self, calls, on_done: run(self, draw(calls), on_done))
