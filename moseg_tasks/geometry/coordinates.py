@@ -60,7 +60,9 @@ def hartley_transform(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """
     centroid = points.mean(axis=-2, keepdims=True)
     centred = points - centroid
-    radius = np.sqrt(np.mean(np.sum(centred**2, axis=-1), axis=-1))
+    # `np.sum` over an axis of two takes ten times as long.
+    x, y = centred[..., 0], centred[..., 1]
+    radius = np.sqrt(np.mean(x * x + y * y, axis=-1))
     scale = np.sqrt(2) / np.where(radius > 0, radius, np.sqrt(2))
     transform = np.zeros((*points.shape[:-2], 3, 3))
     transform[..., 0, 0] = transform[..., 1, 1] = scale

@@ -32,7 +32,8 @@ class ModelKernels(NamedTuple):
         if len(chosen) == self.kernels.shape[1]:
             return self
         codes = None if self.codes is None else self.codes[:, chosen]
-        return self._replace(kernels=self.kernels[:, chosen[:, None], chosen], codes=codes)
+        # One axis after the other takes a quarter of the time.
+        return self._replace(kernels=self.kernels[:, chosen].take(chosen, axis=2), codes=codes)
 
     def with_codes(self, points: np.ndarray, visible: np.ndarray) -> "ModelKernels":
         """Return the same with the codes, which are computed if they are not known; without them if too large.

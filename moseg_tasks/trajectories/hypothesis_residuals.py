@@ -80,7 +80,8 @@ class HypothesisResiduals:
         """Return the codes of one set."""
         seen = np.flatnonzero(self.is_seen[index])
         if self._all:
-            return SetCodes(seen, self._all[0][index, seen, self._columns])
+            codes = self._all[0][index, :, self._columns]
+            return SetCodes(seen, codes if len(seen) == len(codes) else codes[seen])
         return SetCodes(seen, self._compute(index, seen, self._columns))
 
     def all_codes(self) -> np.ndarray | None:
@@ -121,7 +122,9 @@ class HypothesisResiduals:
     def _of_tracks(self, tracks: np.ndarray, columns: slice) -> np.ndarray:
         codes = np.full((len(self.is_seen), len(tracks), columns.stop - columns.start), NOT_SEEN, np.uint16)
         for index, (found, is_seen) in enumerate(zip(codes, self.is_seen[:, tracks], strict=True)):
-            found[is_seen] = self._compute(index, tracks[is_seen], columns)
+            # Assignment to a slice takes half the time of that to a mask.
+            own = slice(None) if is_seen.all() else is_seen
+            found[own] = self._compute(index, tracks[own], columns)
         return codes
 
     def _compute(self, index: int, tracks: np.ndarray, columns: slice) -> np.ndarray:
@@ -129,7 +132,7 @@ class HypothesisResiduals:
         # Distances that overflow single precision count as the largest.
         with np.errstate(over="ignore", invalid="ignore"):
             squared = self._model.residual(self._hypotheses.parameters[index, columns], data, np.float32)
-        return np.ascontiguousarray(distance_codes(squared).T)
+        return distance_codes(squared).T
 
 
 def distance_codes(squared: np.ndarray) -> np.ndarray:

@@ -71,9 +71,17 @@ def _members(pieces: np.ndarray, max_tracks: int) -> np.ndarray:
     for piece, row in enumerate(chosen):
         own = np.flatnonzero(pieces == piece)
         if len(own) > max_tracks:
-            own = own[np.linspace(0, len(own) - 1, max_tracks).round().astype(int)]
+            own = own[_evenly_spaced(len(own), max_tracks)]
         row[: len(own)] = own
     return chosen
+
+
+@lru_cache(maxsize=4096)
+def _evenly_spaced(length: int, count: int) -> np.ndarray:
+    """Return `count` indices below `length`, from the first to the last: int (count,), read-only."""
+    indices = np.linspace(0, length - 1, count).round().astype(int)
+    indices.flags.writeable = False
+    return indices
 
 
 def _lower_medians(residual: HypothesisResiduals, chosen: np.ndarray, seen: np.ndarray) -> np.ndarray:
