@@ -82,7 +82,8 @@ class HypothesisResiduals:
         if self._all:
             codes = self._all[0][index, :, self._columns]
             return SetCodes(seen, codes if len(seen) == len(codes) else codes[seen])
-        return SetCodes(seen, self._compute(index, seen, self._columns))
+        # Selection along the last axis takes longer in another memory order.
+        return SetCodes(seen, np.ascontiguousarray(self._compute(index, seen, self._columns)))
 
     def all_codes(self) -> np.ndarray | None:
         """Return the codes uint16 (S, N, H) of all trajectories, which are computed once; None if they are too large.
@@ -128,6 +129,7 @@ class HypothesisResiduals:
         return codes
 
     def _compute(self, index: int, tracks: np.ndarray, columns: slice) -> np.ndarray:
+        """Return the codes uint16 (T, H) of trajectories int (T,) in one set that shows them, transposed in memory."""
         data = Correspondences(self._points[tracks[:, None], self._hypotheses.frames[index]])
         # Distances that overflow single precision count as the largest.
         with np.errstate(over="ignore", invalid="ignore"):
