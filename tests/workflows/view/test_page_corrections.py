@@ -160,9 +160,11 @@ def test_the_result_follows_a_slider_and_a_gesture_is_one_step(serve_video, open
     file = result.out / "corrections.yaml"
     page.wait_until("document.getElementById('saved').textContent.includes('1 setting saved')")
     page.mouse.up()
-    # The slider sends values while it moves: wait until the last one is in force, which is listed, settings too.
+    # The slider sends values while it moves: wait until the last one is in force.
     chosen = float(slider.input_value())
     assert chosen > 0.9
+    page.wait_until(f"{VALUES}.then((found) => found[1] === {chosen})")
+    # What is in force is listed, settings too.
     listed = "document.querySelector('ul[aria-label=settings]')?.textContent"
     page.wait_until(f"{listed} === 'clustering.threshold: {chosen}'")
     assert read_corrections(str(file)).settings == {"clustering.threshold": chosen}
