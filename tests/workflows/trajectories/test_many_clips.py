@@ -10,6 +10,7 @@ from moseg.store import open_store
 from moseg.workflows.cluster.runners import SynchronousRunner
 from moseg.workflows.runlog.status import list_runs, read_status
 from moseg.workflows.stages import registry
+from moseg.workflows.stages.array_cache import ARRAYS
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 
@@ -63,6 +64,10 @@ def _manifests(path):
 
 def test_many_clips_take_one_call_each_and_give_what_they_give_alone(many, moseg, tmp_path, drawn):
     together = _evaluate(moseg, many, tmp_path / "together")
+    # The arrays of a clip leave memory with its call.
+    store = open_store(str(tmp_path / "together"))
+    arrays = [(ref, array.name) for ref in store.refs() for array in store.manifest(ref).arrays]
+    assert arrays and all(ARRAYS.find(store.url, *each) is None for each in arrays)
     assert drawn == [OF_A_CLIP] * len(NAMES)
     assert together["store"]["computed"] == len(NAMES) * (OF_A_CLIP + 2)
     drawn.clear()
