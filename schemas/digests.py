@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from hashlib import blake2b, sha256
 
 import numpy as np
@@ -20,6 +20,18 @@ def digest_bytes(domain: str, *parts: bytes | memoryview) -> str:
         view = memoryview(part).cast("B")
         state.update(view.nbytes.to_bytes(8, "little"))
         state.update(view)
+    return state.hexdigest()
+
+
+def digest_blocks(domain: str, num_bytes: int, blocks: Iterable[bytes]) -> str:
+    """Return `digest_bytes` of one part, which comes in blocks; raise ValueError if these are not `num_bytes` long."""
+    state = blake2b(num_bytes.to_bytes(8, "little"), digest_size=DIGEST_BYTES, person=domain_tag(domain))
+    num_read = 0
+    for block in blocks:
+        state.update(block)
+        num_read += len(block)
+    if num_read != num_bytes:
+        raise ValueError(f"{num_read} instead of {num_bytes} bytes")
     return state.hexdigest()
 
 

@@ -8,7 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from moseg.schemas.digests import canonical_json, digest_array, digest_bytes, digest_json, domain_tag, hash_array
+from moseg.schemas.digests import (
+    canonical_json,
+    digest_array,
+    digest_blocks,
+    digest_bytes,
+    digest_json,
+    domain_tag,
+    hash_array,
+)
 
 OF_ARRAYS = pytest.mark.parametrize("digest", [partial(digest_array, "golden"), hash_array])
 SCALARS = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text()
@@ -34,6 +42,18 @@ def test_digest_is_blake2b_of_length_prefixed_parts_under_the_domain():
     expected = blake2b(digest_size=32, person=b"moseg:golden")
     expected.update((2).to_bytes(8, "little") + b"ab" + (1).to_bytes(8, "little") + b"c")
     assert digest_bytes("golden", b"ab", b"c") == expected.hexdigest()
+
+
+@pytest.mark.parametrize("blocks", [[], [b""], [b"abc"], [b"a", b"", b"bc"]])
+def test_blocks_of_one_part_have_its_digest(blocks):
+    part = b"".join(blocks)
+    assert digest_blocks("golden", len(part), blocks) == digest_bytes("golden", part)
+
+
+@pytest.mark.parametrize("num_bytes", [2, 4])
+def test_blocks_of_another_length_are_refused(num_bytes):
+    with pytest.raises(ValueError, match=f"3 instead of {num_bytes} bytes"):
+        digest_blocks("golden", num_bytes, [b"a", b"bc"])
 
 
 def test_parts_and_domains_do_not_run_together():

@@ -1,13 +1,14 @@
 """Files as bytes: read, digested and listed in natural order."""
 
-import mmap
 import os
 import re
+from functools import partial
 
-from moseg.schemas.digests import digest_bytes
+from moseg.schemas.digests import digest_blocks
 from moseg.schemas.errors import InputError, MissingInputError
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
+BLOCK_BYTES = 2**20
 
 
 def read_bytes(path: str) -> bytes:
@@ -20,15 +21,25 @@ def read_bytes(path: str) -> bytes:
 
 
 def digest_file(path: str) -> str:
-    """Return the digest of a file's bytes, which are mapped rather than read so that long videos fit."""
+    """Return the digest of a file's bytes, which are read in blocks so that long videos fit.
+
+    They are not mapped into memory: a file that another program shortens meanwhile, or a disk that fails, would end
+    the process by a signal.
+
+    Raises
+    ------
+    MissingInputError, InputError
+        The file cannot be read, or becomes longer or shorter meanwhile.
+    """
     try:
-        with open(path, "rb") as file:
-            if os.fstat(file.fileno()).st_size == 0:
-                return digest_bytes("file", b"")
-            with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
-                return digest_bytes("file", content)
+        with open(path, "rb", buffering=0) as file:
+            num_bytes = os.fstat(file.fileno()).st_size
+            return digest_blocks("file", num_bytes, iter(partial(file.read, BLOCK_BYTES), b""))
     except OSError as error:
         raise unreadable(path, error) from error
+    except ValueError as error:
+        expected = "a file that no other program writes to"
+        raise InputError("file changes while it is read", where=path, got=error, expected=expected) from error
 
 
 def unreadable(path: str, error: OSError) -> InputError:
