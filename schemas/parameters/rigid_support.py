@@ -14,7 +14,8 @@ class RigidSupportParams(Frozen):
     use: Literal["auto", "always", "never"] = Field(
         "auto",
         description="where objects are compared with a rigid scene: where they come from dense tracks, and in stretches"
-        " whose depth shows by parallax, with --proposals auto (auto), in the whole video (always) or nowhere (never)",
+        " whose depth shows by parallax, with --proposals auto or motion-prompts (auto), in the whole video (always) or"
+        " nowhere (never)",
     )
     step: Annotated[int, Unit.FRAMES] = Field(
         4,
