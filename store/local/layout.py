@@ -12,7 +12,7 @@ class Layout:
     """Folders of a store::
 
     moseg-store.json                    format marker
-    objects/<task>/<ab>/<key>/          one artifact: a Zarr v3 group and its manifest
+    objects/<task>/<ab>/<key>/          one artifact: arrays.zip, a Zarr v3 group, and its manifest
     staging/<space>-<pid>-<id>/         unfinished puts and removals
     quarantine/<task>-<key>-<id>/       damaged artifacts, each with a reason
     pins/<run>.json                     what runs need

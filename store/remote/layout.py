@@ -4,16 +4,16 @@
 
     moseg-store.json                               format marker
     objects/<task>/<ab>/<key>/manifest.json        the manifest: an artifact is stored if and only if it exists
-    payloads/<task>/<ab>/<key>/<attempt>/          its files, a Zarr v3 group
+    payloads/<task>/<ab>/<key>/<attempt>/          arrays.zip, a Zarr v3 group
     aside/<task>/<ab>/<key>.json                   manifest of an artifact that a collection is about to delete
     quarantine/<task>-<key>-<id>/                  damaged artifacts, each with a reason
     pins/<run>.json                                what runs need
     logs/<run>/<space>-<pid>-<id>-<n>.jsonl        what happened in a run, an object for each append
 
-Manifests have a tree of their own, so that a listing of artifacts does not list their files: a page of a thousand
-names holds a thousand artifacts; beside their files it would hold fifty. An attempt, ``<space>-<pid>-<id>``, is one put
-by one process. The manifest names it, so two writers at the same time never mix their files, and the files of one that
-is killed or comes second belong to no artifact.
+An artifact of very many or very large chunks has the files of its group in place of ``arrays.zip``. Manifests have a
+tree of their own, so that a listing of artifacts does not list these files. An attempt, ``<space>-<pid>-<id>``, is one
+put by one process. The manifest names it, so two writers at the same time never mix their files, and the files of one
+that is killed or comes second belong to no artifact.
 """
 
 from moseg.schemas.errors import MissingStoreError, StoreChoiceError, StoreError

@@ -90,7 +90,7 @@ def segment_video(
     sensitivity : float, optional
         Divisor of the evidence that a moving object of dense tracks, or one that is compared with a rigid scene, needs;
         1 by default. A larger one finds more, and more that does not move. Read where ``proposal_source`` is ``auto``,
-        as it is by default, or ``tracks``.
+        as it is by default, ``tracks`` or ``motion-prompts``.
     variant : Variant or str
         Row of the paper's ablation: fused, oc-depth, oc, trajs or base.
     corrections : Corrections, mapping, list of edits or path, optional

@@ -58,7 +58,8 @@ class PipelineOptions:
         typer.Option(
             "--sensitivity",
             help="Divisor of the evidence against a rigid scene that a moving object needs: a larger one finds more,"
-            f" and more that does not move; with --proposals auto or tracks (default: {_SENSITIVITY:g}).",
+            " and more that does not move; with --proposals auto, tracks or motion-prompts (default:"
+            f" {_SENSITIVITY:g}).",
             metavar="NUMBER",
         ),
     ] = None

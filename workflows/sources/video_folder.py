@@ -6,7 +6,11 @@ from pathlib import Path
 from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.sources.files import IMAGE_SUFFIXES, list_files
 
-VIDEO_SUFFIXES = (".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm", ".mpg", ".mpeg", ".ogv", ".wmv")
+VIDEO_SUFFIXES = (
+    *(".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi", ".mpg", ".mpeg", ".ts", ".mts", ".m2ts"),
+    *(".3gp", ".flv", ".mxf", ".ogv", ".vob", ".wmv", ".y4m"),
+)
+"""Suffixes by which a file of a folder is taken for a video; not those of kinds that are often no video, as GIF."""
 RESULTS = ("motion.json", "masks", "overlay.mp4")
 """Names of the results of `moseg segment` in a folder; the first is there if the others are."""
 
