@@ -33,6 +33,7 @@ import numpy as np
 from engine.memory_inputs import Artifact, MemoryInputs
 from joblib.externals.loky import get_reusable_executor
 
+from moseg.schemas.arrays import round_arrays
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.recipes import Recipe
 from moseg.schemas.scores import SequenceScore
@@ -44,7 +45,8 @@ from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.evaluate import evaluate
 from moseg.workflows.pipelines.leaves import FRAMES_PER_JOB, ingest_sequences
 from moseg.workflows.process.resources import pin_threads
-from moseg.workflows.stages.registry import find_task
+from moseg.workflows.sources import MotionWeights
+from moseg.workflows.stages.registry import find_task, layouts_of
 
 
 class Step(NamedTuple):
@@ -58,11 +60,13 @@ class Step(NamedTuple):
 
 
 class Script(NamedTuple):
-    """Calls of one sequence by joblib: the names of the decoded content, the steps and the score's name."""
+    """Calls of one sequence by joblib: its decoded content and the names of that, the steps and the score's name."""
 
     source: SequenceSource
     frames: tuple[str, ...]
     annotation: str
+    network: MotionWeights
+    motion_weights: str
     steps: tuple[Step, ...]
     score: str
 
@@ -112,7 +116,10 @@ def write_scripts(sources: Sequence[SequenceSource], config: PipelineConfig, roo
             score = graph.score(Variant.FUSED)
             plan = make_plan(session.store, graph.recipes, [score, *graph.cues()])
             steps = tuple(map(_write_step, plan.compute.values()))
-            scripts.append(Script(source, leaves.frames, leaves.annotation, steps, score))
+            network = MotionWeights(config.motion_network.weights)
+            scripts.append(
+                Script(source, leaves.frames, leaves.annotation, network, leaves.motion_weights, steps, score)
+            )
     return scripts
 
 
@@ -160,8 +167,12 @@ def run_script(root: str, script: Script) -> dict:
     compute = memory.cache(run_step, ignore=["key"])
     decode = memory.cache(decode_frames, ignore=["source"])
     decode_truth = memory.cache(decode_annotation, ignore=["source"])
-    truth = script.source.annotations
-    values: dict[str, Artifact] = {script.annotation: decode_truth(truth.fingerprint(), truth)}
+    decode_network = memory.cache(decode_weights, ignore=["source"])
+    truth, network = script.source.annotations, script.network
+    values: dict[str, Artifact] = {
+        script.annotation: decode_truth(truth.fingerprint(), truth),
+        script.motion_weights: decode_network(network.fingerprint(), network),
+    }
     images = []
     for chunk in script.source.frames.chunks(FRAMES_PER_JOB):
         images.extend(decode(chunk.fingerprint(), chunk))
@@ -180,7 +191,7 @@ def run_step(task: str, params: dict, inputs: dict, key: str) -> Artifact:
     params = dict(params)
     found = find_task(task, params.pop("method"))
     (output,) = found.compute(params, [MemoryInputs(inputs)], [seeded_generator(key)])
-    return dict(output.arrays), dict(output.attributes)
+    return round_arrays(output.arrays, layouts_of(task)), dict(output.attributes)
 
 
 def decode_frames(fingerprint: str, source) -> list[np.ndarray]:
@@ -192,6 +203,11 @@ def decode_annotation(fingerprint: str, source) -> Artifact:
     """Decode the ground truth of a sequence, as ingest stores it."""
     indices, masks = zip(*source.read(), strict=True)
     return {"masks": np.stack(masks)}, {"indices": list(map(int, indices))}
+
+
+def decode_weights(fingerprint: str, source: MotionWeights) -> Artifact:
+    """Decode a motion network; `fingerprint` is the digest of its file's bytes."""
+    return {"onnx": source.read()}, {}
 
 
 def _write_step(recipe: Recipe) -> Step:

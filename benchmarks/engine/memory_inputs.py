@@ -5,21 +5,41 @@ from typing import Any
 
 import numpy as np
 
+from moseg.schemas.digests import hash_array
+
 Artifact = tuple[Mapping[str, np.ndarray], Mapping[str, Any]]
 """Arrays and attributes of one result."""
 
 
 class MemoryView:
-    """Artifact in memory, with the interface of `moseg.workflows.stages.inputs.ArtifactView`."""
+    """Artifact in memory, with the interface of `moseg.workflows.stages.inputs.ArtifactView`.
+
+    It keeps nothing for other tasks: what several tasks derive from an array is computed by each.
+    """
 
     def __init__(self, artifact: Artifact):
         self._arrays, self._attributes = artifact
+
+    @property
+    def ref(self) -> str:
+        """Name of the artifact that follows from its arrays, which are digested."""
+        return "/".join(hash_array(self._arrays[name]) for name in sorted(self._arrays))
 
     def array(self, name: str) -> np.ndarray:
         """Return the whole array."""
         return self._arrays[name]
 
     cached = array
+
+    def derived(self, name: str, variant: str, derive: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """Return what `derive` makes of an array."""
+        return derive(self._arrays[name])
+
+    def find_kept(self, name: str) -> None:
+        """Return None: no task keeps anything for the next."""
+
+    def keep(self, name: str, array: np.ndarray) -> None:
+        """Keep nothing."""
 
     def rows(self, name: str, start: int, stop: int) -> np.ndarray:
         """Return rows start..stop of the leading axis."""
