@@ -7,7 +7,9 @@ that of the engine, not of the arrays. The pipeline has all default parameters.
 *Plans.* A plan leads from given leaves (the digests of decoded frames) to the list of tasks to compute: it writes the
 recipes of every sequence, digests them to keys, and looks them up in the store. Printed are seconds
 of a cold plan, on an empty store, and of a warm one, on a store that holds all sinks (the scores and the cues that an
-evaluation asks for); and of the pin that protects a cold plan's artifacts from a collection. Leaves are made up.
+evaluation asks for); and of the pin that protects a cold plan's artifacts from a collection. Then: inputs that a recipe
+has on average, the memory of the plan (made again, while Python counts what it allocates), and the names in its pin and
+their size. Leaves are made up.
 
 *Calls.* Functions that do nothing are run through a scheduler by one worker. Printed are the processor's time of each
 process for a call, and how much larger each became.
@@ -25,6 +27,7 @@ import shutil
 import sys
 import tempfile
 import time
+import tracemalloc
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -70,8 +73,10 @@ def main() -> int:
 
 def report_plans(shapes: Sequence[tuple[int, int]], scratch: Path) -> None:
     """Print seconds of plans; targets for 10,000 pairs are 5 s cold and 1 s warm."""
-    print("| pairs | videos | nodes | sinks | cold plan | of it look-ups | its pin | warm plan | of it look-ups |")
-    print("|---|---|---|---|---|---|---|---|---|", flush=True)
+    head = ("pairs", "videos", "nodes", "sinks")
+    head += ("cold plan", "of it look-ups", "its pin", "warm plan", "of it look-ups")
+    head += ("inputs a recipe", "memory a pair", "names in its pin", "bytes a name")
+    print(f"| {' | '.join(head)} |\n|{'---|' * len(head)}", flush=True)
     for num_videos, per_video in shapes:
         store = LocalStore(scratch / f"plan-{num_videos}x{per_video}")
         leaves = [make_up_leaves(video, per_video) for video in range(num_videos)]
@@ -79,9 +84,14 @@ def report_plans(shapes: Sequence[tuple[int, int]], scratch: Path) -> None:
         start = time.perf_counter()
         store.pin("benchmark", plan.touched(), lease_seconds=LEASE_SECONDS)
         pin = time.perf_counter() - start
+        num_pairs, names = num_videos * per_video, len(plan.touched())
+        pin_bytes = sum(path.stat().st_size for path in (Path(store.url) / "pins").iterdir())
+        inputs = sum(len(recipe.input_refs()) for recipe in plan.compute.values()) / len(plan.compute)
+        memory = plan_memory(store, num_videos, per_video)
+        sizes = f"{inputs:.1f} | {memory / num_pairs / 1024:.1f} KiB | {names} | {pin_bytes / names:.0f}"
         for ref in sinks:
             store.put(plan.compute[ref], {}, dims={})
-        counts = f"{num_videos * per_video} | {num_videos} | {len(plan.compute)} | {len(sinks)}"
+        counts = f"{num_pairs} | {num_videos} | {len(plan.compute)} | {len(sinks)}"
         # A process that plans once has no other plan for the garbage collector to traverse.
         del plan
         gc.collect()
@@ -89,7 +99,19 @@ def report_plans(shapes: Sequence[tuple[int, int]], scratch: Path) -> None:
         if again.compute:
             raise ValueError("a warm plan must be empty")
         times = " | ".join(f"{seconds:.2f} s" for seconds in (cold, cold_look, pin, warm, warm_look))
-        print(f"| {counts} | {times} |", flush=True)
+        print(f"| {counts} | {times} | {sizes} |", flush=True)
+
+
+def plan_memory(store: LocalStore, num_videos: int, per_video: int) -> int:
+    """Return the bytes that Python allocates for a plan, for its leaves and for its recipes, and does not free."""
+    gc.collect()
+    tracemalloc.start()
+    kept = plan_timed(store, [make_up_leaves(video, per_video) for video in range(num_videos)])
+    gc.collect()
+    nbytes = tracemalloc.get_traced_memory()[0]
+    tracemalloc.stop()
+    del kept
+    return nbytes
 
 
 def plan_timed(store: LocalStore, leaves: Sequence[SequenceLeaves]) -> tuple[Plan, list[str], float, float]:
