@@ -55,10 +55,11 @@ class GroupMean(TrajectoryMean):
     num_published: int
 
 
-class SeedMean(Frozen):
-    """Figures of one seed over all clips."""
+class SeedScores(Frozen):
+    """Scores of one seed: one per clip, and their mean."""
 
     seed: int
+    sequences: dict[str, TrajectoryScore]
     mean: TrajectoryMean
 
 
@@ -71,8 +72,8 @@ class TrajectoryRow(Frozen):
         Each figure is the mean over seeds if several were requested.
     groups : dict of str to GroupMean, or None
         Figures of each group of clips that papers report, if the data set has groups; means over seeds too.
-    seeds : tuple of SeedMean, or None
-        Figures of each seed.
+    seeds : tuple of SeedScores, or None
+        Scores of each seed.
     spread : float or None
         Sample standard deviation of the mean error over seeds, percent; 0 for a single one.
     """
@@ -81,7 +82,7 @@ class TrajectoryRow(Frozen):
     sequences: dict[str, TrajectoryScore]
     mean: TrajectoryMean
     groups: dict[str, GroupMean] | None = None
-    seeds: tuple[SeedMean, ...] | None = None
+    seeds: tuple[SeedScores, ...] | None = None
     spread: float | None = None
 
 
@@ -114,7 +115,7 @@ def average_seeds(variant: str, by_seed: dict[int, dict[str, TrajectoryScore]]) 
         variant=variant,
         sequences={name: _average_score(scores) for name, scores in per_clip.items()},
         mean=_average_means(list(means.values())),
-        seeds=tuple(SeedMean(seed=seed, mean=mean) for seed, mean in means.items()),
+        seeds=tuple(SeedScores(seed=seed, sequences=scores, mean=means[seed]) for seed, scores in by_seed.items()),
         spread=_spread([mean.error for mean in means.values()]),
     )
 

@@ -121,7 +121,10 @@ def rounded(value: Any) -> Any:
 def _kept(row: dict[str, Any]) -> dict[str, Any]:
     """Return a variant's row without the scores that no page shows."""
     sequences = {name: _scores(score) for name, score in row["sequences"].items()}
-    return row | {"sequences": sequences, "mean": _scores(row["mean"])}
+    kept = row | {"sequences": sequences, "mean": _scores(row["mean"])}
+    if "seeds" in row:
+        kept["seeds"] = [{name: entry[name] for name in ("seed", "mean")} for entry in row["seeds"]]
+    return kept
 
 
 def _scores(score: dict[str, float]) -> dict[str, float]:

@@ -86,6 +86,7 @@ def test_seeds_are_averaged_and_their_spread_is_told(evaluate):
         assert row["mean"][figure] == pytest.approx(np.mean([entry["mean"][figure] for entry in row["seeds"]]))
     for name, score in row["sequences"].items():
         alone = [evaluate(*options, "--seed", seed)[0]["rows"][0]["sequences"][name] for seed in range(3)]
+        assert [entry["sequences"][name] for entry in row["seeds"]] == alone
         assert score["error"] == pytest.approx(np.mean([each["error"] for each in alone]))
         assert set(score) == {"error", "num_motions", "num_motions_true"}
 
