@@ -7,7 +7,7 @@ depend less on what else runs on the machine. ``one by two`` is how many times f
 compiled beforehand, as `pip` does when it installs them.
 
 ``--stand-ins 39310`` evaluates the official list of each set too, with so many trajectories in all: sequences that are
-not on disk are replaced by others, with a part of their trajectories (`stand_ins.write_stand_ins`).
+not on disk are replaced by others, with a part of their trajectories (`sequence_stand_ins.write_stand_ins`).
 """
 
 import argparse
@@ -23,7 +23,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from stand_ins import write_stand_ins
+from sequence_stand_ins import write_stand_ins
 
 import moseg.schemas
 import moseg.store

@@ -79,7 +79,8 @@ def _trajectory_sizes() -> Rows:
 
 
 def _trajectory_speed() -> Rows:
-    texts = {"gt": "number given", "auto": "number found", "all": "number given, with stand-ins"}
+    motions = {"gt": "number given", "auto": "number found"}
+    texts = motions | {f"whole-{key}": f"{text}, with stand-ins" for key, text in motions.items()}
     units = ("sequences:d", "seconds", "cpu", "two", "ratio:.2f")
     rows = [(text, *(f"{{trajectory-speed/hopkins155-{key}/{unit}}}" for unit in units)) for key, text in texts.items()]
     head = ("Hopkins155", "sequences", "seconds", "of the processor", "with two workers", "times faster")
