@@ -6,21 +6,21 @@ from moseg.schemas.recipes import Recipe
 
 
 def split_brief_clips(
-    recipes: Mapping[str, Recipe], is_brief: Callable[[Recipe], bool], least: int
+    recipes: Mapping[str, Recipe], is_brief: Callable[[Recipe], bool], min_clips: int
 ) -> tuple[list[list[Recipe]], dict[str, Recipe]]:
     """Split a plan into clips, each of which one call computes, and the rest.
 
     A clip is a part of the plan that neither reads results of the rest nor is read by it, and of which every recipe is
     brief. One call for it saves the scheduler's time, and later recipes find what earlier ones have kept in the same
-    process. With fewer clips than `least` there are none: their recipes are then divided among the workers.
+    process. With fewer clips than `min_clips` there are none: their recipes are then divided among the workers.
 
     Parameters
     ----------
     recipes : mapping of reference to recipe
         In an order in which each follows its inputs.
     is_brief : function of a recipe
-    least : int
-        Number of clips from which on all workers have work with a clip each until the end.
+    min_clips : int
+        Number of clips with which no worker is without work for long, although each call takes a whole clip.
 
     Returns
     -------
@@ -32,7 +32,7 @@ def split_brief_clips(
     if not any(map(is_brief, recipes.values())):
         return [], dict(recipes)
     clips = [part for part in _independent_parts(recipes) if all(map(is_brief, part))]
-    if len(clips) < least:
+    if len(clips) < min_clips:
         return [], dict(recipes)
     taken = {recipe.ref for clip in clips for recipe in clip}
     return clips, {ref: recipe for ref, recipe in recipes.items() if ref not in taken}
