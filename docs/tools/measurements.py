@@ -204,6 +204,10 @@ def _trajectories() -> dict[str, str]:
         for motions in ("gt", "auto"):
             data = f"--dataset {name} {DATA[name].arguments} --seeds 5"
             commands[f"{name}-{motions}"] = f"moseg eval {data} --motions {motions}"
+    # A few of the sequences decide its mean, and each has other groupings under other seeds.
+    for motions in ("gt", "auto"):
+        data = f"--dataset hopkins155 {DATA['hopkins155'].arguments} --seeds 15"
+        commands[f"hopkins155-{motions}-15-seeds"] = f"moseg eval {data} --motions {motions}"
     return commands
 
 
