@@ -1,4 +1,4 @@
-"""Benchmarks run rarely: these tests tell when what they import is no longer there."""
+"""Imports of the benchmarks, which run so rarely that a missing name is noticed late, and artifacts in memory."""
 
 import subprocess
 import sys
