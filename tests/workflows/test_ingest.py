@@ -113,6 +113,18 @@ def test_a_missing_leaf_is_ingested_again(folder, ingest, tmp_path):
     assert store.manifest(before["leaves"][0]) == kept
 
 
+def test_the_memory_of_other_leaves_is_replaced(folder, ingest, tmp_path):
+    source = _frames(folder / "frames")
+    (before,), _ = ingest("frame", source)
+    store, recipe = _store(tmp_path), IngestJob("frame", source).recipe
+    store.remove(recipe.ref)
+    # Of a leaf that is in no store.
+    store.put(recipe, {}, {**before, "leaves": [f"frame/{'0' * 64}"]})
+    (after,), num_decoded = ingest("frame", source)
+    assert after == store.attributes(recipe.ref) == before
+    assert num_decoded == 1
+
+
 def test_a_preview_names_the_leaves_and_stores_nothing(folder, ingest, tmp_path):
     frames = _frames(folder / "frames")
     masks = open_masks(str(folder / "masks"), frames)

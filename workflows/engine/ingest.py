@@ -47,8 +47,10 @@ def run_ingest(store: ArtifactStore, batch: Sequence[tuple[IngestJob, Recipe]]) 
         started = time.perf_counter()
         attributes = _LEAVES[job.kind](partial(_put_leaf, store, job.kind), job.source)
         # Another process may have remembered the same by now, and a third may be reading it.
-        if _recall(store, recipe.ref) != attributes:
-            store.remove(recipe.ref)
+        known = _recall(store, recipe.ref)
+        if known != attributes:
+            if known is not None:
+                store.remove(recipe.ref)
             store.put(recipe, {}, attributes, seconds=time.perf_counter() - started)
         remembered[recipe.ref] = attributes
     return remembered
