@@ -4,8 +4,8 @@ In a page, ``<!--=NAME/PATH-->77.5<!--/-->`` holds one figure and ``<!--table NA
 `result_tables`. The text between the markers is generated. NAME is a measurement or a file of a separate measurement,
 PATH leads to a number in it, and ``:.0f`` after it sets its format (``.1f`` by default):
 
-- of scores ``fused/J`` is a variant's mean, ``fused/J@dog`` a sequence's, ``fused/J#least`` the minimum over sequences,
-  ``fused/J#lowest`` the three lowest with their names;
+- of scores ``fused/J`` is a variant's mean, ``fused/J@dog`` that of a sequence or of a group of sequences,
+  ``fused/J#least`` the minimum over sequences, ``fused/J#lowest`` the three lowest with their names;
 - ``sequences`` is the number of scored sequences;
 - ``seconds`` is the time of the whole command, ``seconds_a_frame`` a share of it;
 - in every other file a path consists of the keys to the number.
@@ -97,7 +97,7 @@ class Figures:
             found = sorted((each[score], name) for name, each in row["sequences"].items())
             lowest = ", ".join(f"`{name}` {value:.1f}" for value, name in found[:NUM_LOWEST])
             return {"least": found[0][0], "lowest": lowest}[over]
-        return (row["sequences"][sequence] if sequence else row["mean"])[score]
+        return (row["sequences"] | row.get("groups", {}))[sequence][score] if sequence else row["mean"][score]
 
     def _read_file(self, name: str) -> dict[str, Any] | None:
         """Return the content of the file of a name; None if a measurement has no file yet."""

@@ -71,7 +71,7 @@ def rerun(measurement: Measurement, roots: Mapping[str, str], store: Path, folde
     said = {"name": measurement.name, "command": measurement.command, "seconds": round(seconds, 1)}
     result = json.loads(written.read_text(encoding="utf-8"))
     if "rows" in result:
-        result["rows"] = [_kept(row) for row in result["rows"]]
+        result["rows"] = [kept(row) for row in result["rows"]]
         said["parameters"] = parameters(measurement)
     return said | {"moseg": version("moseg"), "result": rounded(result)}
 
@@ -118,13 +118,13 @@ def rounded(value: Any) -> Any:
     return value
 
 
-def _kept(row: dict[str, Any]) -> dict[str, Any]:
+def kept(row: dict[str, Any]) -> dict[str, Any]:
     """Return a variant's row without the scores that no page shows."""
     sequences = {name: _scores(score) for name, score in row["sequences"].items()}
-    kept = row | {"sequences": sequences, "mean": _scores(row["mean"])}
+    found = row | {"sequences": sequences, "mean": _scores(row["mean"])}
     if "seeds" in row:
-        kept["seeds"] = [{name: entry[name] for name in ("seed", "mean")} for entry in row["seeds"]]
-    return kept
+        found["seeds"] = [{name: entry[name] for name in ("seed", "mean")} for entry in row["seeds"]]
+    return found
 
 
 def _scores(score: dict[str, float]) -> dict[str, float]:

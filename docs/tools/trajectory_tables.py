@@ -65,6 +65,16 @@ def _data_sets() -> Rows:
         )
         for name, text in texts.items()
     ]
+    group = "two and three motions"
+    as_in_papers = (
+        f"of these, {{hopkins155-gt/fused/num_sequences@{group}:d}} that papers report",
+        *(f"{{hopkins155-gt/fused/{score}@{group}:.2f}}" for score in ("error", "median_error")),
+        "–",
+        f"{{hopkins155-auto/fused/error@{group}:.2f}}",
+        "–",
+        f"{{hopkins155-auto/fused/num_motions_correct@{group}:.0f}}",
+    )
+    rows.insert(1, as_in_papers)
     given = ("number given", "median", "spread over seeds")
     return [("wrong trajectories, percent", *given, "number found", "spread over seeds", "right number"), *rows]
 

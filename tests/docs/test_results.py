@@ -41,7 +41,8 @@ def tools():
 def folder(tmp_path):
     """Return a folder of results with a single measurement, of two sequences."""
     sequences = {"dog": {**SCORE, "J": 50.0}, "cows": {**SCORE, "J": 70.0}}
-    rows = [{"variant": "fused", "sequences": sequences, "mean": SCORE}]
+    groups = {"two animals": {"J": 55.0, "num_sequences": 2}}
+    rows = [{"variant": "fused", "sequences": sequences, "mean": SCORE, "groups": groups}]
     said = {"name": "davis-default", "seconds": 58.3, "result": {"dataset": "davis16", "rows": rows}}
     (tmp_path / "davis-default.json").write_text(json.dumps(said), encoding="utf-8")
     return tmp_path
@@ -80,6 +81,8 @@ def test_a_measurement_that_changes_is_noticed(tools, folder):
     [
         ("davis-default/fused/F", "70.0"),
         ("davis-default/fused/J@dog", "50.0"),
+        ("davis-default/fused/J@two animals", "55.0"),
+        ("davis-default/fused/num_sequences@two animals:d", "2"),
         ("davis-default/fused/J#least", "50.0"),
         ("davis-default/fused/J#lowest", "`dog` 50.0, `cows` 70.0"),
         ("davis-default/fused/J:.0f", "60"),
@@ -172,6 +175,14 @@ def test_data_folders_replace_their_placeholders(tools):
     words = tools.rerun.arguments(measurement, {"davis": "/data/DAVIS of mine"})
     assert words[words.index("--root") + 1] == "/data/DAVIS of mine"
     assert "DAVIS" in measurement.command
+
+
+def test_of_a_row_the_scores_that_pages_show_are_kept(tools):
+    score, groups = {"error": 2.0, "num_motions": 3}, {"two motions": {"error": 1.0}}
+    seeds = [{"seed": 0, "sequences": {"cars": {**score, "seconds": 1.0}}, "mean": score}]
+    row = {"sequences": {"cars": {**score, "seconds": 1.0}}, "mean": score, "spread": 0.1, "groups": groups}
+    found = tools.rerun.kept({**row, "seeds": seeds})
+    assert found == {**row, "sequences": {"cars": score}, "seeds": [{"seed": 0, "mean": score}]}
 
 
 def test_measurements_are_chosen_by_name_and_pattern_in_their_order(tools):
