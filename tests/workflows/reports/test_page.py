@@ -94,6 +94,30 @@ def test_frames_without_pictures_show_the_video_beside_the_mask(open_page):
     assert page.locator(".pane-caption").all_text_contents()[:2] == ["video", "mask"]
 
 
+def test_the_end_of_an_earlier_seek_is_not_taken_for_that_of_a_later_one(open_page):
+    page = open_page()
+    page.locator(".frame-slider").first.fill("5")
+    _shows(page, 5)
+    video = page.locator("video").first
+    # As under load: the end of a seek is reported while the next one has begun.
+    video.evaluate(
+        """async (video) => {
+          Object.defineProperty(video, "seeking", { value: true, configurable: true });
+          const ended = new Promise((resolve) => video.addEventListener("seeked", resolve, { once: true }));
+          const slider = document.querySelector(".frame-slider");
+          slider.value = 11;
+          slider.dispatchEvent(new Event("input"));
+          await ended;
+          for (let turn = 0; turn < 4; turn++) await new Promise(requestAnimationFrame);
+        }"""
+    )
+    frame_while_seeking = page.locator("canvas").first.get_attribute("data-frame")
+    video.evaluate("(video) => { delete video.seeking; video.dispatchEvent(new Event('seeked')); }")
+    _shows(page, 11)
+    assert frame_while_seeking == "5"
+    assert _pixel(page, 0, 50)[0] == pytest.approx(110, abs=5)
+
+
 def test_where_the_browser_cannot_decode_the_video_the_mask_is_shown(open_report, make_page):
     report = make_page("dog")
     panel = report.sequences[0]

@@ -185,7 +185,13 @@ document.documentElement.classList.add("js");
         video.pause();
         video.addEventListener("error", () => resolve(false), { once: true });
         const seek = () => {
-          video.addEventListener("seeked", () => resolve(true), { once: true });
+          // An earlier seek may still report its end, while the video shows the frame of that one.
+          const settle = () => {
+            if (video.seeking) return;
+            video.removeEventListener("seeked", settle);
+            resolve(true);
+          };
+          video.addEventListener("seeked", settle);
           video.currentTime = Math.min((frame + 0.5) / fps, video.duration);
         };
         if (video.readyState >= 1) seek();
