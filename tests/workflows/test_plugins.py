@@ -335,9 +335,10 @@ def test_only_the_sequence_that_an_error_is_about_is_named(run_with, site, write
         cv2.imwrite(str(path), np.zeros_like(cv2.imread(str(path))))
     data = ("eval", "--dataset", "folder", "--root", root, *CUES, "--flow", "farneback", "--quiet")
     runs = ((*data, "--batch", number, "--store", tmp_path / number) for number in ("1", "40"))
-    alone, together = run_with(*runs)
+    alone, together, status = run_with(*runs, ("status", "latest", "--store", tmp_path / "1"))
     assert (alone[0], alone[2]) == (2, "moseg: too dark in sequence second\n")
     assert (together[0], together[2]) == (2, "moseg: too dark\n")
+    assert ": too dark\nended by: too dark in sequence second\n" in status[1]
 
 
 @pytest.mark.parametrize(

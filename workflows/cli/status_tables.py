@@ -41,7 +41,7 @@ def status_view(status: RunStatus) -> RenderableType:
     parts += _degenerate(status.stages)
     parts += _troubles("quarantined and planned anew", status.quarantined)
     parts += _troubles("failed", status.failures)
-    if status.message is not None and not status.failures:
+    if status.message is not None and status.message not in [trouble.message for trouble in status.failures]:
         parts.append(_line("ended by", status.message))
     if status.num_unreadable:
         lines = f"{status.num_unreadable} line{'' if status.num_unreadable == 1 else 's'} of the log"

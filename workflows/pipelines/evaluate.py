@@ -102,5 +102,6 @@ def _score(
             panels.gather(session.store, graph, fps)
         return scores
 
-    with name_failed_sequence(recipes, sinks_of):
+    # Watched once more, so that the run's log ends with the error that has the name.
+    with session.log.watch(), name_failed_sequence(recipes, sinks_of):
         return session.compute(build, read)

@@ -78,7 +78,8 @@ def evaluate_trajectories(
             panels.gather(session.store, graph)
         return scores
 
-    with name_failed_sequence(recipes, sinks_of):
+    # Watched once more, so that the run's log ends with the error that has the name.
+    with session.log.watch(), name_failed_sequence(recipes, sinks_of):
         by_ref = session.compute(build, read)
     rows = []
     for variant in variants:
