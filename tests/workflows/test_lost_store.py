@@ -24,7 +24,7 @@ def _execute(url):
 
 def _ingest(url):
     job = IngestJob("frame", SceneFrames("ball"))
-    execute_ingest(url, [(job, RECIPE)], RUN)
+    execute_ingest(url, [[(job, RECIPE)]], RUN)
 
 
 @pytest.mark.parametrize("work", [_execute, _ingest])

@@ -1,13 +1,15 @@
-"""The calls that compute one phase of a plan: which recipes each of them takes."""
+"""The calls that decode sources or compute one phase of a plan: which jobs or recipes each of them takes."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import TypeVar
 
 from moseg.schemas.digests import canonical_json
 from moseg.schemas.recipes import Recipe
 from moseg.workflows.cluster.call import Call
 from moseg.workflows.cluster.runners import Runner
 from moseg.workflows.engine.brief_clips import split_brief_clips
-from moseg.workflows.engine.execution import execute_batches, execute_clip
+from moseg.workflows.engine.execution import execute_batches, execute_clip, execute_ingest
+from moseg.workflows.engine.ingest import IngestJob
 from moseg.workflows.engine.phases import network_of
 from moseg.workflows.stages.registry import find_task
 
@@ -17,6 +19,25 @@ CHEAP_PER_CALL = 24
 """Flows both ways and saliency of eight frames: a second of work, so that the scheduler's time is negligible."""
 CALLS_PER_WORKER = 8
 """Calls that each worker should get at least, so that all end at about the same time."""
+
+Item = TypeVar("Item")
+
+
+def make_ingest_calls(
+    missing: Mapping[str, tuple[IngestJob, Recipe]], runner: Runner, store_url: str, run_id: str
+) -> Iterator[Call]:
+    """Yield the calls that decode the sources of jobs, each with its recipe, by reference."""
+    batches: dict[str, list[tuple[IngestJob, Recipe]]] = {}
+    for ref, (job, recipe) in missing.items():
+        batches.setdefault(job.batch or ref, []).append((job, recipe))
+
+    def is_cheap(item: tuple[IngestJob, Recipe]) -> bool:
+        return item[0].is_cheap
+
+    num_cheap = sum(is_cheap(batch[0]) for batch in batches.values())
+    for joined in batch_cheap(batches.values(), is_cheap, _share(num_cheap, runner)):
+        name = _call_name(joined[0][0][1])
+        yield Call(name, execute_ingest, (store_url, tuple(map(tuple, joined)), run_id))
 
 
 def make_calls(
@@ -50,9 +71,8 @@ def make_calls(
         yield Call(_call_name(clip[0]), execute_clip, (store_url, tuple(clip), run_id))
 
     call_of: dict[str, str] = {}
-    # With little to do, no worker should wait for the long call of another.
-    share = sum(map(is_cheap, recipes.values())) // (CALLS_PER_WORKER * runner.num_workers())
-    for batches in batch_cheap(batch_recipes(recipes, size), is_cheap, min(max(share, 1), CHEAP_PER_CALL)):
+    share = _share(sum(map(is_cheap, recipes.values())), runner)
+    for batches in batch_cheap(batch_recipes(recipes, size), is_cheap, share):
         name = _call_name(batches[0][0])
         computed = [recipe for batch in batches for recipe in batch]
         parents = dict.fromkeys(
@@ -80,15 +100,15 @@ def batch_recipes(recipes: Mapping[str, Recipe], size: Callable[[Recipe], int]) 
 
 
 def batch_cheap(
-    batches: Iterable[list[Recipe]], is_cheap: Callable[[Recipe], bool], max_batches: int
-) -> Iterator[list[list[Recipe]]]:
+    batches: Iterable[list[Item]], is_cheap: Callable[[Item], bool], max_batches: int
+) -> Iterator[list[list[Item]]]:
     """Yield the batches that one call computes one after the other.
 
     Up to `max_batches` cheap ones that follow each other share a call, any other batch is alone. If the plan goes from
     frame to frame, a call so processes neighbouring frames, whose images and flows stay in its process. Calls follow
     those that they wait for as long as the batches do.
     """
-    joined: list[list[Recipe]] = []
+    joined: list[list[Item]] = []
     for batch in batches:
         if not is_cheap(batch[0]):
             if joined:
@@ -102,6 +122,11 @@ def batch_cheap(
             joined = []
     if joined:
         yield joined
+
+
+def _share(num_cheap: int, runner: Runner) -> int:
+    """Return how many cheap items share a call: with few in all, no worker should wait for the long call of another."""
+    return min(max(num_cheap // (CALLS_PER_WORKER * runner.num_workers()), 1), CHEAP_PER_CALL)
 
 
 def _call_name(first: Recipe) -> str:

@@ -74,18 +74,23 @@ def execute_clip(store_url: str, recipes: Sequence[Recipe], run_id: str | None =
     return reports
 
 
-def execute_ingest(store_url: str, batch: Sequence[tuple[IngestJob, Recipe]], run_id: str) -> dict[str, dict]:
-    """Decode a batch of sources, see `run_ingest`, and write the events to the log of `run_id`."""
+def execute_ingest(
+    store_url: str, batches: Sequence[Sequence[tuple[IngestJob, Recipe]]], run_id: str
+) -> dict[str, dict]:
+    """Decode batches of sources one after the other, see `run_ingest`, and write the events to the log of `run_id`."""
     store = open_store(store_url, create=False)
-    recipes = [recipe for _, recipe in batch]
+    remembered: dict[str, dict] = {}
     with EventLog(store, run_id) as log:
-        log.write(work_event(EventKind.STARTED, recipe.ref) for recipe in recipes)
-        with _logged_failures(log, recipes):
-            started = time.perf_counter()
-            remembered = run_ingest(store, batch)
-            seconds = (time.perf_counter() - started) / len(batch)
-        for recipe in recipes:
-            log.add(work_event(EventKind.COMPUTED, recipe.ref, seconds), work_event(EventKind.COMMITTED, recipe.ref))
+        log.write(work_event(EventKind.STARTED, recipe.ref) for batch in batches for _, recipe in batch)
+        for batch in batches:
+            recipes = [recipe for _, recipe in batch]
+            with _logged_failures(log, recipes):
+                started = time.perf_counter()
+                remembered |= run_ingest(store, batch)
+                seconds = (time.perf_counter() - started) / len(batch)
+            for recipe in recipes:
+                ref = recipe.ref
+                log.add(work_event(EventKind.COMPUTED, ref, seconds), work_event(EventKind.COMMITTED, ref))
     return remembered
 
 

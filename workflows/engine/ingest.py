@@ -26,12 +26,14 @@ LeafWriter = Callable[[dict[str, np.ndarray], dict], str]
 class IngestJob(NamedTuple):
     """One source to decode into leaves of one kind (the leaf's task name).
 
-    Jobs of one `batch` run one after the other in one process, because they share the work of decoding.
+    Jobs of one `batch` run one after the other in one process, because they share the work of decoding. Batches of
+    cheap jobs, of some milliseconds, share a call too.
     """
 
     kind: str
     source: Any
     batch: str | None = None
+    is_cheap: bool = False
 
     @property
     def recipe(self) -> Recipe:

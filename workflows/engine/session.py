@@ -5,7 +5,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from typing import NamedTuple, TypeVar
 
 from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifactError
@@ -15,9 +15,8 @@ from moseg.store import ArtifactStore, PutOutcome, map_reads, open_store
 from moseg.workflows.cluster.call import Call
 from moseg.workflows.cluster.runners import Runner, open_runner
 from moseg.workflows.cluster.tls_files import TlsFiles
-from moseg.workflows.engine.calls import make_calls
+from moseg.workflows.engine.calls import make_calls, make_ingest_calls
 from moseg.workflows.engine.cues import split_cues
-from moseg.workflows.engine.execution import execute_ingest
 from moseg.workflows.engine.ingest import IngestJob, recall_ingests
 from moseg.workflows.engine.phases import network_of, split_phases
 from moseg.workflows.engine.planning import Plan, make_plan
@@ -178,24 +177,16 @@ class Session:
         with StageProgress({"sources": len(jobs)}, self._quiet, "files hashed", PATIENCE_SEC) as progress:
             recipes = [job.recipe for job in progress.each("sources", jobs)]
         found = recall_ingests(self.store, recipes)
-        batches: dict[str, dict[str, tuple[IngestJob, Recipe]]] = {}
-        for job, recipe in zip(jobs, recipes, strict=True):
-            if found[recipe.ref] is None:
-                batches.setdefault(job.batch or recipe.ref, {})[recipe.ref] = (job, recipe)
-        if batches:
+        needed = zip(jobs, recipes, strict=True)
+        missing = {recipe.ref: (job, recipe) for job, recipe in needed if found[recipe.ref] is None}
+        calls: list[Call] = []
+        if missing:
             check_space(self.store, estimate(), self.report)
             self._pins.lease(found)
             self.log.open(self.runner.num_workers)
-            self.log.plan([ref for batch in batches.values() for ref in batch])
-        calls = [
-            Call(
-                next(iter(batch)).replace("/", "-"),
-                execute_ingest,
-                (self.store.url, tuple(batch.values()), self.run_id),
-            )
-            for batch in batches.values()
-        ]
-        with StageProgress({"ingest": sum(map(len, batches.values()))}, self._quiet) as progress:
+            self.log.plan(missing)
+            calls = list(make_ingest_calls(missing, self.runner, self.store.url, self.run_id))
+        with StageProgress({"ingest": len(missing)}, self._quiet) as progress:
 
             def done(name, remembered):
                 found.update(remembered)
@@ -226,6 +217,7 @@ class Session:
         build: Callable[[], tuple[Mapping[str, Recipe], Sequence[str]]],
         read: Callable[[], Result],
         keeps: bool = True,
+        restated: AbstractContextManager | None = None,
     ) -> Result:
         """Compute the missing sinks of the graph that `build` returns, then return what `read` returns.
 
@@ -233,13 +225,14 @@ class Session:
         after an artifact was found corrupt and quarantined: the corrupt one may be a leaf, which `build` ingests anew,
         a settled one, or a sink. The same holds if another run quarantined it between the look-up and the read. The
         sinks are pinned as results unless `keeps` is false: a trial among many, which may be collected once it is read.
+        The block of `restated` may raise an error in other words, with which the run's log ends then too.
         """
         # Only those of this computation, so that a wave's pins hold no earlier wave's.
         self._first.clear()
         self._settled.clear()
         num_repairs = 0
         missed: set[str] = set()
-        with self.log.watch():
+        with self.log.watch(), restated or nullcontext():
             while True:
                 self._settled_hits.clear()
                 try:

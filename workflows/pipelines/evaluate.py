@@ -102,6 +102,4 @@ def _score(
             panels.gather(session.store, graph, fps)
         return scores
 
-    # Watched once more, so that the run's log ends with the error that has the name.
-    with session.log.watch(), name_failed_sequence(recipes, sinks_of):
-        return session.compute(build, read)
+    return session.compute(build, read, restated=name_failed_sequence(recipes, sinks_of))

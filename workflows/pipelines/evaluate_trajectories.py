@@ -78,9 +78,7 @@ def evaluate_trajectories(
             panels.gather(session.store, graph)
         return scores
 
-    # Watched once more, so that the run's log ends with the error that has the name.
-    with session.log.watch(), name_failed_sequence(recipes, sinks_of):
-        by_ref = session.compute(build, read)
+    by_ref = session.compute(build, read, restated=name_failed_sequence(recipes, sinks_of))
     rows = []
     for variant in variants:
         by_seed = {

@@ -139,7 +139,8 @@ def trajectory_jobs(source: TrajectorySource) -> tuple[IngestJob, IngestJob]:
     """Return what must be decoded of a clip: its trajectories and their labels."""
     # They share a file: an error in it is reported once.
     batch = f"trajectories {source.name}"
-    return IngestJob("trajectories", source.trajectories, batch), IngestJob("trajectory_labels", source.labels, batch)
+    trajectories = IngestJob("trajectories", source.trajectories, batch, is_cheap=True)
+    return trajectories, IngestJob("trajectory_labels", source.labels, batch, is_cheap=True)
 
 
 def make_trajectory_leaves(source: TrajectorySource, trajectories: dict, labels: dict) -> TrajectoryLeaves:
