@@ -225,7 +225,7 @@ class Session:
         after an artifact was found corrupt and quarantined: the corrupt one may be a leaf, which `build` ingests anew,
         a settled one, or a sink. The same holds if another run quarantined it between the look-up and the read. The
         sinks are pinned as results unless `keeps` is false: a trial among many, which may be collected once it is read.
-        The block of `restated` may raise an error in other words, with which the run's log ends then too.
+        `restated` is entered around the work and may raise its error in other words, with which the run's log ends too.
         """
         # Only those of this computation, so that a wave's pins hold no earlier wave's.
         self._first.clear()
