@@ -89,6 +89,18 @@ def test_the_largest_clips_come_first(write_clip, moseg, tmp_path):
     assert sizes == [65, 55, 45]
 
 
+def test_clips_that_an_earlier_version_decoded_without_their_sizes_are_reused(many, moseg, tmp_path):
+    before = _evaluate(moseg, many, tmp_path / "store")
+    store = open_store(str(tmp_path / "store"))
+    memories = {ref: (store.manifest(ref).recipe, store.attributes(ref)) for ref in store.refs("ingest")}
+    for ref, (recipe, attributes) in memories.items():
+        store.remove(ref)
+        store.put(recipe, {}, {name: value for name, value in attributes.items() if name != "shape"})
+    again = _evaluate(moseg, many, tmp_path / "store")
+    assert again["store"]["computed"] == 0
+    assert again["rows"] == before["rows"]
+
+
 def test_one_worker_gives_the_same_bytes_for_many_clips(many, moseg, tmp_path):
     _evaluate(moseg, many, tmp_path / "here")
     _evaluate(moseg, many, tmp_path / "there", "--workers", "1")
