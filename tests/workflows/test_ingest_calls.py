@@ -32,7 +32,7 @@ class Labels(NamedTuple):
 
 
 class Recorded(SynchronousRunner):
-    """Runner that keeps the calls of each run; it has as many workers as it is told."""
+    """Runner with a given number of workers, which keeps the calls of each run."""
 
     def __init__(self, workers=1):
         self.runs = []

@@ -114,7 +114,7 @@ def _masks(leaf: LeafWriter, source) -> dict:
 
 def _tracks(leaf: LeafWriter, source) -> dict:
     points, visible = source.read()
-    return {"leaves": [leaf({"points": points, "visible": visible}, {})], "shape": list(visible.shape)}
+    return {"leaves": [leaf({"points": points, "visible": visible}, {})]}
 
 
 def _labelled_points(leaf: LeafWriter, source) -> dict:

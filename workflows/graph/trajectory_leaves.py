@@ -17,8 +17,6 @@ class TrajectoryLeaves(NamedTuple):
         Number of labels that occur: the true number of motions, the background's included.
     groups : tuple of SequenceGroup
         Groups of the published benchmark that the clip belongs to.
-    shape : (int, int)
-        Numbers of trajectories and of frames; 0 if an earlier version decoded the clip, which did not keep them.
     """
 
     name: str
@@ -26,4 +24,3 @@ class TrajectoryLeaves(NamedTuple):
     labels: Ref
     num_motions: int
     groups: tuple[SequenceGroup, ...] = ()
-    shape: tuple[int, int] = (0, 0)

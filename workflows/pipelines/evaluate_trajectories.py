@@ -1,8 +1,6 @@
 """Evaluation on labelled trajectories: variants scored on clips, under one seed or several."""
 
-import math
 from collections.abc import Sequence
-from itertools import chain
 
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, seeded_configs
 from moseg.schemas.recipes import Recipe
@@ -72,9 +70,7 @@ def evaluate_trajectories(
         session.log.describe(
             make_subject(purpose, dataset, config, variants, [(leaves, None) for leaves in clips], seeds)
         )
-        # The largest clips first, so that all workers end at about the same time.
-        largest_first = sorted(clips, key=lambda leaves: math.prod(leaves.shape), reverse=True)
-        return recipes, (*chain.from_iterable(sinks_of[leaves.name] for leaves in largest_first), *more)
+        return recipes, (*refs.values(), *more)
 
     def read():
         scores = {ref: TrajectoryScore(**session.store.attributes(ref)) for ref in refs.values()}

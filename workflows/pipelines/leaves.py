@@ -151,5 +151,4 @@ def make_trajectory_leaves(source: TrajectorySource, trajectories: dict, labels:
         labels=labels["leaves"][0],
         num_motions=len(labels["labels"]),
         groups=source.groups,
-        shape=tuple(trajectories.get("shape", (0, 0))),
     )

@@ -13,12 +13,12 @@ def _rotation(degrees):
     return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
 
 
-def _clip(seed, hidden, num_static):
+def _clip(seed, hidden):
     """Points (N, F, 2) px, visible bool (N, F) and labels (N) of one clip; `hidden` is the share of hidden points."""
     rng = np.random.default_rng(seed)
-    static = rng.uniform((-8, -2, 8), (8, 2, 30), (num_static, 3))
+    static = rng.uniform((-8, -2, 8), (8, 2, 30), (NUM_STATIC, 3))
     moving = rng.uniform((-3, -1.5, 10), (1, 1.5, 14), (NUM_MOVING, 3))
-    points = np.empty((num_static + NUM_MOVING, NUM_FRAMES, 2))
+    points = np.empty((NUM_STATIC + NUM_MOVING, NUM_FRAMES, 2))
     for frame in range(NUM_FRAMES):
         turned = (moving - moving.mean(axis=0)) @ _rotation(5 * frame).T + moving.mean(axis=0)
         scene = np.concatenate([static, turned + frame * np.array([0.5, 0.05, 0.3])])
@@ -27,15 +27,15 @@ def _clip(seed, hidden, num_static):
     points += rng.normal(0, 0.02, points.shape)
     visible = rng.random(points.shape[:2]) < 1 - hidden
     visible[0] = hidden == 0  # as one trajectory of the release
-    return points, visible, np.repeat([1, 2], [num_static, NUM_MOVING])
+    return points, visible, np.repeat([1, 2], [NUM_STATIC, NUM_MOVING])
 
 
 @pytest.fixture(scope="session")
 def write_clip():
     """Writes one clip as the release does; `seed` makes another one of it, `hidden` is the share of hidden points."""
 
-    def write(path, seed=0, hidden=0.1, num_static=NUM_STATIC):
-        points, visible, labels = _clip(seed, hidden, num_static)
+    def write(path, seed=0, hidden=0.1):
+        points, visible, labels = _clip(seed, hidden)
         shown = np.where(visible[..., None], np.concatenate([points, np.ones((*visible.shape, 1))], axis=-1), 0)
         fields = {"ySparse": shown.transpose(2, 0, 1), "visibleSparse": visible.astype(np.uint8)}
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -5,11 +5,10 @@ import json
 import pytest
 
 from moseg.schemas.errors import InputError
-from moseg.schemas.events import EventKind
 from moseg.schemas.recipes import Recipe
 from moseg.store import open_store
 from moseg.workflows.cluster.runners import SynchronousRunner
-from moseg.workflows.runlog.status import list_runs, read_events, read_status
+from moseg.workflows.runlog.status import list_runs, read_status
 from moseg.workflows.stages import registry
 from moseg.workflows.stages.array_cache import ARRAYS
 
@@ -76,29 +75,6 @@ def test_many_clips_take_one_call_each_and_give_what_they_give_alone(many, moseg
         _evaluate(moseg, many, tmp_path / "alone", "--sequences", name)
     assert drawn == [1] * OF_A_CLIP * len(NAMES)
     assert _manifests(tmp_path / "together") == _manifests(tmp_path / "alone")
-
-
-def test_the_largest_clips_come_first(write_clip, moseg, tmp_path):
-    for num_static, name in zip((20, 40, 30), NAMES, strict=False):
-        write_clip(tmp_path / "data" / f"{name}_Tracks.mat", num_static=num_static)
-    _evaluate(moseg, tmp_path / "data", tmp_path / "store")
-    store = open_store(str(tmp_path / "store"))
-    events = [event for event in read_events(store, list_runs(store)[0]) if event.event == EventKind.PLANNED]
-    clips = [store.manifest(event.ref).recipe.inputs for event in events if event.stage == "noise_reduction"]
-    sizes = [store.manifest(inputs["trajectories"]).array("points").shape[0] for inputs in clips]
-    assert sizes == [65, 55, 45]
-
-
-def test_clips_that_an_earlier_version_decoded_without_their_sizes_are_reused(many, moseg, tmp_path):
-    before = _evaluate(moseg, many, tmp_path / "store")
-    store = open_store(str(tmp_path / "store"))
-    memories = {ref: (store.manifest(ref).recipe, store.attributes(ref)) for ref in store.refs("ingest")}
-    for ref, (recipe, attributes) in memories.items():
-        store.remove(ref)
-        store.put(recipe, {}, {name: value for name, value in attributes.items() if name != "shape"})
-    again = _evaluate(moseg, many, tmp_path / "store")
-    assert again["store"]["computed"] == 0
-    assert again["rows"] == before["rows"]
 
 
 def test_one_worker_gives_the_same_bytes_for_many_clips(many, moseg, tmp_path):
