@@ -99,7 +99,7 @@ def segment(frames, moseg, tmp_path):
 
     def call(*options, store="store"):
         files = ("--store", tmp_path / store, "--out", tmp_path / "out", "--quiet")
-        ran = moseg("segment", frames, "--keep-cues", *options, *files, *SECTIONS)
+        ran = moseg("segment", frames, "--keep-cues", *files, *SECTIONS, *options)
         assert (ran.code, ran.err) == (0, "")
         return np.stack([np.asarray(Image.open(path)) for path in sorted((tmp_path / "out/masks").iterdir())]), ran.out
 
@@ -187,9 +187,11 @@ def test_reduced_frames_accept_flow_of_their_own_and_of_the_original_size(segmen
     np.testing.assert_array_equal(whole, half)
 
 
-def test_tracks_from_a_file_find_the_moving_objects(segment, squares, track_file, truth, tmp_path):
+# Sections overlap by fewer frames than the fits of fundamental matrices read of the next section (3), or by more.
+@pytest.mark.parametrize("overlap", [2, 4])
+def test_tracks_from_a_file_find_the_moving_objects(overlap, segment, squares, track_file, truth, tmp_path):
     masks = ("--proposals", f"folder:{squares / 'squares' / 'masks'}", "--variant", "trajs", "--motions", "3")
-    found, _ = segment("--tracks", f"folder:{track_file}", *masks)
+    found, _ = segment("--tracks", f"folder:{track_file}", *masks, "--set", f"sections.overlap={overlap}")
     np.testing.assert_array_equal(found, truth)
     store = open_store(str(tmp_path / "store"), create=False)
     points, visible = np.load(track_file)["points"], np.load(track_file)["visible"]

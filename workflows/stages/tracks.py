@@ -51,7 +51,8 @@ def _run_given(params, inputs, rng):
     visible = inputs["tracks"].cached("visible")[:, start:stop]
     seen = visible.any(axis=1)
     points, visible = points[seen].copy(), visible[seen].copy()
-    masks = inputs["proposals"].cached("masks")
+    # The proposals reach into the next section, by more frames than the pairs do.
+    masks = inputs["proposals"].cached("masks")[: stop - start]
     return Output({"points": points, "visible": visible, "object": assign_tracks(points, visible, masks)})
 
 
