@@ -57,6 +57,9 @@ def _faults(folder: str, path: str, ref: str) -> Iterator[None]:
     """Raise what `read_file` documents for the errors of the system in the block."""
     try:
         yield
+    except CorruptArtifactError:
+        # It is an OSError too, and already describes the problem.
+        raise
     except OSError as error:
         if error.errno not in _DAMAGED:
             raise StoreError(f"cannot read: {error.strerror}", where=f"{ref} {path}") from error

@@ -22,6 +22,9 @@ CONCURRENT = 64
 PART_BYTES = 64 * 2**20
 """Larger objects are sent in parts of this size; for smaller ones, one request is cheaper than the three of parts."""
 
+NEAR_BYTES = 2**20
+"""Parts of an object that are no farther apart are read by one request."""
+
 
 class Found(NamedTuple):
     """An object in a listing: name, bytes, time of last change (seconds since the epoch)."""
@@ -97,9 +100,13 @@ class Requests:
         wanted = {key: part for key, part in ranges.items() if part.nbytes}
         if not wanted:
             return dict.fromkeys(ranges, b"") if self.has(name) else None
-        starts, lengths = zip(*((part.start, part.nbytes) for part in wanted.values()), strict=True)
+        spans = _spans(wanted.values())
+
+        def get_span(span: tuple[int, int]) -> bytes:
+            return obstore.get_range(self._client, name, start=span[0], end=span[1]).to_bytes()
+
         try:
-            found = obstore.get_ranges(self._client, name, starts=starts, lengths=lengths)
+            pieces = dict(zip((start for start, _ in spans), _gather(get_span, spans), strict=True))
         except FileNotFoundError as error:
             with self._faults("read objects"):
                 if is_no_bucket(error):
@@ -108,9 +115,14 @@ class Requests:
         except BaseError:
             # each server has another answer for a part that begins beyond the end
             content = self.get(name)
-            return content and {key: content[start : start + nbytes] for key, (start, nbytes) in ranges.items()}
-        read = {key: content.to_bytes() for key, content in zip(wanted, found, strict=True)}
-        return {key: read.get(key, b"") for key in ranges}
+            if content is None:
+                return None
+            pieces = {0: content}
+        found = dict.fromkeys(ranges, b"")
+        for key, (start, nbytes) in wanted.items():
+            first = max(piece for piece in pieces if piece <= start)
+            found[key] = pieces[first][start - first : start - first + nbytes]
+        return found
 
     def put(self, name: str, content: bytes, purpose: str = "write objects") -> None:
         """Write or replace an object."""
@@ -198,6 +210,20 @@ class Requests:
 
     def _faults(self, purpose: str) -> AbstractContextManager[None]:
         return as_store_error(purpose, self.url)
+
+
+def _spans(parts: Iterable[Range]) -> list[tuple[int, int]]:
+    """Return the first byte and the byte after the last of each request for parts, in their order in the object.
+
+    obstore's own `get_ranges` joins parts too, but it panics if an object ends before the last of them.
+    """
+    spans: list[tuple[int, int]] = []
+    for start, nbytes in sorted(parts):
+        if spans and start - spans[-1][1] <= NEAR_BYTES:
+            spans[-1] = spans[-1][0], max(spans[-1][1], start + nbytes)
+        else:
+            spans.append((start, start + nbytes))
+    return spans
 
 
 def _gather(call: Callable[[T], U], items: Iterable[T]) -> list[U]:

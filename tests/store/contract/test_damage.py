@@ -1,5 +1,7 @@
 """Damage to stored bytes on every kind of store: none of it is read, and `verify` finds all of it."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -37,6 +39,17 @@ def test_a_lost_chunk_is_never_read_as_zeros(store, place, ref, monkeypatch, who
             store.read(ref, name.partition("/")[0])
         assert caught.value.ref == ref
         place.damage(store, ref, name, contents[name])
+
+
+@pytest.mark.parametrize("whole_bytes", [0, 65_536])
+@pytest.mark.parametrize("kept", [0, 0.5])
+def test_a_file_that_lost_its_end_is_never_read(store, place, ref, toy, monkeypatch, whole_bytes, kept):
+    monkeypatch.setattr(reading, "WHOLE_BYTES", whole_bytes)
+    for name in set(place.files(ref)) - {MANIFEST}:
+        content = place.read(ref, name)
+        place.write(ref, name, content[: int(kept * len(content))])
+    with pytest.raises(CorruptArtifactError):
+        list(map(partial(store.read, ref), toy.arrays))
 
 
 def test_read_rows_needs_only_the_chunks_of_those_rows(store, place, ref, toy, monkeypatch):
