@@ -4,6 +4,7 @@ import re
 import unicodedata
 from collections.abc import AsyncIterator
 from contextlib import suppress
+from itertools import count
 from pathlib import Path
 
 from moseg.schemas.errors import InputError
@@ -47,23 +48,34 @@ async def receive_video(parts: AsyncIterator[bytes], given: str, out: Path, max_
         Its name is not that of a video, it is too large or empty, or it cannot be written.
     """
     name = plain_name(given)
-    folder = Path(out) / FOLDER
-    path, number = folder / name, 1
-    with blame_output(folder):
-        while path.exists():
-            number += 1
-            path = folder / f"{Path(name).stem}-{number}{Path(name).suffix}"
+    path = _reserve(Path(out) / FOLDER, name)
     num_bytes = 0
-    with atomic_path(path) as temporary, blame_output(path):
-        with temporary.open("xb") as file:
-            async for part in parts:
-                num_bytes += len(part)
-                if num_bytes > max_bytes:
-                    raise InputError("a video that is too large", got=f"more than {size(max_bytes)}", where=name)
-                file.write(part)
-        if not num_bytes:
-            raise InputError("an empty file", where=name, expected="a video")
+    try:
+        with atomic_path(path) as temporary, blame_output(path):
+            with temporary.open("xb") as file:
+                async for part in parts:
+                    num_bytes += len(part)
+                    if num_bytes > max_bytes:
+                        raise InputError("a video that is too large", got=f"more than {size(max_bytes)}", where=name)
+                    file.write(part)
+            if not num_bytes:
+                raise InputError("an empty file", where=name, expected="a video")
+    except BaseException:
+        with suppress(OSError):
+            path.unlink()
+        raise
     return path
+
+
+def _reserve(folder: Path, name: str) -> Path:
+    """Create an empty file of a name that no other has, and return its path: two uploads may run at a time."""
+    with blame_output(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        for number in count(1):
+            path = folder / (name if number == 1 else f"{Path(name).stem}-{number}{Path(name).suffix}")
+            with suppress(FileExistsError):
+                path.touch(exist_ok=False)
+                return path
 
 
 def remove_video(path: Path) -> None:

@@ -50,6 +50,21 @@ def test_no_file_is_replaced(tmp_path):
     assert first.parent == second.parent == tmp_path / "input"
 
 
+def test_uploads_of_one_name_at_the_same_time_are_two_files(tmp_path):
+    async def slowly(*parts):
+        for part in parts:
+            await asyncio.sleep(0)
+            yield part
+
+    async def both():
+        streams = (slowly(b"ab", b"c"), slowly(b"d"))
+        return await asyncio.gather(*(receive_video(stream, "a.mp4", tmp_path) for stream in streams))
+
+    first, second = asyncio.run(both())
+    assert (first.name, first.read_bytes()) == ("a.mp4", b"abc")
+    assert (second.name, second.read_bytes()) == ("a-2.mp4", b"d")
+
+
 @pytest.mark.parametrize(("parts", "what"), [([b"12345", b"6"], "too large"), ([], "an empty file")])
 def test_what_is_refused_leaves_nothing(tmp_path, parts, what):
     with pytest.raises(InputError, match=what):
