@@ -71,6 +71,8 @@ def _read_layers(path: Path, shape: tuple[int, int]) -> np.ndarray:
     height, width = shape
     with np.errstate(over="ignore", invalid="ignore"):
         probability = probability.astype(np.float32)
+    if not np.isfinite(probability).all():
+        raise InputError("no layer probabilities", where=path, got="NaN or infinite values", expected="finite values")
     resized = [cv2.resize(layer, (width, height)) for layer in probability]
     layer = np.argmax(resized, axis=0)
     background = np.bincount(layer.ravel()).argmax()

@@ -103,6 +103,14 @@ def test_empty_layers_are_named(tmp_path):
         _read(tmp_path, "em/dog/0_proba.npy", _saved(np.save, np.zeros((0, *SHAPE))))
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e300])
+def test_layers_that_are_not_finite_are_named(tmp_path, value):
+    layers = np.full((2, *SHAPE), 0.5)
+    layers[1, 2, 3] = value
+    with pytest.raises(InputError, match=r"no layer probabilities in .*0_proba\.npy; got NaN or infinite"):
+        _read(tmp_path, "em/dog/0_proba.npy", _saved(np.save, layers))
+
+
 @pytest.mark.parametrize("side", [9_000, 100_000])
 def test_a_label_image_that_claims_to_be_huge_is_named(tmp_path, side):
     png = bytearray(FILES["png/dog/0.png"])
