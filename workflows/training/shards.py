@@ -42,7 +42,7 @@ class Shard(NamedTuple):
 
     def read(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return channels float16 (sample, channel, y, x), label uint8 and counts bool (sample, y, x), on the disk."""
-        return tuple(np.load(self._path(name), mmap_mode="r", allow_pickle=False) for name in _ARRAYS)
+        return tuple(np.lib.format.open_memmap(self._path(name), mode="r") for name in _ARRAYS)
 
     def write(self, *arrays: np.ndarray) -> None:
         """Write the arrays of `read`; raises InputError if that fails."""

@@ -22,14 +22,15 @@ def folder(scene_files, tmp_path):
     return shutil.copytree(scene_files, tmp_path / "work")
 
 
-def test_a_complete_shard_is_kept_and_a_damaged_one_drawn_again(folder):
+@pytest.mark.parametrize("damaged", [b"", b"PK", b"PK\3\4 and more", "its first half"])
+def test_a_complete_shard_is_kept_and_a_damaged_one_drawn_again(damaged, folder):
     (shard,) = plan_shards(folder / "scenes", 0, 0, 2, 2)
     files = sorted((folder / "scenes").rglob("0000-*.npy"))
     before = {file: (file.read_bytes(), file.stat().st_mtime_ns) for file in files}
     assert len(files) == 3
     draw_shards([shard], 1, quiet=True)
     assert {file: file.stat().st_mtime_ns for file in files} == {file: time for file, (_, time) in before.items()}
-    files[0].write_bytes(before[files[0]][0][:1000])
+    files[0].write_bytes(before[files[0]][0][:1000] if isinstance(damaged, str) else damaged)
     files[1].unlink()
     draw_shards([shard], 1, quiet=True)
     assert {file: file.read_bytes() for file in files} == {file: content for file, (content, _) in before.items()}
