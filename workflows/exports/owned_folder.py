@@ -74,6 +74,10 @@ class OwnedFolder:
         except (OSError, ValueError, RecursionError) as error:
             raise InputError("listing of an export cannot be read", where=path, got=error) from error
         # A name that contains a folder would let a listing reach other folders.
-        if not isinstance(names, list) or any(not isinstance(name, str) or Path(name).name != name for name in names):
+        if not isinstance(names, list) or not all(map(_is_file_name, names)):
             raise InputError("listing of an export cannot be read", where=path, expected="a list of file names")
         return frozenset(names)
+
+
+def _is_file_name(name: object) -> bool:
+    return isinstance(name, str) and name not in ("", "..") and Path(name).name == name

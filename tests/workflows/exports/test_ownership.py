@@ -119,3 +119,10 @@ def test_a_listing_nested_too_deeply_is_named(tmp_path):
     (tmp_path / ".moseg-export.json").write_text("[" * 100_000)
     with pytest.raises(InputError, match=r"listing of an export cannot be read in .*json"):
         OwnedFolder(tmp_path, ["00000.png"]).check()
+
+
+@pytest.mark.parametrize("name", ["", ".", "..", "masks/00000.png", "/", 1])
+def test_a_listing_of_what_is_no_file_name_is_named(tmp_path, name):
+    (tmp_path / ".moseg-export.json").write_text(json.dumps([name]))
+    with pytest.raises(InputError, match="expected a list of file names"):
+        OwnedFolder(tmp_path, ["00000.png"]).check()
