@@ -36,8 +36,15 @@ LEAF_READERS = (
     ("ingest:trajectories", "moseg.workflows.sources.trajectory_files", "TrajectoryFile", "DECODING_VERSION"),
     ("ingest:trajectory_labels", "moseg.workflows.sources.trajectory_files", "TrajectoryLabels", "DECODING_VERSION"),
     ("ingest:scenes", "moseg.workflows.sources.scenes", "_rendered", "RENDERER_VERSION"),
+    ("ingest:warped_picture", "moseg.workflows.sources.warped_picture", "WarpedPicture", "WARP_VERSION"),
 )
 """Decoders of files into leaves, which have versions too because `ingest` artifacts keep their results."""
+_TRAINING, _CLIPS = "moseg.workflows.training.shards", "moseg.workflows.pipelines.video_clips"
+TRAINING_DATA = (
+    ("training:scenes", "moseg.tasks.motion_network.samples", "draw_sample", f"{_TRAINING}.DRAWING_VERSION"),
+    ("training:clips", "moseg.tasks.network_training.clips", "make_clip", f"{_CLIPS}.CLIPS_VERSION"),
+)
+"""Writers of files that a later training reads again."""
 
 SourceReader = Callable[[str], str | None]
 """Source of a module by its dotted name; None if it is not a module of this project."""
@@ -78,7 +85,7 @@ def read_source(module: str) -> str | None:
 
 
 def current_fingerprints(read: SourceReader = read_source) -> dict[str, Fingerprint]:
-    """Return the version and fingerprint of every task of the registry, and of every decoder behind the leaves."""
+    """Return the version and fingerprint of every task, of every decoder behind the leaves and of data for training."""
     return {name: Fingerprint(version, fingerprint(root, read)) for name, (version, root) in _roots().items()}
 
 
@@ -144,8 +151,9 @@ def _roots() -> dict[str, tuple[int, ModuleName]]:
         adapter = (task.run or task.run_together).__module__
         (variable,) = (key for key, value in vars(import_module(adapter)).items() if value is task)
         roots[f"{task.name}:{task.method}"] = (task.version, ModuleName(adapter, variable))
-    for name, module, variable, version in LEAF_READERS:
-        roots[name] = (getattr(import_module(module), version), ModuleName(module, variable))
+    for name, module, variable, version in (*LEAF_READERS, *TRAINING_DATA):
+        owner, _, constant = version.rpartition(".")
+        roots[name] = (getattr(import_module(owner or module), constant), ModuleName(module, variable))
     return roots
 
 

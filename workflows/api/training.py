@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -14,7 +14,7 @@ from moseg.schemas.spelling import closest
 from moseg.workflows.config.pipeline_choices import PipelineChoices
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.session import Session, open_session
-from moseg.workflows.pipelines.video_clips import cue_config, make_clips
+from moseg.workflows.pipelines.video_clips import cue_config, describe_clips, make_clips
 from moseg.workflows.process.devices import set_device
 from moseg.workflows.process.resources import check_bearable
 from moseg.workflows.sources import MotionWeights, open_frames
@@ -98,12 +98,7 @@ def _clips_of(
     session: Session, source: SequenceSource, config: "PipelineConfig", params: VideoTrainingParams, folder: Path
 ) -> tuple[Path, ...]:
     """Return the files of the clips of a video, made if they are not complete."""
-    made_from: dict[str, Any] = {
-        "video": source.frames.fingerprint(),
-        "config": config.model_dump(mode="json"),
-        "clip": params.clip.model_dump(mode="json"),
-    }
-    clips = ClipFolder(folder, made_from)
+    clips = ClipFolder(folder, describe_clips(source, config, params.clip))
     if not clips.is_complete():
         make_clips(session, source, config, params.clip, clips.write)
         clips.complete()

@@ -1,18 +1,36 @@
 """Clips of videos without labels, from the cues that the pipeline computes for them."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from moseg.schemas.configs import PipelineConfig
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.session import Session
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.leaves import ingest_sequences
+from moseg.workflows.stages.registry import STAGES
 
 if TYPE_CHECKING:
     from moseg.schemas.parameters import ClipParams
     from moseg.store import ArtifactStore
     from moseg.tasks.network_training.clips import Clip, CuedFrame
+
+
+CLIPS_VERSION = 2
+"""Raised when the same cues give other clips."""
+_STAGES = "flow", "background", "saliency"
+
+
+def describe_clips(source: SequenceSource, config: PipelineConfig, params: "ClipParams") -> dict[str, Any]:
+    """Return what the clips of a video depend on, the versions of the code included, as in JSON."""
+    tasks = {name: STAGES[name].task(STAGES[name].chosen(config)) for name in _STAGES}
+    return {
+        "video": source.frames.fingerprint(),
+        "config": config.model_dump(mode="json"),
+        "tasks": {name: [task.method, task.version] for name, task in tasks.items()},
+        "clip": params.model_dump(mode="json"),
+        "version": CLIPS_VERSION,
+    }
 
 
 def cue_config(config: PipelineConfig) -> PipelineConfig:

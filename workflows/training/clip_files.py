@@ -12,8 +12,6 @@ from moseg.workflows.process.atomic_write import atomic_path, blame_output
 if TYPE_CHECKING:
     from moseg.tasks.network_training.clips import Clip
 
-CLIPS_VERSION = 1
-"""Raised when the same cues give other clips."""
 _COMPLETE = "complete.txt"
 
 
@@ -29,7 +27,7 @@ class ClipFolder:
     """
 
     def __init__(self, folder: Path, made_from: dict[str, Any]):
-        digest = digest_json("clips", {"version": CLIPS_VERSION, **made_from})
+        digest = digest_json("clips", made_from)
         self._folder = folder / "clips" / digest.rpartition(":")[2][:32]
 
     def is_complete(self) -> bool:

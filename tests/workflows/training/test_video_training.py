@@ -3,13 +3,20 @@
 import hashlib
 import json
 import shutil
+from dataclasses import replace
 
 import pytest
 import torch
 
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.parameters import ClipParams
 from moseg.tasks.motion_network import read_network
 from moseg.tasks.motion_network.export import to_onnx
 from moseg.tasks.motion_network.unet import MotionUNet
+from moseg.workflows.datasets import SequenceSource
+from moseg.workflows.pipelines.video_clips import cue_config, describe_clips
+from moseg.workflows.sources import open_frames
+from moseg.workflows.stages.registry import STAGES
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 TINY = ("--set=scenes=2", "--set=textures=2", "--set=batch=2", "--steps=2", "--set=interval=1", "--quiet")
@@ -45,6 +52,16 @@ def test_a_network_goes_on_from_videos_without_labels(moseg, start, videos, scen
     assert moseg(*options, "--out", tmp_path / "again.onnx").code == 0
     assert (tmp_path / "again.onnx").read_bytes() == content
     assert {path: path.stat().st_mtime_ns for path in clips} == clips
+
+
+@pytest.mark.parametrize("stage", ["flow", "background", "saliency"])
+def test_clips_are_not_those_of_older_code(stage, videos, monkeypatch):
+    source, config = SequenceSource("squares", open_frames(str(videos / "squares"), 427)), cue_config(PipelineConfig())
+    before = describe_clips(source, config, ClipParams())
+    assert describe_clips(source, config, ClipParams()) == before
+    tasks = tuple(replace(task, version=task.version + 1) for task in STAGES[stage].tasks)
+    monkeypatch.setitem(STAGES, stage, replace(STAGES[stage], tasks=tasks))
+    assert describe_clips(source, config, ClipParams()) != before
 
 
 def test_bad_videos_are_one_line(moseg, start, videos, tmp_path):
