@@ -146,18 +146,22 @@ def kept_meanwhile(target: ArtifactStore, refs: Iterable[str]) -> Iterator[None]
 
 
 def keep(target: ArtifactStore, pins: Mapping[str, Iterable[str]], origins: Mapping[str, Pin] | None = None) -> None:
-    """Pin the copied artifacts, by name of the pin; one that is there keeps its references too.
+    """Pin the copied artifacts, by name of the pin; one that is there keeps its references and what it protects too.
 
     `origins` are the pins of these names at the source, whose runs and scope are kept.
     """
     there = target.pinned()
     for run_id, refs in pins.items():
-        origin = (origins or {}).get(run_id)
-        scope = {} if origin is None else {"run": origin.run, "with_inputs": origin.with_inputs}
-        before = there[run_id].refs if run_id in there else ()
-        wanted = tuple(dict.fromkeys([*before, *refs]))
-        if run_id not in there or there[run_id].expires is not None or wanted != before:
-            target.pin(run_id, wanted, **scope)
+        origin, before = (origins or {}).get(run_id), there.get(run_id)
+        run = origin.run if origin else ""
+        with_inputs = origin.with_inputs if origin else True
+        if before is None:
+            target.pin(run_id, tuple(dict.fromkeys(refs)), run=run, with_inputs=with_inputs)
+            continue
+        wanted = tuple(dict.fromkeys([*before.refs, *refs]))
+        with_inputs = with_inputs or before.with_inputs
+        if (wanted, with_inputs) != (before.refs, before.with_inputs) or before.expires is not None:
+            target.pin(run_id, wanted, run=run or before.run, with_inputs=with_inputs)
 
 
 def is_same_store(one: ArtifactStore, other: ArtifactStore) -> bool:

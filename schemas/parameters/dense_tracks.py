@@ -17,7 +17,13 @@ class DenseTrackParams(Frozen):
     contrast_tiles: Annotated[int, Unit.COUNT] = Field(
         8, ge=1, description="tiles of that equalisation along each side of the frame"
     )
-    max_points: Annotated[int, Unit.COUNT] = Field(5000, ge=8, description="maximal number of points in a frame")
+    max_points: Annotated[int, Unit.COUNT] = Field(
+        # OpenCV samples a map at 32,766 points at most.
+        5000,
+        ge=8,
+        le=32_766,
+        description="maximal number of points in a frame",
+    )
     corner_quality: Annotated[float, Unit.SHARE] = Field(
         0.002, gt=0, le=1, description="minimal corner response, as a share of the frame's largest one"
     )

@@ -237,6 +237,16 @@ def test_a_pin_at_the_target_keeps_its_earlier_references(family, target):
     assert target.pinned() == before
 
 
+@pytest.mark.parametrize("there", [False, True])
+@pytest.mark.parametrize("here", [False, True])
+def test_a_pin_protects_inputs_if_either_store_does(store, family, target, there, here):
+    store.pin("a-run", [family["child"]], with_inputs=here)
+    target.pin("a-run", [family["child"]], with_inputs=there, run="named")
+    keep(target, {"a-run": [family["child"]]}, store.pinned())
+    pin = target.pinned()["a-run"]
+    assert (pin.with_inputs, pin.run) == (there or here, "named")
+
+
 def test_a_lease_of_the_same_name_becomes_a_lasting_pin(family, target):
     target.pin("a-run", [family["apart"]], lease_seconds=60)
     keep(target, {"a-run": [family["apart"]]})

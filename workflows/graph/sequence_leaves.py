@@ -46,7 +46,7 @@ class SequenceLeaves(NamedTuple):
     edits : tuple of Edit
         What the user corrects, in the order in which it applies.
     frame_size : (int, int) or None
-        Height and width of the video's own frames, px, in which edits are written; known where there are edits.
+        Height and width of the video's own frames, px, in which edits are written; None before there are any.
     """
 
     name: str

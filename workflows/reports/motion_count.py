@@ -142,9 +142,11 @@ def _listed(values: Sequence[float]) -> str:
     """Format values with the smallest number of digits, four or more, that keeps different values different."""
     if not values:
         return ""
-    written = next(
-        texts
-        for digits in range(4, 18)
-        if len(set(texts := [f"{value:.{digits}g}" for value in values])) == len(set(values))
-    )
+    # A cost is a negated score, which makes a zero negative.
+    values = [value + 0.0 for value in values]
+    num_different = len({repr(value) for value in values})
+    for digits in range(4, 18):
+        written = [f"{value:.{digits}g}" for value in values]
+        if len(set(written)) == num_different:
+            break
     return f", for 1, 2, … groups asked for {', '.join(written)}"

@@ -16,7 +16,8 @@ from moseg.workflows.stages.motion_network import uses_motion_network
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
-_EVIDENCE_PARAMS = frozenset({"threshold", "sharpness"})
+EVIDENCE_PARAMS = frozenset({"threshold", "sharpness"})
+"""Parameters of the foreground that convert saliency into a probability of motion."""
 PASSES = ("past", "future")
 """Names of the passes, in the order of the flows' directions: to the previous and to the next frame."""
 CARRIED = "carried"
@@ -135,7 +136,7 @@ def _params(config: PipelineConfig, origin: str, looked_at: list[int]) -> dict:
         "accumulation": read,
         **carried,
         "motion_network": config.motion_network.model_dump(mode="json", exclude={"use", "weights", "step"}),
-        "foreground": config.foreground.model_dump(mode="json", include=_EVIDENCE_PARAMS),
+        "foreground": config.foreground.model_dump(mode="json", include=EVIDENCE_PARAMS),
     }
 
 

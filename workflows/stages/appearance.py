@@ -5,8 +5,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import AppearanceParams, ForegroundParams
-from moseg.workflows.stages.accumulation import CONSISTENT, STRICT, mean_of_passes
-from moseg.workflows.stages.own_motion import EVIDENCE_PARAMS
+from moseg.workflows.stages.accumulation import CONSISTENT, EVIDENCE_PARAMS, STRICT, mean_of_passes
 from moseg.workflows.stages.reduced_frame import reduced_levels
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task

@@ -10,7 +10,7 @@ from moseg.workflows.stages.appearance import RATIO_PARAMS
 from moseg.workflows.stages.reduced_frame import reduced_levels
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
-from moseg.workflows.stages.video_network import EVIDENCE_PARAMS
+from moseg.workflows.stages.video_network import ADDITION_PARAMS
 
 
 def _run(params, inputs, rng):
@@ -96,7 +96,7 @@ def _params(config: PipelineConfig, start: int, centres: list[float], own: int) 
 
 
 def _network_params(config: PipelineConfig) -> dict:
-    return {"video_network": config.video_network.model_dump(mode="json", include=EVIDENCE_PARAMS)}
+    return {"video_network": config.video_network.model_dump(mode="json", include=ADDITION_PARAMS)}
 
 
 MOTION_AND_COLOUR = Task("foreground", "motion-and-colour", version=3, run=_run, params=_params, is_cue=True)

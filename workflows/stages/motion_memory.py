@@ -7,13 +7,13 @@ from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import ForegroundParams, MotionMemoryParams
 from moseg.workflows.stages.accumulation import (
     CARRIED,
+    EVIDENCE_PARAMS,
     SALIENT,
     carried_row,
     mean_of_passes,
     pass_direction,
     pass_flows,
 )
-from moseg.workflows.stages.own_motion import EVIDENCE_PARAMS
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 

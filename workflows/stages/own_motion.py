@@ -5,12 +5,9 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import OwnMotionParams
-from moseg.workflows.stages.accumulation import CONSISTENT, STRICT, mean_of_passes
+from moseg.workflows.stages.accumulation import CONSISTENT, EVIDENCE_PARAMS, STRICT, mean_of_passes
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
-
-EVIDENCE_PARAMS = frozenset({"threshold", "sharpness"})
-"""Parameters of the foreground that convert saliency into a probability of motion."""
 
 
 def _run(params, inputs, rng):

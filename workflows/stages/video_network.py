@@ -12,7 +12,7 @@ from moseg.workflows.stages.task import Output, Task
 
 USE_PARAMS = frozenset({"use", "stretch_length"})
 """Parameters that only the graph reads."""
-EVIDENCE_PARAMS = frozenset({"weight", "caution", "limit", "max_growth"})
+ADDITION_PARAMS = frozenset({"weight", "caution", "limit", "max_growth"})
 """Parameters of what the trained network adds to the foreground."""
 
 
@@ -56,7 +56,7 @@ def _misfits(inputs) -> np.ndarray:
 
 def _params(config: PipelineConfig) -> dict:
     return {
-        "video_network": config.video_network.model_dump(mode="json", exclude=USE_PARAMS | EVIDENCE_PARAMS),
+        "video_network": config.video_network.model_dump(mode="json", exclude=USE_PARAMS | ADDITION_PARAMS),
         "components": config.components.model_dump(mode="json"),
     }
 

@@ -30,7 +30,7 @@ class Events:
         text = json.dumps(data)
         if self._loop is None:
             self._latest[name] = text
-        else:
+        elif not self._loop.is_closed():
             self._loop.call_soon_threadsafe(self._spread, name, text)
 
     def close(self) -> None:

@@ -166,6 +166,20 @@ def test_a_number_given_beyond_the_objects_is_not_shown_as_their_number(squares_
     )
 
 
+@pytest.mark.parametrize(
+    ("scores", "costs"),
+    [
+        ((0.0, -12.5), "0, 12.5"),
+        ((0.0, -0.0, -0.5), "0, 0, 0.5"),
+        ((float("nan"), float("nan"), -1.0), "nan, nan, 1"),
+        ((-1.00001, -1.00002), "1.00001, 1.00002"),
+    ],
+)
+def test_costs_are_listed_with_as_many_digits_as_they_need(scores, costs):
+    how = explain_objects(FoundGroups("auto", None, 2, 6), ClusteringParams(auto="geometric"), scores)
+    assert f"for 1, 2, … groups asked for {costs} (" in how
+
+
 @pytest.mark.parametrize("auto", AUTO)
 def test_every_method_that_counts_motions_of_objects_has_a_sentence(auto):
     scores = () if auto in ("threshold", "eigengap") else (-12.5, -10.25)

@@ -16,7 +16,6 @@ from moseg.workflows.process.progress import StageProgress
 
 LONG_PASS = 5_000
 """Manifests from which a pass over them takes seconds behind a network, and is worth a bar."""
-LINEAGE = ("upstream", "downstream")
 
 
 def show(

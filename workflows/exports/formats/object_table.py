@@ -21,6 +21,7 @@ def write_csv(saved: SavedSegmentation, folder: Path, dilation: int | None = Non
     if they are not known.
     """
     of_identity = {entry.identity: entry for entry in saved.summary.objects}
+    confidences = {identity: _confidences(entry.per_frame) for identity, entry in of_identity.items()}
     lines = [COLUMNS]
     for frame, (name, labels) in enumerate(zip(saved.names, saved.labels(), strict=True)):
         for identity in list_identities(labels):
@@ -28,7 +29,7 @@ def write_csv(saved: SavedSegmentation, folder: Path, dilation: int | None = Non
             y, x = np.nonzero(labels == identity)
             box = f"{x.min()},{y.min()},{x.max()},{y.max()},{len(x)}"
             moves = "" if entry.moving_frames is None else int(entry.moves_now(frame))
-            confidence = ",".join(_confidence(entry.per_frame, column, frame) for column in ("sure", "complete"))
+            confidence = confidences[identity].get(frame, ",")
             what = f"{frame},{_quoted(name)},{identity},{entry.motion}"
             lines.append(f"{what},{box},{moves},{confidence},{_quoted(entry.called or '')}")
     with csv_folder(folder, saved.summary.name, saved.names) as target:
@@ -36,11 +37,16 @@ def write_csv(saved: SavedSegmentation, folder: Path, dilation: int | None = Non
     return target.folder
 
 
-def _confidence(figures: FrameFigures | None, column: str, frame: int) -> str:
-    """Return a figure of a frame; empty if it is not known."""
-    values = None if figures is None else getattr(figures, column)
-    value = None if values is None or frame not in figures.frame else values[figures.frame.index(frame)]
-    return "" if value is None else str(value)
+def _confidences(figures: FrameFigures | None) -> dict[int, str]:
+    """Return the fields `sure` and `complete` by frame; what is not known is empty."""
+    if figures is None:
+        return {}
+    unknown = (None,) * len(figures.frame)
+    columns = (figures.sure or unknown, figures.complete or unknown)
+    return {
+        frame: ",".join("" if value is None else str(value) for value in values)
+        for frame, *values in zip(figures.frame, *columns, strict=True)
+    }
 
 
 def csv_folder(folder: Path, sequence: str, names: tuple[str, ...]) -> OwnedFolder:
