@@ -79,7 +79,7 @@ def run_score(
         check_replaceable(json, TextKind.JSON)
     saved = open_predictions(Path(predictions), format)
     dataset = data.open(PipelineConfig().max_side)
-    report = score_predictions(dataset, saved, name or Path(predictions).resolve().name, quiet)
+    report = score_predictions(dataset, saved, name or Path(os.path.abspath(predictions)).name, quiet)
     if json is not None:
         write_report_json(json, report)
     return report

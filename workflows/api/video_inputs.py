@@ -9,11 +9,10 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import groupby
-from pathlib import Path
 from typing import NamedTuple
 
 from moseg.schemas.errors import InputError, MissingInputError, StoreError
-from moseg.workflows.sources.files import IMAGE_SUFFIXES, list_files, natural_key
+from moseg.workflows.sources.files import IMAGE_SUFFIXES, list_files, named_stem, natural_key
 from moseg.workflows.sources.video_folder import list_videos
 
 STANDARD_INPUT = "-"
@@ -50,7 +49,8 @@ def find_videos(words: Sequence[str]) -> tuple[NamedVideo, ...]:
         A word is an address, fits nothing or only images, or two videos have one name.
     """
     paths = [(path, is_group) for word in words for path, is_group in _paths_of(word)]
-    unique = {os.path.realpath(path): path for path, _ in reversed(paths)}
+    # Links to one file are several videos: each is called as it was named.
+    unique = {os.path.abspath(path): path for path, _ in reversed(paths)}
     is_several = len(unique) > 1 or any(is_group for _, is_group in paths)
     _check_not_images([path for path, is_group in paths if not is_group])
     videos = tuple(NamedVideo(path, _name_of(path), is_several) for path in reversed(unique.values()))
@@ -102,7 +102,7 @@ def _check_not_images(paths: list[str]) -> None:
 
 
 def _name_of(path: str) -> str:
-    return _NAMED_STANDARD_INPUT if path == STANDARD_INPUT else Path(path).resolve().stem
+    return _NAMED_STANDARD_INPUT if path == STANDARD_INPUT else named_stem(path)
 
 
 @contextmanager

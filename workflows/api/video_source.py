@@ -4,7 +4,6 @@ import math
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from moseg.workflows.api.spooled_frames import spool_frames
 from moseg.workflows.config.frame_range import WHOLE, FrameRange, Seen
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.sources import ImageFiles, VideoFile, open_frames
+from moseg.workflows.sources.files import named_stem
 from moseg.workflows.sources.number_gaps import gap_notes
 
 VideoLike = str | os.PathLike | np.ndarray | Iterable[np.ndarray]
@@ -34,7 +34,7 @@ def open_video(
         whole = open_frames(path, max_side)
         frames = choose_frames(whole, chosen, fps)
         notes = _gap_notes(whole, frames) if isinstance(whole, ImageFiles) else ()
-        yield SequenceSource(name or Path(path).resolve().stem, frames, notes=notes)
+        yield SequenceSource(name or named_stem(path), frames, notes=notes)
         return
     _check(video)
     with spool_frames(_choose(video, chosen, fps), max_side) as frames:
@@ -84,11 +84,15 @@ def choose_frames(
     seen = Seen(times)
     numbers = tuple(chosen.choose(seen))
     if not numbers:
-        last = f", the last one at {seen.last:.3f} s" if chosen.has_times else ""
-        expected = "--start and --end within them"
-        raise InputError("no frame chosen", where=where, got=f"{seen.count} frames{last}", expected=expected)
+        raise _nothing_chosen(seen, chosen, where)
     is_whole = seen.is_at_end and numbers == tuple(range(seen.count))
     return frames if is_whole else frames.choose(numbers)
+
+
+def _nothing_chosen(seen: Seen, chosen: FrameRange, where: str | None) -> InputError:
+    last = f", the last one at {seen.last:.3f} s" if chosen.has_times else ""
+    expected = "--start and --end within them"
+    return InputError("no frame chosen", where=where, got=f"{seen.count} frames{last}", expected=expected)
 
 
 def _check_rate(chosen: FrameRange, fps: float | None, where: str | None = None) -> None:
@@ -100,7 +104,8 @@ def _check_rate(chosen: FrameRange, fps: float | None, where: str | None = None)
 def _choose(video: Iterable, chosen: FrameRange, fps: float | None) -> Iterable:
     """Yield the chosen ones of frames that are given one by one."""
     if chosen.is_whole:
-        return video
+        yield from video
+        return
     _check_rate(chosen, fps)
     # Drawn one ahead by `choose`: each frame is taken when its time is.
     taken = []
@@ -110,7 +115,13 @@ def _choose(video: Iterable, chosen: FrameRange, fps: float | None) -> Iterable:
             taken[:] = [frame]
             yield number / (fps or math.nan)
 
-    return (taken[0] for _ in chosen.choose(times()))
+    seen = Seen(times())
+    is_empty = True
+    for _ in chosen.choose(seen):
+        is_empty = False
+        yield taken[0]
+    if is_empty and seen.count:
+        raise _nothing_chosen(seen, chosen, None)
 
 
 def _check(video: object) -> None:

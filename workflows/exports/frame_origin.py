@@ -11,7 +11,7 @@ from moseg.schemas.digests import digest_bytes
 from moseg.schemas.errors import InputError
 from moseg.workflows.exports.motion_json import frame_names
 from moseg.workflows.sources import FrameSource, ImageFiles, VideoFile
-from moseg.workflows.sources.files import unreadable
+from moseg.workflows.sources.files import open_file, unreadable
 
 HEAD_BYTES = 1 << 20
 """Two videos that begin with the same MiB and have the same length are the same one."""
@@ -84,7 +84,7 @@ class FrameOrigin:
 
 def _head(path: str) -> bytes:
     try:
-        with open(path, "rb") as file:
+        with open_file(path) as file:
             return file.read(HEAD_BYTES)
     except OSError as error:
         raise unreadable(path, error) from error

@@ -2,7 +2,12 @@
 
 import os
 import re
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
+from pathlib import Path
+from typing import BinaryIO
 
 from moseg.schemas.digests import digest_blocks
 from moseg.schemas.errors import InputError, MissingInputError
@@ -11,10 +16,19 @@ IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 BLOCK_BYTES = 2**20
 
 
+@contextmanager
+def open_file(path: str) -> Iterator[BinaryIO]:
+    """Open a file without a buffer for the block; raise OSError, or InputError for a pipe, which is not waited for."""
+    with open(path, "rb", buffering=0, opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+            raise InputError("not a file", where=path, got="a pipe or a device")
+        yield file
+
+
 def read_bytes(path: str) -> bytes:
     """Return all bytes of a file; raise MissingInputError or InputError if it cannot be read."""
     try:
-        with open(path, "rb") as file:
+        with open_file(path) as file:
             return file.read()
     except OSError as error:
         raise unreadable(path, error) from error
@@ -32,9 +46,11 @@ def digest_file(path: str) -> str:
         The file cannot be read, or becomes longer or shorter meanwhile.
     """
     try:
-        with open(path, "rb", buffering=0) as file:
+        with open_file(path) as file:
             num_bytes = os.fstat(file.fileno()).st_size
             return digest_blocks("file", num_bytes, iter(partial(file.read, BLOCK_BYTES), b""))
+    except InputError:
+        raise
     except OSError as error:
         raise unreadable(path, error) from error
     except ValueError as error:
@@ -76,6 +92,11 @@ def list_files(folder: str, suffixes: tuple[str, ...]) -> tuple[str, ...]:
 def stem(path: str) -> str:
     """Return a file's name without folder and last suffix."""
     return os.path.splitext(os.path.basename(path))[0]
+
+
+def named_stem(path: str) -> str:
+    """Return the stem of the name that a file or folder was given by, also of ``.``; a link has its own name."""
+    return Path(os.path.abspath(path)).stem
 
 
 def natural_key(name: str) -> tuple[list[int | str], str]:

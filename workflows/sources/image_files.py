@@ -11,7 +11,7 @@ from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.files import digest_file, read_bytes
 from moseg.workflows.sources.frames import FrameDescription
-from moseg.workflows.sources.pillow_image import MAX_PIXELS, check_image_header
+from moseg.workflows.sources.pillow_image import MAX_PIXELS, check_image_header, has_wide_integers
 from moseg.workflows.sources.png_file import check_png
 from moseg.workflows.sources.quiet_decoding import decode_quietly
 from moseg.workflows.sources.resize import shrink_to, working_size
@@ -118,12 +118,18 @@ def decode_image(content: bytes, path: str) -> np.ndarray:
     if damage is not None:
         raise InputError("image is damaged", where=path, got=damage, expected="an intact image (re-encode it)")
     if image is None:
+        if has_wide_integers(content):
+            raise _unusable("int32", path)
         raise InputError("image cannot be decoded", where=path, got=f"{len(content)} bytes")
     if image.dtype == np.uint16:
         image = cv2.convertScaleAbs(image, alpha=255 / 65535)
     if image.dtype != np.uint8:
-        raise InputError("image of unusable samples", where=path, got=image.dtype, expected="8- or 16-bit integers")
+        raise _unusable(str(image.dtype), path)
     return cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+
+
+def _unusable(dtype: str, path: str) -> InputError:
+    return InputError("image of unusable samples", where=path, got=dtype, expected="8- or 16-bit integers")
 
 
 def _decode_with_damage(content: bytes) -> tuple[np.ndarray | None, str | None]:

@@ -11,7 +11,7 @@ from moseg.workflows.sources.frames import FrameSource
 from moseg.workflows.sources.image_files import ImageFiles
 from moseg.workflows.sources.mask_files import MASK_SUFFIXES, MaskFiles, MaskKind, find_mask_kind
 from moseg.workflows.sources.track_files import TRACK_SUFFIXES, TrackFile
-from moseg.workflows.sources.video_file import VideoFile
+from moseg.workflows.sources.video_file import VIDEOS, VideoFile
 
 
 def open_frames(path: str, max_side: int) -> ImageFiles | VideoFile:
@@ -30,6 +30,8 @@ def open_frames(path: str, max_side: int) -> ImageFiles | VideoFile:
         return ImageFiles(images, max_side)
     if not os.path.exists(path):
         raise MissingInputError("file does not exist", where=path, expected="a video or a folder of images")
+    if not os.path.isfile(path):
+        raise InputError("not a file", where=path, expected=VIDEOS)
     if path.lower().endswith(IMAGE_SUFFIXES):
         return ImageFiles((path,), max_side)
     return VideoFile(path, max_side)

@@ -75,6 +75,15 @@ def check_image_header(content: bytes, path: str) -> None:
         _check_png(content, path)
 
 
+def has_wide_integers(content: bytes) -> bool:
+    """Return whether Pillow finds integers of 32 bits in an image, which OpenCV does not decode."""
+    try:
+        with open_quietly(io.BytesIO(content)) as image:
+            return image.mode == "I"
+    except (*PILLOW_ERRORS, Image.DecompressionBombError):
+        return False
+
+
 def _check_png(content: bytes, path: str) -> None:
     """Raise InputError for a wrong checksum of a chunk, about which the decoder would print on standard error."""
     try:

@@ -132,6 +132,7 @@ BLACK = np.zeros((3, 20, 30, 3), np.uint8)
         (np.zeros((3, 20, 30, 4), np.uint8), {}, r"frame 0; got \(20, 30, 4\)"),
         (BLACK[:1], {}, "too few frames"),
         (BLACK[:0], {}, "no frame"),
+        (BLACK, {"start": len(BLACK)}, "no frame chosen; got 3 frames; expected start and end within them"),
         (iter(()), {}, "no frame"),
         ([BLACK[0], BLACK[0, :10]], {}, "frame 1; got 30x10 px; expected 30x20 px as the first"),
         ([BLACK[0], None], {}, "frame 1"),

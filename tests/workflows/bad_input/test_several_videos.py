@@ -76,6 +76,16 @@ def test_a_video_named_twice_is_segmented_once(segment_all, clips):
     assert (ran.code, len(_results(ran.out))) == (0, 2)
 
 
+def test_links_have_results_of_their_own_names(segment_all, clips, tmp_path):
+    for name in ("beach", "hill"):
+        (tmp_path / "links").mkdir(exist_ok=True)
+        (tmp_path / "links" / f"{name}.mp4").symlink_to(clips / "one.mp4")
+    (tmp_path / "links" / "walk").symlink_to(clips / "three", target_is_directory=True)
+    assert segment_all(tmp_path / "links").code == 0
+    summaries = _summaries(tmp_path / "out")
+    assert {name: summary["name"] for name, summary in summaries.items()} == {n: n for n in ("beach", "hill", "walk")}
+
+
 def test_one_bad_video_leaves_the_others_their_results(segment_all, clips, tmp_path):
     (clips / "bad.mp4").write_text("<html>")
     ran = segment_all(clips)

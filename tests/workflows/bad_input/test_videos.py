@@ -1,5 +1,6 @@
 """Files that are no videos or damaged ones, and videos that are merely unusual."""
 
+import os
 import struct
 from fractions import Fraction
 
@@ -46,6 +47,13 @@ def test_sound_alone_is_no_video(refuse, tmp_path):
 @pytest.mark.parametrize("path", ["/dev/null", "/dev/zero"])
 def test_a_device_is_no_video(refuse, path):
     refuse(path, f"not a file in {path}", "expected a video file, or a folder of images")
+
+
+@pytest.mark.parametrize("name", ["pipe.mp4", "frames/00003.png"])
+def test_a_pipe_is_not_waited_for(refuse, write_folder, frames, tmp_path, name):
+    write_folder("frames", frames[:3])
+    os.mkfifo(tmp_path / name)
+    refuse(tmp_path / name.partition("/")[0], "not a file", tmp_path / name)
 
 
 @pytest.mark.parametrize("name", ["gone.mp4", "gone", "x" * 300])

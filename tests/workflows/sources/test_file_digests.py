@@ -24,15 +24,14 @@ def test_the_digest_of_a_file_is_that_of_its_bytes(tmp_path, num_bytes):
 def test_a_file_that_becomes_longer_or_shorter_meanwhile_is_refused_with_one_line(tmp_path, monkeypatch, num_bytes):
     path = tmp_path / "clip.mp4"
     path.write_bytes(bytes(2 * BLOCK_BYTES))
-    of_open_file = os.fstat
+    digest_blocks = files.digest_blocks
 
-    def fstat(descriptor):
-        # Another program writes after the file was opened.
-        found = of_open_file(descriptor)
+    def after_a_change(*arguments):
+        # Another program writes after the size was read.
         os.truncate(path, num_bytes)
-        return found
+        return digest_blocks(*arguments)
 
-    monkeypatch.setattr(files.os, "fstat", fstat)
+    monkeypatch.setattr(files, "digest_blocks", after_a_change)
     with pytest.raises(InputError, match=f"file changes while it is read.*{num_bytes} instead of {2 * BLOCK_BYTES}"):
         digest_file(str(path))
 

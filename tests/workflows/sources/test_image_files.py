@@ -151,6 +151,12 @@ def test_float_images_are_refused(tmp_path, write_image):
         read_one(path)
 
 
+def test_images_of_long_integers_are_refused(tmp_path):
+    Image.fromarray(np.zeros((4, 4), np.int32)).save(tmp_path / "a.tif")
+    with pytest.raises(InputError, match="int32; expected 8- or 16-bit"):
+        read_one(tmp_path / "a.tif")
+
+
 def test_a_file_that_has_gone_is_named(tmp_path):
     with pytest.raises(MissingInputError, match=r"gone\.png"):
         read_one(tmp_path / "gone.png")
