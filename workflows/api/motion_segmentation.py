@@ -249,8 +249,9 @@ class MotionSegmentation:
             self.num_frames,
             corrections=self._given,
         )
-        outputs.write(self._store, self._stored, self.fps)
-        return (*outputs.paths, *outputs.export())
+        with outputs:
+            outputs.write(self._store, self._stored, self.fps)
+            return (*outputs.paths, *outputs.export())
 
     def __repr__(self) -> str:
         return f"<MotionSegmentation {self.name!r}: {self._summary}>"

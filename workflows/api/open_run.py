@@ -151,8 +151,9 @@ class OpenVideo:
         files = Outputs(
             os.fsdecode(folder), self.origin, style, self.name, corrections=self._given, argument="folder", **outputs
         )
-        summary = files.write(self.store, self.judge(), self.fps)
-        return summary, (*files.paths, *files.export())
+        with files:
+            summary = files.write(self.store, self.judge(), self.fps)
+            return summary, (*files.paths, *files.export())
 
 
 @contextmanager

@@ -1,7 +1,8 @@
 """Segmentations as the command line and Python run them: from choices to what was found, and to files."""
 
+import sys
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Generic, NamedTuple, TypeVar
 
@@ -23,7 +24,15 @@ from moseg.workflows.exports.formats import check_exports, choose_formats, expor
 from moseg.workflows.exports.formats.reconstruction_sets import choose_kept, choose_sets
 from moseg.workflows.exports.frame_origin import FrameOrigin
 from moseg.workflows.exports.motion_json import SequenceSummary
-from moseg.workflows.exports.outputs import MASKS, MOTION, OVERLAY, check_outputs, check_same_video, mask_name
+from moseg.workflows.exports.outputs import (
+    MASKS,
+    MOTION,
+    OVERLAY,
+    check_outputs,
+    check_page,
+    check_same_video,
+    mask_name,
+)
 from moseg.workflows.exports.overlay_style import OverlayStyle
 from moseg.workflows.exports.saved_segmentation import open_segmentation, required_origin
 from moseg.workflows.exports.write_text import write_text
@@ -31,6 +40,8 @@ from moseg.workflows.pipelines.purpose import Purpose
 from moseg.workflows.pipelines.segment import StoredSegmentation, segment
 from moseg.workflows.pipelines.write_segmentation import write_segmentation
 from moseg.workflows.plugins.loading import load_plugins
+from moseg.workflows.process.atomic_write import file_state
+from moseg.workflows.process.folder_lock import lock_folder
 from moseg.workflows.reports.run_report import RunReport
 from moseg.workflows.runlog.events import as_unicode
 
@@ -145,6 +156,9 @@ def run_segmentation(
 class Outputs:
     """The files of a segmentation in a folder, checked before the work.
 
+    A context: from the first file that it writes to the end of the block no other run writes in the folder, so that
+    masks, summary and exports are of one run.
+
     Parameters
     ----------
     folder : str
@@ -173,13 +187,15 @@ class Outputs:
         Frames per second of images, for a step in seconds.
     corrections : GivenCorrections
         Those in force, which are written beside the result.
+    page : str, optional
+        File of a page about the run.
 
     Raises
     ------
     InputError
-        The folder cannot be written; a file would be replaced that is not ours, or the video itself; it has the results
-        or the corrections of another video, or corrections that would be lost; there is no such format, or it cannot
-        hold these frames.
+        The folder cannot be written; the page may be one of the results; a file would be replaced that is not ours, or
+        the video itself; it has the results or the corrections of another video, or corrections that would be lost;
+        there is no such format, or it cannot hold these frames.
     """
 
     def __init__(
@@ -197,6 +213,7 @@ class Outputs:
         step: Position | None = None,
         fps: float | None = None,
         corrections: GivenCorrections = NO_CORRECTIONS,
+        page: str | None = None,
     ):
         if has_full_size and origin.path is None:
             got, expected = "frames that were given as arrays", "the size analysed"
@@ -209,12 +226,13 @@ class Outputs:
         for entry in (*self._formats, *self._sets):
             if entry.needs_frames:
                 required_origin(origin, entry.name)
-        check_outputs(folder, origin.path, style is not None, argument)
-        check_same_video(folder, origin, name, argument)
+        self._name, self._argument, self._given_folder = name, argument, folder
+        self._held, self._is_held = ExitStack(), False
         self._given, self._corrections = corrections, corrections.of_video(origin)
+        self._earlier = self._check()
         corrections.check_video(origin)
-        if self._corrections:
-            check_kept(self._folder / CORRECTIONS, corrections, argument)
+        if page is not None:
+            check_page(page, self._folder)
         if self._formats or self._sets:
             names = origin.names or tuple(map(mask_name, range(num_frames or origin.frames.num_frames())))
             check_exports(self._formats, self._folder, as_unicode(name), names)
@@ -222,10 +240,40 @@ class Outputs:
             thinned = names if self._kept is None else tuple(names[index] for index in self._kept)
             check_exports(self._sets, self._folder, as_unicode(name), thinned)
 
+    def __enter__(self) -> "Outputs":
+        return self
+
+    def __exit__(self, *raised) -> None:
+        self._held.close()
+        self._is_held = False
+
+    def _check(self) -> tuple[int, int] | None:
+        """Check that the results may be written, and return the state of the summary that is there."""
+        check_outputs(self._given_folder, self._origin.path, self._style is not None, self._argument)
+        check_same_video(self._given_folder, self._origin, self._name, self._argument)
+        if self._corrections:
+            check_kept(self._folder / CORRECTIONS, self._given, self._argument)
+        return file_state(self._folder / MOTION)
+
+    def _hold(self, quiet: bool) -> None:
+        """Wait for other runs that write in the folder, and check again if there were any."""
+
+        def report() -> None:
+            if not quiet:
+                print(f"moseg: waiting for another run that writes in {self._folder}", file=sys.stderr)
+
+        if self._is_held:
+            return
+        self._held.enter_context(lock_folder(self._folder, report))
+        self._is_held = True
+        if file_state(self._folder / MOTION) != self._earlier:
+            self._check()
+
     def write(
         self, store: ArtifactStore, stored: StoredSegmentation, fps: float, quiet: bool = True
     ) -> SequenceSummary:
         """Write masks, overlay and summary, and return what the summary holds; see `write_segmentation`."""
+        self._hold(quiet)
         if self._corrections:
             write_text(self._folder / CORRECTIONS, spell_corrections(self._corrections))
         return write_segmentation(

@@ -211,15 +211,17 @@ def segment(
                 step=step,
                 fps=frames.fps,
                 corrections=given,
+                page=page,
             )
 
             def write(store, stored, rate):
                 return outputs.write(store, stored, rate, run.quiet)
 
-            done = run_segmentation(
-                source, config, variant, settings, write, frames.fps, page, chosen=chosen, corrections=given
-            )
-            exported = outputs.export()
+            with outputs:
+                done = run_segmentation(
+                    source, config, variant, settings, write, frames.fps, page, chosen=chosen, corrections=given
+                )
+                exported = outputs.export()
         _print_outcome(done, [*(f"{folder}/{path.name}" for path in outputs.paths), *map(str, exported)], outputs.notes)
 
     if page is not None and len(found) > 1:

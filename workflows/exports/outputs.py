@@ -13,6 +13,7 @@ from moseg.workflows.process.atomic_write import blame_output
 from moseg.workflows.runlog.events import as_unicode
 
 MASKS, OVERLAY, MOTION = "masks", "overlay.mp4", "motion.json"
+PAGE_SUFFIXES = (".html", ".htm")
 OWN_MASK = re.compile(r"\d{5,}\.png")
 """Names of the masks in their folder."""
 
@@ -62,6 +63,17 @@ def check_outputs(folder: str, video: str | None, has_overlay: bool = True, argu
     if has_overlay:
         OwnedFile(outputs / OVERLAY, is_own_overlay).check()
     OwnedFile(outputs / MOTION, is_own_summary).check()
+
+
+def check_page(page: str, folder: Path) -> None:
+    """Check that a page about a run is none of the results in `folder`.
+
+    Results never have the suffix of a page. InputError is raised for another one in the folder.
+    """
+    is_inside = Path(os.path.realpath(page)).is_relative_to(os.path.realpath(folder))
+    if is_inside and Path(page).suffix.lower() not in PAGE_SUFFIXES:
+        expected = f"a name that ends with {PAGE_SUFFIXES[0]} in the folder of the results"
+        raise InputError("a page that may replace a result", where="--report", got=page, expected=expected)
 
 
 def check_same_video(folder: str, origin: FrameOrigin, name: str, argument: str = "--out") -> None:

@@ -65,11 +65,11 @@ def sweep_leftovers(folder: Path) -> Iterator[None]:
     Only those that were there before the block and did not change while it ran: others may belong to a process at work.
     """
     with blame_output(folder):
-        before = {path: _state(path) for path in _parts(folder)}
+        before = {path: file_state(path) for path in _parts(folder)}
     yield
     with blame_output(folder):
         for path in _parts(folder):
-            if path in before and _state(path) == before[path]:
+            if path in before and file_state(path) == before[path]:
                 path.unlink(missing_ok=True)
 
 
@@ -77,8 +77,8 @@ def _parts(folder: Path) -> list[Path]:
     return [path for path in folder.iterdir() if _PART.fullmatch(path.name)] if folder.is_dir() else []
 
 
-def _state(path: Path) -> tuple[int, int] | None:
-    """Return size and time of change, or None if the file is gone."""
+def file_state(path: Path) -> tuple[int, int] | None:
+    """Return the size of a file and the time of its last change; None if there is no such file."""
     try:
         status = path.stat()
     except FileNotFoundError:

@@ -1,13 +1,16 @@
 """What a result leaves in a folder, and what it leaves alone."""
 
 import json
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from threading import Event
 
 import av
 import pytest
 
 import moseg
 from moseg.schemas.errors import InputError
+from moseg.workflows.api import segmentation
 
 
 def _contents(folder):
@@ -101,3 +104,50 @@ def test_an_overlay_can_have_the_size_of_the_video_where_it_can_be_read_again(se
     with pytest.raises(InputError, match=r"no overlay of the video's own size in overlay_size; got frames .* arrays"):
         of_arrays.save(tmp_path / "other", overlay_size="video")
     assert not (tmp_path / "other").exists()
+
+
+@pytest.fixture
+def save_both(monkeypatch):
+    """Return a function that saves a second result in a folder while a first one is being written to it."""
+    is_waiting = Event()
+
+    def lock_folder(folder, on_wait):
+        return lock(folder, is_waiting.set)
+
+    lock, write = segmentation.lock_folder, segmentation.write_segmentation
+    monkeypatch.setattr(segmentation, "lock_folder", lock_folder)
+
+    def call(first, second, folder, **outputs):
+        with ThreadPoolExecutor(1) as pool:
+            started = []
+
+            def write_first(*arguments):
+                if not started:
+                    started.append(pool.submit(second.save, folder, **outputs))
+                    assert is_waiting.wait(60)
+                return write(*arguments)
+
+            monkeypatch.setattr(segmentation, "write_segmentation", write_first)
+            first.save(folder, **outputs)
+            return started[0].result(60)
+
+    return call
+
+
+def test_of_two_runs_at_a_time_one_writes_after_the_other(segmented, config, save_both, tmp_path):
+    nothing = moseg.segment_video(segmented.frames, config, motions=1, store=segmented.store, progress=False)
+    assert len(segmented.result.objects) > len(nothing.objects) == 0
+    save_both(segmented.result, nothing, tmp_path / "both", exports="coco")
+    nothing.save(tmp_path / "alone", exports="coco")
+    both, alone = (
+        {path.relative_to(folder): content for path, content in _contents(folder).items()}
+        for folder in (tmp_path / "both", tmp_path / "alone")
+    )
+    assert both == alone
+
+
+def test_of_two_videos_at_a_time_the_first_keeps_its_results(segmented, config, pixels, save_both, tmp_path):
+    other = moseg.segment_video(pixels, config, name="other", store=segmented.store, progress=False)
+    with pytest.raises(InputError, match="the results of another video"):
+        save_both(segmented.result, other, tmp_path / "out")
+    assert json.loads((tmp_path / "out" / "motion.json").read_text())["name"] == segmented.result.name

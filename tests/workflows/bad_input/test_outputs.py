@@ -159,3 +159,19 @@ def test_masks_keep_their_values_beside_the_mark_that_they_are_ours(masks_of, wr
         assert image.mode == "P"
         assert image.info["Software"] == "moseg"
     assert set(np.unique(masks)) <= {0, 1, 2}
+
+
+@pytest.mark.parametrize(
+    "name", ["motion.json", "overlay.mp4", "masks/00000.png", "coco.json", "corrections.yaml", "page"]
+)
+def test_a_page_is_never_one_of_the_results(refuse, write_folder, tmp_path, name):
+    page = tmp_path / "out" / name
+    refuse(write_folder(), "a page that may replace a result", "--report", page, options=("--report", page))
+    assert not page.exists()
+
+
+def test_a_page_may_lie_beside_the_results(segment, write_folder, tmp_path):
+    folder = write_folder()
+    for name in ("out/page.html", "out/deeper/Page.HTM", "elsewhere"):
+        assert segment(folder, "--report", tmp_path / name).code == 0
+        assert "<!doctype html>" in (tmp_path / name).read_text().lower()
