@@ -20,8 +20,8 @@ from moseg.workflows.config.notes import motions_note
 from moseg.workflows.config.pipeline_choices import PipelineChoices, refuse_ground_truth
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.datasets.given_folders import with_given_folders
-from moseg.workflows.exports.formats import check_exports, choose_formats, export
-from moseg.workflows.exports.formats.reconstruction_sets import choose_kept, choose_sets
+from moseg.workflows.exports.formats import FORMATS, check_exports, choose_formats, earlier_exports, export
+from moseg.workflows.exports.formats.reconstruction_sets import SETS, choose_kept, choose_sets
 from moseg.workflows.exports.frame_origin import FrameOrigin
 from moseg.workflows.exports.motion_json import SequenceSummary
 from moseg.workflows.exports.outputs import (
@@ -283,10 +283,19 @@ class Outputs:
     @property
     def notes(self) -> tuple[str, ...]:
         """Notes about files that stay in the folder."""
+        notes = []
         left = self._folder / CORRECTIONS
-        if self._corrections or not left.exists() or self._given.is_from(left):
-            return ()
-        return (f"{left} is not in force: --corrections {left} applies it",)
+        if not self._corrections and left.exists() and not self._given.is_from(left):
+            notes.append(f"{left} is not in force: --corrections {left} applies it")
+        others = [entry for entry in FORMATS.values() if entry not in self._formats]
+        sets = [entry for entry in SETS.values() if entry not in self._sets]
+        earlier = earlier_exports((*others, *sets), self._folder, as_unicode(self._name))
+        if earlier:
+            paths, is_one = ", ".join(map(str, earlier)), len(earlier) == 1
+            notes.append(
+                f"{paths} {'is' if is_one else 'are'} of an earlier run; --export and --for write exports anew"
+            )
+        return tuple(notes)
 
     @property
     def paths(self) -> tuple[Path, ...]:

@@ -2,9 +2,12 @@
 
 from collections.abc import Container, Iterable, Mapping, Sequence
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.stretch_choice import StretchChoice
 from moseg.workflows.exports.followed_object import FollowedObject
 
 MOST = 3
@@ -17,10 +20,35 @@ INCOMPLETE = 0.7
 """Expected recall below which a mask is incomplete."""
 DOUBTFUL = 0.7
 """Expected precision below which a mask is doubtful."""
-QUALITY, SENSITIVITY = "try --quality best", "try --sensitivity 0.5"
-"""What may help where a mask is too small, and where it is too large."""
-PAINT, ERASE = "paint what is missing", "erase what does not belong to it"
-"""The same of what the user drew."""
+
+
+class Advice(NamedTuple):
+    """What may help where a mask is too small, and where it is too large; by default, what helps any mask."""
+
+    too_small: str = "paint what is missing"
+    too_large: str = "erase what does not belong to it"
+
+
+BY_HAND = Advice()
+
+
+def advise(config: PipelineConfig, choices: Iterable[StretchChoice] = ()) -> Advice:
+    """Return advice that is not in force yet and would change something.
+
+    Parameters
+    ----------
+    config : PipelineConfig
+        Of the run.
+    choices : iterable of StretchChoice
+        Source of the proposals of each stretch, where it was chosen.
+    """
+    advice = BY_HAND
+    if config.video_network.use != "always":
+        advice = advice._replace(too_small="try --quality best")
+    is_compared = any(choice.shows_depth or choice.proposals == "tracks" for choice in choices)
+    if is_compared or config.proposal_source in ("tracks", "motion-prompts"):
+        advice = advice._replace(too_large=f"try --sensitivity {config.track_objects.sensitivity / 2:g}")
+    return advice
 
 
 def find_doubts(
@@ -31,6 +59,7 @@ def find_doubts(
     has_confidence: bool,
     drawn: Container[int] = (),
     names: Mapping[int, str] = MappingProxyType({}),
+    advice: Advice = BY_HAND,
 ) -> tuple[str, ...]:
     """Return what is worth a look, each in one line with what may help, the largest objects first.
 
@@ -46,10 +75,12 @@ def find_doubts(
         Identities of which the user drew a part: no option changes that, but more of the brush does.
     names : mapping of int to str
         Names that the user gave the identities.
+    advice : Advice
+        What may help where the user drew nothing.
     """
     doubts = []
     for each in sorted(objects, key=lambda each: -sum(each.areas)):
-        larger, smaller = (PAINT, ERASE) if each.identity in drawn else (QUALITY, SENSITIVITY)
+        larger, smaller = BY_HAND if each.identity in drawn else advice
         doubt = _shrinks(each, size, num_frames, has_moves, larger)
         if doubt is None and has_confidence:
             doubt = _is_incomplete(each, larger) or _is_doubtful(each, smaller)

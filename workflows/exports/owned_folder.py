@@ -46,6 +46,10 @@ class OwnedFolder:
             OwnedFile(self.folder / name, lambda path: path.name in earlier).check()
         return earlier
 
+    def earlier(self) -> Path | None:
+        """Return the folder if an earlier export wrote files in it."""
+        return self.folder if self._listed() else None
+
     def __enter__(self) -> "OwnedFolder":
         earlier = self.check()
         self._swept = sweep_leftovers(self.folder)

@@ -42,6 +42,10 @@ class OwnedFile(NamedTuple):
         if exists(self.path) and not self.is_own(self.path):
             raise InputError("a file not known as moseg's own", where=self.path, expected=_ANOTHER_FOLDER)
 
+    def earlier(self) -> Path | None:
+        """Return the path if moseg wrote such a file before."""
+        return self.path if exists(self.path) and self.is_own(self.path) else None
+
 
 def exists(path: Path) -> bool:
     """Return whether `path` exists; raises InputError where no file can have the name, such as one that is too long."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.stretch_choice import StretchChoice
-from moseg.workflows.exports.doubts import find_doubts
+from moseg.workflows.exports.doubts import BY_HAND, Advice, find_doubts
 from moseg.workflows.exports.followed_object import FollowedObject, mean_known
 from moseg.workflows.exports.motion_json import FrameFigures, ObjectSummary, SequenceSummary
 from moseg.workflows.runlog.events import as_unicode
@@ -26,6 +26,7 @@ def summarise_sequence(
     confidences: Iterable[tuple[np.ndarray, np.ndarray] | None] | None = None,
     given_names: Mapping[int, str] | None = None,
     drawn: Container[int] = (),
+    advice: Advice = BY_HAND,
 ) -> SequenceSummary:
     """Follow each identity through a sequence's masks.
 
@@ -55,6 +56,8 @@ def summarise_sequence(
         Names that the user gave the identities.
     drawn : container of int, optional
         Identities of which the user drew a part, so that no option changes their masks.
+    advice : Advice
+        What may help where a mask is too small or too large.
 
     Raises
     ------
@@ -83,7 +86,7 @@ def summarise_sequence(
         raise InputError("no frame to summarise", where=name, got=0, expected="at least 1")
     size = shape[0] * shape[1]
     seen = [followed[identity] for identity in sorted(followed)]
-    doubts = find_doubts(seen, size, num_frames, has_moves, has_confidence, drawn, given_names or {})
+    doubts = find_doubts(seen, size, num_frames, has_moves, has_confidence, drawn, given_names or {}, advice)
     return SequenceSummary(
         name=as_unicode(name),
         num_frames=num_frames,

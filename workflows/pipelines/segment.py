@@ -12,6 +12,7 @@ from moseg.store import ArtifactStore
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.cues import cues_behind
 from moseg.workflows.engine.session import Session
+from moseg.workflows.exports.doubts import BY_HAND, Advice, advise
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.leaves import ingest_sequences
 from moseg.workflows.pipelines.placed_edits import NO_EDITS, PlacedEdits, check_edits, with_edits
@@ -58,6 +59,8 @@ class StoredSegmentation(NamedTuple):
         Names that the user gave the objects, by identity.
     drawn : frozenset of int
         Identities of which the user drew a part.
+    advice : Advice
+        What may help where a mask is too small or too large.
     """
 
     name: str
@@ -77,6 +80,7 @@ class StoredSegmentation(NamedTuple):
     confidence_refs: tuple[str | None, ...] = ()
     names: Mapping[int, str] = {}
     drawn: frozenset[int] = frozenset()
+    advice: Advice = BY_HAND
 
     @property
     def num_frames(self) -> int:
@@ -222,6 +226,7 @@ def read_stored(
         confidence_refs=graph.confidences(variant),
         names=found.names,
         drawn=found.drawn,
+        advice=advise(config, graph.leaves.choices),
     )
 
 

@@ -175,3 +175,15 @@ def test_a_page_may_lie_beside_the_results(segment, write_folder, tmp_path):
     for name in ("out/page.html", "out/deeper/Page.HTM", "elsewhere"):
         assert segment(folder, "--report", tmp_path / name).code == 0
         assert "<!doctype html>" in (tmp_path / name).read_text().lower()
+
+
+def test_exports_of_an_earlier_run_are_named(segment, write_folder, tmp_path):
+    folder, out = write_folder(), tmp_path / "out"
+    first = segment(folder, "--export", "coco", "--export", "colmap", "--export", "npz", "--for", "nerfstudio")
+    assert first.code == 0 and "earlier run" not in first.out
+    (out / "ytvis.json").write_text("{}")
+    again = segment(folder, "--end", "3", "--export", "coco")
+    assert again.code == 0
+    (note,) = [line for line in again.out.splitlines() if "earlier run" in line]
+    paths = f"{out / 'colmap'}, {out / 'frames.npz'}, {out / 'for-nerfstudio'}"
+    assert note == f"note: {paths} are of an earlier run; --export and --for write exports anew"

@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.stretch_choice import StretchChoice
 from moseg.workflows.exports import summarise_sequence
+from moseg.workflows.exports.doubts import Advice, advise
 
 NUM_FRAMES = 60
 NAMES = {1: 1, 2: 1, 3: 1, 4: 1, 5: 1}
@@ -42,7 +45,7 @@ def test_an_object_that_is_whole_and_moves_gives_no_doubt():
 def test_an_object_that_loses_half_its_area_may_have_stopped(rests, what):
     (line,) = look_at(volume([20] * 40 + [9] * 20), moving(rests), known())
     assert line.startswith("object 1 loses half its area from frame 40 (6.2 to 2.8 % of the frame)")
-    assert what in line and "frames 40 to 59" in line and "--quality best" in line
+    assert what in line and "frames 40 to 59" in line and "paint what is missing" in line
 
 
 def test_an_object_that_grows_or_leaves_the_frame_has_not_stopped():
@@ -55,13 +58,39 @@ def test_an_object_that_grows_or_leaves_the_frame_has_not_stopped():
 
 def test_an_incomplete_mask_and_a_doubtful_one_are_told_with_their_frames():
     whole = volume([20] * NUM_FRAMES)
-    (line,) = look_at(whole, moving(), known(complete=0.5, frames=range(10, 20)))
+    advice = advise(PipelineConfig(proposal_source="tracks"))
+    (line,) = look_at(whole, moving(), known(complete=0.5, frames=range(10, 20)), advice=advice)
     assert line == (
         "object 1 is probably incomplete in frames 10 to 19: about 50 % of it is covered; try --quality best"
     )
-    (line,) = look_at(whole, moving(), known(sure=0.4, frames=range(30, 60)))
+    (line,) = look_at(whole, moving(), known(sure=0.4, frames=range(30, 60)), advice=advice)
     assert line == "object 1 is doubtful in frames 30 to 59: about 40 % of its mask moves; try --sensitivity 0.5"
     assert look_at(whole, moving(), known(sure=0.4, frames=range(30, 33))) == ()
+
+
+def _choice(proposals="saliency", shows_depth=False):
+    figures = {"moving": 1, "gain": 0.3, "inside": 1, "wander_deg": 0}
+    return StretchChoice(
+        first_frame=0, last_frame=59, proposals=proposals, reason="", shows_depth=shows_depth, **figures
+    )
+
+
+@pytest.mark.parametrize(
+    ("config", "choices", "advice"),
+    [
+        ({}, [_choice()], Advice(too_small="try --quality best")),
+        ({}, [_choice(), _choice("tracks")], Advice("try --quality best", "try --sensitivity 0.5")),
+        ({}, [_choice(shows_depth=True)], Advice("try --quality best", "try --sensitivity 0.5")),
+        ({"video_network": {"use": "always"}}, [_choice()], Advice()),
+        (
+            {"track_objects": {"sensitivity": 0.5}, "proposal_source": "tracks"},
+            [],
+            Advice("try --quality best", "try --sensitivity 0.25"),
+        ),
+    ],
+)
+def test_only_options_that_change_something_are_advised(config, choices, advice):
+    assert advise(PipelineConfig.model_validate(config), choices) == advice
 
 
 def test_what_the_user_drew_is_mended_by_the_brush_and_by_no_option():

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 from moseg.workflows.exports.saved_segmentation import SavedSegmentation
 
@@ -12,6 +12,14 @@ class ExportTarget(Protocol):
 
     def check(self) -> object:
         """Raise InputError where it cannot be written, or would replace a file that moseg did not write."""
+
+
+@runtime_checkable
+class KnownTarget(Protocol):
+    """A target that knows what an earlier export wrote there."""
+
+    def earlier(self) -> Path | None:
+        """Return the path of what an earlier export wrote; None if there is nothing."""
 
 
 class ExportFormat(NamedTuple):

@@ -40,6 +40,10 @@ class SetFolders(NamedTuple):
         self.images.check()
         self.masks.check()
 
+    def earlier(self) -> Path | None:
+        """Return the folder of both if an earlier export wrote files in one of them."""
+        return self.images.folder.parent if self.images.earlier() or self.masks.earlier() else None
+
 
 def write_set(
     name: str,

@@ -1,6 +1,7 @@
 """Formats in which a segmentation is exported, by name."""
 
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 
 from moseg.schemas.errors import InputError
@@ -8,7 +9,7 @@ from moseg.schemas.spelling import unknown_name
 from moseg.workflows.exports.formats.annotations import COCO, YTVIS
 from moseg.workflows.exports.formats.davis import DAVIS
 from moseg.workflows.exports.formats.editor_videos import MATTE, PRORES, WEBM
-from moseg.workflows.exports.formats.export_format import ExportFormat
+from moseg.workflows.exports.formats.export_format import ExportFormat, KnownTarget
 from moseg.workflows.exports.formats.ignore_masks import BINARY, COLMAP, DYNASLAM, INSTANT_NGP, NERFSTUDIO
 from moseg.workflows.exports.formats.npz import NPZ
 from moseg.workflows.exports.formats.object_table import CSV
@@ -82,6 +83,18 @@ def export(
             expected = f"at most {entry.last_identity}"
             raise InputError("too many objects for a palette", where=entry.name, got=last, expected=expected)
     return tuple(entry.write(saved, folder, dilation) for entry in formats)
+
+
+def earlier_exports(formats: Iterable[ExportFormat], folder: Path, sequence: str) -> tuple[Path, ...]:
+    """Return what earlier runs wrote into a folder in some formats, as far as their targets know."""
+    found = []
+    for entry in formats:
+        target = entry.target(Path(folder), sequence, ())
+        # A listing that cannot be read is no concern of a run that does not write the format.
+        with suppress(InputError):
+            if isinstance(target, KnownTarget) and (path := target.earlier()) is not None:
+                found.append(path)
+    return tuple(found)
 
 
 def check_exports(formats: Iterable[ExportFormat], folder: Path, sequence: str, names: tuple[str, ...]) -> None:
