@@ -209,6 +209,8 @@ class Corrections(Frozen):
         Version of the format.
     video : str or None
         Digest of the video as in ``motion.json``; corrections of another video are refused.
+    part : str or None
+        The frames of the video that were read, in words, if they were not all of them.
     settings : dict of str to JSON value
         Parameters as ``stage.name``, in place of the run's.
     edits : tuple of Edit
@@ -217,6 +219,7 @@ class Corrections(Frozen):
 
     version: Annotated[Literal[1], BeforeValidator(_read_version)] = 1
     video: str | None = Field(None, pattern=r"^[0-9a-f]+$")
+    part: str | None = Field(None, max_length=1000)
     settings: dict[str, JsonValue] = {}
     edits: tuple[Edit, ...] = ()
 

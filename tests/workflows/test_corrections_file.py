@@ -46,7 +46,10 @@ SETTINGS = {
 }
 CORRECTIONS = st.fixed_dictionaries(
     {"settings": st.fixed_dictionaries({}, optional=SETTINGS), "edits": st.lists(EDITS, max_size=6)},
-    optional={"video": st.sampled_from(["0" * 64, "123", "1e5", "beef"])},
+    optional={
+        "video": st.sampled_from(["0" * 64, "123", "1e5", "beef"]),
+        "part": st.sampled_from(["3 frames, 2 to 4", "2 frames, a: b.png to #c.png", "null", "7"]),
+    },
 )
 
 
@@ -168,7 +171,7 @@ WRONG = {
         {"paint": {"object": 1, "frame": 1, "strokes": [{"radius": 1, "colour": 3, "points": [[1, 2]]}]}}
     ],
     "edit 1: split.x; got 3; expected one of object, frame, into": [{"split": {"object": 2, "frame": 2, "x": 3}}],
-    "corrections: x; got 2; expected one of version, video, settings, edits": {"x": 2},
+    "corrections: x; got 2; expected one of version, video, part, settings, edits": {"x": 2},
     "corrections: version; got 2; expected 1": {"version": 2},
     "corrections: edits; got {'drop': 2}; expected a list": {"edits": {"drop": 2}},
     "unknown parameter 'clustering.motion' in corrections: did you mean 'clustering.motions'?": {
@@ -196,9 +199,9 @@ FILES = {
     "line 3; got 'drop' twice": "version: 1\nedits:\n  - {drop: 2, drop: 3}\n",
     "line 2; got an alias (*), which is not read": "version: 1\nedits: [&a {drop: 2}, *a]\n",
     "edit 1; got 'dorp'; expected drop?": "version: 1\nedits:\n  - dorp: 2\n",
-    "got a list; expected version, video, settings and edits": "- drop: 2\n",
+    "got a list; expected version, video, part, settings and edits": "- drop: 2\n",
     "line 3; got expected the node content": "version: 1\nedits: [\n",
-    "expected YAML: version, video, settings and edits": "version: 1\nedits: !!python/object:os.system []\n",
+    "expected YAML: version, video, part, settings and edits": "version: 1\nedits: !!python/object:os.system []\n",
     "line 3; got could not determine a constructor for the tag": "version: 1\nedits:\n  - drop: !!int x\n",
     "line 2; got a name that is no text": "version: 1\n!!merge <<: {edits: []}\n",
 }

@@ -36,12 +36,22 @@ class GivenCorrections(NamedTuple):
         """The edits with their places."""
         return PlacedEdits(self.corrections.edits, self.places)
 
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """That a result is corrected, and by how much; empty without corrections."""
+    def notes(self, origin: FrameOrigin) -> tuple[str, ...]:
+        """Return notes on a result: that it is corrected, and that the corrections are of another part of the video.
+
+        They are empty without corrections.
+        """
         found = {"setting": len(self.corrections.settings), "edit": len(self.corrections.edits)}
         told = [f"{count} {name}{'' if count == 1 else 's'}" for name, count in found.items() if count]
-        return (f"corrected by {' and '.join(told)}",) if told else ()
+        notes = [f"corrected by {' and '.join(told)}"] if told else []
+        meant, part = self.corrections.part or "all frames", origin.part or "all frames"
+        # Files of earlier versions and those without a video do not say which part they are of.
+        if told and self.corrections.video is not None and meant != part:
+            notes.append(
+                f"{self.source} was written for {meant}, and this run reads {part}: numbers of frames and objects in it"
+                " may mean others here"
+            )
+        return tuple(notes)
 
     def is_from(self, path: Path) -> bool:
         """Return whether the corrections were read from an existing file."""
@@ -55,8 +65,8 @@ class GivenCorrections(NamedTuple):
             raise InputError("corrections of another video", where=self.source, got=got, expected=expected)
 
     def of_video(self, origin: FrameOrigin) -> Corrections:
-        """Return the corrections with the digest of their video."""
-        return self.corrections.model_copy(update={"video": origin.identity})
+        """Return the corrections with the digest of their video and its part."""
+        return self.corrections.model_copy(update={"video": origin.identity, "part": origin.part})
 
 
 NO_CORRECTIONS = GivenCorrections()

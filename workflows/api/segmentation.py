@@ -137,7 +137,7 @@ def run_segmentation(
     InputError
         The video cannot be read, or the page cannot be written.
     """
-    notes = (*source.notes, *motions_note(config, option), *corrections.notes)
+    notes = (*source.notes, *motions_note(config, option), *corrections.notes(FrameOrigin(None, source.frames)))
     rate = chosen.thinned_rate(choose_fps(fps, source.frames.describe().fps))
     shown = None if page is None else RunReport(page, source.name, config, [variant], [source.name])
     purpose, panels = Purpose("segment", notes, rate), None if shown is None else shown.panels

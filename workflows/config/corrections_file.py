@@ -19,7 +19,7 @@ from moseg.workflows.config.strict_yaml import YamlKind, read_yaml, spell_value
 
 CorrectionsLike = Corrections | Mapping[str, Any] | Iterable[Mapping[str, Any] | Edit] | str | os.PathLike
 """Corrections; a mapping as the file holds it; a list of edits (``[{"drop": 2}]``); or the path of a file."""
-LAYOUT = "version, video, settings and edits"
+LAYOUT = "version, video, part, settings and edits"
 MAX_BYTES = 1 << 24
 """Some ten thousand strokes."""
 _WORD = re.compile("[A-Za-z][A-Za-z0-9_-]*")
@@ -174,6 +174,8 @@ def _lines(corrections: Corrections) -> Iterator[str]:
     if corrections.video is not None:
         # Quoted: a digest may look like a number.
         yield f"video: '{corrections.video}'"
+    if corrections.part is not None:
+        yield f"part: {_flow(corrections.part)}"
     if corrections.settings:
         yield "settings:"
         for name, value in corrections.settings.items():

@@ -55,6 +55,16 @@ class FrameOrigin:
             return digest_bytes("origin", _head(path), str(Path(path).stat().st_size).encode())
         return None
 
+    @property
+    def part(self) -> str | None:
+        """First and last frame of the video and how many there are, in words; None if they are all of it, or arrays."""
+        if isinstance(self.frames, ImageFiles) and self.frames.folder_start is not None:
+            names = self.names
+            return f"{len(names)} frames, {names[0]} to {names[-1]}"
+        if self.numbers is not None:
+            return f"{len(self.numbers)} frames, {self.numbers[0]} to {self.numbers[-1]}"
+        return None
+
     def choose(self, kept: tuple[int, ...] | None) -> "FrameOrigin":
         """Return the origin of some of the frames, counted among those of this one; of all where None."""
         if kept is None:

@@ -28,6 +28,8 @@ class CorrectionHistory:
         Output folder, which has the file if there are corrections.
     video : str or None
         Digest of the video: the file says what it corrects.
+    part : str, optional
+        Which of its frames, if not all.
 
     Raises
     ------
@@ -35,9 +37,9 @@ class CorrectionHistory:
         The file does not hold corrections, or those of another video.
     """
 
-    def __init__(self, folder: Path, video: str | None = None):
+    def __init__(self, folder: Path, video: str | None = None, part: str | None = None):
         self.path = Path(folder) / CORRECTIONS
-        self._video = video
+        self._video, self._part = video, part
         self._gesture: object = None
         self._text = ""
         self._states: list[Corrections] = []
@@ -70,7 +72,7 @@ class CorrectionHistory:
         if None not in (found.video, self._video) and found.video != self._video:
             expected = "those of this video, or another --out"
             raise InputError("corrections of another video", where=self.path, got=found.video, expected=expected)
-        found = found.model_copy(update={"video": self._video or found.video})
+        found = found.model_copy(update={"video": self._video or found.video, "part": self._part or found.part})
         first = found.model_copy(update={"edits": (), "settings": {}})
         states = [first]
         if found.settings:

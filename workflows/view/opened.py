@@ -55,6 +55,8 @@ class Opened:
         Computes an artifact again that is damaged or missing.
     video : str or None
         Digest by which the video is known.
+    part : str or None
+        Which of its frames were read, if not all.
     has_video : bool
         Whether formats that contain the frames can be written.
     words : tuple of str
@@ -69,6 +71,7 @@ class Opened:
     prepare: tuple[Callable[[], None], ...]
     repair: Callable[[str], None]
     video: str | None
+    part: str | None
     has_video: bool
     words: tuple[str, ...]
     growing: tuple[str, ...] = ()

@@ -128,7 +128,7 @@ def _open(video: OpenVideo, options: OpenOptions, words: Sequence[str]) -> Opene
         return write_result(video, options.out, choices, options.fps)
 
     # Both are asked for while the video is there: it may be removed later.
-    shape, identity = video.shape, video.origin.identity
+    shape, identity, part = video.shape, video.origin.identity, video.origin.part
     first = correct(Corrections())
     return Opened(
         first=first,
@@ -137,6 +137,7 @@ def _open(video: OpenVideo, options: OpenOptions, words: Sequence[str]) -> Opene
         prepare=video.run.prepare_steps(),
         repair=video.run.repair,
         video=identity,
+        part=part,
         has_video=video.origin.path is not None,
         words=tuple(_without_outputs(words)),
         growing=tuple(list_growing_methods(first.config, options.run.non_commercial)),

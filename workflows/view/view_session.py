@@ -173,7 +173,7 @@ class ViewSession:
         try:
             with observed_progress(self._observe):
                 opened = opening(self._stack)
-                history = CorrectionHistory(self.out, opened.video)
+                history = CorrectionHistory(self.out, opened.video, opened.part)
                 shown = opened.correct(history.current) if history.current else opened.first
                 cues = CuePictures(opened.first)
                 listed = tuple(cues.list())
