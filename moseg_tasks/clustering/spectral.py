@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse.linalg import eigsh
+from scipy.sparse.linalg import ArpackNoConvergence, eigsh
 
 FEW_ROWS, FEW_EIGENVALUES = 200, 20
 """For more rows than the first, only as many leading eigenvalues as the second are kept."""
@@ -122,7 +122,11 @@ def leading_eigenpairs(symmetric: np.ndarray, count: int) -> tuple[np.ndarray, n
     else:
         # The default start vector is random, and so are the restarts of an exhausted Krylov space.
         start, rng = np.full(num, num**-0.5), np.random.default_rng(0)
-        values, vectors = eigsh(symmetric, count, which="LA", v0=start, tol=_TOLERANCE, rng=rng)
+        try:
+            values, vectors = eigsh(symmetric, count, which="LA", v0=start, tol=_TOLERANCE, rng=rng)
+        except ArpackNoConvergence:
+            # Many equal eigenvalues, as those of trajectories that agree on everything.
+            values, vectors = np.linalg.eigh(symmetric)
     order = np.argsort(-values, kind="stable")[:count]
     vectors = vectors[:, order]
     largest = vectors[np.argmax(np.abs(vectors), axis=0), np.arange(vectors.shape[1])]

@@ -27,7 +27,7 @@ class DenseTrackParams(Frozen):
     corner_quality: Annotated[float, Unit.SHARE] = Field(
         0.002, gt=0, le=1, description="minimal corner response, as a share of the frame's largest one"
     )
-    corner_block: Annotated[int, Unit.PIXELS] = Field(5, ge=3, description="side of the window of a corner, px")
+    corner_block: Annotated[int, Unit.PIXELS] = Field(5, ge=3, le=255, description="side of the window of a corner, px")
     corner_distance: Annotated[int, Unit.PIXELS] = Field(
         6, ge=1, description="minimal distance of a new point from the others, px"
     )
@@ -37,7 +37,7 @@ class DenseTrackParams(Frozen):
     border: Annotated[int, Unit.PIXELS] = Field(
         4, ge=1, description="points nearer than this to the frame's border are removed, px"
     )
-    window: Annotated[int, Unit.PIXELS] = Field(11, ge=5, description="side of the Lucas-Kanade window, px")
+    window: Annotated[int, Unit.PIXELS] = Field(11, ge=5, le=255, description="side of the Lucas-Kanade window, px")
     pyramid_levels: Annotated[int, Unit.COUNT] = Field(
         4, ge=0, description="pyramid levels above full resolution where tracking starts without a guess"
     )

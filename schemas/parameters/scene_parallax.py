@@ -27,7 +27,7 @@ class SceneParallaxParams(Frozen):
         0.001, gt=0, lt=1, description="minimal corner response, as a share of the largest one"
     )
     corner_spacing: Annotated[float, Unit.PIXELS] = Field(12.0, ge=1, description="distance between corners, px")
-    window: Annotated[int, Unit.PIXELS] = Field(15, ge=5, description="side of the Lucas-Kanade window, px")
+    window: Annotated[int, Unit.PIXELS] = Field(15, ge=5, le=255, description="side of the Lucas-Kanade window, px")
     pyramid_levels: Annotated[int, Unit.COUNT] = Field(4, ge=0, description="pyramid levels above full resolution")
     forward_backward: Annotated[float, Unit.PIXELS] = Field(
         0.7, gt=0, description="maximal forward-backward error of a corner from frame to frame, px"

@@ -43,7 +43,7 @@ class TrackParams(Frozen):
     erosion: Annotated[int, Unit.PIXELS] = Field(
         3, ge=0, description="erosion of an object before sampling, px, unless it removes the whole object"
     )
-    window: Annotated[int, Unit.PIXELS] = Field(15, ge=5, description="side of the Lucas-Kanade window, px")
+    window: Annotated[int, Unit.PIXELS] = Field(15, ge=5, le=255, description="side of the Lucas-Kanade window, px")
     pyramid_levels: Annotated[int, Unit.COUNT] = Field(4, ge=0, description="pyramid levels above full resolution")
     forward_backward: Annotated[float, Unit.PIXELS] = Field(
         1.0, gt=0, description="maximal forward-backward error of a tracked point, px"

@@ -58,6 +58,11 @@ def _assert_bad_input(ran, *words):
         ("store", "command"),
         ("store ls", ".moseg/store"),
         ("store gc --grace-hours -1", "--grace-hours"),
+        ("store gc --older 7x", "expected a number with s, m, h, d or w"),
+        (
+            "eval --dataset synthetic --set affinity.scale=0.7 --set flow.preset=fine --set affinity.scale=0.8",
+            "two choices in --set; got affinity.scale=0.7 and affinity.scale=0.8; expected one of them",
+        ),
     ],
 )
 def test_bad_use_is_one_line_before_any_work(moseg, arguments, word):
@@ -119,10 +124,33 @@ def test_a_sequence_without_ground_truth_cannot_be_scored(moseg, frames):
 @pytest.mark.parametrize("command", ["eval", "ablate"])
 def test_json_that_cannot_be_written_is_reported_before_the_work(moseg, squares, tmp_path, command):
     (tmp_path / "file").touch()
-    for target in (tmp_path / "file" / "report.json", tmp_path):
+    for target in (tmp_path / "file" / "report.json", tmp_path, tmp_path / ("x" * 300)):
         ran = moseg(command, "--dataset", "folder", "--root", squares, "--json", target)
         _assert_bad_input(ran)
     assert not Path(".moseg").exists()
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("eval", "--dataset", "synthetic", "--report", "LONG.html"),
+        ("score", "--dataset", "synthetic", "--predictions", "LONG"),
+        ("score", "--dataset", "synthetic", "--predictions", ".", "--json", "LONG"),
+        ("config", "dump", "--out", "LONG"),
+    ],
+)
+def test_a_name_that_is_too_long_is_one_line(moseg, arguments):
+    name = "x" * 300
+    _assert_bad_input(moseg(*(argument.replace("LONG", name) for argument in arguments)), name)
+
+
+@pytest.mark.parametrize("page", ["both", "./both", "link"])
+def test_scores_and_page_are_two_files(moseg, squares, tmp_path, monkeypatch, page):
+    monkeypatch.chdir(tmp_path)
+    Path("link").symlink_to("both")
+    ran = moseg("eval", "--dataset", "folder", "--root", squares, "--json", "both", "--report", page)
+    _assert_bad_input(ran, "scores and page in one file in --report")
+    assert not Path("both").exists()
 
 
 def test_a_path_that_is_no_store(moseg, squares, tmp_path):

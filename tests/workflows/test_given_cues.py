@@ -97,9 +97,10 @@ def track_file(tmp_path, truth):
 def segment(frames, moseg, tmp_path):
     """Return a function that segments the squares and returns the masks and the command's output."""
 
-    def call(*options, store="store"):
+    def call(*options, store="store", overlap=2):
         files = ("--store", tmp_path / store, "--out", tmp_path / "out", "--quiet")
-        ran = moseg("segment", frames, "--keep-cues", *files, *SECTIONS, *options)
+        sections = ("--section-length", "4", "--set", f"sections.overlap={overlap}")
+        ran = moseg("segment", frames, "--keep-cues", *options, *files, *sections)
         assert (ran.code, ran.err) == (0, "")
         return np.stack([np.asarray(Image.open(path)) for path in sorted((tmp_path / "out/masks").iterdir())]), ran.out
 
@@ -191,7 +192,7 @@ def test_reduced_frames_accept_flow_of_their_own_and_of_the_original_size(segmen
 @pytest.mark.parametrize("overlap", [2, 4])
 def test_tracks_from_a_file_find_the_moving_objects(overlap, segment, squares, track_file, truth, tmp_path):
     masks = ("--proposals", f"folder:{squares / 'squares' / 'masks'}", "--variant", "trajs", "--motions", "3")
-    found, _ = segment("--tracks", f"folder:{track_file}", *masks, "--set", f"sections.overlap={overlap}")
+    found, _ = segment("--tracks", f"folder:{track_file}", *masks, overlap=overlap)
     np.testing.assert_array_equal(found, truth)
     store = open_store(str(tmp_path / "store"), create=False)
     points, visible = np.load(track_file)["points"], np.load(track_file)["visible"]

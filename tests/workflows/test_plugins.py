@@ -300,6 +300,12 @@ def test_an_export_of_a_plug_in_is_written(run_with, squares, tmp_path):
             "[affinity]",
             "affinity that is no array in affinity by nova-mean, sequence",
         ),
+        ('affinity": (aff', 'afinity": (aff', "wrong set of arrays of affinity in affinity by nova-mean, sequence"),
+        (
+            "+ affinity.T) / 2",
+            "+ affinity.T).astype('f4')",
+            "wrong array layout of affinity.affinity in affinity by nova",
+        ),
         ("rng):\n", "rng):\n    return Output([1])\n", "no Output in flow by farneback, sequence squares; got list"),
         ("run=run_flow", "run_together=lambda params, inputs: None", f"{NO_LIST}; got NoneType; expected 1 of them"),
         ("run=run_flow", "run_together=lambda params, inputs: []", f"{NO_LIST}; got 0 values; expected 1 of them"),

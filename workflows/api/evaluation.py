@@ -99,6 +99,8 @@ def run_evaluation(
     config = choices.read()
     if json is not None:
         check_replaceable(json, TextKind.JSON)
+        if page is not None and os.path.realpath(json) == os.path.realpath(page):
+            raise InputError("scores and page in one file", where="--report", got=page, expected="another file")
     dataset = data.open(config.max_side)
     if dataset.has_frames:
         chosen, seeds = read_variants(variants, Variant, dataset.name), None

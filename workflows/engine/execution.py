@@ -18,7 +18,7 @@ from moseg.workflows.runlog.degeneracy import degenerate_event
 from moseg.workflows.runlog.events import EventLog, failed_event, note_written, work_event
 from moseg.workflows.stages.array_cache import ARRAYS
 from moseg.workflows.stages.inputs import Inputs
-from moseg.workflows.stages.registry import find_task, layouts_of
+from moseg.workflows.stages.registry import axes_of, find_task, layouts_of
 from moseg.workflows.stages.task import Output
 from moseg.workflows.weights.reading import require_network_packages
 
@@ -135,6 +135,11 @@ def _check_outputs(recipes: Sequence[Recipe], outputs: object) -> None:
             if not isinstance(array, np.ndarray):
                 got = type(array).__name__
                 raise InputError(f"{name} that is no array", where=where, got=got, expected="numpy.ndarray")
+        try:
+            axes_of(recipes[0].task, computed.arrays)
+        except StoreError as error:
+            what, place, got, expected = error.parts
+            raise InputError(f"{what} of {place}", where=where, got=got, expected=expected) from error
 
 
 @contextmanager

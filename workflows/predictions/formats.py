@@ -1,5 +1,6 @@
 """A folder of saved masks: the formats that it may be in, and how its format is found."""
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -132,7 +133,7 @@ def open_predictions(folder: Path, format: str | None = None) -> Predictions:
         The format is not known, or the folder holds no files of any format.
     """
     folder = Path(folder)
-    if not folder.is_dir():
+    if not os.path.isdir(folder):
         raise MissingInputError("no such folder of predictions", where=folder)
     if format is not None:
         if format not in FORMATS:

@@ -22,7 +22,8 @@ def read_age(text: str, where: str) -> float:
     """Return the seconds of an age such as ``7d``, ``12h`` or ``2w``; raises InputError if it is none."""
     match = _AMOUNT.fullmatch(text.strip())
     if match is None or match["unit"] not in AGES:
-        raise InputError("not an age", where=where, got=repr(text), expected="a number with m, h, d or w, such as 7d")
+        expected = "a number with s, m, h, d or w, such as 7d"
+        raise InputError("not an age", where=where, got=repr(text), expected=expected)
     return float(match["number"]) * AGES[match["unit"]]
 
 

@@ -28,10 +28,14 @@ def blame_output(path: Path, *more: type[Exception]) -> Iterator[None]:
 
 
 def is_stream(path: Path) -> bool:
-    """Return whether a path is a pipe, a device or the like, to which one writes and which no file may replace."""
+    """Return whether a path is a pipe, a device or the like, to which one writes and which no file may replace.
+
+    InputError is raised for a path that no file can have, such as one that is too long.
+    """
     path = Path(path)
     # What these folders name may be a file, if the shell redirects to one.
-    return (path.exists() and not path.is_file() and not path.is_dir()) or path.absolute().parent in _STREAM_FOLDERS
+    with blame_output(path):
+        return (path.exists() and not path.is_file() and not path.is_dir()) or path.absolute().parent in _STREAM_FOLDERS
 
 
 @contextmanager

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.sparse.linalg import ArpackNoConvergence
 
-from moseg.tasks.clustering import embed_views
+from moseg.tasks.clustering import embed_views, spectral
 from moseg.tasks.clustering.spectral import normalise_affinity, unit_rows
 
 
@@ -72,3 +73,16 @@ def test_an_object_without_any_affinity_does_not_divide_by_zero():
     view = random_views(4, 1, size=5)
     view[0, 2] = view[0, :, 2] = 0.0
     assert np.isfinite(embed_views(view, 2, 0.1, 5, 0.0).coordinates).all()
+
+
+def test_eigenpairs_are_found_where_the_iterative_solver_ends_without_them(monkeypatch):
+    points = np.random.default_rng(0).random((300, 2))
+    affinity = np.exp(-np.linalg.norm(points[:, None] - points, axis=2))
+    expected = spectral.leading_eigenpairs(affinity, 5)
+
+    def fail(*arguments, **options):
+        raise ArpackNoConvergence("no convergence", np.empty(0), np.empty((300, 0)))
+
+    monkeypatch.setattr(spectral, "eigsh", fail)
+    for found, wanted in zip(spectral.leading_eigenpairs(affinity, 5), expected, strict=True):
+        np.testing.assert_allclose(found, wanted, atol=1e-6)
