@@ -1,4 +1,4 @@
-"""The interface of motion models of point correspondences: fit, residuals and degeneracy."""
+"""The interface of motion models of point correspondences: fit and residuals."""
 
 from typing import Protocol, runtime_checkable
 
@@ -12,7 +12,9 @@ from moseg.tasks.point_models.correspondences import Correspondences
 class PointModel(Protocol):
     """A motion model of points tracked over two or three frames.
 
-    All methods raise InputError if the data has another shape than the model requires.
+    All methods raise InputError if the data has another shape than the model requires. Hypotheses of samples that do
+    not determine the model are kept, because few trajectories agree with them; the models of this package recognise
+    such samples (``degenerate``) for tests and benchmarks.
 
     Attributes
     ----------
@@ -64,8 +66,4 @@ class PointModel(Protocol):
         squared : (..., H, N)
             px^2.
         """
-        ...
-
-    def degenerate(self, data: Correspondences) -> np.ndarray:
-        """Return whether each point set leaves the model undetermined: bool (...); True for too few points."""
         ...

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant
 from moseg.schemas.errors import InputError
+from moseg.schemas.spelling import closest
 from moseg.workflows.config.parameters import list_parameters, value_of
 from moseg.workflows.config.pipeline_choices import PipelineChoices, are_equal
 
@@ -99,7 +100,10 @@ def _check_views(names: Sequence[str], where: str) -> None:
 
     known = [name for name, model in POINT_MODELS.items() if not model.needs_depth]
     if not names or not set(names) <= set(known) or len(set(names)) < len(names):
+        unknown = [name for name in names if name not in known]
+        close = closest(unknown[0], known) if unknown else None
         expected = f"different ones of {', '.join(known)}, separated by commas"
+        expected += "" if close is None else f"; did you mean {close!r}?"
         raise InputError("not point models", where=where, got=",".join(names), expected=expected)
 
 

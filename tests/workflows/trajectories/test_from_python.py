@@ -35,6 +35,7 @@ def test_errors_are_those_of_the_command_line(clips, tmp_path, request):
         ({"seed": 1, "seeds": 2}, "two choices in seed; got seeds 2 too"),
         ({"views": ["affine", "affine"]}, "not point models in views; got affine,affine"),
         ({"views": []}, "not point models in views; got ; expected different ones"),
+        ({"views": ["homografy"]}, "separated by commas; did you mean 'homography'?"),
         ({"variants": "oc"}, "in variants; got 'oc'"),
     ],
 )
