@@ -291,6 +291,17 @@ def test_an_export_of_a_plug_in_is_written(run_with, squares, tmp_path):
     [
         ("return {}", "return None", "parameters of a recipe that are no mapping in affinity by nova-mean; got None"),
         (
+            "config, view):",
+            "config):",
+            "params of a method that takes other arguments in affinity by nova-mean; got def params(config); expected"
+            " the configuration, view",
+        ),
+        (
+            "return {}",
+            "return {'scale': view_params}",
+            "parameters that JSON cannot hold in affinity by nova-mean; got scale of function; expected names with",
+        ),
+        (
             "return Output({",
             "return ({",
             "no Output in flow by farneback, sequence squares; got dict",

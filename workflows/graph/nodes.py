@@ -2,6 +2,10 @@
 
 from collections import ChainMap
 from collections.abc import Mapping, MutableMapping
+from inspect import signature
+from typing import Any
+
+from pydantic import ValidationError
 
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
@@ -9,6 +13,7 @@ from moseg.schemas.recipes import Recipe
 from moseg.workflows.graph.sequence_leaves import SequenceLeaves
 from moseg.workflows.graph.trajectory_leaves import TrajectoryLeaves
 from moseg.workflows.stages.registry import find_stage
+from moseg.workflows.stages.task import Task
 
 Inputs = dict[str, str | tuple[str, ...]]
 
@@ -75,12 +80,32 @@ class Nodes:
         """Return a recipe without inputs, and its input of weights, if it has one."""
         stage = find_stage(name)
         task = stage.task(stage.chosen(self.config) if method is None else method)
+        if task.code is not None:
+            _check_signature(task, place)
         read = task.params(self.config, **place)
+        where = f"{name} by {task.method}"
         if not isinstance(read, Mapping):
-            where, got = f"{name} by {task.method}", type(read).__name__
+            got = type(read).__name__
             raise InputError("parameters of a recipe that are no mapping", where=where, got=got, expected="a dict")
         params = {"method": task.method, **read}
         if task.code is not None:
             params["code"] = task.code
         weights = {} if task.network is None else {"weights": self.leaves.weights[task.network.item(self.config)]}
-        return Recipe(task=name, version=task.version, params=params), weights
+        try:
+            return Recipe(task=name, version=task.version, params=params), weights
+        except ValidationError as error:
+            got = f"{'.'.join(map(str, error.errors()[0]['loc'][1:2]))} of {type(error.errors()[0]['input']).__name__}"
+            expected = "names with texts, numbers, lists and mappings"
+            raise InputError("parameters that JSON cannot hold", where=where, got=got, expected=expected) from error
+
+
+def _check_signature(task: Task, place: Mapping[str, Any]) -> None:
+    """Raise InputError if the function `params` of a plug-in's method does not take what the graph passes."""
+    try:
+        signature(task.params).bind(None, **place)
+    except TypeError as error:
+        got = f"def params{signature(task.params)}"
+        where, expected = f"{task.name} by {task.method}", ", ".join(["the configuration", *place])
+        raise InputError(
+            "params of a method that takes other arguments", where=where, got=got, expected=expected
+        ) from error
