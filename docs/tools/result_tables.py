@@ -52,7 +52,10 @@ def _paper_choices() -> Rows:
 
 def _what_is_static() -> Rows:
     rows = []
-    for text, clustering in (("ours", "ours"), ("ORK, spectral, co-regularised, eigengap", "paper")):
+    for text, clustering in (
+        ("`residual`, linkage (default)", "ours"),
+        ("ORK, spectral, co-regularised, eigengap", "paper"),
+    ):
         cells = [
             " / ".join(f"{{{setting}-static-{clustering}-{static}/fused/F}}" for setting in ("synthetic", "davis"))
             for static in ("agreement", "group")
@@ -201,7 +204,11 @@ TABLES = {
             "fused, number of motions found",
             *scores_of("synthetic-residual-auto"),
         ),
-        ("eleven road clips of KT3DMoSeg, over points", "fused, number of motions found", *scores_of("roads-auto")),
+        (
+            "eleven road clips of KT3DInsMoSeg, at labelled points",
+            "fused, number of motions found",
+            *scores_of("roads-auto"),
+        ),
     ],
     "readme-trajectories": [
         ("data", "", "misclassified trajectories"),

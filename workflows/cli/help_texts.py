@@ -45,7 +45,7 @@ def _tidy(command: TyperGroup | TyperCommand) -> None:
     context = typer.Context(command, help_option_names=list(HELP_NAMES))
     for parameter in (*command.params, command.get_help_option(context)):
         if isinstance(parameter, TyperOption):
-            fill_in_choices(parameter)
+            fill_in_choices(parameter, command.name)
             fill_in_formats(parameter)
         if isinstance(parameter, TyperOption) and (parameter.is_flag or parameter.is_eager):
             parameter.metavar = ""

@@ -80,7 +80,8 @@ class PipelineOptions:
         str | None,
         typer.Option(
             "--config",
-            help="YAML file of parameters, as `moseg config dump` writes; the other options here override it.",
+            help="YAML file of parameters, as `moseg config dump` writes; it overrides --preset, --light, --quality and"
+            " --geometry, and the other options here override it.",
             metavar="FILE",
         ),
     ] = None

@@ -11,7 +11,10 @@ from moseg.workflows.cli.options import DEFAULT_STORE, QuietOption, StoreOption,
 
 def report(
     run: Annotated[
-        str, typer.Argument(help="A run's name, its start, or `latest`.", metavar="[RUN]", autocompletion=complete_run)
+        str,
+        typer.Argument(
+            help="A run's name, the beginning of its name, or `latest`.", metavar="[RUN]", autocompletion=complete_run
+        ),
     ] = "latest",
     out: Annotated[Path, typer.Option("--out", "-o", help="The page, a file of HTML.", metavar="FILE")] = Path(
         "report.html"

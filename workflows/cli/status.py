@@ -18,7 +18,7 @@ def status(
     run: Annotated[
         str | None,
         typer.Argument(
-            help="A run's name, its start, or `latest`. Without it: a list of the last runs.",
+            help="A run's name, the beginning of its name, or `latest`. Without it: a list of the last runs.",
             metavar="[RUN]",
             autocompletion=complete_run,
         ),

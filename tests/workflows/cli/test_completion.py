@@ -40,6 +40,7 @@ def complete(monkeypatch, capsys):
         ("moseg segment a.mp4 --preset ", ["weights-free", "paper", "modern"]),
         ("moseg plan --quality b", ["best"]),
         ("moseg eval --flow ", ["dis", "raft", "sea-raft", "groundtruth", "folder:"]),
+        ("moseg segment --flow ", ["dis", "raft", "sea-raft", "folder:"]),
         ("moseg eval --depth d", ["dpt-dinov2", "depth-anything-v2", "depth-anything-3"]),
         ("moseg eval --tagger ram", ["ram", "ram-plus"]),
         ("moseg eval --motions ", ["gt", "auto"]),
