@@ -126,6 +126,10 @@ class SubjectEvent(_ProcessLine):
         Remarks that a reader needs to interpret the figures.
     words : tuple of str or None
         Command line without `moseg` that leads to the same, of a run that continues another.
+    video : str or None
+        Digest of the user's video, as in ``motion.json``.
+    uncorrected : dict or None
+        Every parameter before the settings of the user's corrections, if there are any.
     sequences : tuple of SequenceSubject
     """
 
@@ -137,6 +141,8 @@ class SubjectEvent(_ProcessLine):
     seeds: tuple[int, ...] | None = None
     notes: tuple[str, ...] = ()
     words: tuple[str, ...] | None = None
+    video: str | None = None
+    uncorrected: dict[str, JsonValue] | None = None
     sequences: tuple[SequenceSubject, ...]
 
 

@@ -192,5 +192,6 @@ def open_run(
     with open_source(video, choices, name, chosen, fps) as (source, _), settings.open() as session:
         path = os.path.abspath(os.fsdecode(video)) if isinstance(video, str | os.PathLike) else None
         rate = chosen.thinned_rate(choose_fps(fps, source.frames.describe().fps))
-        run = OpenRun(session, source, variant, Purpose("segment", source.notes, rate))
-        yield OpenVideo(run, source, FrameOrigin(path, source.frames), choices, rate)
+        origin = FrameOrigin(path, source.frames)
+        purpose = Purpose("segment", source.notes, rate, video=origin.identity, uncorrected=choices.read())
+        yield OpenVideo(OpenRun(session, source, variant, purpose), source, origin, choices, rate)

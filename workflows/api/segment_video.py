@@ -196,7 +196,8 @@ def segment_video(
         origin = FrameOrigin(path, source.frames)
         given.check_video(origin)
         read = partial(_read, origin, given)
-        done = run_segmentation(source, config, variant, run, read, fps, page, "motions", chosen, given)
+        uncorrected = choices.read_uncorrected()
+        done = run_segmentation(source, config, variant, run, read, fps, page, "motions", chosen, given, uncorrected)
     return replace(done.value, store_use=done.use, notes=done.notes)
 
 

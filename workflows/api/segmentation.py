@@ -114,6 +114,7 @@ def run_segmentation(
     option: str = "--motions",
     chosen: FrameRange = WHOLE,
     corrections: GivenCorrections = NO_CORRECTIONS,
+    uncorrected: PipelineConfig | None = None,
 ) -> Segmented[Value]:
     """Segment the user's own video.
 
@@ -131,16 +132,20 @@ def run_segmentation(
         Frames that `source` has of the whole, so that thinned ones play as fast.
     corrections : GivenCorrections
         Whose edits apply; `config` has their settings.
+    uncorrected : PipelineConfig, optional
+        The configuration without these settings, if there are any.
 
     Raises
     ------
     InputError
         The video cannot be read, or the page cannot be written.
     """
-    notes = (*source.notes, *motions_note(config, option), *corrections.notes(FrameOrigin(None, source.frames)))
+    origin = FrameOrigin(None, source.frames)
+    notes = (*source.notes, *motions_note(config, option), *corrections.notes(origin))
     rate = chosen.thinned_rate(choose_fps(fps, source.frames.describe().fps))
     shown = None if page is None else RunReport(page, source.name, config, [variant], [source.name])
-    purpose, panels = Purpose("segment", notes, rate), None if shown is None else shown.panels
+    purpose = Purpose("segment", notes, rate, video=origin.identity, uncorrected=uncorrected)
+    panels = None if shown is None else shown.panels
     with run.open() as session:
 
         def read(stored: StoredSegmentation) -> Value:

@@ -219,7 +219,16 @@ def segment(
 
             with outputs:
                 done = run_segmentation(
-                    source, config, variant, settings, write, frames.fps, page, chosen=chosen, corrections=given
+                    source,
+                    config,
+                    variant,
+                    settings,
+                    write,
+                    frames.fps,
+                    page,
+                    chosen=chosen,
+                    corrections=given,
+                    uncorrected=choices.read_uncorrected(),
                 )
                 exported = outputs.export()
         _print_outcome(done, [*(f"{folder}/{path.name}" for path in outputs.paths), *map(str, exported)], outputs.notes)

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from pydantic import ValidationError
@@ -112,6 +112,10 @@ class PipelineChoices:
             _merge(values, LIGHT[self.preset])
         _merge(values, given)
         return _validate(values)
+
+    def read_uncorrected(self) -> PipelineConfig | None:
+        """Return the configuration without the settings of corrections; None if there are none."""
+        return replace(self, corrected={}).read() if self.corrected else None
 
     def read(self) -> PipelineConfig:
         """Return the configuration of a run; raises InputError also where it needs folders that were not given."""

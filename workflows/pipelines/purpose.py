@@ -23,12 +23,18 @@ class Purpose(NamedTuple):
         Frames per second, in place of those that its data have.
     words : tuple of str or None
         Command line without `moseg` that leads to the same, of a run that continues another.
+    video : str or None
+        Digest of the user's video.
+    uncorrected : PipelineConfig or None
+        The configuration before the settings of the user's corrections, if there are any.
     """
 
     command: Literal["eval", "ablate", "segment"]
     notes: tuple[str, ...] = ()
     fps: float | None = None
     words: tuple[str, ...] | None = None
+    video: str | None = None
+    uncorrected: PipelineConfig | None = None
 
 
 EVALUATION = Purpose("eval")
@@ -51,6 +57,8 @@ def make_subject(
         config=config.model_dump(mode="json"),
         seeds=None if seeds is None else tuple(seeds),
         notes=tuple(map(as_unicode, purpose.notes)),
+        video=purpose.video,
+        uncorrected=None if purpose.uncorrected is None else purpose.uncorrected.model_dump(mode="json"),
         words=None if purpose.words is None else tuple(map(as_unicode, purpose.words)),
         sequences=tuple(SequenceSubject(leaves=_plain(leaves), fps=fps) for leaves, fps in sequences),
         **this_process(),

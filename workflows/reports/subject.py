@@ -39,6 +39,10 @@ class RunSubject(NamedTuple):
     notes : tuple of str
     words : tuple of str or None
         Command line without `moseg` that leads to the same, of a run that continues another.
+    video : str or None
+        Digest of the user's video; None in runs of earlier versions too.
+    uncorrected : PipelineConfig or None
+        The configuration before the settings of the user's corrections, if there are any.
     """
 
     command: Literal["eval", "ablate", "segment"]
@@ -49,6 +53,8 @@ class RunSubject(NamedTuple):
     seeds: tuple[int, ...] | None = None
     notes: tuple[str, ...] = ()
     words: tuple[str, ...] | None = None
+    video: str | None = None
+    uncorrected: PipelineConfig | None = None
 
     @property
     def has_frames(self) -> bool:
@@ -116,4 +122,6 @@ def _read(events: list[SubjectEvent]) -> RunSubject:
         seeds=first.seeds,
         notes=first.notes,
         words=first.words,
+        video=first.video,
+        uncorrected=None if first.uncorrected is None else PipelineConfig.model_validate(first.uncorrected),
     )

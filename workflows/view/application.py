@@ -16,7 +16,7 @@ from urllib.parse import unquote
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
@@ -150,12 +150,18 @@ class ViewApplication:
         return response
 
     async def _cue_key(self, request: Request) -> Response:
-        number = request.path_params["number"]
+        number = self._cue_number(request)
         return await self._draw(lambda shown: _send_picture(self._session.cues.key(number)))
 
     async def _cue(self, request: Request) -> Response:
-        number, frame = request.path_params["number"], request.path_params["frame"]
+        number, frame = self._cue_number(request), request.path_params["frame"]
         return await self._draw(lambda shown: _send_picture(self._session.cues.draw(number, frame)), frame)
+
+    def _cue_number(self, request: Request) -> int:
+        number = request.path_params["number"]
+        if number >= len(self._session.moment.cues):
+            raise HTTPException(404, "no such cue")
+        return number
 
     async def _grid(self, request: Request) -> Response:
         def describe(shown: ShownResult) -> Response:
@@ -244,8 +250,8 @@ def _answering(call: Callable) -> Callable:
             return await call(request)
         except HTTPException as error:
             return JSONResponse({"message": error.detail}, error.status_code)
-        except IndexError:
-            return JSONResponse({"message": "no such number"}, 404)
+        except ClientDisconnect:
+            return Response(status_code=BAD_REQUEST)
         except StaleEditError as error:
             return JSONResponse({"message": str(error)}, CONFLICT)
         except StoreError as error:

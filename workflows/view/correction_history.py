@@ -1,6 +1,7 @@
 """The corrections in force, their file, and the states before and after them for undo and redo."""
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -65,8 +66,11 @@ class CorrectionHistory:
         """Return whether the file is not what was last read or written: someone else has changed it."""
         return self._read_text() != self._text
 
-    def reload(self) -> None:
-        """Take the corrections from the file; undo then removes them from the last one to the first."""
+    def reload(self, enforce: Callable[[Corrections], object] = lambda corrections: None) -> None:
+        """Take the corrections from the file; undo then removes them from the last one to the first.
+
+        `enforce` is called with them first; if it raises, the history stays as it is.
+        """
         text = self._read_text()
         found = read_corrections(str(self.path)) if text else Corrections()
         if None not in (found.video, self._video) and found.video != self._video:
@@ -80,6 +84,7 @@ class CorrectionHistory:
         states += [
             states[-1].model_copy(update={"edits": found.edits[: number + 1]}) for number in range(len(found.edits))
         ]
+        enforce(states[-1])
         self._states, self._place, self._gesture, self._text = states, len(states) - 1, None, text
 
     def with_edit(self, edit: Any) -> Corrections:

@@ -16,7 +16,6 @@ from moseg.workflows.config.frame_range import FrameRange
 from moseg.workflows.config.frame_rate import choose_fps
 from moseg.workflows.config.pipeline_choices import PipelineChoices
 from moseg.workflows.datasets import SequenceSource
-from moseg.workflows.exports.frame_origin import FrameOrigin
 from moseg.workflows.exports.motion_json import SequenceSummary
 from moseg.workflows.exports.outputs import MOTION, check_outputs, check_same_video
 from moseg.workflows.pipelines.correct import OpenRun
@@ -24,7 +23,7 @@ from moseg.workflows.pipelines.purpose import Purpose
 from moseg.workflows.view.growing_methods import list_growing_methods
 from moseg.workflows.view.opened import ExportChoices, Opened
 from moseg.workflows.view.shown_result import ShownResult
-from moseg.workflows.view.stored_frames import StoredFrames, StoredOrigin
+from moseg.workflows.view.stored_frames import RunOrigin, StoredFrames, StoredOrigin
 from moseg.workflows.view.stored_runs import StoredRun
 from moseg.workflows.view.uploads import FOLDER
 from moseg.workflows.view.view_session import Opening
@@ -93,12 +92,15 @@ def run_opening(run: StoredRun, out: Path, settings: RunSettings, summary: Seque
             shape = summary.height, summary.width
         frames = StoredFrames.of_size(session.store, run.leaves.frames, shape, fps)
         source = SequenceSource(run.leaves.name, frames)
-        origin = FrameOrigin(None, frames) if summary is None else StoredOrigin(None, frames, summary)
+        origin = RunOrigin(None, frames, run.video) if summary is None else StoredOrigin(None, frames, summary)
         leaves = run.leaves._replace(edits=())
         words = _as_segment(run.words, run.leaves.name, out)
-        opened = OpenRun(session, source, run.variant, Purpose("segment", words=words), leaves, run.config)
-        video = OpenVideo(opened, source, origin, PipelineChoices(run.config), fps)
-        options = OpenOptions(out, PipelineChoices(run.config), FrameRange(), fps, run.variant, settings)
+        base = run.uncorrected
+        purpose = Purpose("segment", words=words, video=origin.identity, uncorrected=base)
+        video = OpenVideo(
+            OpenRun(session, source, run.variant, purpose, leaves, base), source, origin, PipelineChoices(base), fps
+        )
+        options = OpenOptions(out, PipelineChoices(base), FrameRange(), fps, run.variant, settings)
         return _open(video, options, words)
 
     return open_stored
@@ -161,11 +163,16 @@ def _as_segment(words: tuple[str, ...], name: str, out: Path) -> tuple[str, ...]
     return ("segment", *sent[:1], *kept)
 
 
+_EDITS = ("--split", "--rename", "--merge", "--static", "--moving", "--keep", "--drop")
+_LEFT_OUT = ("--out", "-o", "--corrections", *_EDITS)
+"""Options of an output folder and of corrections; each has a value."""
+
+
 def _without_outputs(words: Iterable[str]) -> Iterator[str]:
     """Yield the words of a command without those that name its output and its corrections."""
     given = iter(words)
     for word in given:
-        if word in ("--out", "-o", "--corrections"):
+        if word in _LEFT_OUT:
             next(given, None)
-        elif not word.startswith(("--out=", "--corrections=")):
+        elif not word.startswith(tuple(f"{each}=" for each in _LEFT_OUT)):
             yield word

@@ -3,6 +3,7 @@
 import secrets
 import socket
 import sys
+import threading
 import webbrowser
 from collections.abc import Callable
 from typing import NamedTuple
@@ -71,9 +72,14 @@ def serve(address: Address, session: ViewSession, application: ViewApplication, 
         timeout_graceful_shutdown=GRACE_SECONDS,
     )
     sys.setswitchinterval(SWITCH_SECONDS)
-    opened = (lambda: webbrowser.open(address.url)) if has_browser else (lambda: None)
+    opened = (lambda: _open_browser(address.url)) if has_browser else (lambda: None)
     with address.socket:
         _Server(config, session, opened).run(sockets=[address.socket])
+
+
+def _open_browser(url: str) -> None:
+    # In a thread: a browser of the terminal does not return before it is left, and asks the server meanwhile.
+    threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
 
 
 class _Server(uvicorn.Server):

@@ -97,12 +97,15 @@ def require_view_packages() -> None:
 
 def _choose_opening(what: str, folder: str | None, options: OpenOptions) -> tuple[str, Opening]:
     """Return the name and the opening of what a word names, which is looked at before the server starts."""
+    is_run = not os.path.lexists(what) and (what == LATEST or _RUN.fullmatch(what) is not None)
+    if folder is not None or is_run:
+        _refuse_options(what, options)
     if folder is not None:
         summary = read_motion(Path(folder) / MOTION)
         store = open_store(options.run.store, create=False)
         run = find_run_of(store, Path(folder), summary, (options.out / CORRECTIONS).exists())
         return summary.name, run_opening(run, options.out, options.run, summary)
-    if not os.path.lexists(what) and (what == LATEST or _RUN.fullmatch(what)):
+    if is_run:
         run = read_run(open_store(options.run.store, create=False), what)
         return run.leaves.name, run_opening(run, options.out, options.run)
     if what == STANDARD_INPUT:
@@ -115,6 +118,20 @@ def _choose_opening(what: str, folder: str | None, options: OpenOptions) -> tupl
         # Bad input is reported at once, and not on the page.
         source.frames.describe()
     return name, video_opening(path, name, options)
+
+
+def _refuse_options(what: str, options: OpenOptions) -> None:
+    """Raise InputError if there are options that a finished result would not follow."""
+    given = {
+        "--start, --end or --every": options.chosen != FrameRange(),
+        "--fps": options.fps is not None,
+        "--variant": options.variant != Variant.FUSED,
+        "an option of the pipeline": options.choices.read() != PipelineChoices().read(),
+    }
+    found = ", ".join(name for name, is_given in given.items() if is_given)
+    if found:
+        expected = "the video itself, or a result as it is (its settings can be changed on the page)"
+        raise InputError("an option without effect on a finished result", where=what, got=found, expected=expected)
 
 
 def _list_runs(store: str) -> list[dict]:

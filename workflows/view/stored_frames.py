@@ -57,6 +57,24 @@ class StoredFrames(NamedTuple):
 
 
 @dataclass(frozen=True)
+class RunOrigin(FrameOrigin):
+    """Origin of the frames of a run, as its log has it.
+
+    Attributes
+    ----------
+    video : str or None
+        Digest of the video.
+    """
+
+    video: str | None
+
+    @property
+    def identity(self) -> str | None:
+        """See `FrameOrigin`."""
+        return self.video
+
+
+@dataclass(frozen=True)
 class StoredOrigin(FrameOrigin):
     """Origin of the frames of a result whose video is not known, as ``motion.json`` describes it.
 

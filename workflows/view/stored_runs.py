@@ -1,6 +1,7 @@
 """Finished runs of `moseg segment` in a store: their names, and the one whose results lie in a folder."""
 
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -33,8 +34,12 @@ class StoredRun(NamedTuple):
     status : RunStatus
     leaves : SequenceLeaves
     config : PipelineConfig
+    uncorrected : PipelineConfig
+        Without the settings of corrections.
     variant : Variant
     fps : float or None
+    video : str or None
+        Digest of the video; None in runs of earlier versions, and for arrays.
     words : tuple of str
         Its command line without `moseg`; for a run that continues another, that of the other one.
     """
@@ -42,8 +47,10 @@ class StoredRun(NamedTuple):
     status: RunStatus
     leaves: SequenceLeaves
     config: PipelineConfig
+    uncorrected: PipelineConfig
     variant: Variant
     fps: float | None
+    video: str | None
     words: tuple[str, ...]
 
 
@@ -63,14 +70,15 @@ def read_run(store: ArtifactStore, name: str) -> StoredRun:
     (sequence, *_), (variant, *_) = subject.sequences, subject.variants
     status = read_status(store, run_id)
     words = subject.words or status.command[1:]
-    return StoredRun(status, sequence.leaves, subject.config, variant, sequence.fps, words)
+    uncorrected = subject.uncorrected or subject.config
+    return StoredRun(status, sequence.leaves, subject.config, uncorrected, variant, sequence.fps, subject.video, words)
 
 
 def list_segmentations(store: ArtifactStore) -> list[dict]:
     """Return name, video and number of frames of the latest runs that can be viewed, as JSON."""
     return [
         {"run": run.status.run_id, "name": run.leaves.name, "frames": len(run.leaves.frames)}
-        for run in _readable_runs(store, MAX_LISTED)
+        for run in islice(_readable_runs(store), MAX_LISTED)
     ]
 
 
@@ -90,6 +98,8 @@ def find_run_of(store: ArtifactStore, folder: Path, summary: SequenceSummary, is
     for run in _readable_runs(store):
         if (run.leaves.name, len(run.leaves.frames)) != (summary.name, summary.num_frames):
             continue
+        if None not in (run.video, summary.video) and run.video != summary.video:
+            continue
         try:
             if is_corrected or _has_masks_of(store, run, folder, summary):
                 return run
@@ -99,9 +109,9 @@ def find_run_of(store: ArtifactStore, folder: Path, summary: SequenceSummary, is
     raise InputError("the results behind these masks are not stored", where=folder, got=store.url, expected=expected)
 
 
-def _readable_runs(store: ArtifactStore, limit: int | None = None) -> Iterator[StoredRun]:
+def _readable_runs(store: ArtifactStore) -> Iterator[StoredRun]:
     """Yield runs of `moseg segment` whose logs can be read, the latest first."""
-    for run_id in list_runs(store)[:limit]:
+    for run_id in list_runs(store):
         try:
             yield read_run(store, run_id)
         except (InputError, StoreError):

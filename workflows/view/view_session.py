@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from moseg.schemas.corrections import Corrections
 from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, MosegError, StoreError
@@ -226,18 +226,29 @@ class ViewSession:
         if self._history is None:
             raise InputError("nothing is open")
         if self._history.is_stale():
-            self._history.reload()
-            self._show(self._correct(self._history.current))
-            where = self._history.path
-            raise StaleEditError("changed by another program", where=where, expected="this change once more")
+            self._take_from_file()
         if revision != self._moment.revision:
             expected = "this change once more, on the result as it is now"
             raise StaleEditError("changed in another tab meanwhile", expected=expected)
         return self._history
 
+    def _take_from_file(self) -> NoReturn:
+        """Have the corrections of the file in force, which another program has changed, and raise StaleEditError."""
+        shown: list[ShownResult] = []
+        try:
+            self._history.reload(lambda corrections: shown.append(self._correct(corrections)))
+        except Exception:
+            self._correct(self._history.current)
+            raise
+        self._show(*shown)
+        raise StaleEditError("changed by another program", where=self._history.path, expected="this change once more")
+
     def _enforce(self, corrections: Corrections, write: Callable[[], None]) -> None:
         """Have corrections in force, here and in the file, or neither."""
         shown = self._correct(corrections)
+        # The computation may have taken a while.
+        if self._history.is_stale():
+            self._take_from_file()
         try:
             write()
         except Exception:

@@ -107,6 +107,7 @@ document.documentElement.classList.add("js");
       const image = new Image();
       image.src = address;
       picture = image.decode().then(() => image);
+      picture.catch(() => decoded.get(key) === picture && decoded.delete(key));
     }
     decoded.set(key, picture);
     if (decoded.size > MAX_DECODED) decoded.delete(decoded.keys().next().value);
@@ -232,10 +233,15 @@ document.documentElement.classList.add("js");
       isDrawing = true;
       const frame = frames[Number(slider.value)];
       const place = layerPlaces.get(frame);
-      const painters = place === undefined
-        ? [await drawBetween(frame)]
-        : await Promise.all(panes.map((element, index) => drawPane(element, index, place, frame)));
-      for (const painter of painters) painter();
+      try {
+        const painters = place === undefined
+          ? [await drawBetween(frame)]
+          : await Promise.all(panes.map((element, index) => drawPane(element, index, place, frame)));
+        for (const painter of painters) painter();
+      } catch {
+        // A picture that cannot be decoded: the others must not wait for it.
+        for (const element of panes) paint(element, null, 0, 0, "a picture that cannot be read", frame);
+      }
       isDrawing = false;
       if (isStale) draw();
     };

@@ -13,9 +13,10 @@ const send = (address, content, said) => {
     model.isBusy = true;
     changed("busy");
     try {
-      receiveState(await post(address, { revision: model.state.revision, ...content }));
+      const own = typeof content === "function" ? content() : content;
+      receiveState(await post(address, { revision: model.state.revision, ...own }));
       showMessage("");
-      if (said) announce(said);
+      if (said) announce(typeof said === "function" ? said() : said);
       return true;
     } catch (error) {
       showMessage(error.message);
@@ -31,7 +32,9 @@ const send = (address, content, said) => {
   return next;
 };
 
-export const sendEdit = (edit, said) => send("edits", { edit }, said);
+// A function gives the edit when those before it are done, which may have taken the next free number.
+export const sendEdit = (edit, said) =>
+  send("edits", typeof edit === "function" ? () => ({ edit: edit() }) : { edit }, said);
 
 export const undo = () => send("undo", {}, "undone");
 

@@ -40,6 +40,8 @@ const load = async () => {
       ...(matrices.length + missing.length ? [] : [make("p", { class: "muted" }, "Nothing to compare.")]),
     );
   } catch (error) {
+    // A later result may be shown meanwhile.
+    if (shownKey !== shown.key) return;
     shownKey = null;
     box.replaceChildren(make("p", { class: "muted" }, error.message));
   }

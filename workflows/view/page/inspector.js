@@ -27,8 +27,13 @@ export const actions = {
   split: async () => {
     const object = only();
     if (object === null || model.frame === 0) return;
-    const into = freeIdentity();
-    await sendEdit({ split: { object, frame: model.frame, into } }, `object ${object} is ${into} from frame ${model.frame} on`);
+    const { frame } = model;
+    let into = null;
+    const edit = () => {
+      into = freeIdentity();
+      return { split: { object, frame, into } };
+    };
+    await sendEdit(edit, () => `object ${object} is ${into} from frame ${frame} on`);
   },
   rename: () => {
     find("name")?.focus();
@@ -57,6 +62,8 @@ const facts = (identity) => {
   if (object.verdict) rows.push(["corrected", object.verdict]);
   return make("dl", { class: "object-facts" }, ...rows.map(([name, value]) => make("div", {}, make("dt", {}, name), make("dd", {}, value))));
 };
+
+let named = null; // object whose name the field has
 
 const nameField = (identity) => {
   const object = objectOf(identity);
@@ -94,6 +101,9 @@ const draw = () => {
     ),
   );
   const one = identities.length === 1 ? identities[0] : null;
+  const field = find("selection").querySelector("#name");
+  const typed = field && field === document.activeElement && one === named ? field.value : null;
+  named = one;
   refill(
     find("selection"),
     heading,
@@ -102,6 +112,8 @@ const draw = () => {
       : [make("p", {}, swatch(objectOf(one).colour), isRejected(one) ? "a rejected proposal" : "an object of the result"), facts(one), nameField(one)],
     make("div", { class: "actions", role: "group", "aria-label": "actions" }, ...buttons),
   );
+  // What is being typed outlives what else changes meanwhile.
+  if (typed !== null) find("name").value = typed;
 };
 
 const followFrame = () => {

@@ -4,6 +4,7 @@ import { announce, find, make, refill } from "./elements.js";
 import { sendSetting } from "./edits.js";
 import { on, result } from "./model.js";
 
+const page = Math.random(); // another tab, or this page loaded anew, has other gestures
 let gesture = 0;
 let isHeld = false;
 let drawn = "";
@@ -13,6 +14,8 @@ const show = (setting, value) => {
   if (setting.isShare) return `${Number((100 * value).toPrecision(3))} %`;
   return `${Number(value.toPrecision(3))}${setting.unit ? ` ${setting.unit}` : ""}`;
 };
+
+const nameGesture = (setting) => `${page} ${setting.name} ${gesture}`;
 
 // The slider of a scale that spans decades is even in its logarithm.
 const toSlider = (setting, value) => (setting.isLog ? Math.log10(value) : value);
@@ -46,7 +49,7 @@ const makeRange = (setting) => {
       const value = fromSlider(setting, Number(input.value));
       output.textContent = show(setting, value);
       input.setAttribute("aria-valuetext", show(setting, value));
-      sendSetting(setting.name, value, `${setting.name} ${gesture}`);
+      sendSetting(setting.name, value, nameGesture(setting));
     },
     onchange: () => { if (!isHeld) gesture += 1; },
     onblur: letGo,
@@ -58,7 +61,7 @@ const makeRange = (setting) => {
 const makeChoice = (setting) => {
   const input = make(
     "select",
-    { "data-key": setting.name, "data-setting": setting.name, "aria-label": setting.label, onchange: () => { gesture += 1; const word = input.value; sendSetting(setting.name, /^\d+$/.test(word) ? Number(word) : word, gesture); } },
+    { "data-key": setting.name, "data-setting": setting.name, "aria-label": setting.label, onchange: () => { gesture += 1; const word = input.value; sendSetting(setting.name, /^\d+$/.test(word) ? Number(word) : word, nameGesture(setting)); } },
     ...setting.options.map((option) => make("option", { value: option }, String(option))),
   );
   input.value = String(setting.value);
@@ -71,7 +74,7 @@ const makeReset = (setting) =>
     {
       type: "button", class: "reset", "data-key": `reset-${setting.name}`, disabled: !setting.isChanged,
       "aria-label": `${setting.label} as the run had it: ${show(setting, setting.initial)}`, title: `as the run had it: ${show(setting, setting.initial)}`,
-      onclick: () => { gesture += 1; sendSetting(setting.name, null, gesture); announce(`${setting.label} as the run had it`); },
+      onclick: () => { gesture += 1; sendSetting(setting.name, null, nameGesture(setting)); announce(`${setting.label} as the run had it`); },
     },
     "↺",
   );

@@ -16,7 +16,11 @@ const loadGrid = async () => {
   try {
     const grid = await getJson(`grid/${shown.key}`);
     // A later state may have come meanwhile.
-    if (result()?.key !== shown.key) return;
+    if (result()?.key !== shown.key) {
+      // It may come back, and then needs its areas.
+      if (gridKey === shown.key) gridKey = null;
+      return;
+    }
     model.grid = grid;
     changed("grid");
   } catch (error) {

@@ -1,6 +1,6 @@
 // Brush strokes and clicks on the picture, by pointer or by keys, in px of the video's own frames.
 
-import { announce, find } from "./elements.js";
+import { announce, find, showMessage } from "./elements.js";
 import { labelsAt, proposalsAt } from "./media.js";
 import { changed, freeIdentity, model, nameOf, on, only, result, select } from "./model.js";
 import { sendEdit } from "./edits.js";
@@ -86,7 +86,13 @@ const identityAt = async ({ x, y }) => {
 };
 
 const choose = async (place, isMore) => {
-  const identity = await identityAt(place);
+  let identity = 0;
+  try {
+    identity = await identityAt(place);
+  } catch (error) {
+    showMessage(error.message);
+    return;
+  }
   const chosen = new Set(isMore ? model.selected : []);
   if (identity) {
     if (chosen.has(identity)) chosen.delete(identity);
@@ -110,9 +116,12 @@ const finish = async () => {
   stroke = null;
   const target = only();
   if (tool === "paint") {
-    const object = target ?? freeIdentity();
-    const edit = { paint: { object, frame, strokes } };
-    if (await sendDrawn(drawn, edit, `painted object ${object} in frame ${frame}`)) select([object]);
+    let object = target;
+    const edit = () => {
+      object ??= freeIdentity();
+      return { paint: { object, frame, strokes } };
+    };
+    if (await sendDrawn(drawn, edit, () => `painted object ${object} in frame ${frame}`)) select([object]);
   } else {
     const which = target === null ? {} : { object: target };
     await sendDrawn(drawn, { erase: { ...which, frame, strokes } }, `erased in frame ${frame}`);
@@ -123,10 +132,14 @@ const add = async (place) => {
   play(false);
   const shown = result();
   const { frame } = model;
-  const object = freeIdentity();
+  let object = null;
   const drawn = { tool: "add", frame, places: [place], radius: (CLICK_RADIUS * shown.width) / shown.grid.width };
-  const edit = { add: { object, frame, points: [toVideo(place, shown)], by: model.growing } };
-  if (await sendDrawn(drawn, edit, `object ${object} added`)) select([object]);
+  const added = { frame, points: [toVideo(place, shown)], by: model.growing };
+  const edit = () => {
+    object = freeIdentity();
+    return { add: { object, ...added } };
+  };
+  if (await sendDrawn(drawn, edit, () => `object ${object} added`)) select([object]);
 };
 
 const extend = (place) => {
