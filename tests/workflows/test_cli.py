@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -226,3 +227,12 @@ def test_overviews_need_no_data_and_no_store(moseg, command):
     assert (ran.code, ran.err) == (0, "")
     assert "synthetic" in ran.out
     assert not list(Path().iterdir())
+
+
+def test_names_in_square_brackets_are_names(moseg, squares, tmp_path):
+    sequence = shutil.copytree(squares / "squares", tmp_path / "data [v2]" / "clip [bold]")
+    saved = shutil.copytree(sequence / "masks", tmp_path / "masks" / "clip [bold]").parent
+    data = ("--dataset", "folder", "--root", sequence.parent, "--predictions", saved, "--name", "[/b] :smile:")
+    ran = moseg("score", *data, "--quiet")
+    assert (ran.code, ran.err) == (0, "")
+    assert "clip [bold]" in ran.out and "[/b] :smile:" in ran.out

@@ -50,10 +50,12 @@ def find_videos(words: Sequence[str]) -> tuple[NamedVideo, ...]:
     """
     paths = [(path, is_group) for word in words for path, is_group in _paths_of(word)]
     # Links to one file are several videos: each is called as it was named.
-    unique = {os.path.abspath(path): path for path, _ in reversed(paths)}
+    unique: dict[str, str] = {}
+    for path, _ in paths:
+        unique.setdefault(os.path.abspath(path), path)
     is_several = len(unique) > 1 or any(is_group for _, is_group in paths)
     _check_not_images([path for path, is_group in paths if not is_group])
-    videos = tuple(NamedVideo(path, _name_of(path), is_several) for path in reversed(unique.values()))
+    videos = tuple(NamedVideo(path, _name_of(path), is_several) for path in unique.values())
     for name, group in groupby(sorted(videos, key=lambda video: video.name), lambda video: video.name):
         first, *others = group
         if others:

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from itertools import groupby
 
 from rich.table import Table
+from rich.text import Text
 
 from moseg.workflows.stages.merits import Merit
 
@@ -23,7 +24,7 @@ def merits_table(rows: Iterable[Merit], sources: Sequence[str]) -> Table:
     table.add_column("licence", no_wrap=True)
     for choice, chosen in groupby(rows, key=lambda row: row.choice):
         table.add_section()
-        table.add_row(f"[bold]{choice}[/bold]")
+        table.add_row(Text(choice, style="bold"))
         for option, items in groupby(chosen, key=lambda row: row.option):
             for index, row in enumerate(items):
                 if row.weights and index == 0:
@@ -43,8 +44,7 @@ def _cut(option: str) -> str:
 
 
 def _figure(row: Merit, sources: Sequence[str]) -> str:
-    # A bracket with a backslash is text, not markup.
-    return "-" if row.figure is None else f"{row.figure.text} \\[{1 + sources.index(row.figure.source)}]"
+    return "-" if row.figure is None else f"{row.figure.text} [{1 + sources.index(row.figure.source)}]"
 
 
 def _seconds(row: Merit) -> str:

@@ -24,9 +24,12 @@ Report = AnyReport | TrajectoryReport
 
 
 def console() -> Console:
-    """Return standard output, wide enough for every column where it is not a terminal."""
-    plain = Console()
-    return plain if plain.is_terminal else Console(width=140)
+    """Return standard output, wide enough for every column where it is not a terminal.
+
+    Names may have square brackets, which are no markup.
+    """
+    plain = Console(markup=False, emoji=False)
+    return plain if plain.is_terminal else Console(width=140, markup=False, emoji=False)
 
 
 def print_report(report: Report) -> None:

@@ -28,7 +28,7 @@ PARTIAL_SUFFIX = ".partial"
 NO_SUCH_RANGE = 416
 MAX_WAIT_SEC = 60.0
 """The download ends if a server asks for a longer wait."""
-_RANGE = re.compile(r"bytes (?:(?P<start>\d{1,18})-\d+|\*)/(?P<total>\d{1,18})")
+_RANGE = re.compile(r"bytes (?:(?P<start>\d{1,18})-\d+|\*)/(?P<total>\d{1,18}|\*)")
 
 Report = Callable[[int, int | None], None]
 """Takes how many bytes were received, and of how many if that is known."""
@@ -166,7 +166,7 @@ class _Transfer:
         """Accept that the server has no more bytes; delete what is here if the file has another length."""
         error.close()
         match = _RANGE.fullmatch(error.headers.get("Content-Range", ""))
-        if match is None or int(match["total"]) != start:
+        if match is None or match["total"] != str(start):
             self._partial.unlink()
             raise _Cut("the server has no such range") from error
 

@@ -64,13 +64,15 @@ def test_forward_and_backward_flow_undo_each_other_where_both_see(name, small):
         assert stays_visible(scene, m).mean() > 0.75
 
 
-@pytest.mark.parametrize("name", sorted(set(SCENES) - {"nothing-moves", "late-entry"}))
+@pytest.mark.parametrize("name", sorted(set(SCENES) - {"nothing-moves", "late-entry", "drive-parked-row"}))
 def test_static_flow_does_not_explain_any_mover(name, small, small_scene):
     # 0.25 px of a frame 106 px wide is 1 px of one 426 px wide; the slow mover is named for moving less than that.
     low, high = (0.05, 0.25) if name == "slow-mover" else (0.25, np.inf)
     scene = small(name)
     difference = scene.flow_forward[0] - static_flow(small_scene(name), 0, scene.inverse_depth[0])
-    for identity in np.unique(scene.moving[0])[1:]:
+    movers = np.unique(scene.moving[0])[1:]
+    assert len(movers)
+    for identity in movers:
         assert low < np.linalg.norm(difference, axis=-1)[scene.moving[0] == identity].mean() < high
 
 

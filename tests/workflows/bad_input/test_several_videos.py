@@ -76,6 +76,11 @@ def test_a_video_named_twice_is_segmented_once(segment_all, clips):
     assert (ran.code, len(_results(ran.out))) == (0, 2)
 
 
+def test_videos_are_segmented_in_the_order_in_which_they_are_named(segment_all, clips):
+    ran = segment_all(clips / "two.mp4", clips / "one.mp4", clips / "two.mp4")
+    assert [line.partition("/masks")[0].rpartition("/")[2] for line in _results(ran.out)] == ["two", "one"]
+
+
 def test_links_have_results_of_their_own_names(segment_all, clips, tmp_path):
     for name in ("beach", "hill"):
         (tmp_path / "links").mkdir(exist_ok=True)

@@ -122,6 +122,13 @@ def test_a_cut_connection_is_resumed_and_every_byte_requested_once(server, fetch
     assert server.num_sent(PATH) == len(CONTENT)
 
 
+def test_a_range_of_a_file_of_unknown_length_is_accepted(server, fetch, tmp_path):
+    headers = {"Content-Range": f"bytes 300000-{len(CONTENT) - 1}/*"}
+    server.serve(PATH, CONTENT, cuts=[300_000], headers=headers)
+    fetch()
+    assert (tmp_path / "net.pth").read_bytes() == CONTENT
+
+
 def test_the_next_download_resumes_a_cut_one(server, fetch, tmp_path):
     server.serve(PATH, CONTENT, cuts=[300_000, 0, 0])
     with pytest.raises(
