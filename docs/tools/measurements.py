@@ -214,6 +214,7 @@ def _trajectories() -> dict[str, str]:
 def _roads() -> dict[str, str]:
     """Return the measurements on road scenes and where nothing moves."""
     commands = {f"roads-{motions}": f"moseg ablate {ROADS} --motions {motions}" for motions in MOTIONS}
+    commands["roads-fast"] = f"moseg eval {ROADS} --motions auto --quality fast"
     commands["roads-saliency"] = f"moseg eval {ROADS} --motions auto --proposals saliency"
     for part, options in ROAD_PARTS.items():
         commands[f"roads-{part}"] = f"moseg eval {ROADS} --motions auto {options}"
