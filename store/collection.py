@@ -15,6 +15,9 @@ from moseg.store.outcomes import GcReport, Pin
 from moseg.store.pins import discard_ended, ended_pins, pinned, unpin
 from moseg.store.reading import check_seal
 
+CLOCK_SECONDS = 60.0
+"""Difference that the clocks of a run's machine and of an object store may have."""
+
 
 def collect(
     backend: Backend,
@@ -26,9 +29,13 @@ def collect(
 ) -> GcReport:
     """See `ArtifactStore.gc`."""
     now = time.time()
-    reached = reachable((pin for name, pin in pinned(backend).items() if name not in forget), [backend])
+    pins = [pin for name, pin in pinned(backend).items() if name not in forget]
+    reached = reachable(pins, [backend])
+    # A run at work cannot name the leaves that it decodes before it has decoded them.
+    began = [pin.created - CLOCK_SECONDS for pin in pins if pin.expires is not None]
     used = backend.committed()
-    unreachable = [ref for ref, moment in used.items() if ref not in reached and moment <= now - grace_seconds]
+    latest = min([now - grace_seconds, *began])
+    unreachable = [ref for ref, moment in used.items() if ref not in reached and moment <= latest]
     left = None
     if keep_nbytes is None:
         sizes = backend.nbytes(unreachable)

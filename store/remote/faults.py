@@ -31,6 +31,10 @@ _MEANINGS = {
     "PermanentRedirect": "the bucket is in another region than AWS_REGION says",
 }
 _LONGEST = 160
+_PASSING = re.compile(
+    r"no answer in time|the server answers (5\d\d|SlowDown|InternalError|ServiceUnavailable|RequestTimeout)\b"
+)
+"""Reasons of a server that may answer later, which no other choice of the user would change."""
 
 
 @contextmanager
@@ -68,6 +72,11 @@ def explain(error: BaseException) -> str:
     if "kind: Timeout" in details or "timed out" in line:
         return f"no answer in time{at}"
     return _URL_REST.sub(r"\1", _GENERIC.sub("", " ".join(line.split())))[:_LONGEST]
+
+
+def is_passing(reason: str) -> bool:
+    """Return whether a reason, as `explain` gives it, is a fault of the server that may pass."""
+    return _PASSING.match(reason) is not None
 
 
 def is_no_bucket(error: BaseException) -> bool:

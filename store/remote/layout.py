@@ -18,6 +18,7 @@ that is killed or comes second belong to no artifact.
 
 from moseg.schemas.errors import MissingStoreError, StoreChoiceError, StoreError
 from moseg.store.names import CONTENT, MANIFEST, MARKER, check_marker, is_key_in, slot
+from moseg.store.remote.faults import is_passing
 from moseg.store.remote.requests import Requests
 
 OBJECTS, PAYLOADS, ASIDE, QUARANTINE, LOGS = "objects", "payloads", "aside", "quarantine", "logs"
@@ -70,6 +71,8 @@ def open_prefix(requests: Requests, *, create: bool) -> None:
     StoreChoiceError
         There is no store (and `create` is false), other objects lie there, the format is another, or the bucket is not
         accessible: no such bucket, no access, no connection.
+    StoreError
+        The server is overloaded, at fault, or does not answer in time.
     """
     if requests.is_store:
         return
@@ -81,6 +84,8 @@ def open_prefix(requests: Requests, *, create: bool) -> None:
         raise
     except StoreError as error:
         _, _, reason = error.parts[0].partition(": ")
+        if is_passing(reason):
+            raise
         raise StoreChoiceError(f"cannot open the artifact store: {reason}", where=requests.url) from None
     requests.is_current = check_marker(content, f"{requests.url}/{MARKER}")
     requests.is_store = True

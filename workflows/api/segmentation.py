@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Generic, NamedTuple, TypeVar
 
@@ -232,6 +232,7 @@ class Outputs:
             if entry.needs_frames:
                 required_origin(origin, entry.name)
         self._name, self._argument, self._given_folder = name, argument, folder
+        self._was_there = self._folder.exists()
         self._held, self._is_held = ExitStack(), False
         self._given, self._corrections = corrections, corrections.of_video(origin)
         self._earlier = self._check()
@@ -248,9 +249,13 @@ class Outputs:
     def __enter__(self) -> "Outputs":
         return self
 
-    def __exit__(self, *raised) -> None:
+    def __exit__(self, kind, error, trace) -> None:
         self._held.close()
         self._is_held = False
+        if kind is not None and not self._was_there:
+            # A run that was refused leaves no empty folder.
+            with suppress(OSError):
+                self._folder.rmdir()
 
     def _check(self) -> tuple[int, int] | None:
         """Check that the results may be written, and return the state of the summary that is there."""

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from distributed import get_worker
 
-from moseg.schemas.errors import InputError
+from moseg.schemas.errors import InputError, MissingStoreError
 from moseg.workflows.cluster.check import refuse_other_code
 from moseg.workflows.cluster.placement import PlacementPolicy
 from moseg.workflows.cluster.process_facts import code_fingerprint, missing_packages
@@ -90,6 +90,13 @@ def run_call(setup: Setup, runs_network: bool, function: Callable[..., Any], arg
         return function(*arguments)
     except ModuleNotFoundError as error:
         raise _missing_package(error.name) from error
+    except MissingStoreError as error:
+        if setup.policy is None:
+            raise
+        # Workers of an existing cluster may be on other machines.
+        where = f"worker {get_worker().address}"
+        expected = "a folder that every worker has, or the URL of an object store"
+        raise InputError("a worker without the store", where=where, got=error, expected=expected) from error
 
 
 def _missing_package(package: str | None) -> InputError:

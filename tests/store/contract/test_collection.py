@@ -103,3 +103,11 @@ def test_gc_deletes_what_no_pin_reaches(store, ref):
     report = store.gc(is_dry=False, grace_seconds=0)
     assert report.removed == (other.ref,) and report.num_kept == 1 and report.nbytes > 0
     assert list(store.refs()) == [ref]
+
+
+def test_what_is_written_while_a_run_is_at_work_is_spared(store, ref):
+    assert store.gc(grace_seconds=0).removed == (ref,)
+    store.pin("run", [], lease_seconds=600)
+    assert store.gc(grace_seconds=0, keep_nbytes=0).removed == ()
+    store.pin("run", [])
+    assert store.gc(grace_seconds=0).removed == (ref,)

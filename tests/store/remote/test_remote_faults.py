@@ -3,8 +3,10 @@
 import pytest
 from obstore.exceptions import GenericError, PermissionDeniedError, UnauthenticatedError
 
-from moseg.schemas.errors import StoreError
+from moseg.schemas.errors import StoreChoiceError, StoreError
 from moseg.store.remote.faults import as_store_error, explain, is_no_bucket, is_unsupported
+from moseg.store.remote.layout import open_prefix
+from moseg.store.remote.requests import Requests
 
 SECRET = "sig=a-secret"
 AZURE = f"Error performing GET https://me.blob.core.windows.net/c/p/x?sv=1&{SECRET} in 3ms"
@@ -53,6 +55,30 @@ def test_errors_are_one_short_line_without_secrets(error, reason):
     ):
         raise error
     assert "a-secret" not in str(caught.value) and caught.value.__suppress_context__
+
+
+@pytest.mark.parametrize(
+    ("reason", "is_a_fault"),
+    [
+        ("the server answers SlowDown at http://s3:9000", True),
+        ("the server answers 503 Service Unavailable at http://s3:9000", True),
+        ("no answer in time at http://s3:9000", True),
+        ("the server answers 404 Not Found", False),
+        ("the server answers MalformedXML", False),
+        ("no such bucket", False),
+        ("cannot connect to http://s3:9000", False),
+    ],
+)
+def test_a_fault_of_the_server_at_the_start_is_not_bad_input(monkeypatch, reason, is_a_fault):
+    requests = Requests("memory://")
+
+    def fail(name):
+        raise StoreError(f"cannot read objects: {reason}", where=requests.url)
+
+    monkeypatch.setattr(requests, "get", fail)
+    with pytest.raises(StoreError, match=reason) as caught:
+        open_prefix(requests, create=True)
+    assert isinstance(caught.value, StoreChoiceError) != is_a_fault
 
 
 def test_a_missing_object_is_not_a_missing_bucket():

@@ -187,3 +187,12 @@ def test_exports_of_an_earlier_run_are_named(segment, write_folder, tmp_path):
     (note,) = [line for line in again.out.splitlines() if "earlier run" in line]
     paths = f"{out / 'colmap'}, {out / 'frames.npz'}, {out / 'for-nerfstudio'}"
     assert note == f"note: {paths} are of an earlier run; --export and --for write exports anew"
+
+
+def test_a_run_that_is_refused_leaves_no_empty_folder(refuse, write_folder, tmp_path, monkeypatch):
+    monkeypatch.setenv("MOSEG_STORE_SIZE", "abc")
+    folder, there = write_folder(), tmp_path / "there"
+    there.mkdir()
+    refuse(folder, "MOSEG_STORE_SIZE", out=tmp_path / "new")
+    refuse(folder, "MOSEG_STORE_SIZE", out=there)
+    assert there.exists() and not (tmp_path / "new").exists()

@@ -13,11 +13,13 @@ from distributed.client import ClosedClientError
 from distributed.comm import CommClosedError
 from distributed.scheduler import KilledWorker
 
-from moseg.schemas.errors import ClusterError
+from moseg.schemas.errors import ClusterError, InputError, MissingStoreError
 from moseg.store import open_store
+from moseg.workflows.cluster import remote_calls
 from moseg.workflows.cluster.call import Call
 from moseg.workflows.cluster.distributed_runner import DistributedRunner
 from moseg.workflows.cluster.existing_cluster import ExistingCluster
+from moseg.workflows.cluster.placement import AssignedAccelerators
 from moseg.workflows.cluster.runners import open_runner
 from moseg.workflows.cluster.submission_window import CallError, SubmissionWindow
 from moseg.workflows.cluster.tls_files import TlsFiles
@@ -201,3 +203,16 @@ def test_a_scheduler_that_ends_before_the_first_answer_is_one_line(monkeypatch):
     )
     with pytest.raises(ClusterError, match=r"the scheduler is gone in --scheduler tcp://host:8786; .*closed"):
         ExistingCluster("tcp://host:8786", TlsFiles(), threads=1, device="auto")
+
+
+@pytest.mark.parametrize("policy", [None, AssignedAccelerators()])
+def test_a_worker_of_another_machine_without_the_store_is_named(monkeypatch, policy):
+    def call():
+        raise MissingStoreError("no artifact store", where="/shared/store")
+
+    monkeypatch.setattr(remote_calls, "prepare_process", lambda setup: None)
+    monkeypatch.setattr(remote_calls, "get_worker", lambda: SimpleNamespace(address="tcp://node7:4000"))
+    with pytest.raises(InputError, match="no artifact store in /shared/store") as caught:
+        remote_calls.run_call(remote_calls.make_setup(1, policy), False, call, ())
+    # Those of this machine have the same folders.
+    assert ("tcp://node7:4000" in str(caught.value)) == (policy is not None)
