@@ -1,5 +1,6 @@
 """Segmentations as the command line and Python run them: from choices to what was found, and to files."""
 
+import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
@@ -232,7 +233,7 @@ class Outputs:
             if entry.needs_frames:
                 required_origin(origin, entry.name)
         self._name, self._argument, self._given_folder = name, argument, folder
-        self._was_there = self._folder.exists()
+        self._was_there = os.path.exists(self._folder)
         self._held, self._is_held = ExitStack(), False
         self._given, self._corrections = corrections, corrections.of_video(origin)
         self._earlier = self._check()
