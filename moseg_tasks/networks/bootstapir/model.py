@@ -181,8 +181,8 @@ def refined_sides(first: int, last: int) -> tuple[int, ...]:
     if last <= first:
         return (first,)
     num_steps = ceil(log2(last / first))
-    ratios = ((last / first) ** (index / num_steps) for index in range(num_steps + 1))
-    return tuple(round(first * ratio // MULTIPLE) * MULTIPLE for ratio in ratios)
+    ratios = ((last / first) ** (index / num_steps) for index in range(num_steps))
+    return (*(round(first * ratio // MULTIPLE) * MULTIPLE for ratio in ratios), last)
 
 
 def _unit_length(maps: torch.Tensor) -> torch.Tensor:

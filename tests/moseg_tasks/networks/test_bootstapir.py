@@ -188,6 +188,11 @@ def test_two_runs_are_equal_to_the_bit(network, images, points):
         assert torch.equal(first, second)
 
 
+@pytest.mark.parametrize(("first", "last"), [(56, 488), (88, 120), (88, 240), (256, 2040)])
+def test_the_last_side_is_that_of_the_frame(first, last):
+    assert refined_sides(first, last)[-1] == last
+
+
 @pytest.mark.parametrize(
     ("last", "sides"),
     [(256, (256,)), (264, (256, 264)), (512, (256, 512)), (640, (256, 400, 640)), (1024, (256, 512, 1024))],
