@@ -59,10 +59,6 @@ def _assert_bad_input(ran, *words):
         ("store ls", ".moseg/store"),
         ("store gc --grace-hours -1", "--grace-hours"),
         ("store gc --older 7x", "expected a number with s, m, h, d or w"),
-        (
-            "eval --dataset synthetic --set affinity.scale=0.7 --set flow.preset=fine --set affinity.scale=0.8",
-            "two choices in --set; got affinity.scale=0.7 and affinity.scale=0.8; expected one of them",
-        ),
     ],
 )
 def test_bad_use_is_one_line_before_any_work(moseg, arguments, word):

@@ -151,12 +151,8 @@ class PipelineChoices:
         return _validate(self.given_values())
 
     def _refuse_two(self) -> None:
-        """Raise InputError where `--set` and an option, or `--set` twice, give a parameter different values."""
-        settings: dict[str, str] = {}
-        for name, value in self.settings:
-            if not are_equal(name, settings.setdefault(name, value), value):
-                got = f"{name}={settings[name]} and {name}={value}"
-                raise InputError("two choices", where="--set", got=got, expected="one of them")
+        """Raise InputError where an option and `--set` give a parameter different values."""
+        settings = dict(self.settings)
         for choice in self.chosen:
             value = settings.get(choice.parameter)
             # About a folder and its use there is an error of its own.
