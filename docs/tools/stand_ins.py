@@ -4,6 +4,7 @@ All are made from one scene of the embedded synthetic data set.
 """
 
 import json
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -41,8 +42,9 @@ def write_stand_ins(folder: Path, moseg: Path) -> None:
     masks = scene.moving.astype(np.uint8)
     write_video(folder / "clip.mp4", scene.images)
     (folder / "clips").mkdir()
+    # As the same videos by other names are, which pages segment into the same folders.
     for name in ("one.mp4", "two.mov"):
-        write_video(folder / "clips" / name, scene.images)
+        shutil.copy(folder / "clip.mp4", folder / "clips" / name)
     _write_images(folder / "frames", scene.images, ".png")
     (folder / "holiday-frames").symlink_to("frames", target_is_directory=True)
     _write_masks(folder / "masks", masks)
