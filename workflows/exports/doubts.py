@@ -23,7 +23,7 @@ DOUBTFUL = 0.7
 
 
 class Advice(NamedTuple):
-    """What may help where a mask is too small, and where it is too large; by default, what helps any mask."""
+    """Advice for a mask that is too small and for one that is too large; by default, what helps any mask."""
 
     too_small: str = "paint what is missing"
     too_large: str = "erase what does not belong to it"

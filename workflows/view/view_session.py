@@ -233,7 +233,7 @@ class ViewSession:
         return self._history
 
     def _take_from_file(self) -> NoReturn:
-        """Have the corrections of the file in force, which another program has changed, and raise StaleEditError."""
+        """Enforce the corrections of the file, which another program has changed, and raise StaleEditError."""
         shown: list[ShownResult] = []
         try:
             self._history.reload(lambda corrections: shown.append(self._correct(corrections)))

@@ -1,4 +1,4 @@
-"""What other runs and other programs do meanwhile: results of one video are never those of another, no edit is lost."""
+"""Other runs and other programs meanwhile: results of one video are never those of another, and no edit is lost."""
 
 import pytest
 
