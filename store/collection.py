@@ -17,6 +17,8 @@ from moseg.store.reading import check_seal
 
 CLOCK_SECONDS = 60.0
 """Difference that the clocks of a run's machine and of an object store may have."""
+STEP_SECONDS = 86_400.0
+"""Longest time between two leases of a run at work; an older one is taken for that of a run that died elsewhere."""
 
 
 def collect(
@@ -32,7 +34,8 @@ def collect(
     pins = [pin for name, pin in pinned(backend).items() if name not in forget]
     reached = reachable(pins, [backend])
     # A run at work cannot name the leaves that it decodes before it has decoded them.
-    began = [pin.created - CLOCK_SECONDS for pin in pins if pin.expires is not None]
+    leases = [pin.created for pin in pins if pin.expires is not None and pin.created > now - STEP_SECONDS]
+    began = [created - CLOCK_SECONDS for created in leases]
     used = backend.committed()
     latest = min([now - grace_seconds, *began])
     unreachable = [ref for ref, moment in used.items() if ref not in reached and moment <= latest]

@@ -186,7 +186,7 @@ class ArtifactStore(Protocol):
     ) -> GcReport:
         """Delete artifacts that no pin reaches and that are older than the grace period, or only report them.
 
-        What was written since a lease began is spared too: a run at work may not have named it yet.
+        What was written since a lease of the last day began is spared too: a run at work may not have named it yet.
 
         A pin reaches the references it names and, through the inputs in manifests, everything they were computed from;
         an input that is not stored ends the walk. Unfinished puts, quarantined artifacts older than the grace period,

@@ -65,6 +65,7 @@ def test_errors_are_one_short_line_without_secrets(error, reason):
         ("no answer in time at http://s3:9000", True),
         ("the server answers 404 Not Found", False),
         ("the server answers MalformedXML", False),
+        ("the server answers 501 Not Implemented", False),
         ("no such bucket", False),
         ("cannot connect to http://s3:9000", False),
     ],
