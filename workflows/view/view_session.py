@@ -235,11 +235,7 @@ class ViewSession:
     def _take_from_file(self) -> NoReturn:
         """Enforce the corrections of the file, which another program has changed, and raise StaleEditError."""
         shown: list[ShownResult] = []
-        try:
-            self._history.reload(lambda corrections: shown.append(self._correct(corrections)))
-        except Exception:
-            self._correct(self._history.current)
-            raise
+        self._history.reload(lambda corrections: shown.append(self._correct(corrections)))
         self._show(*shown)
         raise StaleEditError("changed by another program", where=self._history.path, expected="this change once more")
 

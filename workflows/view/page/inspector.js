@@ -63,12 +63,15 @@ const facts = (identity) => {
   return make("dl", { class: "object-facts" }, ...rows.map(([name, value]) => make("div", {}, make("dt", {}, name), make("dd", {}, value))));
 };
 
-let named = null; // object whose name the field has
+let named = null; // object whose name the field has, and that name
+let given = "";
+let isDue = false; // to be drawn when the name has been typed
 
 const nameField = (identity) => {
   const object = objectOf(identity);
+  given = object.name ?? "";
   const input = make("input", {
-    type: "text", id: "name", "data-key": "name", maxlength: 100, value: object.name ?? "", placeholder: "no name",
+    type: "text", id: "name", "data-key": "name", maxlength: 100, value: given, placeholder: "no name",
     autocomplete: "off", spellcheck: "false",
     onchange: () => {
       const name = input.value.trim();
@@ -76,6 +79,10 @@ const nameField = (identity) => {
         input.value = object.name;
         showMessage(`A name is changed, or its correction undone; object ${identity} is still called ${object.name}.`);
       } else if (name !== (object.name ?? "")) sendEdit({ rename: { object: identity, name } }, `object ${identity} is called ${name}`);
+    },
+    // After onchange, which sends the name.
+    onblur: () => {
+      if (isDue) draw();
     },
     onkeydown: (event) => {
       if (event.key === "Enter") input.blur();
@@ -102,7 +109,9 @@ const draw = () => {
   );
   const one = identities.length === 1 ? identities[0] : null;
   const field = find("selection").querySelector("#name");
-  const typed = field && field === document.activeElement && one === named ? field.value : null;
+  // A field in which a name is being typed is not replaced: what is new is drawn when it is left.
+  isDue = field !== null && field === document.activeElement && one === named && field.value !== given;
+  if (isDue) return;
   named = one;
   refill(
     find("selection"),
@@ -112,8 +121,6 @@ const draw = () => {
       : [make("p", {}, swatch(objectOf(one).colour), isRejected(one) ? "a rejected proposal" : "an object of the result"), facts(one), nameField(one)],
     make("div", { class: "actions", role: "group", "aria-label": "actions" }, ...buttons),
   );
-  // What is being typed outlives what else changes meanwhile.
-  if (typed !== null) find("name").value = typed;
 };
 
 const followFrame = () => {
