@@ -243,19 +243,6 @@ def test_a_wrong_file_is_one_line(segment, in_empty_folder, line):
     assert ran.err.startswith(f"moseg: {line}") and ran.err.count("\n") == 1, ran.err
 
 
-@pytest.mark.parametrize(
-    ("options", "part"), [((), "all frames"), (("--start", "2"), "8 frames, 00002.png to 00009.png")]
-)
-def test_a_note_names_the_part_that_corrections_were_written_for(segment, tmp_path, options, part):
-    assert segment("--start", "1", "--drop", "1", out=tmp_path / "first").code == 0
-    file = tmp_path / "first" / "corrections.yaml"
-    assert 'part: "9 frames, 00001.png to 00009.png"\n' in file.read_text()
-    ran = segment("--corrections", file, *options, out=tmp_path / "second")
-    (note,) = [line for line in ran.out.splitlines() if "was written for" in line]
-    assert note.startswith(f"note: {file} was written for 9 frames, 00001.png to 00009.png, and this run reads {part}:")
-    assert "was written for" not in segment("--start", "1", "--corrections", file, out=tmp_path / "first").out
-
-
 def test_several_videos_cannot_be_corrected_at_once(moseg, frames, in_empty_folder):
     ran = moseg("segment", frames, frames.parent / "masks", "--drop", "1")
     assert (ran.code, ran.err.count("\n")) == (2, 1)

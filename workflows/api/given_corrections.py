@@ -45,7 +45,7 @@ class GivenCorrections(NamedTuple):
         told = [f"{count} {name}{'' if count == 1 else 's'}" for name, count in found.items() if count]
         notes = [f"corrected by {' and '.join(told)}"] if told else []
         meant, part = self.corrections.part or "all frames", origin.part or "all frames"
-        # Files of earlier versions and those without a video do not say which part they are of.
+        # A file without a video was written by hand, and need not say which part it is of.
         if told and self.corrections.video is not None and meant != part:
             notes.append(
                 f"{self.source} was written for {meant}, and this run reads {part}: numbers of frames and objects in it"

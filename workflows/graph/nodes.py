@@ -101,10 +101,11 @@ class Nodes:
 
 def _check_signature(task: Task, place: Mapping[str, Any]) -> None:
     """Raise InputError if the function `params` of a plug-in's method does not take what the graph passes."""
+    taken = signature(task.params)
     try:
-        signature(task.params).bind(None, **place)
+        taken.bind(None, **place)
     except TypeError as error:
-        got = f"def params{signature(task.params)}"
+        got = f"def params{taken}"
         where, expected = f"{task.name} by {task.method}", ", ".join(["the configuration", *place])
         raise InputError(
             "params of a method that takes other arguments", where=where, got=got, expected=expected
