@@ -101,8 +101,9 @@ def train(
     chosen = [*map(_read_setting, settings or ()), ("scenes", scenes), ("steps", steps)]
     common = (out, folder, seed, workers or cores, threads or cores, device, quiet, chosen)
     if videos is None:
-        if start is not None:
-            raise InputError("no videos to go on with", where="--from", got=start, expected="--videos FOLDER too")
+        for option, value in (("--from", start), ("--store", store)):
+            if value:
+                raise InputError("no videos to go on with", where=option, got=value, expected="--videos FOLDER too")
         done = run_scene_training(*common)
     else:
         done = run_video_training(videos, start or "", store or default_store(), *common)

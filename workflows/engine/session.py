@@ -68,7 +68,6 @@ def open_session(
         raise InputError("not a number of frames", where="--batch", got=batch, expected="1 or more")
     budget = os.environ.get(BUDGET_VARIABLE)
     max_nbytes = read_size(budget, BUDGET_VARIABLE) if budget else None
-    opened = open_store(store, create=True)
     weights = open_weights(
         os.environ,
         offline=offline,
@@ -76,11 +75,11 @@ def open_session(
         quiet=quiet,
         accept_licence=accept_licence,
     )
-    with (
-        open_runner(workers, scheduler, device, threads, tls) as runner,
-        closing(Session(opened, runner, quiet, weights, batch, keep_cues, max_nbytes)) as session,
-    ):
-        yield session
+    # A run that nothing can compute leaves no new store behind.
+    with open_runner(workers, scheduler, device, threads, tls) as runner:
+        opened = open_store(store, create=True)
+        with closing(Session(opened, runner, quiet, weights, batch, keep_cues, max_nbytes)) as session:
+            yield session
 
 
 class StageUse(NamedTuple):

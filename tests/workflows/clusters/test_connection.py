@@ -138,6 +138,16 @@ def test_a_port_without_a_dask_scheduler_is_refused(monkeypatch):
         connect(f"tcp://{other}", TlsFiles())
 
 
+def test_a_run_without_its_scheduler_leaves_no_store(moseg, in_empty_folder, tmp_path, monkeypatch):
+    for name in ("PROMPT_SEC", "GREETING_SEC", "REACH_SEC"):
+        monkeypatch.setattr(f"moseg.workflows.cluster.scheduler_probe.{name}", 0.1)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        free = server.getsockname()[1]
+    ran = moseg("eval", "--scheduler", f"tcp://127.0.0.1:{free}", "--store", tmp_path / "store")
+    assert ran.code == 2 and "no Dask scheduler answers" in ran.err
+    assert not (tmp_path / "store").exists()
+
+
 def test_a_run_waits_for_the_first_worker_of_a_cluster(cluster, capsys):
     found = {}
     with open_runner(scheduler=cluster.address) as runner:

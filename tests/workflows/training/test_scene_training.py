@@ -90,6 +90,8 @@ def test_the_recipe_names_the_file(moseg, options, folder, tmp_path):
         ("--set steps", "name=value"),
         ("--workers 100000", "--workers"),
         ("--device gpu", "--device"),
+        ("--store cues", "--videos"),
+        ("--from network.onnx", "--videos"),
     ],
 )
 def test_bad_use_is_one_line(moseg, arguments, word, tmp_path):
