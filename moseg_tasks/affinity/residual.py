@@ -1,10 +1,9 @@
 """Affinity from the size of residuals: two objects are alike if the model of one predicts the other."""
 
-import warnings
-
 import numpy as np
 
 from moseg.schemas.parameters import AffinityParams
+from moseg.tasks.affinity.quantiles import known_quantile
 
 _TAIL = 2.0  # distance from which the kernel's exponent grows linearly, so that large distances keep their order
 
@@ -31,10 +30,7 @@ def residual_affinity(residuals: np.ndarray, params: AffinityParams, energy: np.
     distances = motion_distances(residuals, params, energy)
     if len(distances) == 0:
         return np.full(residuals.shape[1:], np.nan)
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="All-NaN slice")
-        distance = np.nanquantile(distances, params.quantile, axis=0)
-    return kernel(distance)
+    return kernel(known_quantile(distances, params.quantile))
 
 
 def kernel(distance: np.ndarray) -> np.ndarray:

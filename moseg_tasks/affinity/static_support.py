@@ -1,10 +1,9 @@
 """Support of a motion model for an object being part of the static background."""
 
-import warnings
-
 import numpy as np
 
 from moseg.schemas.parameters import AffinityParams
+from moseg.tasks.affinity.quantiles import known_quantile
 from moseg.tasks.affinity.residual import kernel, tolerated_error
 
 
@@ -51,12 +50,9 @@ def _largest_in_a_row(distances: np.ndarray, params: AffinityParams) -> np.ndarr
     That over all pairs counts too; runs overlap by half.
     """
     length, step = params.static_pairs, params.static_pairs // 2
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="All-NaN slice")
-        largest = np.nanquantile(distances, params.quantile, axis=0)
-        for start in range(0, len(distances) - length + 1, step):
-            run = distances[start : start + length]
-            quantile = np.nanquantile(run, params.quantile, axis=0)
-            is_known = np.isfinite(run).sum(axis=0) > length // 2
-            largest = np.where(is_known, np.fmax(largest, quantile), largest)
+    largest = known_quantile(distances, params.quantile)
+    for start in range(0, len(distances) - length + 1, step):
+        run = distances[start : start + length]
+        is_known = np.isfinite(run).sum(axis=0) > length // 2
+        largest = np.where(is_known, np.fmax(largest, known_quantile(run, params.quantile)), largest)
     return largest
