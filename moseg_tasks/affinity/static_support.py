@@ -47,11 +47,12 @@ def static_support(residuals: np.ndarray, params: AffinityParams, energy: np.nda
 def _largest_in_a_row(distances: np.ndarray, params: AffinityParams) -> np.ndarray:
     """Return the largest quantile (K,) of the distances (M, K) over runs of pairs of which half are known.
 
-    That over all pairs counts too; runs overlap by half.
+    That over all pairs counts too. Runs overlap by half, the last one by more, so that every pair is in one.
     """
     length, step = params.static_pairs, params.static_pairs // 2
     largest = known_quantile(distances, params.quantile)
-    for start in range(0, len(distances) - length + 1, step):
+    last = len(distances) - length
+    for start in [*range(0, last, step), last] if last >= 0 else []:
         run = distances[start : start + length]
         is_known = np.isfinite(run).sum(axis=0) > length // 2
         largest = np.where(is_known, np.fmax(largest, known_quantile(run, params.quantile)), largest)

@@ -70,7 +70,7 @@ def _mean_agreement(labelings: Sequence[np.ndarray]) -> float:
 
 def _half(section: MotionTracks, num_owners: int, params: MotionCountParams, rng: np.random.Generator) -> np.ndarray:
     """Return the affinity of a section from a random half of its frame pairs."""
-    pairs = np.array(frame_pairs(section.points.shape[1], params.gap)).reshape(-1, 2)
+    pairs = np.array(frame_pairs(section.points.shape[1], params.gap), dtype=np.intp).reshape(-1, 2)
     kept = np.sort(rng.permutation(len(pairs))[: (len(pairs) + 1) // 2])
     # First frames, then second frames, so that all pairs have the same gap.
     frames = pairs[kept].T.ravel()

@@ -93,8 +93,11 @@ def search_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> n
         search = _make_search(params.preset, (height, width))
         flow = search.calc(_searchable_gray(image0), _searchable_gray(image1), None)
         return np.ascontiguousarray(flow[:height, :width])
-    reduced = (_reduced(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), level) for image in (image0, image1))
-    return _kept_search(params.preset, (height, width)).calc(*reduced, None) * np.float32(2**level)
+    reduced = [_reduced(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), level) for image in (image0, image1)]
+    grid_height, grid_width = reduced[0].shape
+    flow = _kept_search(params.preset, (height, width)).calc(*reduced, None)
+    # Not 2 ** level where a side is no multiple of that.
+    return flow * np.float32([width / grid_width, height / grid_height])
 
 
 _KEPT = local()

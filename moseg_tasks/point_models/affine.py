@@ -58,7 +58,8 @@ class AffineModel:
         a = 1 + np.sum(linear[..., 0, :] ** 2, axis=-1)
         b = np.sum(linear[..., 0, :] * linear[..., 1, :], axis=-1)
         c = 1 + np.sum(linear[..., 1, :] ** 2, axis=-1)
-        root_a, root_c = np.sqrt(a), np.sqrt(c - b**2 / a)
+        # c - b² / a = (1 + |A|² + det(A)²) / a; the difference is lost to rounding where three points are on a line.
+        root_a, root_c = np.sqrt(a), np.sqrt(np.maximum(c - b**2 / a, 1 / a))
         rows = np.zeros((*linear.shape[:-2], 2, 5))
         rows[..., :2] = linear - np.eye(2)
         rows[..., 2] = offset

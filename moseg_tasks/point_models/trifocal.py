@@ -120,5 +120,7 @@ def _sampson(products: np.ndarray, squared: np.ndarray) -> None:
         energy += e * e * weight
         g00, g01, g11 = g00 + gx * gx * weight, g01 + gx * gy * weight, g11 + gy * gy * weight
         h0, h1 = h0 + gx * e * weight, h1 + gy * e * weight
-    explained = (g11 * h0 * h0 - 2 * g01 * h0 * h1 + g00 * h1 * h1) / (g00 * g11 - g01 * g01)
+    # At least 1, but lost to rounding where points are on a line.
+    determinant = np.maximum(g00 * g11 - g01 * g01, 1.0)
+    explained = (g11 * h0 * h0 - 2 * g01 * h0 * h1 + g00 * h1 * h1) / determinant
     np.maximum(energy - explained, 0, out=squared)

@@ -91,7 +91,7 @@ def _surfaces(points, inverse_depth, depth_noise, params: RigidityParams) -> np.
     tree = KDTree(points * [params.contact_stretch, 1.0])
     first, second = tree.query_pairs(params.contact_reach, output_type="ndarray").T
     nearest = np.maximum(inverse_depth[first], inverse_depth[second])
-    tolerance = params.contact_agreement * nearest + depth_noise[first]
+    tolerance = params.contact_agreement * nearest + np.hypot(depth_noise[first], depth_noise[second])
     alike = np.abs(inverse_depth[first] - inverse_depth[second]) < tolerance
     edges = (np.ones(np.count_nonzero(alike), bool), (first[alike], second[alike]))
     _, surface = connected_components(coo_matrix(edges, (len(points),) * 2), directed=False)

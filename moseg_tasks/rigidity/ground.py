@@ -10,7 +10,7 @@ from moseg.tasks.rigidity.parallax import Parallax
 
 
 class Ground(NamedTuple):
-    """A plane's inverse depth ``slope @ (point - epipole)``, linear in the pixel's position.
+    """A plane's inverse depth ``slope @ (point - epipole)`` in frame 0, linear in the pixel's position.
 
     Unlike the plane of `moseg.tasks.saliency.ground` it has two degrees of freedom, so few tracks determine it.
 
@@ -19,14 +19,14 @@ class Ground(NamedTuple):
     slope : float64 (2,)
         Inverse depth per px, in x and y.
     epipole : float64 (2,)
-        xy, px.
+        In frame 0, xy, px.
     """
 
     slope: np.ndarray
     epipole: np.ndarray
 
     def inverse_depth(self, points: np.ndarray) -> np.ndarray:
-        """Return the plane's inverse depth (N,) at points (N, 2), xy, px; negative above the horizon."""
+        """Return the plane's inverse depth (N,) at points (N, 2), xy, px of frame 0; negative above the horizon."""
         return (points - self.epipole) @ self.slope
 
 
@@ -42,7 +42,7 @@ def fit_ground(
     parallax : Parallax
         Of these tracks.
     epipole : float64 (2,) or None
-        xy, px.
+        In frame 0, xy, px (`find_epipole`).
     shape : (height, width)
     params : RigidityParams
 

@@ -65,8 +65,8 @@ def split_displacements(
 
 
 def find_epipole(motion: CameraMotion, shape: tuple[int, int]) -> np.ndarray | None:
-    """Return the epipole in frame 1, float64 (2,) xy, px; None if it is near infinity."""
-    epipole = _calibration(motion, shape) @ motion.translation
+    """Return the epipole in frame 0, where frame 1's camera is seen: float64 (2,) xy, px; None if near infinity."""
+    epipole = _calibration(motion, shape) @ (motion.rotation.T @ motion.translation)
     return epipole[:2] / epipole[2] if abs(epipole[2]) > _SIDEWAYS else None
 
 

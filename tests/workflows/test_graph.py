@@ -21,13 +21,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "5e39a0def5022c37",
-    "oc-depth": "89b40a19b0462998",
-    "oc": "e6fd691e08bb8f32",
-    "trajs": "c26f8cc99481d6f4",
-    "base": "06e919802aa1d0f6",
-    "flow": "0e07b671ef8e1904",
-    "tracks": "b2fb0a8d1a24de3d",
+    "fused": "0ef4c92124f02cd0",
+    "oc-depth": "ea869461a31886d1",
+    "oc": "ccfca2bb56ef0734",
+    "trajs": "894118345b2b8585",
+    "base": "66ac051ecd8db5c1",
+    "flow": "8d766826a081e108",
+    "tracks": "9b186ee51fa26e3e",
 }
 
 

@@ -16,8 +16,8 @@ BEHIND_FLOW = {"flow", "flow_model", "flow_residual"} | GROUPS
 BEHIND_DEPTH = {"depth", "flow_model", "flow_residual"} | GROUPS
 BEHIND_TRACKS = {"tracks", "fundamental", "fundamental_residual"} | GROUPS
 GOLDEN = {
-    "paper": "4a5b4c32c9f58bd1",
-    "modern": "50ecc0d324dd0ab2",
+    "paper": "5ad11830f9110c03",
+    "modern": "9ca4c3a3fa6bff03",
 }
 
 

@@ -97,10 +97,10 @@ def _unread_of(view: str) -> set[str]:
     return {"relative_flow"} if view == "trajs" else set()
 
 
-RESIDUAL_SIZE = Task("affinity", "residual", version=3, run=_run_residual, params=_size_params)
-ORDERED_RESIDUAL_KERNEL = Task("affinity", "ork", version=3, run=_run_ork, params=_ork_params)
+RESIDUAL_SIZE = Task("affinity", "residual", version=4, run=_run_residual, params=_size_params)
+ORDERED_RESIDUAL_KERNEL = Task("affinity", "ork", version=4, run=_run_ork, params=_ork_params)
 MANY_HYPOTHESES = Task("affinity", "hypotheses", version=1, run=_run_hypotheses, params=_hypothesis_params)
-SIZE_AND_HYPOTHESES = Task("affinity", "combined", version=2, run=_run_combined, params=_combined_params)
+SIZE_AND_HYPOTHESES = Task("affinity", "combined", version=3, run=_run_combined, params=_combined_params)
 BY_HYPOTHESES = (MANY_HYPOTHESES.method, SIZE_AND_HYPOTHESES.method)
 """Methods that compare objects under many hypotheses of motion, alone or beside their own models."""
 

@@ -63,6 +63,15 @@ def test_one_bad_pair_does_not_decide():
     assert static_support(residuals, PLAIN)[1] == pytest.approx(np.exp(-0.5))
 
 
+@pytest.mark.parametrize("num_pairs", [16, 21, 29, 31, 39])
+def test_the_end_of_a_video_counts_like_its_start(num_pairs):
+    residuals = np.zeros((num_pairs, 2, 2))
+    for rests in (slice(None, -10), slice(10, None)):
+        residuals[:, 0, 1] = 25.0
+        residuals[rests, 0, 1] = 0.0
+        assert static_support(residuals, DEFAULT)[1] < 0.01
+
+
 def test_an_object_that_rests_most_of_the_time_still_moves():
     moving, resting = one_object(9.0), one_object(0.0)
     residuals = np.concatenate([moving] * 14 + [resting] * 60)

@@ -155,6 +155,14 @@ def test_resamples_see_the_motions_of_their_half_of_the_frames():
         assert affinity[~same].max() < 0.1
 
 
+def test_a_section_of_one_frame_has_no_pair_to_resample():
+    tracks, motion = scene([4, 1, 1])
+    one = tracks._replace(points=tracks.points[:, :1], visible=tracks.visible[:, :1])
+    params = MotionCountParams(num_resamples=2)
+    found = resampled_affinities([tracks, one], len(motion), params, np.random.default_rng(0))
+    assert len(found) == 2 and all(np.isfinite(affinity).all() for affinity in found)
+
+
 @pytest.mark.parametrize("grouping", ["linkage", "spectral"])
 @pytest.mark.parametrize("auto", TRACK_METHODS)
 def test_objects_are_grouped_into_as_many_motions_as_their_tracks_show(auto, grouping):

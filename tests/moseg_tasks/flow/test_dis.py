@@ -33,6 +33,8 @@ def test_the_flow_is_that_of_opencv_whatever_grid_it_is_searched_on(preset, shap
     search = cv2.DISOpticalFlow_create(opencv)
     search.setFinestScale(level)
     expected = search.calc(*(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY) for image in (image0, image1)), None)
+    # OpenCV multiplies by powers of two also where a side is not a multiple of one.
+    expected *= np.float32([side / ((side >> level) << level) for side in reversed(shape)])
     params = FlowParams(preset=preset)
     np.testing.assert_allclose(estimate_flow(image0, image1, params), expected, atol=1e-4)
     assert search_flow(image0, image1, params).shape == (shape[0] >> level, shape[1] >> level, 2)
@@ -47,6 +49,14 @@ def test_a_translation_is_recovered(preset):
     inner = flow[16:-16, 16:-16].reshape(-1, 2)
     np.testing.assert_allclose(np.median(inner, axis=0), [3.0, -2.0], atol=0.2)
     assert np.mean(np.abs(inner - [3.0, -2.0]).max(axis=1) < 0.5) > 0.95
+
+
+@pytest.mark.parametrize("preset", ["ultrafast", "medium"])
+def test_a_translation_is_not_shortened_where_sides_are_no_multiples_of_the_grid(preset):
+    canvas = texture((140, 180))
+    image0, image1 = canvas[10:113, 10:165], canvas[16:119, 4:159]
+    flow = estimate_flow(image0, image1, FlowParams(preset=preset))
+    np.testing.assert_allclose(np.median(flow[16:-16, 16:-16], axis=(0, 1)), [6.0, -6.0], atol=0.05)
 
 
 @pytest.mark.parametrize("preset", ["light", "balanced", "fine"])

@@ -240,3 +240,16 @@ def test_no_points_and_no_models_are_allowed(model, obey):
     parameters = model.fit(samples_of(model, data, 3))
     assert model.residual(parameters, data.take(np.zeros(60, dtype=bool))).shape == (3, 0)
     assert model.residual(parameters[:0], data).shape == (0, 60)
+
+
+@every_model
+def test_points_on_a_line_leave_no_residual_unknown(model):
+    rng = np.random.default_rng(0)
+    along = rng.uniform(0, 400, (60, 1, 1)) * np.array([1.0, 0.37])
+    points = along + np.arange(model.num_frames)[:, None] * [3.0, 1.0] + [20.0, 30.0]
+    points[:, 1:] += rng.normal(0, 0.3, points[:, 1:].shape)
+    data = Correspondences(points, np.full(60, 0.5), (200.0, 80.0))
+    with np.errstate(invalid="raise", divide="raise"):
+        parameters = model.fit(samples_of(model, data, 300))
+        residuals = model.residual(parameters[np.isfinite(parameters.reshape(300, -1)).all(axis=1)], data)
+    assert (residuals >= 0).all()

@@ -25,6 +25,12 @@ def turned(yaw: float) -> np.ndarray:
     return np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]])
 
 
+def pitched(pitch: float) -> np.ndarray:
+    """Return the rotation about the horizontal by an angle, rad."""
+    cos, sin = np.cos(pitch), np.sin(pitch)
+    return np.array([[1, 0, 0], [0, cos, -sin], [0, sin, cos]])
+
+
 def project(world: np.ndarray, focal: float = FOCAL) -> np.ndarray:
     """Return the pixels xy (N, 2) of points (N, 3) of the camera's coordinates."""
     height, width = SHAPE
@@ -35,8 +41,8 @@ def project(world: np.ndarray, focal: float = FOCAL) -> np.ndarray:
 def see():
     """Function that returns the Drive of points (N, 3), of which each moves by `own` while the camera advances."""
 
-    def build(world, own=(0.0, 0.0, 0.0), yaw=0.01, advance=ADVANCE, focal=FOCAL):
-        moved = (world + own - advance) @ turned(yaw).T
+    def build(world, own=(0.0, 0.0, 0.0), yaw=0.01, advance=ADVANCE, focal=FOCAL, pitch=0.0):
+        moved = (world + own - advance) @ turned(yaw).T @ pitched(pitch).T
         drive = Drive(project(world, focal), project(moved, focal), world[:, 2])
         seen = np.all([(p >= 4) & (p <= np.array(SHAPE[::-1]) - 5) for p in drive[:2]], axis=(0, 2))
         return Drive(*(part[seen] for part in drive))

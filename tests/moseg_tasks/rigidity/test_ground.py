@@ -23,6 +23,16 @@ def test_the_ground_under_houses_is_recovered(see, road, walls):
     assert ground.inverse_depth(np.array([[600.0, 100.0]])) < 0
 
 
+@pytest.mark.parametrize("pitch", [-0.02, 0.02])
+def test_a_camera_that_nods_sees_the_same_ground(see, road, walls, pitch):
+    cos, sin = np.cos(pitch), np.sin(pitch)
+    rotation = np.array([[1, 0, 0], [0, cos, -sin], [0, sin, cos]])
+    motion = AHEAD._replace(rotation=rotation, translation=rotation @ AHEAD.translation)
+    ground = ground_of(see(np.concatenate([road, walls]), yaw=0, pitch=pitch), motion)
+    points = see(road, yaw=0, pitch=pitch)
+    np.testing.assert_allclose(ground.inverse_depth(points.points0), 1 / points.depth, rtol=1e-3)
+
+
 def test_noise_does_not_bend_the_ground(see, road, walls):
     drive = see(np.concatenate([road, walls]), yaw=0)
     noisy = drive._replace(points1=drive.points1 + np.random.default_rng(0).normal(0, 0.3, drive.points1.shape))
