@@ -24,17 +24,24 @@ class ArrayLayout(Frozen):
     unit : str
     step : float or None
         Power of two in `unit` to whose multiples a stage's values are rounded, so that they take fewer bytes.
+    low, high : float or None
+        Range of values that are not NaN, both or none.
     """
 
     dtype: str
     dims: tuple[str, ...]
     unit: str = ""
     step: float | None = None
+    low: float | None = None
+    high: float | None = None
 
 
-def layout(dtype: str, dims: str, unit: str = "", step: float | None = None) -> ArrayLayout:
+def layout(
+    dtype: str, dims: str, unit: str = "", step: float | None = None, within: tuple[float, float] | None = None
+) -> ArrayLayout:
     """Return the layout of an array; `dims` are the names of its axes, separated by blanks."""
-    return ArrayLayout(dtype=dtype, dims=tuple(dims.split()), unit=unit, step=step)
+    low, high = within or (None, None)
+    return ArrayLayout(dtype=dtype, dims=tuple(dims.split()), unit=unit, step=step, low=low, high=high)
 
 
 def round_arrays(arrays: Mapping[str, np.ndarray], layouts: Mapping[str, ArrayLayout]) -> dict[str, np.ndarray]:

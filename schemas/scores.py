@@ -1,7 +1,7 @@
 """Scores of one sequence and the report of an evaluation, as written to JSON."""
 
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import ConfigDict, Field
 
@@ -54,6 +54,21 @@ class StoreUse(Frozen):
     reused: int
 
 
+class ScoredWith(Frozen):
+    """What a report's scores were computed with.
+
+    Attributes
+    ----------
+    version : str
+        Of moseg.
+    config : dict of str to value
+        Parameters that differ from their defaults, by their full names (``affinity.method``).
+    """
+
+    version: str
+    config: dict[str, Any]
+
+
 class EvaluationReport(Frozen):
     """Content of the file that ``--json`` writes, without values that are None.
 
@@ -67,6 +82,8 @@ class EvaluationReport(Frozen):
         How saved masks were matched to the frames, by sequence; None if masks were computed.
     store : StoreUse
     seconds : float
+    settings : ScoredWith, optional
+        None for saved masks.
     notes : tuple of str
         What must be known to read the scores rightly; no part of the JSON.
     """
@@ -79,6 +96,7 @@ class EvaluationReport(Frozen):
     matching: dict[str, Matching] | None = None
     store: StoreUse
     seconds: float = Field(ge=0)
+    settings: ScoredWith | None = None
     notes: tuple[str, ...] = Field((), exclude=True)
 
 
@@ -114,6 +132,7 @@ class StillReport(Frozen):
     matching: dict[str, Matching] | None = None
     store: StoreUse
     seconds: float = Field(ge=0)
+    settings: ScoredWith | None = None
     notes: tuple[str, ...] = Field((), exclude=True)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pydantic import Field
 
 from moseg.schemas.frozen import Frozen
-from moseg.schemas.scores import StoreUse
+from moseg.schemas.scores import ScoredWith, StoreUse
 from moseg.schemas.sequence_groups import SequenceGroup
 
 
@@ -93,6 +93,7 @@ class TrajectoryReport(Frozen):
     rows: tuple[TrajectoryRow, ...]
     store: StoreUse
     seconds: float = Field(ge=0)
+    settings: ScoredWith | None = None
     notes: tuple[str, ...] = Field((), exclude=True)
 
 

@@ -370,9 +370,38 @@ def test_only_the_sequence_that_an_error_is_about_is_named(run_with, site, write
             "params that is no function in affinity by nova-mean of nova; got None",
         ),
         (NOVA.replace('"nova-set"', '"davis16"'), "data set exists in plug-in; got davis16"),
+        (
+            NOVA.replace('"farneback", version=1', '"farneback", version="1"'),
+            "wrong version in flow by farneback of nova; got '1'",
+        ),
+        (NOVA.replace('"farneback", version', '"folder", version'), "no name for a method in flow by folder of nova"),
+        (
+            NOVA.replace("def run_flow(params, inputs, rng)", "def run_flow(image0, image1)"),
+            "run of other arguments in flow",
+        ),
+        (
+            NOVA.replace('AffineModel(name="nova-affine")', "AffineModel"),
+            "nothing that a plug-in can add in nova; got <class",
+        ),
+        (NOVA + "\nPLUGIN[0].nothing", "pip uninstall nova"),
     ],
 )
 def test_an_invalid_plug_in_is_rejected_in_one_line(run_with, site, text, message):
     (site / "nova" / "__init__.py").write_text(text)
     ((code, _, err),) = run_with(["--version"])
+    assert code == 2 and message in err and len(err.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "message"),
+    [
+        ('"static_support": affinity[0]})', '"static_support": affinity[0, 1:]})', "axis object of two lengths"),
+        ("(affinity + affinity.T) / 2", "affinity * 7 - 3", "affinity out of range in affinity by nova-mean"),
+    ],
+)
+def test_an_affinity_that_its_stage_cannot_take_is_named(run_with, site, squares, tmp_path, before, after, message):
+    text = (site / "nova" / "__init__.py").read_text()
+    (site / "nova" / "__init__.py").write_text(text.replace(before, after))
+    data = ("--dataset", "folder", "--root", squares, "--store", tmp_path / "store", *CUES)
+    ((code, _, err),) = run_with(("eval", *data, "--affinity", "nova-mean", "--quiet"))
     assert code == 2 and message in err and len(err.splitlines()) == 1

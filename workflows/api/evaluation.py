@@ -2,18 +2,20 @@
 
 import os
 from collections.abc import Iterable, Sequence
+from importlib.metadata import version
 from pathlib import Path
 from typing import Literal, NamedTuple, TypeVar
 
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
 from moseg.schemas.errors import InputError, MissingStoreError
-from moseg.schemas.scores import AnyReport
+from moseg.schemas.scores import AnyReport, ScoredWith
 from moseg.schemas.spelling import unknown_name
 from moseg.schemas.trajectory_scores import TrajectoryReport
 from moseg.schemas.weights import WeightsItem
 from moseg.store import open_store
 from moseg.workflows.api.arguments import Kind, check_kinds, read_names
 from moseg.workflows.api.run_settings import RunSettings
+from moseg.workflows.config.config_files import changed_parameters
 from moseg.workflows.config.notes import evaluation_notes, trajectory_notes
 from moseg.workflows.config.pipeline_choices import PipelineChoices
 from moseg.workflows.config.trajectory_choices import TrajectoryChoices
@@ -125,6 +127,8 @@ def run_evaluation(
     if not isinstance(report, TrajectoryReport):
         notes = (*notes, *equality_notes({row.variant: row.sequences for row in report.rows}))
         report = report.model_copy(update={"notes": notes})
+    settings = ScoredWith(version=version("moseg"), config=changed_parameters(config))
+    report = report.model_copy(update={"settings": settings})
     if json is not None:
         write_report_json(json, report)
     if shown is None:

@@ -44,6 +44,15 @@ def read_config_file(path: str | Path) -> dict[str, Any]:
     return values
 
 
+def changed_parameters(config: PipelineConfig) -> dict[str, Any]:
+    """Return the parameters that differ from their defaults, by their full names."""
+    return {
+        name: value_of(config, parameter)
+        for name, parameter in list_parameters().items()
+        if value_of(config, parameter) != parameter.default
+    }
+
+
 def write_config(config: PipelineConfig, *, changed_only: bool = False) -> str:
     """Return a configuration as YAML that `read_config_file` reads back: each parameter with what it means above it.
 
@@ -53,11 +62,8 @@ def write_config(config: PipelineConfig, *, changed_only: bool = False) -> str:
     changed_only : bool
         Leave out parameters that have their default.
     """
-    chosen = [
-        parameter
-        for parameter in list_parameters().values()
-        if not changed_only or value_of(config, parameter) != parameter.default
-    ]
+    parameters = list_parameters()
+    chosen = [parameters[name] for name in changed_parameters(config)] if changed_only else list(parameters.values())
     return "\n".join(_lines(config, chosen)) + "\n"
 
 

@@ -59,6 +59,6 @@ def annotated_sequence(
     frames = sources.open_frames(frames_folder, max_side)
     annotations = sources.open_masks(masks_folder, frames, kind)
     if void is not None and sources.find_mask_kind(tuple(path for _, path in annotations.items)) == "binary":
-        expected = "a label for each object"
+        expected = "a label for each object; or void=None, if 255 is what moves"
         raise InputError("masks without object ids", where=masks_folder, got="only 0 and 255", expected=expected)
     return SequenceSource(name, frames, annotations, void)

@@ -4,7 +4,7 @@ import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from moseg.schemas.errors import MissingInputError
+from moseg.schemas.errors import InputError, MissingInputError
 from moseg.workflows.datasets.dataset import SequenceSource
 from moseg.workflows.datasets.sequence_folders import annotated_sequence, list_sequences
 
@@ -26,6 +26,17 @@ class TwoTrees:
     ground_truth: str
     source: str
     needs_root: bool = True
+
+    def __post_init__(self):
+        """Raise InputError if an attribute is of another kind, as one of a plug-in may be."""
+        for name, is_right, expected in (
+            ("kind", self.kind in ("binary", "instance"), "'binary' or 'instance'"),
+            ("void", self.void is None or type(self.void) is int, "a label, or None"),
+            ("official", self.official is None or type(self.official) in (tuple, list), "names in a tuple, or None"),
+        ):
+            if not is_right:
+                got = repr(getattr(self, name))
+                raise InputError(f"wrong {name}", where=f"data set {self.name}", got=got, expected=expected)
 
     @property
     def tree(self) -> str:

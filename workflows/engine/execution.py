@@ -1,7 +1,7 @@
 """Execution of recipes: inputs from the store, the task's function, its outputs into the store."""
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import NamedTuple
 
@@ -13,13 +13,13 @@ from moseg.schemas.events import EventKind
 from moseg.schemas.recipes import Recipe
 from moseg.store import PutOutcome, open_store
 from moseg.workflows.engine.ingest import IngestJob, run_ingest
+from moseg.workflows.engine.task_outputs import check_outputs
 from moseg.workflows.engine.write_behind import Put, WriteBehind
 from moseg.workflows.runlog.degeneracy import degenerate_event
 from moseg.workflows.runlog.events import EventLog, failed_event, note_written, work_event
 from moseg.workflows.stages.array_cache import ARRAYS
 from moseg.workflows.stages.inputs import Inputs
-from moseg.workflows.stages.registry import axes_of, find_task, layouts_of
-from moseg.workflows.stages.task import Output
+from moseg.workflows.stages.registry import find_task, layouts_of
 from moseg.workflows.weights.reading import require_network_packages
 
 
@@ -110,7 +110,7 @@ def _execute_batch(store: WriteBehind, recipes: Sequence[Recipe], log: EventLog)
             task = find_task(missing[0].task, params.pop("method"))
             inputs = [Inputs(store, recipe) for recipe in missing]
             outputs = task.compute(params, inputs, [seeded_generator(recipe.key) for recipe in missing])
-            _check_outputs(missing, outputs)
+            check_outputs(missing, outputs, is_plugin=task.code is not None)
         seconds = (time.perf_counter() - started) / len(missing)
         for recipe, computed in zip(missing, outputs, strict=True):
             output = computed._replace(arrays=round_arrays(computed.arrays, layouts_of(recipe.task)))
@@ -118,28 +118,6 @@ def _execute_batch(store: WriteBehind, recipes: Sequence[Recipe], log: EventLog)
             store.put(recipe, output, seconds)
     log.add(*(work_event(EventKind.LOST_RACE, recipe.ref) for recipe in stored))
     return [TaskReport(recipe.ref, 0.0, PutOutcome.LOST_RACE) for recipe in stored]
-
-
-def _check_outputs(recipes: Sequence[Recipe], outputs: object) -> None:
-    """Raise InputError unless a task returned an `Output` of arrays for each recipe, as one of a plug-in may not."""
-    where = f"{recipes[0].task} by {recipes[0].params['method']}"
-    if not isinstance(outputs, list | tuple) or len(outputs) != len(recipes):
-        got = f"{len(outputs)} values" if isinstance(outputs, list | tuple) else type(outputs).__name__
-        what, expected = "a task that did not return a list with an Output for each input", f"{len(recipes)} of them"
-        raise InputError(what, where=where, got=got, expected=expected)
-    for computed in outputs:
-        if not isinstance(computed, Output) or not isinstance(computed.arrays, Mapping):
-            got = type(computed.arrays if isinstance(computed, Output) else computed).__name__
-            raise InputError("a task that returned no Output", where=where, got=got, expected="Output({name: array})")
-        for name, array in computed.arrays.items():
-            if not isinstance(array, np.ndarray):
-                got = type(array).__name__
-                raise InputError(f"{name} that is no array", where=where, got=got, expected="numpy.ndarray")
-        try:
-            axes_of(recipes[0].task, computed.arrays)
-        except StoreError as error:
-            what, place, got, expected = error.parts
-            raise InputError(f"{what} of {place}", where=where, got=got, expected=expected) from error
 
 
 @contextmanager

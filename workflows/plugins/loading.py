@@ -1,7 +1,7 @@
 """Loading of the plug-ins of installed packages, once in each process."""
 
 from functools import cache
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 
 from moseg.schemas.errors import InputError, MosegError
 from moseg.workflows.plugins.code import code_of_plugin
@@ -10,31 +10,53 @@ from moseg.workflows.plugins.registered import PluginSet, Registered, entries
 GROUP = "moseg.plugins"
 
 
-@cache
+_under_way: list[str] = []
+
+
 def load_plugins() -> None:
     """Register the objects, or tuples and lists of them, that the entry points of the group ``moseg.plugins`` name.
+
+    An object that a script has registered before is left as it is. While plug-ins are imported, which may ask for the
+    names of methods, a further call does nothing.
 
     Raises
     ------
     InputError
-        A plug-in cannot be imported or registered; the message names its entry point.
+        A plug-in cannot be imported or registered; the message names its entry point and its package.
     """
+    if not _under_way:
+        _load_once()
+
+
+@cache
+def _load_once() -> None:
     found = entry_points(group=GROUP)
     if not found:
         return
+    _under_way.append(GROUP)
+    try:
+        for entry in sorted(found, key=lambda entry: entry.name):
+            _load(entry)
+    finally:
+        _under_way.clear()
+
+
+def _load(entry: EntryPoint) -> None:
     from moseg.workflows.plugins.registration import add_entry, check_kind
 
-    for entry in sorted(found, key=lambda entry: entry.name):
-        try:
-            declared = entry.load()
-            for each in declared if type(declared) in (tuple, list) else (declared,):
-                check_kind(each, entry.module)
+    name = entry.dist.name if entry.dist else entry.module
+    expected = f"a plug-in that can; without it: pip uninstall {name}"
+    try:
+        declared = entry.load()
+        for each in declared if type(declared) in (tuple, list) else (declared,):
+            check_kind(each, entry.module)
+            if all(known.declared is not each for known in entries):
                 add_entry(Registered(each, *code_of_plugin(each, entry.module), is_installed=True))
-        except MosegError as error:
-            raise InputError("plug-in cannot be registered", where=entry.value, got=error) from error
-        except Exception as error:
-            got = f"{type(error).__name__}: {error}"
-            raise InputError("plug-in cannot be imported", where=entry.value, got=got) from error
+    except MosegError as error:
+        raise InputError("plug-in cannot be registered", where=entry.value, got=error, expected=expected) from error
+    except Exception as error:
+        got = f"{type(error).__name__}: {error}"
+        raise InputError("plug-in cannot be imported", where=entry.value, got=got, expected=expected) from error
 
 
 def match_plugins(wanted: PluginSet, where: str) -> None:

@@ -1,7 +1,9 @@
 """Registration of what a plug-in declares, beside what this project has."""
 
+import re
 import sys
 from dataclasses import replace
+from inspect import signature
 from typing import NamedTuple
 
 from moseg.schemas.errors import InputError
@@ -14,6 +16,7 @@ from moseg.workflows.datasets.dataset import FrameLayout, TrajectoryLayout
 from moseg.workflows.exports.formats import FORMATS, ExportFormat
 from moseg.workflows.plugins.code import code_of_plugin
 from moseg.workflows.plugins.registered import Registered, entries
+from moseg.workflows.stages.merits import GIVEN
 from moseg.workflows.stages.model_codes import set_model_code
 from moseg.workflows.stages.registry import add_method, find_stage
 from moseg.workflows.stages.stage import Backend
@@ -37,6 +40,10 @@ class Method(NamedTuple):
     about: str
     licence: str = "plug-in"
 
+
+RESERVED = (*GIVEN, "auto")
+"""Values of parameters that stand for something else than a method of a stage."""
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 Declared = Method | FlowModel | PointModel | FrameLayout | TrajectoryLayout | ExportFormat
 
@@ -75,16 +82,44 @@ def register(*declared: Declared) -> None:
 
 def check_kind(declared: object, where: str) -> None:
     """Raise InputError unless an object is of a kind that can be registered."""
-    if not isinstance(declared, Declared):
-        expected = "a Method, a FlowModel, a PointModel, the layout of a data set, or an ExportFormat"
+    if isinstance(declared, type) or not isinstance(declared, Declared):
+        expected = "a Method, a FlowModel, a PointModel, the layout of a data set, or an ExportFormat (no class)"
         raise InputError("nothing that a plug-in can add", where=where, got=repr(declared), expected=expected)
     if isinstance(declared, Method):
-        task = declared.task
-        functions = {"params": task.params, "run or run_together": task.run or task.run_together}
-        for name, function in functions.items():
-            if not callable(function):
-                place = f"{task.name} by {task.method} of {where}"
-                raise InputError(f"{name} that is no function", where=place, got=repr(function), expected="a function")
+        _check_task(declared.task, f"{declared.task.name} by {declared.task.method} of {where}")
+    elif isinstance(declared, PointModel):
+        _check_point_model(declared, f"{declared.name} of {where}")
+
+
+def _check_task(task: Task, where: str) -> None:
+    """Raise InputError if a task's method, version or functions cannot be what they stand for."""
+    if not _NAME.fullmatch(task.method) or task.method in RESERVED:
+        expected = f"letters, digits, '.', '-' and '_', and none of {', '.join(RESERVED)}"
+        raise InputError("no name for a method", where=where, got=repr(task.method), expected=expected)
+    if type(task.version) is not int or task.version < 1:
+        raise InputError("wrong version", where=where, got=repr(task.version), expected="a whole number from 1")
+    functions = {"params": task.params, "run or run_together": task.run or task.run_together}
+    for name, function in functions.items():
+        if not callable(function):
+            raise InputError(f"{name} that is no function", where=where, got=repr(function), expected="a function")
+    computed, arguments = ("run_together", ("params", "inputs"))
+    if task.run_together is None:
+        computed, arguments = "run", ("params", "inputs", "rng")
+    try:
+        signature(task.run_together or task.run).bind(*arguments)
+    except TypeError as error:
+        expected = f"{computed}({', '.join(arguments)})"
+        raise InputError(f"{computed} of other arguments", where=where, got=error, expected=expected) from error
+
+
+def _check_point_model(model: PointModel, where: str) -> None:
+    """Raise InputError if samples of a point model cannot be drawn."""
+    for name, is_right, expected in (
+        ("sample_size", model.sample_size >= 1, "1 or more"),
+        ("num_frames", model.num_frames in (2, 3), "2 or 3"),
+    ):
+        if not is_right:
+            raise InputError(f"wrong {name}", where=where, got=getattr(model, name), expected=expected)
 
 
 def add_entry(entry: Registered) -> None:

@@ -112,8 +112,8 @@ STAGE = Stage(
         "hypotheses": "residuals of every section under many hypotheses (hypotheses, combined)",
     },
     arrays={
-        "affinity": layout("float64", "object object"),
-        "static_support": layout("float64", "object"),
+        "affinity": layout("float64", "object object", "NaN where unknown; object 0 is the background", within=(0, 1)),
+        "static_support": layout("float64", "object", "NaN where unknown", within=(0, 1)),
     },
     tasks=(RESIDUAL_SIZE, ORDERED_RESIDUAL_KERNEL, MANY_HYPOTHESES, SIZE_AND_HYPOTHESES),
     method=lambda config: config.affinity.method,

@@ -122,7 +122,9 @@ def add_method(name: str, task: Task, backend: Backend) -> None:
     if not stage.choices or not stage.choices[-1].parameter:
         raise InputError("no parameter chooses the method of this stage", where=f"stage {name}", got=task.method)
     if task.method in {each.method for each in stage.tasks}:
-        raise InputError("method exists", where=f"stage {name}", got=task.method, expected="another name")
+        (known,) = (each for each in stage.tasks if each.method == task.method)
+        expected = f"another name than that of {'moseg itself' if known.code is None else 'another plug-in'}"
+        raise InputError("method exists", where=f"stage {name}", got=task.method, expected=expected)
     choice = stage.choices[-1]
     choices = (*stage.choices[:-1], choice._replace(backends=(*choice.backends, backend)))
     STAGES[name] = replace(stage, tasks=(*stage.tasks, task), choices=choices)

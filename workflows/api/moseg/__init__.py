@@ -94,7 +94,11 @@ def __getattr__(name: str):
     if name == "__version__":
         value = import_module("importlib.metadata").version("moseg")
     elif name in _HOMES:
-        value = getattr(import_module(_HOMES[name]), name)
+        home = _HOMES[name]
+        if home == "moseg.workflows.api" or name == "register":
+            # Before configurations are checked while these modules are imported. Plug-ins themselves import `Method`.
+            import_module("moseg.workflows.plugins.loading").load_plugins()
+        value = getattr(import_module(home), name)
     else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = value
