@@ -76,3 +76,34 @@ def test_the_arrays_of_a_clip_are_kept_until_its_last_recipe_only(tmp_path, monk
     assert [report.ref for report in reports] == [first.ref, second.ref]
     assert np.array_equal(store.read(second.ref, "flow"), np.full((2, 2, 3), 2))
     assert all(ARRAYS.find(store.url, ref, name) is None for ref, name in (kept | {second.ref: "flow"}).items())
+
+
+def test_each_recipe_of_a_batch_draws_its_own_numbers(tmp_path, monkeypatch):
+    def run(params, inputs, rng):
+        return Output({"flow": rng.random((2, 3, 2)).astype(np.float32)})
+
+    task = Task("flow", "raft", version=1, run=run)
+    monkeypatch.setattr("moseg.workflows.engine.execution.find_task", lambda *_: task)
+    leaves = [f"frame/{digit * 64}" for digit in "01"]
+    recipes = [Recipe(task="flow", version=1, params={"method": "raft"}, inputs={"frame0": leaf}) for leaf in leaves]
+    together, alone = LocalStore(tmp_path / "together"), LocalStore(tmp_path / "alone")
+    execute_batches(together.url, [recipes])
+    execute_batches(alone.url, [[recipe] for recipe in recipes])
+    first, second = (together.read(recipe.ref, "flow") for recipe in recipes)
+    assert not np.array_equal(first, second)
+    for recipe in recipes:
+        np.testing.assert_array_equal(together.read(recipe.ref, "flow"), alone.read(recipe.ref, "flow"))
+
+
+def test_what_another_process_stored_first_is_what_others_read(tmp_path, monkeypatch):
+    store, theirs = LocalStore(tmp_path / "store"), np.ones((2, 3, 2), np.float32)
+    recipe = Recipe(task="flow", version=1, params={"method": "raft"})
+
+    def run(params, inputs, rng):
+        store.put(recipe, {"flow": theirs}, dims={"flow": ("y", "x", "uv")})
+        return Output({"flow": 2 * theirs})
+
+    task = Task("flow", "raft", version=1, run=run)
+    monkeypatch.setattr("moseg.workflows.engine.execution.find_task", lambda *_: task)
+    (report,) = execute_batches(store.url, [[recipe]])
+    assert report.outcome == "lost-race" and ARRAYS.find(store.url, recipe.ref, "flow") is None

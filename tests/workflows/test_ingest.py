@@ -9,7 +9,7 @@ import pytest
 
 from moseg.store import open_store
 from moseg.workflows.cluster.runners import SynchronousRunner
-from moseg.workflows.engine.ingest import IngestJob, preview_ingest
+from moseg.workflows.engine.ingest import IngestJob, preview_ingest, run_ingest
 from moseg.workflows.engine.session import Session
 from moseg.workflows.sources import open_frames, open_masks
 
@@ -146,9 +146,30 @@ def test_masks_keep_the_frames_they_belong_to(folder, ingest, tmp_path):
     assert _store(tmp_path).manifest(ref).array("masks").shape == (3, 96, 128)
 
 
-def test_equal_masks_of_other_frames_are_another_leaf(folder, ingest):
+def test_masks_of_other_frames_are_another_leaf(folder, ingest):
     frames = _frames(folder / "frames")
     (before,), _ = ingest("annotation", open_masks(str(folder / "masks"), frames))
     (folder / "masks" / "00004.png").unlink()
     (after,), _ = ingest("annotation", open_masks(str(folder / "masks"), frames))
     assert after["leaves"] != before["leaves"]
+
+
+class Masks:
+    """Equal masks of the given frames."""
+
+    def __init__(self, *indices):
+        self._indices = indices
+
+    def read(self):
+        return ((index, np.ones((4, 5), np.uint16)) for index in self._indices)
+
+    def fingerprint(self):
+        return repr(self._indices)
+
+
+def test_equal_masks_of_other_frames_are_another_leaf(tmp_path):
+    store = open_store(str(tmp_path / "store"))
+    jobs = [IngestJob("annotation", Masks(*indices)) for indices in ((0, 1), (0, 5))]
+    found = run_ingest(store, [(job, job.recipe) for job in jobs])
+    (first,), (second,) = (memory["leaves"] for memory in found.values())
+    assert [store.attributes(ref)["indices"] for ref in (first, second)] == [[0, 1], [0, 5]]

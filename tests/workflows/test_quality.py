@@ -30,6 +30,13 @@ def test_fast_reduces_frames_and_a_setting_overrides_it():
     assert (config.max_side, config.saliency.working_side) == (384, 300)
 
 
+def test_best_looks_closer_and_needs_no_torch():
+    config, default = PipelineOptions(quality="best").choices().read(), PipelineConfig()
+    assert config.saliency.working_side > default.saliency.working_side
+    assert config.motion_network.step < default.motion_network.step
+    assert config.video_network.use == "never"
+
+
 def test_a_quality_keeps_the_backend_of_a_preset():
     config = PipelineOptions(preset="paper", quality="best").choices().read()
     assert (config.flow.method, config.flow.preset) == ("raft", "fine")

@@ -13,6 +13,7 @@ from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 SMALL = {
     "sections.length": 4,
     "sections.overlap": 1,
+    "video_network.use": "always",
     "video_network.stretch_length": 8,
     "video_network.steps": 4,
     "video_network.crops": 2,
@@ -85,7 +86,7 @@ def segment(moseg, video, tmp_path):
     def call(name, *arguments):
         sets = [word for item in SMALL.items() for word in ("--set", "=".join(map(str, item)))]
         folder = tmp_path / name
-        words = ("--store", folder / "store", "--out", folder / "out", "--proposals", "saliency", "--quality", "best")
+        words = ("--store", folder / "store", "--out", folder / "out", "--proposals", "saliency")
         return moseg("segment", video, *words, "--quiet", *sets, *arguments), folder
 
     return call

@@ -77,3 +77,16 @@ def test_an_object_that_rests_most_of_the_time_still_moves():
     residuals = np.concatenate([moving] * 14 + [resting] * 60)
     assert static_support(residuals, DEFAULT)[1] < 0.1
     assert static_support(np.concatenate([moving] * 4 + [resting] * 60), DEFAULT)[1] > 0.9
+
+
+def test_a_few_pairs_of_a_run_that_shows_little_do_not_decide():
+    moving, resting, absent = one_object(9.0), one_object(0.0), one_object(np.nan, own=np.nan)
+    assert static_support(np.concatenate([moving] * 4 + [absent] * 12 + [resting] * 60), DEFAULT)[1] > 0.9
+    assert static_support(np.concatenate([moving] * 12 + [absent] * 4 + [resting] * 60), DEFAULT)[1] < 0.1
+
+
+def test_a_motion_across_the_ends_of_runs_is_seen():
+    length, moving, resting = DEFAULT.static_pairs, one_object(9.0), one_object(0.0)
+    residuals = np.concatenate([resting] * (length // 2) + [moving] * length + [resting] * 4 * length)
+    residuals[[length // 2, -1 - 4 * length], 0, 1] = 0.0
+    assert static_support(residuals, DEFAULT)[1] < 0.1

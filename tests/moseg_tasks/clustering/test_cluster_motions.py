@@ -11,6 +11,8 @@ from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import AffinityParams, ClusteringParams
 from moseg.tasks.affinity import estimate_affinity
 from moseg.tasks.clustering import cluster_motions
+from moseg.tasks.clustering.fusion import fuse_kernels
+from moseg.tasks.clustering.linkage import link_objects
 
 DEFAULT = ClusteringParams()
 PAPER = ClusteringParams(fusion="coregularised", grouping="spectral")
@@ -193,3 +195,15 @@ def test_forty_objects_are_no_burden():
     affinity, groups = blocks((25, 10, 5))
     for params in (DEFAULT, PAPER):
         assert partition(cluster_motions([affinity, affinity], 3, params).motion) == partition(groups)
+
+
+def test_what_is_like_the_background_joins_it_though_small_static_objects_differ():
+    affinity = np.array([[1.0, 0.9, 0.8], [0.9, 1.0, 0.0], [0.8, 0.0, 1.0]])
+    assert link_objects(affinity, threshold=0.5).tolist() == [0, 0, 0]
+
+
+@pytest.mark.parametrize("fusion", ["product", "sum"])
+@pytest.mark.parametrize("num_views", [1, 2, 3])
+def test_views_that_agree_are_fused_to_what_they_are(fusion, num_views):
+    view = np.array([[1.0, 0.3], [0.3, 1.0]])
+    np.testing.assert_allclose(fuse_kernels(np.stack([view] * num_views), fusion), view)

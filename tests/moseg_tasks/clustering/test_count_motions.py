@@ -9,6 +9,8 @@ from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import ClusteringParams
 from moseg.schemas.parameters.clustering import COUNT_READS, TRACK_METHODS, MotionCountParams
 from moseg.tasks.clustering import CountEvidence, MotionTracks, cluster_motions, count_motions
+from moseg.tasks.clustering.confidences import confidences
+from moseg.tasks.clustering.count_motions import count_by_eigengap
 from moseg.tasks.clustering.stability import resampled_affinities
 from moseg.tasks.synthetic.rigid_tracks import rigid_tracks
 
@@ -217,3 +219,30 @@ def test_tracks_of_no_object_and_of_wrong_shape_are_refused():
 
 def test_every_parameter_of_a_count_is_read_by_some_method():
     assert frozenset().union(*COUNT_READS.values()) == set(MotionCountParams.model_fields)
+
+
+def test_the_gap_after_the_largest_number_counts_too():
+    assert count_by_eigengap(np.array([[1.0, 0.9, 0.8, 0.1, 0.0]]), 3) == 3
+
+
+def test_every_index_is_largest_for_the_true_number_of_clusters():
+    motion = np.repeat([0, 1, 2], [4, 3, 3])
+    kernel = affinity_of(motion)
+    found = [motion * 0, np.minimum(motion, 1), motion, np.where(np.arange(10) == 0, 3, motion)]
+    spectrum = np.sort(np.linalg.eigvalsh(kernel))[None, ::-1] / 3
+    assert (confidences(found, kernel, spectrum).argmax(axis=0) + 2).tolist() == [3, 3, 3, 3]
+
+
+def test_resampled_pairs_keep_their_gap(monkeypatch):
+    pairs = []
+
+    def affinity(points, visible, owner, num_owners, params, rng):
+        frames = points[0, :, 0]
+        pairs.extend(zip(frames[: -params.gap], frames[params.gap :], strict=True))
+        return np.eye(num_owners)
+
+    monkeypatch.setattr("moseg.tasks.clustering.stability.hypothesis_affinity", affinity)
+    points = np.repeat(np.arange(9.0)[None, :, None], 2, axis=2)
+    tracks = MotionTracks(points, np.ones((1, 9), bool), np.zeros(1, np.uint16))
+    resampled_affinities([tracks], 1, MotionCountParams(gap=3, num_resamples=4), np.random.default_rng(0))
+    assert len(pairs) == 4 * 3 and all(second - first == 3 for first, second in pairs)

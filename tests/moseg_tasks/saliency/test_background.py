@@ -4,7 +4,7 @@ import pytest
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.background import affine_flow, fit_background, sample_flow
 from moseg.tasks.saliency.grid import pixel_grid, reduce_flow, working_shape
-from moseg.tasks.saliency.layers import fit_layers
+from moseg.tasks.saliency.layers import fit_layers, typical_residual
 
 PARAMS = SaliencyParams()
 SHAPE = (120, 200)
@@ -120,3 +120,16 @@ def test_reduced_flow_is_in_pixels_of_the_reduced_grid():
 def test_flow_on_the_grid_of_its_search_is_reduced_as_if_it_were_enlarged_first(grid):
     flow = np.full((*grid, 2), (8.0, -3.0), np.float32)
     np.testing.assert_allclose(reduce_flow(flow, (30, 40), (90, 160)), np.full((30, 40, 2), (2.0, -1.0)), atol=1e-6)
+
+
+def test_a_wall_along_one_side_becomes_a_second_layer():
+    flow = np.zeros((240, 427, 2), np.float32)
+    flow[:, :40] = [6.0, 0.0]
+    assert fit_layers(flow, PARAMS).residual.max() < 1e-3
+
+
+def test_the_typical_residual_is_not_that_of_an_object_that_fills_most_of_the_frame():
+    residual = np.full((120, 200), 0.1, np.float32)
+    residual[20:100, 20:180] = 5
+    assert typical_residual(residual, 0.15) == pytest.approx(0.1)
+    assert typical_residual(5.1 - residual, 0.15) == pytest.approx(0.1)

@@ -39,3 +39,16 @@ def test_one_limb_suffices():
 
 def test_without_flow_it_is_not_known():
     assert moves_now(LABELS, (None, None), (None, None), 3, PARAMS).tolist() == [-1, -1, -1]
+
+
+def test_motion_to_one_neighbour_alone_is_an_occlusion():
+    still = np.zeros((*SHAPE, 2), np.float32)
+    jump = np.where((LABELS == 1)[..., None], np.float32([5, 0]), np.float32(0))
+    for flows in ((still, jump), (jump, still)):
+        assert moves_now(LABELS, flows, flows, 3, PARAMS).tolist() == [-1, 0, 0]
+
+
+def test_the_error_is_a_share_of_the_background_s_motion_not_of_the_object_s():
+    residual = np.where((LABELS == 1)[..., None], np.float32([-4, 0]), np.float32(0))
+    params = PARAMS.model_copy(update={"floor_motion": 0.5})
+    assert moves_now(LABELS, (residual + np.float32([10, 0]),), (residual,), 3, params)[1] == 0

@@ -148,3 +148,25 @@ def test_a_region_apart_whose_motion_is_not_uniform_keeps_its_misfit():
     water = (slice(4, 20), slice(96, 124))
     flow[water], weight[water] = noise(3, 2.0)[water], 1
     assert np.median(own_motion_misfit((None, flow), weight, PARAMS)[water]) > 3
+
+
+def object_and_region(region):
+    """Return the flow of an object, and of a region apart that moves the other way, and their weights."""
+    flow, weight = moved(0.0, 0.0, (2.0, 0.0)), weight_of_object()
+    flow[region], weight[region] = (-2, 0), 1
+    return flow, weight
+
+
+def test_a_part_of_a_region_apart_may_move_with_the_larger_one():
+    region = (slice(4, 20), slice(96, 124))
+    flow, weight = object_and_region(region)
+    flow[4:20, 96:102] = (2, 0)
+    assert own_motion_misfit((None, flow), weight, PARAMS)[region].max() < 1
+
+
+@pytest.mark.parametrize(("share", "is_small"), [(0.009, False), (0.011, True)])
+def test_a_region_apart_below_a_share_of_the_frame_keeps_its_misfit(share, is_small):
+    region = (slice(6, 16), slice(100, 112))
+    flow, weight = object_and_region(region)
+    misfit = own_motion_misfit((None, flow), weight, PARAMS.model_copy(update={"region_area": share}))
+    assert (misfit[region].min() > 5) == is_small

@@ -111,3 +111,9 @@ def test_a_wall_that_faces_the_camera_comes_no_nearer_below():
 def test_the_smallest_frames_have_some_ground(shape):
     ground = fit_ground(np.ones(shape, np.float32), np.ones(shape, np.float32), PARAMS)
     assert np.isfinite(ground.plane).all() and 0 <= ground.share <= 1
+
+
+def test_a_jump_upwards_is_measured_where_it_ends():
+    zeros = np.zeros((2, 1), np.float32)
+    found = unsupported_parallax(np.float32([[2], [1]]), np.float32([[3], [1]]), zeros, zeros)
+    assert found.ravel().tolist() == [3, 0]

@@ -1,14 +1,16 @@
 """Laws of the search for the grouping of lowest energy."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 
 from moseg.schemas.parameters import EnergyParams, TrajectoryClusteringParams
 from moseg.tasks.metrics.clustering_error import clustering_error
 from moseg.tasks.trajectories import grouping_search
-from moseg.tasks.trajectories.energy import Energy
+from moseg.tasks.trajectories.energy import Energy, group_affinities
 from moseg.tasks.trajectories.grouping_search import GroupingSearch
-from moseg.tasks.trajectories.merging import merge_pairs
+from moseg.tasks.trajectories.merging import _cuts_of_unions, _merge, merge_pairs
 from moseg.tasks.trajectories.splitting import split_grouping
 
 
@@ -229,3 +231,16 @@ def test_no_more_motions_are_searched_where_the_draws_agree(large_case):
     draw.of = of
     GroupingSearch([draw, draw], None, energy, TrajectoryClusteringParams(num_refined=1)).best([2], num_more=1)
     assert set(asked) == {2}
+
+
+def test_the_cost_of_a_union_is_the_growth_of_the_normalised_cut():
+    kernel = np.random.default_rng(0).random((20, 20))
+    kernel += kernel.T
+    labels, pairs = np.arange(20) % 5, list(combinations(range(5), 2))
+
+    def cut(labels):
+        affinities = group_affinities(kernel, labels)
+        return (1 - np.diag(affinities) / affinities.sum(axis=1)).sum()
+
+    found = _cuts_of_unions(group_affinities(kernel, labels), pairs)
+    np.testing.assert_allclose(found, [cut(_merge(labels, *pair)) - cut(labels) + 1 for pair in pairs])

@@ -140,3 +140,11 @@ def test_trajectories_that_never_overlap_in_time_are_grouped(rigid_clip):
 def test_points_that_stand_still_are_one_motion():
     points = np.repeat(np.random.default_rng(0).uniform(0, 500, (60, 1, 2)), 8, axis=1)
     assert not _group(points, np.ones((60, 8), bool), None, TrajectoryClusteringParams()).motion.any()
+
+
+def test_a_group_of_two_does_not_take_an_outlier_by_its_best_neighbours_alone():
+    groups = np.array([0] * 20 + [1] * 2)
+    kernel = np.pad(np.where(groups[:, None] == groups, 0.6, 0.1), (0, 1), constant_values=0.1)
+    kernel[-1, :20], kernel[-1, 20:22] = 0.30, 0.35
+    unknown = np.full((23, 2), np.nan)
+    assert join_outliers(kernel, np.arange(23) == 22, groups, unknown, OutlierParams())[-1] == 0

@@ -93,3 +93,16 @@ def test_the_most_similar_pieces_are_merged_first(count, groups):
     affinity = np.array([[1, 0.8, 0.1], [0.8, 1, 0.2], [0.1, 0.2, 1]])
     merged = link_pieces(affinity)[count - 1]
     assert (merged[:, None] == merged).tolist() == (np.array(groups)[:, None] == groups).tolist()
+
+
+def test_a_set_that_shows_few_trajectories_of_a_piece_takes_no_part():
+    distances = _distances()
+    distances[1:, :, 11:20], distances[1:, :10, 10] = np.nan, 5
+    assert _affinity(distances)[0, 1] > 0.9
+
+
+def test_of_an_even_number_the_lower_median_is_taken():
+    distances = np.random.default_rng(0).uniform(1, 2, (1, NUM_HYPOTHESES, 4))
+    medians = _lower_medians(Residuals(distances), np.arange(4)[None], np.ones((1, 1, 4), bool))
+    expected = distance_codes(np.sort(distances[0], axis=1)[:, 1].astype(np.float32) ** 2)
+    assert np.array_equal(medians[0, 0], expected)

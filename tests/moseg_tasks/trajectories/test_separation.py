@@ -93,3 +93,26 @@ def test_complete_trajectories_have_the_neighbours_of_almost_complete_ones():
     far = np.concatenate([points, points[:1] + 1e4])
     hidden = np.concatenate([visible, [[True, True, True, False]]])
     assert np.array_equal(nearest_trajectories(far, hidden, 4).toarray()[:-1, :-1], complete)
+
+
+def test_a_gap_is_compared_with_the_smaller_part():
+    points, visible, background = _scene((100, 200), (250, 200), size=20)
+    first = slice(background, background + 20)
+    points[first, :, 0] = 100 + 8 * (points[first, :, 0] - 100)
+    labels = (np.arange(len(points)) >= background).astype(int)
+    assert len(set(separate_objects(points, visible, labels, PARAMS).tolist())) == 3
+
+
+def test_the_background_is_the_largest_of_what_is_seen():
+    points, visible, background = _scene((80, 80), (320, 320))
+    points[-1, 2:], points[-2, 2:] = [[-5000, -5000], [5000, 9000]], [[5000, -9000], [-5000, 9000]]
+    visible[-2:, 2:] = False
+    labels = (np.arange(len(points)) >= background).astype(int)
+    separated = separate_objects(points, visible, labels, PARAMS)
+    assert len(set(separated[:background].tolist())) == 1 and len(set(separated[background:].tolist())) == 2
+
+
+def test_neighbours_that_are_seldom_seen_together_are_no_nearer():
+    points = np.repeat(np.array([[0.0, 0], [10, 0], [15, 0]])[:, None], 4, axis=1)
+    visible = np.array([[True] * 4, [True] * 4, [True, False, False, False]])
+    assert nearest_trajectories(points, visible, 1).toarray()[0].tolist() == [0, 1, 0]

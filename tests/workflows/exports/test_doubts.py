@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.presets import QUALITIES
 from moseg.schemas.stretch_choice import StretchChoice
 from moseg.workflows.exports import summarise_sequence
 from moseg.workflows.exports.doubts import Advice, advise
@@ -81,7 +82,9 @@ def _choice(proposals="saliency", shows_depth=False):
         ({}, [_choice()], Advice(too_small="try --quality best")),
         ({}, [_choice(), _choice("tracks")], Advice("try --quality best", "try --sensitivity 0.5")),
         ({}, [_choice(shows_depth=True)], Advice("try --quality best", "try --sensitivity 0.5")),
-        ({"video_network": {"use": "always"}}, [_choice()], Advice()),
+        (QUALITIES["best"], [_choice()], Advice()),
+        ({"flow": {"method": "raft"}, "proposal_source": "detections"}, [], Advice()),
+        ({"flow": {"method": "raft"}}, [_choice()], Advice(too_small="try --quality best")),
         (
             {"track_objects": {"sensitivity": 0.5}, "proposal_source": "tracks"},
             [],

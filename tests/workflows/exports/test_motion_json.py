@@ -98,3 +98,19 @@ def test_a_name_that_is_not_utf_8_is_escaped(tmp_path):
     summary = summarise_sequence("f\udcffr", np.zeros((1, 2, 2), np.uint16), 24.0, 1, {})
     write_motion(tmp_path / "motion.json", summary)
     assert json.loads((tmp_path / "motion.json").read_text())["name"] == "f\\udcffr"
+
+
+def test_an_object_that_grows_has_its_mean_area():
+    volume = np.zeros((3, 8, 10), np.uint16)
+    for index in range(3):
+        volume[index, : 2 + index, :4] = 2
+    (found,) = summarise_sequence("dog", volume, 25, 2, {2: 1}).objects
+    assert found.mean_area_fraction == pytest.approx(12 / 80)
+
+
+def test_frames_in_which_it_is_not_known_to_move_are_no_motion():
+    volume = np.zeros((4, 8, 10), np.uint16)
+    volume[:, :2, :4] = 2
+    moves = [np.array([-1, -1, each], np.int8) for each in (1, 0, -1, 1)]
+    (found,) = summarise_sequence("dog", volume, 25, 2, {2: 1}, moves=moves).objects
+    assert found.moving_frames == ((0, 0), (3, 3))
