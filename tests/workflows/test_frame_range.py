@@ -11,7 +11,7 @@ from PIL import Image
 import moseg as python
 from moseg.schemas.errors import InputError
 from moseg.workflows.api.video_source import choose_frames
-from moseg.workflows.config.frame_range import Position, read_frame_range, read_position
+from moseg.workflows.config.frame_range import FrameRange, Position, read_frame_range, read_position
 from moseg.workflows.sources import ImageFiles, VideoFile
 
 NUM_FRAMES, FPS = 12, 10
@@ -203,3 +203,15 @@ def test_python_takes_the_same_words_for_paths_and_arrays(clip, store):
         python.segment_video(clip / "video.mkv", start="4.5", store=store)
     with pytest.raises(InputError, match=r"expected fps"):
         python.segment_video(array, start="4.5s", store=store)
+
+
+def test_after_a_gap_in_the_times_no_frames_are_caught_up():
+    times = [0.0, 0.1, 5.0, 5.1, 5.2, 5.3, 6.05]
+    assert list(FrameRange(every=Position(1.0, True)).choose(times)) == [0, 2, 6]
+
+
+@pytest.mark.parametrize(
+    ("every", "rate"), [(Position(2, False), 12.5), (Position(0.5, True), 2.0), (Position(0.01, True), 25.0)]
+)
+def test_what_is_thinned_plays_as_fast_as_the_whole(every, rate):
+    assert FrameRange(every=every).thinned_rate(25.0) == pytest.approx(rate)

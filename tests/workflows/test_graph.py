@@ -9,6 +9,8 @@ from moseg.schemas.digests import digest_bytes
 from moseg.schemas.errors import InputError
 from moseg.workflows.engine.execution import seeded_generator
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
+from moseg.workflows.graph.frame_cues import FrameCues
+from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.stages.registry import find_stage
 
 OBJECTS = {"sightings", "components", "proposals", "linking", "tracks"}
@@ -322,3 +324,11 @@ def test_every_frame_is_one_that_the_motion_network_looks_at_or_beside_one_of_it
         assert looked_at <= set(range(max(start - 1, 0), min(stop + 1, num_frames)))
         assert all(looked_at & {frame - 1, frame, frame + 1} for frame in range(start, stop))
         assert all(frame % step == 0 or frame == num_frames - 1 for frame in looked_at)
+
+
+@pytest.mark.parametrize(("num_frames", "expected"), [(9, [0, 4, 8]), (10, [0, 4, 8]), (11, [0, 4, 8, 10])])
+def test_the_last_frame_is_looked_at_unless_it_is_beside_another(num_frames, expected):
+    config = PipelineConfig.model_validate({"motion_network": {"step": 4}})
+    frames = tuple(f"frame/{number:064x}" for number in range(num_frames))
+    cues = FrameCues(Nodes(SequenceLeaves("toy", (48, 64), frames), config))
+    assert cues.looked_at(0, num_frames) == expected

@@ -5,6 +5,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from contextlib import closing
 
 import pytest
@@ -14,6 +15,7 @@ from moseg.schemas.recipes import split_ref
 from moseg.store import open_store
 from moseg.workflows.cluster.runners import SynchronousRunner
 from moseg.workflows.datasets import open_dataset
+from moseg.workflows.engine.run_pins import LEASE_SECONDS, RENEWED_SECONDS, RunPins
 from moseg.workflows.engine.session import Session
 from moseg.workflows.pipelines.evaluate import evaluate
 
@@ -189,3 +191,24 @@ def test_without_write_access_for_pins_a_store_can_be_read_only(evaluated_copy, 
     assert ran.code == 1
     assert ran.err.startswith("moseg: cannot pin a run")
     assert len(ran.err.splitlines()) == 1
+
+
+def test_a_lease_is_renewed_before_it_ends(tmp_path, monkeypatch):
+    store = open_store(str(tmp_path / "store"), create=True)
+    pins = RunPins(store, "run")
+    pins.lease(["toy/" + "0" * 64])
+    first = store.pin_of("run")
+    pins.renew()
+    assert store.pin_of("run") == first
+    monkeypatch.setattr(time, "monotonic", lambda now=time.monotonic: now() + 0.6 * LEASE_SECONDS)
+    pins.renew()
+    assert store.pin_of("run").expires > first.expires
+
+
+def test_results_that_are_used_again_keep_the_name_of_their_run(tmp_path, monkeypatch):
+    store, ref = open_store(str(tmp_path / "store"), create=True), "toy/" + "0" * 64
+    RunPins(store, "first").keep([ref], is_new=True)
+    ((name, before),) = store.pinned().items()
+    monkeypatch.setattr(time, "time", lambda now=time.time: now() + 2 * RENEWED_SECONDS)
+    RunPins(store, "second").keep([ref], is_new=False)
+    assert store.pinned()[name].run == "first" and store.pinned()[name].created > before.created

@@ -5,9 +5,9 @@ import os
 import numpy as np
 import pytest
 
-from moseg.schemas.recipes import Recipe
+from moseg.schemas.recipes import Recipe, leaf_recipe
 from moseg.store import LocalStore, open_store
-from moseg.workflows.engine.space import check_space, video_nbytes
+from moseg.workflows.engine.space import BYTES_PER_PIXEL, check_space, plan_nbytes, video_nbytes
 from moseg.workflows.sources.likely_length import likely_num_frames
 from moseg.workflows.sources.video_file import VideoFile
 
@@ -109,3 +109,12 @@ def video_file():
         return path
 
     return write
+
+
+def test_the_space_of_a_plan_grows_with_the_frames_of_its_artifacts(tmp_path):
+    store, frame = LocalStore(tmp_path), leaf_recipe("frame", "0" * 64)
+    store.put(frame, {"image": np.zeros((10, 20, 3), np.uint8)}, dims={"image": ("y", "x", "rgb")})
+    first = Recipe(task="saliency", version=1, inputs={"frame": frame.ref})
+    many = Recipe(task="consistency", version=1, inputs={"saliency": (first.ref,) * 3})
+    expected = 200 * (BYTES_PER_PIXEL["saliency"] + 3 * BYTES_PER_PIXEL["consistency"])
+    assert plan_nbytes(store, {each.ref: each for each in (first, many)}) == pytest.approx(expected)

@@ -125,3 +125,14 @@ def test_carrying_draws_no_random_numbers_and_changes_no_input(render):
     np.testing.assert_array_equal(first, second)
     for before, after in zip(copies, (*scene.frames, *scene.forward, *scene.backward, *scene.discs), strict=True):
         np.testing.assert_array_equal(before, after)
+
+
+def test_a_disc_that_leaps_farther_than_it_is_wide_is_followed(render, iou):
+    scene = render(num_frames=3, speed=(40, 3))
+    for mask, disc in zip(carry(scene, scene.discs[0]), scene.discs[1:], strict=True):
+        assert iou(mask, disc) > 0.6
+
+
+def test_flow_on_a_grid_of_another_shape_is_in_px_of_both_its_axes():
+    flow = np.full((48, 80, 2), (8, 4), np.float32)
+    np.testing.assert_allclose(flow_on_grid(flow, (96, 160), (24, 80)), np.full((24, 80, 2), (4, 1)))

@@ -48,3 +48,9 @@ def test_strokes_are_in_px_of_the_videos_own_frames():
     np.testing.assert_allclose(
         analysed_points([(-0.5, -0.5), (159.5, 119.5)], SIZE, (120, 160)), [[-0.5, -0.5], [79.5, 59.5]]
     )
+
+
+def test_a_brush_has_the_mean_scale_of_both_axes():
+    drawn = stroke(20, (79.5, 47.5))
+    assert draw_strokes([drawn], (96, 40), (96, 160)).any(axis=1).sum() in (24, 25)
+    assert draw_strokes([drawn], (24, 160), (96, 160)).any(axis=0).sum() in (24, 25, 26)

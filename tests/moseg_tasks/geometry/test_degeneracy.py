@@ -71,3 +71,15 @@ def test_a_plane_and_one_point_leave_a_family_of_solutions(reason_of, see, scatt
 def test_unrelated_points_have_no_model(reason_of, estimator):
     points0, points1 = np.random.default_rng(0).uniform(0, 480, (2, 12, 2))
     assert reason_of(points0, points1, threshold=1e-3, estimator=estimator) == Degeneracy.NO_MODEL
+
+
+def test_as_many_points_as_required_are_enough(reason_of, see, scatter):
+    views = see(scatter(8))
+    assert reason_of(views.points0, views.points1) != Degeneracy.TOO_FEW_POINTS
+
+
+def test_points_on_a_line_in_one_frame_are_collinear(reason_of, see, scatter):
+    points = scatter(40)
+    points[:, 1] = 0
+    views = see(points, translation=(0, 1, 0), rotation_deg=(0, 0, 0))
+    assert reason_of(views.points0, views.points1) == Degeneracy.COLLINEAR

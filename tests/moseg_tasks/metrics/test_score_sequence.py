@@ -11,6 +11,7 @@ from hypothesis.extra.numpy import arrays
 
 from moseg.schemas.errors import InputError
 from moseg.tasks.metrics import boundary_similarity, score_sequence
+from moseg.tasks.metrics.assign_objects import assign_objects
 
 VOID = 255
 SHAPE = (3, 5, 6)
@@ -185,3 +186,9 @@ def test_float_labels_are_refused():
 def test_no_frame_is_refused():
     with pytest.raises(InputError, match="no annotated frame"):
         score_sequence(list)
+
+
+@pytest.mark.parametrize(("small", "large"), [(1, 2), (2, 1)])
+def test_of_equal_sums_the_assignment_with_most_pixels_is_taken(small, large):
+    # 2 * 10 / (10 + 30) = 2 * 20 / (50 + 30)
+    assert assign_objects({(small, 1): 10, (large, 1): 20, (large, 0): 30}) == {large: 1}

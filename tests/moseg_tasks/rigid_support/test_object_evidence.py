@@ -145,3 +145,10 @@ def test_points_have_the_label_of_the_nearest_pixel_also_at_the_frames_edge(pass
     labels[:, 0, -1] = 2
     evidence = measure(scene._replace(labels=labels, points=points, visible=visible), 3)
     assert evidence.num_observations[2] == len(wall) * len(scene.pairs)
+
+
+def test_the_noise_of_the_tracks_around_an_object_counts_too(passage):
+    # The wall moves by 16 px, the object by 25.6 px: 9.6 px < 0.34 hypot(16, 25.6) px.
+    labels, *tracks = passage(NEAR)[:6]
+    rigidity = RigidityParams(noise=1e-3, noise_share=0.34)
+    assert measure_objects(labels, 2, *tracks, RigidSupportParams(depth_slack=0.0), rigidity).attached[1] == 1

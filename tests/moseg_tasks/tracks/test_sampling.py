@@ -73,3 +73,11 @@ def test_the_interior_leaves_border_and_outline_but_never_an_object():
     thin = np.zeros((60, 80), bool)
     thin[30, 20:40] = True
     np.testing.assert_array_equal(interior(thin, params), thin)
+
+
+@pytest.mark.parametrize("quota", [9, 25])
+def test_points_keep_a_share_of_the_distance_of_a_full_grid(quota):
+    texture = texture_strength(np.random.default_rng(0).integers(0, 256, (100, 100)).astype(np.uint8))
+    params = TrackParams(corner_fraction=1.0, corner_quality=0.01, spread=0.5, border=0, erosion=0)
+    points = sample_points(texture, np.ones((100, 100), bool), quota, NONE, params, np.random.default_rng(0))
+    assert pdist(points).min() >= 0.5 * 100 / np.sqrt(quota)

@@ -1,5 +1,7 @@
 """Pins, and the collection of what none of them reaches, on every kind of store."""
 
+import time
+
 import pytest
 
 from moseg.schemas.errors import StoreError
@@ -115,3 +117,10 @@ def test_what_is_written_while_a_run_is_at_work_is_spared(store, ref, monkeypatc
     monkeypatch.undo()
     store.pin("run", [])
     assert store.gc(grace_seconds=0).removed == (ref,)
+
+
+def test_a_run_at_work_for_hours_is_spared(store, ref, monkeypatch):
+    monkeypatch.setattr(time, "time", lambda now=time.time: now() - 5 * 3600)
+    store.pin("run", [], lease_seconds=86_400)
+    monkeypatch.undo()
+    assert store.gc(grace_seconds=0).removed == ()

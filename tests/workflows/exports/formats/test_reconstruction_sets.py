@@ -6,7 +6,7 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageOps
 
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli.export import OWN_SETS
@@ -159,3 +159,24 @@ def test_a_file_that_moseg_did_not_write_is_kept(saved, tmp_path):
         export(saved, choose_sets(["colmap"]), tmp_path)
     assert mine.read_bytes() == b"precious"
     assert [path.name for path in mine.parent.iterdir()] == ["a2.png"]
+
+
+@pytest.mark.parametrize("orientation", range(2, 9))
+def test_a_photograph_of_any_orientation_is_written_upright(write_saved, tmp_path, orientation):
+    upright = np.full((HEIGHT, WIDTH, 3), 90, np.uint8)
+    upright[:8, :12] = 255
+    stored = Image.fromarray(upright.transpose(1, 0, 2) if orientation > 4 else upright)
+    exif = stored.getexif()
+    exif[0x0112] = orientation
+    content = io.BytesIO()
+    stored.save(content, "JPEG", exif=exif, quality=95)
+    path = tmp_path / "frames" / "a.jpg"
+    path.parent.mkdir()
+    path.write_bytes(content.getvalue())
+    expected = np.asarray(ImageOps.exif_transpose(Image.open(path)).convert("L")).astype(int)
+    origin = FrameOrigin(str(path.parent), ImageFiles((str(path),), 1000))
+    saved = write_saved(np.zeros((1, HEIGHT, WIDTH), np.uint16), ("a.jpg",)).from_video(origin)
+    (folder,) = export(saved, choose_sets(["colmap"]), tmp_path)
+    with Image.open(folder / "images" / "a.jpg") as image:
+        assert image.getexif().get(0x0112, 1) == 1
+        assert np.abs(np.asarray(image.convert("L")).astype(int) - expected).mean() < 3
