@@ -77,8 +77,8 @@ QUALITIES: Mapping[str, Choices] = {
         "flow_model": {"step": 8},
     },
     "default": {},
-    "best": {"flow": {"preset": "fine"}, "video_network": {"use": "always"}},
+    "best": {"flow": {"preset": "fine"}, "saliency": {"working_side": 640}, "motion_network": {"step": 1}},
 }
-"""Trade-offs of accuracy and time for any preset: the size at which frames are analysed, the search of DIS, how many
-points and pairs are read, and a network trained on the video. `best` does not change other flow, nor proposals that are
-not made from saliency."""
+"""Trade-offs of accuracy and time for any preset: the size at which frames are analysed, the search of DIS, the working
+grid, at which frames the motion network looks, and how many points and pairs are read. `best` does not change other
+flow, and its grid and network only proposals of saliency."""

@@ -153,8 +153,8 @@ def _parts_of_learning() -> Rows:
     texts = {
         "no-network": "`--set motion_network.use=never`",
         "default": "default",
-        "no-video-network": "`--quality best --set video_network.use=never`",
         "best": "`--quality best`",
+        "video-network": "`--quality best --set video_network.use=always`",
     }
     return [
         ("", "J", "Fu"),

@@ -184,7 +184,7 @@ class TrackObjectParams(Frozen):
         12.0, gt=0, description="median error in a frame pair, in tolerances, beyond which it adds nothing to the score"
     )
     min_score: Annotated[float, Unit.RATIO] = Field(
-        6.0,
+        5.0,
         ge=0,
         description="smallest score of a moving object: its summed errors times its mean strict test, per frame of"
         " the window; lower finds more, and more that does not move",
@@ -193,7 +193,7 @@ class TrackObjectParams(Frozen):
         0.7, ge=0, description="smallest score of its best candidate, as a share of the smallest score"
     )
     min_test: Annotated[float, Unit.RATIO] = Field(
-        0.3,
+        0.25,
         ge=-1,
         le=3,
         description="smallest mean strict test of a moving object: how much worse the best rigid position explains"

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.configs import SALIENCY_SOURCES, PipelineConfig
+from moseg.schemas.presets import QUALITIES
 from moseg.schemas.stretch_choice import StretchChoice
 from moseg.workflows.exports.followed_object import FollowedObject
 
@@ -43,12 +44,24 @@ def advise(config: PipelineConfig, choices: Iterable[StretchChoice] = ()) -> Adv
         Source of the proposals of each stretch, where it was chosen.
     """
     advice = BY_HAND
-    if config.video_network.use != "always":
+    if _gains_by_best(config):
         advice = advice._replace(too_small="try --quality best")
     is_compared = any(choice.shows_depth or choice.proposals == "tracks" for choice in choices)
     if is_compared or config.proposal_source in ("tracks", "motion-prompts"):
         advice = advice._replace(too_large=f"try --sensitivity {config.track_objects.sensitivity / 2:g}")
     return advice
+
+
+def _gains_by_best(config: PipelineConfig) -> bool:
+    """Return whether ``--quality best`` changes a parameter that this configuration reads."""
+    read = {"flow": config.flow.method == "dis"}
+    read |= dict.fromkeys(("saliency", "motion_network"), config.proposal_source in SALIENCY_SOURCES)
+    return any(
+        getattr(getattr(config, stage), name) != value
+        for stage, chosen in QUALITIES["best"].items()
+        if read.get(stage, True)
+        for name, value in chosen.items()
+    )
 
 
 def find_doubts(

@@ -12,6 +12,4 @@ def require_packages(config: PipelineConfig) -> None:
         return
     if find_spec("torch") is None:
         expected = "pip install 'moseg[models]', or --set video_network.use=never"
-        raise InputError(
-            "a network trained on the video (--quality best) needs torch", got="not installed", expected=expected
-        )
+        raise InputError("a network trained on the video needs torch", got="not installed", expected=expected)
