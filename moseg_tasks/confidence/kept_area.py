@@ -22,7 +22,7 @@ def kept_area(areas: np.ndarray) -> np.ndarray:
     Returns
     -------
     float64 (F,)
-        0..1; 1 where it was not seen before.
+        0..1; 1 where it was not seen before, 0 where it is not seen.
     """
     areas = np.asarray(areas, np.float64)
     usual = median_filter(areas, _SMOOTHED, mode="nearest")

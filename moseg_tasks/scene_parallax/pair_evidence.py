@@ -24,7 +24,7 @@ class PairEvidence(NamedTuple):
     rigid_share, plane_share : float
         Shares of the tracks that a rigid scene, and a single homography, explain.
     heading : float64 (3,)
-        Direction of the camera's translation in its own axes, unit length.
+        Direction in which the scene moves in the camera's axes, against the camera's own: unit length.
     sees_epipole : bool
         Whether the point that the camera moves to, or away from, lies inside the frame.
     """

@@ -17,7 +17,7 @@ class FlowModelParams(Frozen):
         2, ge=1, description="spacing of the rows and columns of the flow that are read"
     )
     erosion: Annotated[int, Unit.PIXELS] = Field(
-        0, ge=0, description="distance to another object below which pixels are ignored, in pixels that are read"
+        0, ge=0, description="distance to another object up to which pixels are ignored, in pixels that are read"
     )
     min_pixels: Annotated[int, Unit.COUNT] = Field(
         16, ge=1, description="an object with fewer pixels that are read has no model and no residual in that pair"

@@ -35,7 +35,9 @@ class TrackParams(Frozen):
         0.01, ge=0, le=1, description="minimal corner response, as a share of the largest one inside the object"
     )
     spread: Annotated[float, Unit.SHARE] = Field(
-        0.25, ge=0, description="minimal distance of sampled points, as a share of the spacing of an even grid"
+        0.25,
+        ge=0,
+        description="minimal distance of sampled corners, as a share of the spacing of an even grid",
     )
     medoid_candidates: Annotated[int, Unit.COUNT] = Field(
         300, ge=8, description="random pixels of an object among which medoids are chosen"

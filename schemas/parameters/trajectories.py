@@ -67,7 +67,11 @@ class NoiseReductionParams(Frozen):
     )
     max_frames: Annotated[int, Unit.FRAMES] = Field(50, ge=5, description="largest length of a window")
     window_share: Annotated[float, Unit.SHARE] = Field(
-        0.85, gt=0, le=1, description="length of a window relative to the median trajectory, unless that is complete"
+        0.85,
+        gt=0,
+        le=1,
+        description="length of a window relative to the median trajectory; where this share of a complete one is a"
+        " whole number of frames, the window is the clip",
     )
     min_tracks: Annotated[int, Unit.COUNT] = Field(
         20, ge=1, description="trajectories seen throughout a window, below which it is left as it is"
