@@ -364,7 +364,7 @@ def test_only_the_sequence_that_an_error_is_about_is_named(run_with, site, write
         ("import nowhere", "plug-in cannot be imported in nova:PLUGIN; got ModuleNotFoundError: No module named"),
         ("PLUGIN = 3", "nothing that a plug-in can add in nova; got 3"),
         (NOVA.replace('"farneback"', '"dis"'), "method exists in stage flow; got dis"),
-        (NOVA.replace('Task("flow"', 'Task("flows"'), "unknown stage; got flows"),
+        (NOVA.replace('Task("flow"', 'Task("flows"'), "unknown stage 'flows': did you mean 'flow'?"),
         (
             NOVA.replace("params=view_params", "params=None"),
             "params that is no function in affinity by nova-mean of nova; got None",

@@ -7,6 +7,7 @@ import numpy as np
 
 from moseg.schemas.arrays import LEAF_LAYOUTS, ArrayLayout, check_arrays
 from moseg.schemas.errors import InputError
+from moseg.schemas.spelling import unknown_name
 from moseg.workflows.stages import (
     accumulation,
     affinity,
@@ -89,7 +90,7 @@ def find_stage(name: str) -> Stage:
     try:
         return STAGES[name]
     except KeyError:
-        raise InputError("unknown stage", got=name, expected=f"one of {', '.join(sorted(STAGES))}") from None
+        raise unknown_name("stage", name, STAGES) from None
 
 
 def find_task(name: str, method: str) -> Task:
