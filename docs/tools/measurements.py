@@ -122,7 +122,6 @@ def _catalogue() -> list[Measurement]:
         "davis-fast": f"moseg eval {DAVIS} --quality fast",
         "davis-no-network": f"moseg eval {DAVIS} --set motion_network.use=never",
         "davis-best": f"moseg eval {DAVIS} --quality best",
-        "davis-video-network": f"moseg eval {DAVIS} --quality best --set video_network.use=always",
         "peers-davis": f"{PEERS} {DAVIS}",
         **_trajectories(),
         **_roads(),

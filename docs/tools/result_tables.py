@@ -154,7 +154,6 @@ def _parts_of_learning() -> Rows:
         "no-network": "`--set motion_network.use=never`",
         "default": "default",
         "best": "`--quality best`",
-        "video-network": "`--quality best --set video_network.use=always`",
     }
     return [
         ("", "J", "Fu"),
