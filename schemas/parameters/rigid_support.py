@@ -25,7 +25,7 @@ class RigidSupportParams(Frozen):
     )
     max_test: Annotated[float, Unit.RATIO] = Field(
         0.6,
-        ge=0,
+        ge=-1,
         le=3,
         description="largest mean strict test of rigidity of an object that a rigid scene explains",
     )

@@ -110,7 +110,7 @@ def _execute_batch(store: WriteBehind, recipes: Sequence[Recipe], log: EventLog)
             task = find_task(missing[0].task, params.pop("method"))
             inputs = [Inputs(store, recipe) for recipe in missing]
             outputs = task.compute(params, inputs, [seeded_generator(recipe.key) for recipe in missing])
-            check_outputs(missing, outputs, is_plugin=task.code is not None)
+            check_outputs(missing, outputs, is_plugin="code" in missing[0].params)
         seconds = (time.perf_counter() - started) / len(missing)
         for recipe, computed in zip(missing, outputs, strict=True):
             output = computed._replace(arrays=round_arrays(computed.arrays, layouts_of(recipe.task)))

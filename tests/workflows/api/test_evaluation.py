@@ -46,9 +46,9 @@ def test_scores_are_those_of_the_command_line_and_are_not_computed_again(evaluat
     )
 
 
-def test_a_report_says_what_differs_from_the_defaults(evaluated):
+def test_a_report_says_what_differs_from_the_defaults(evaluated_copy):
     own = CONFIG | {"affinity.scale": 0.7}
-    options = {"root": evaluated.root, "store": evaluated.store, "progress": False}
+    options = {"root": evaluated_copy.root, "store": evaluated_copy.store, "progress": False}
     report = moseg.evaluate("folder", own, motions=2, **options)
     assert report.settings.config == own | {"clustering.motions": 2}
     assert report.settings.version == moseg.__version__

@@ -55,7 +55,7 @@ def _manifests(store):
 
 def test_two_bodies_are_told_apart_and_the_report_has_its_shape(evaluate):
     report, out = evaluate("--motions", "gt")
-    assert list(report) == ["dataset", "rows", "store", "seconds"]
+    assert list(report) == ["dataset", "rows", "store", "seconds", "settings"]
     assert report["dataset"] == "kt3dmoseg" and report["store"]["reused"] == 0 < report["store"]["computed"]
     (row,) = report["rows"]
     assert list(row) == ["variant", "sequences", "mean"] and row["variant"] == "fused"
