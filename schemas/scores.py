@@ -55,7 +55,7 @@ class StoreUse(Frozen):
 
 
 class ScoredWith(Frozen):
-    """What a report's scores were computed with.
+    """Version and parameters with which a report's scores were computed.
 
     Attributes
     ----------
