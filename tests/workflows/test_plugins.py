@@ -258,6 +258,19 @@ def test_the_key_does_not_depend_on_who_imports_an_installed_plug_in(site, tmp_p
     assert _codes(site, tmp_path, str(script)) == expected
 
 
+def test_a_script_may_register_what_is_installed(site, tmp_path):
+    script = "import moseg\nfrom nova import PLUGIN\nmoseg.register(*PLUGIN)\n"
+    script += "print(moseg.load_config({'affinity.method': 'nova-mean'}).affinity.method)\n"
+    assert _codes(site, tmp_path, "-c", script) == "nova-mean\n"
+
+
+def test_a_plug_in_that_cannot_be_imported_is_one_line_in_python(site, tmp_path):
+    (site / "nova" / "__init__.py").write_text("import nowhere")
+    script = "import moseg\ntry:\n    moseg.load_config()\nexcept moseg.InputError as error:\n    print(error)\n"
+    said = _codes(site, tmp_path, "-c", script)
+    assert said.startswith("plug-in cannot be imported in nova:PLUGIN") and said.count("\n") == 1
+
+
 def test_an_object_is_registered_without_a_file_only_if_it_comes_from_one(site, tmp_path):
     (site / "nova-1.0.dist-info" / "entry_points.txt").unlink()
     _codes(site, tmp_path, "-c", "import moseg, nova\nmoseg.register(*nova.PLUGIN)\n")
@@ -383,6 +396,7 @@ def test_only_the_sequence_that_an_error_is_about_is_named(run_with, site, write
             NOVA.replace('AffineModel(name="nova-affine")', "AffineModel"),
             "nothing that a plug-in can add in nova; got <class",
         ),
+        (NOVA.replace('"instance", None', '"instances", None'), "wrong kind in data set nova-set; got 'instances'"),
         (NOVA + "\nPLUGIN[0].nothing", "pip uninstall nova"),
     ],
 )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from moseg.schemas.parameters import RigidityParams
-from moseg.tasks.rigidity.contact import contact_excess
+from moseg.tasks.rigidity.contact import _surfaces, contact_excess
 from moseg.tasks.rigidity.ground import Ground
 from moseg.tasks.rigidity.parallax import find_epipole, split_displacements
 from moseg.tasks.saliency.camera import CameraMotion
@@ -56,3 +56,11 @@ def test_only_a_lift_beyond_the_margin_counts(measure):
     # At this noise an eighth of a camera height above the contact is hidden.
     assert measure(COMING, 0.1, contact_margin=0.3)[0].any()
     assert not measure(COMING, 0.1, contact_margin=0.45)[0].any()
+
+
+def test_surfaces_do_not_depend_on_the_order_of_the_tracks():
+    points = np.column_stack([np.arange(4) * 3.0, np.full(4, 100.0)])
+    depth, noise = np.array([1.0, 1.3, 1.3, 1.3]), np.array([0.3, 0.0, 0.0, 0.0])
+    forward = _surfaces(points, depth, noise, RigidityParams())
+    backward = _surfaces(points[::-1], depth[::-1], noise[::-1], RigidityParams())[::-1]
+    np.testing.assert_array_equal(forward >= 0, backward >= 0)
