@@ -1,5 +1,6 @@
 """The moving objects of one video, read from the store when they are asked for."""
 
+import operator
 import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -105,6 +106,52 @@ class MotionSegmentation:
         return self._stored.frames(self._store)
 
     @property
+    def cues(self) -> tuple[str, ...]:
+        """Names of the cues of frames that the result was computed from, which `cue` reads."""
+        return tuple(self._stored.cues)
+
+    def cue(self, name: str, frame: int) -> np.ndarray:
+        """Read a cue of one frame. The run must have kept its cues: ``segment_video(..., keep_cues=True)``.
+
+        Parameters
+        ----------
+        name : str
+            One of `cues`.
+        frame : int
+            Counted from 0; from -1 backwards. ``flow`` and ``residual_flow`` lead to the next frame: the last frame has
+            neither.
+
+        Returns
+        -------
+        ``flow`` : float32 (y, x, 2) of `analysed_shape`
+            Motion of every pixel to the next frame, (x, y), px of that size; NaN where flow from files is unknown.
+        ``residual_flow`` : float32 (y, x, 2) on the grid of the saliency
+            The flow minus that of the background, in the same unit.
+        ``saliency`` : float32 (y, x) on its grid
+            Confidence that a pixel moves differently from the background, 0..1.
+        ``inverse_depth`` : float32 (y, x) of `analysed_shape`
+            Relative: larger is nearer.
+
+        Raises
+        ------
+        InputError
+            There is no such cue, or it was not kept.
+        IndexError
+            There is no such frame, or it does not have the cue.
+        """
+        cue = self._stored.cues.get(name)
+        if cue is None:
+            raise InputError("no such cue", where="name", got=repr(name), expected=", ".join(self.cues) or "no cue")
+        index = _place_frame(frame, self.num_frames)
+        if index >= cue.num_frames:
+            raise IndexError(f"{name} leads to the next frame, and frame {index} is the last one")
+        refs = cue.refs(index)
+        if not self._store.present(set(refs)).issuperset(refs):
+            got, expected = "a run that did not keep its cues", "segment_video(…, keep_cues=True)"
+            raise InputError(f"{name} of frame {index} is missing", where="the store", got=got, expected=expected)
+        return cue.read(self._store, *refs)
+
+    @property
     def corrections(self) -> Corrections:
         """The corrections in force, with the digest of the video that they are for."""
         return self._given.of_video(self._origin)
@@ -135,7 +182,7 @@ class MotionSegmentation:
             There is no such frame.
         """
         check_style(style)
-        index = range(self.num_frames)[frame]
+        index = _place_frame(frame, self.num_frames)
         image = self._store.read(self._stored.frame_refs[index], "image")
         labels = self._stored.frame_labels(self._store, index, self.analysed_shape)
         return draw_overlay(image, labels, style or DEFAULT_STYLE, self._stored.called)
@@ -264,3 +311,11 @@ class MotionSegmentation:
         count, (height, width) = len(self.objects), self.shape
         objects = f"{count} moving object{'' if count == 1 else 's'}"
         return f"{objects} in {self.num_frames} frames of {width}x{height} px"
+
+
+def _place_frame(frame: int, num_frames: int) -> int:
+    """Return a frame's place, counted from 0, where -1 is the last one."""
+    frame = operator.index(frame)
+    if not -num_frames <= frame < num_frames:
+        raise IndexError(f"no frame {frame}: the video has {num_frames}")
+    return frame % num_frames

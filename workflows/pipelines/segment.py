@@ -19,6 +19,7 @@ from moseg.workflows.pipelines.placed_edits import NO_EDITS, PlacedEdits, check_
 from moseg.workflows.pipelines.purpose import SEGMENTATION, Purpose, make_subject
 from moseg.workflows.reports.panels import Panels
 from moseg.workflows.results.found_objects import read_found_objects, read_identities
+from moseg.workflows.results.frame_cues import FrameCue, frame_cues
 from moseg.workflows.results.rigid_support import read_rigid_support
 from moseg.workflows.sources.resize import resize_labels
 
@@ -61,6 +62,8 @@ class StoredSegmentation(NamedTuple):
         Identities of which the user drew a part.
     advice : Advice
         What may help where a mask is too small or too large.
+    cues : mapping of str to FrameCue
+        Cues that the result was computed from, by name; their artifacts are stored if the run kept them.
     """
 
     name: str
@@ -81,6 +84,7 @@ class StoredSegmentation(NamedTuple):
     names: Mapping[int, str] = {}
     drawn: frozenset[int] = frozenset()
     advice: Advice = BY_HAND
+    cues: Mapping[str, FrameCue] = {}
 
     @property
     def num_frames(self) -> int:
@@ -227,6 +231,7 @@ def read_stored(
         names=found.names,
         drawn=found.drawn,
         advice=advise(config, graph.leaves.choices),
+        cues={name: cue.without_graph() for name, cue in frame_cues(graph, config, [variant]).items()},
     )
 
 

@@ -1,14 +1,13 @@
 """Layers of the cues: the frame, motion saliency, flow in the colours of a wheel, inverse depth."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from moseg.schemas.configs import MOVING_SOURCES, Variant
-from moseg.tasks.flow.flow_grid import full_flow
+from moseg.schemas.configs import Variant
 from moseg.workflows.exports.colour_maps import (
     DEPTH_COLOURS,
     SOFT_COLOURS,
@@ -17,9 +16,9 @@ from moseg.workflows.exports.colour_maps import (
     draw_colour_bar,
 )
 from moseg.workflows.exports.draw_flow import colour_flow, draw_flow_wheel
-from moseg.workflows.graph import GIVEN_SOURCES
 from moseg.workflows.reports.content import Layer, LayerKind, Picture
 from moseg.workflows.reports.layers import PlannedLayer, SequenceView, encode_opaque, encode_transparent
+from moseg.workflows.results.frame_cues import FrameCue, frame_cues, resize_cue
 from moseg.workflows.sources.resize import shrink_to
 
 WHEEL_SIDE = 96
@@ -71,36 +70,21 @@ def plan_cue_layers(view: SequenceView, variants: Sequence[Variant]) -> list[Pla
 
 def plan_cues(view: SequenceView, variants: Sequence[Variant]) -> list[PlannedCue]:
     """Plan the drawing of the cues that a run of the variants reads, the frame first."""
-    leaves, cues = view.graph.leaves, view.graph.frame_cues
+    leaves = view.graph.leaves
 
     def frame_refs(frames: Sequence[int]) -> tuple[str, ...]:
         return tuple(leaves.frames[frame] for frame in frames)
 
-    def flow_refs(frames: Sequence[int]) -> tuple[str, ...]:
-        return tuple(cues.flow(frame, frame + 1) for frame in _with_next(view, frames))
-
-    def saliency_refs(frames: Sequence[int]) -> tuple[str, ...]:
-        return tuple(map(cues.saliency, frames))
-
-    def residual_flow_refs(frames: Sequence[int]) -> tuple[str, ...]:
-        return (*saliency_refs(_with_next(view, frames)), *(flow_refs(frames) if _has_gaps(view) else ()))
-
     planned = [PlannedCue("frame", frame_refs, lambda: _prepare_frames(view))]
-    models = {model for variant in variants for model in view.config.views(variant)}
-    has_saliency = view.graph.objects.uses_saliency
-    if has_saliency:
-        planned.append(PlannedCue("motion saliency", saliency_refs, lambda: _prepare_saliency(view)))
-    if view.config.proposal_source in MOVING_SOURCES or models - {"trajs"}:
-        planned.append(PlannedCue("optical flow", flow_refs, lambda: _prepare_flow(view)))
-    if has_saliency:
-        name = "flow relative to the background"
-        planned.append(PlannedCue(name, residual_flow_refs, lambda: _prepare_residual_flow(view)))
-    method = view.config.depth.method
-    if method in GIVEN_SOURCES or (method != "none" and models - {"trajs", "oc"}):
-        planned.append(
-            PlannedCue("inverse depth", lambda frames: tuple(map(cues.depth, frames)), lambda: _prepare_depth(view))
-        )
+    for name, cue in frame_cues(view.graph, view.config, variants).items():
+        shown, prepare = _DRAWN[name]
+        planned.append(PlannedCue(shown, partial(_refs_of_frames, cue), partial(prepare, view, cue)))
     return planned
+
+
+def _refs_of_frames(cue: FrameCue, frames: Sequence[int]) -> tuple[str, ...]:
+    """Return what the pictures of frames read, without those of frames that do not have the cue."""
+    return tuple(ref for frame in frames if frame < cue.num_frames for ref in cue.refs(frame))
 
 
 def _plan_layer(view: SequenceView, cue: PlannedCue) -> PlannedLayer:
@@ -122,16 +106,6 @@ def _plan_layer(view: SequenceView, cue: PlannedCue) -> PlannedLayer:
     return PlannedLayer(cue.name, cue.refs(view.frames), make)
 
 
-def _with_next(view: SequenceView, frames: Sequence[int]) -> tuple[int, ...]:
-    """Return the frames that have a next frame."""
-    return tuple(frame for frame in frames if frame + 1 < len(view.graph.leaves.frames))
-
-
-def _has_gaps(view: SequenceView) -> bool:
-    """Return whether the flow may be unknown in places, as flow from files may."""
-    return view.config.flow.method in GIVEN_SOURCES
-
-
 def _prepare_frames(view: SequenceView) -> CueDrawing:
     def draw(frame: int) -> Picture:
         return encode_opaque(shrink_to(view.store.read(view.graph.leaves.frames[frame], "image"), view.shape))
@@ -139,64 +113,46 @@ def _prepare_frames(view: SequenceView) -> CueDrawing:
     return CueDrawing(draw, "The frame as analysed.")
 
 
-def _prepare_saliency(view: SequenceView) -> CueDrawing:
+def _prepare_saliency(view: SequenceView, cue: FrameCue) -> CueDrawing:
     def draw(frame: int) -> Picture:
-        saliency = view.store.read(view.graph.frame_cues.saliency(frame), "saliency").astype(np.float32)
-        return encode_opaque(colour_soft_map(_resize(saliency, view.shape)))
+        return encode_opaque(colour_soft_map(resize_cue(cue.read(view.store, *cue.refs(frame)), view.shape)))
 
     description = "Confidence that a pixel moves differently from the background, 0 to 1."
     return CueDrawing(draw, description, _draw_bar(SOFT_COLOURS, "0", "1"))
 
 
-def _prepare_flow(view: SequenceView) -> CueDrawing:
-    return _prepare_flows(view, "Motion of every pixel to the next frame", lambda frame: _read_flow(view, frame))
+def _prepare_flow(view: SequenceView, cue: FrameCue) -> CueDrawing:
+    return _prepare_flows(view, cue, "Motion of every pixel to the next frame")
 
 
-def _prepare_residual_flow(view: SequenceView) -> CueDrawing:
-    width = view.graph.leaves.shape[1]
-
-    def read(frame: int) -> np.ndarray:
-        # The second direction is the one to the next frame.
-        flow = view.store.read(view.graph.frame_cues.saliency(frame), "residual_flows")[1].astype(np.float32)
-        flow *= np.float32(width / flow.shape[1])
-        if _has_gaps(view):
-            # Saliency fills gaps with known values beside them, or with zeros.
-            unknown = ~np.isfinite(_read_flow(view, frame)).all(axis=-1)
-            flow[_resize(unknown.astype(np.float32), flow.shape[:2]) > 0.5] = np.nan
-        return flow
-
-    return _prepare_flows(view, "Flow to the next frame minus the flow of the background", read)
+def _prepare_residual_flow(view: SequenceView, cue: FrameCue) -> CueDrawing:
+    return _prepare_flows(view, cue, "Flow to the next frame minus the flow of the background")
 
 
-def _read_flow(view: SequenceView, frame: int) -> np.ndarray:
-    ref = view.graph.frame_cues.flow(frame, frame + 1)
-    return full_flow(view.store.read(ref, "flow"), view.store.attributes(ref))
-
-
-def _prepare_flows(view: SequenceView, what: str, read: Callable[[int], np.ndarray]) -> CueDrawing:
+def _prepare_flows(view: SequenceView, cue: FrameCue, what: str) -> CueDrawing:
     # Read twice, for the scale and for the colours: only one flow is in memory.
-    lengths = [_long_vector(read(frame)) for frame in _with_next(view, view.frames)]
+    lengths = [_long_vector(cue.read(view.store, *cue.refs(frame))) for frame in view.frames if frame < cue.num_frames]
     longest = float(np.percentile(lengths, SCALE_PERCENTILE)) if lengths else 0.0
 
     def draw(frame: int) -> Picture | None:
-        if frame + 1 == len(view.graph.leaves.frames):
+        if frame >= cue.num_frames:
             return None
-        return encode_opaque(colour_flow(_resize(read(frame), view.shape), longest))
+        return encode_opaque(colour_flow(resize_cue(cue.read(view.store, *cue.refs(frame)), view.shape), longest))
 
     scale = f"full colour at {longest:.3g} px/frame, darker beyond"
     description = f"{what}, as a vector from the wheel's centre: white where it is 0, {scale}, black where unknown."
     return CueDrawing(draw, description, encode_transparent(draw_flow_wheel(WHEEL_SIDE)))
 
 
-def _prepare_depth(view: SequenceView) -> CueDrawing:
+def _prepare_depth(view: SequenceView, cue: FrameCue) -> CueDrawing:
     def read(frame: int) -> np.ndarray:
-        return view.store.read(view.graph.frame_cues.depth(frame), "inverse_depth")
+        return cue.read(view.store, *cue.refs(frame))
 
     percentiles = [np.percentile(read(frame), (100 - LARGEST_PERCENTILE, LARGEST_PERCENTILE)) for frame in view.frames]
     farthest, nearest = min(low for low, _ in percentiles), max(high for _, high in percentiles)
 
     def draw(frame: int) -> Picture:
-        return encode_opaque(colour_inverse_depth(_resize(read(frame), view.shape), farthest, nearest))
+        return encode_opaque(colour_inverse_depth(resize_cue(read(frame), view.shape), farthest, nearest))
 
     description = "Inverse depth, relative, on one scale for all frames of the sequence: the lighter, the nearer."
     return CueDrawing(draw, description, _draw_bar(DEPTH_COLOURS, "far", "near"))
@@ -209,14 +165,6 @@ def _long_vector(flow: np.ndarray) -> float:
     return float(np.percentile(length, LARGEST_PERCENTILE)) if length.size else 0.0
 
 
-def _resize(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Resize values (y, x, ...); where some are not finite, by nearest neighbours."""
-    size = shape[1], shape[0]
-    if not np.isfinite(values).all():
-        return cv2.resize(values, size, interpolation=cv2.INTER_NEAREST_EXACT)
-    return cv2.resize(values, size, interpolation=cv2.INTER_AREA if size[1] < len(values) else cv2.INTER_LINEAR)
-
-
 def _draw_bar(colours: int, min_text: str, max_text: str) -> Picture:
     """Draw a colour bar with the meaning of its ends written on them, legible on light and dark pages."""
     bar = Image.fromarray(draw_colour_bar(BAR_SHAPE, colours))
@@ -225,3 +173,12 @@ def _draw_bar(colours: int, min_text: str, max_text: str) -> Picture:
     pen.text((6, height // 2), min_text, (255, 255, 255), font, anchor="lm")
     pen.text((width - 6, height // 2), max_text, (0, 0, 0), font, anchor="rm")
     return encode_transparent(np.dstack([np.asarray(bar), np.full(BAR_SHAPE, 255, np.uint8)]))
+
+
+_DRAWN = {
+    "saliency": ("motion saliency", _prepare_saliency),
+    "flow": ("optical flow", _prepare_flow),
+    "residual_flow": ("flow relative to the background", _prepare_residual_flow),
+    "inverse_depth": ("inverse depth", _prepare_depth),
+}
+"""Title of each cue, and the function that settles its scale."""
