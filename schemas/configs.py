@@ -134,7 +134,8 @@ class PipelineConfig(Frozen):
         " truth's objects, or a folder of masks",
     )
     fused_flow_model: Annotated[str, ChoiceOf("fused_flow_model")] = Field(
-        "oc_depth", description="flow model that the fused variant combines"
+        "oc_depth",
+        description="flow model that the fused variant combines; oc_depth_paper is also that of the variant oc-depth",
     )
     flow: FlowParams = FlowParams()
     depth: DepthParams = DepthParams()
@@ -218,9 +219,10 @@ class PipelineConfig(Frozen):
 
     def views(self, variant: Variant) -> tuple[str, ...]:
         """Return the motion models of a variant: ``trajs`` or the name of a flow model; none for ``base``."""
+        is_as_printed = self.fused_flow_model == "oc_depth_paper"
         return {
             Variant.FUSED: ("trajs", self.fused_flow_model),
-            Variant.OC_DEPTH: ("oc_depth",),
+            Variant.OC_DEPTH: ("oc_depth_paper" if is_as_printed else "oc_depth",),
             Variant.OC: ("oc",),
             Variant.TRAJS: ("trajs",),
             Variant.BASE: (),

@@ -117,7 +117,7 @@ class Painting(Frozen):
 
 
 class Paint(Frozen):
-    """Strokes are an object, and are carried along the flow to the ends of the section."""
+    """Strokes are an object, and are carried along the flow to `carrying.reach` frames beyond their section."""
 
     paint: Painting
 
@@ -131,7 +131,7 @@ class Erasing(Frozen):
 
 
 class Erase(Frozen):
-    """Strokes are no object, and are carried along the flow to the ends of the section."""
+    """Strokes are no object, and are carried along the flow as far as those of `Paint`."""
 
     erase: Erasing
 

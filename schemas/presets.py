@@ -17,6 +17,7 @@ GEOMETRIES: Mapping[str, Choices] = {
             "degenerate": "discard",
             "statistic": "mean",
         },
+        "flow_model": {"step": 1},
         "affinity": {"method": "ork"},
         "clustering": {"grouping": "spectral", "fusion": "coregularised", "auto": "eigengap", "static": "group"},
     },

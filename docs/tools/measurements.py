@@ -21,6 +21,7 @@ EXACT = f"{ORACLE} --flow groundtruth --depth groundtruth --tracks groundtruth"
 SPECTRAL = "--set clustering.grouping=spectral --set clustering.fusion=coregularised"
 PAPER_CLUSTERING = f"--affinity ork {SPECTRAL}"
 XU_LAMBDA = "--set clustering.co_regularisation=0.01"
+PRINTED_SIGNS = "--set fused_flow_model=oc_depth_paper"
 
 SETTINGS = {"synthetic": SYNTHETIC, "exact": EXACT, "oracle": ORACLE, "davis": DAVIS}
 """Settings of comparisons of affinities: with default proposals and cues; with true proposals and exact cues; with true
@@ -103,6 +104,7 @@ def _catalogue() -> list[Measurement]:
         **_of_setting("exact"),
         **_paper_choices(),
         "exact-paper-lambda-0.01": f"moseg ablate {EXACT} --motions gt --geometry paper {XU_LAMBDA}",
+        "exact-paper-printed": f"moseg ablate {EXACT} --motions gt --geometry paper {PRINTED_SIGNS}",
         "exact-paper-clustering": f"moseg ablate {EXACT} --motions gt {PAPER_CLUSTERING}",
         "exact-hypotheses-spectral": f"moseg ablate {EXACT} --motions gt --affinity hypotheses {SPECTRAL}",
         **_of_setting("oracle"),

@@ -35,6 +35,7 @@ def _synthetic() -> Rows:
         "oracle, no depth, DIS and Lucas-Kanade, `auto`": "oracle-residual-auto",
         "the paper's affinity and clustering, oracle, exact cues, `gt`": "exact-paper-clustering",
         "the same with the paper's fits and residuals": "exact-paper-gt",
+        "the same with equation 1 as printed": "exact-paper-printed",
         "weights-free, `auto` (`moseg ablate`)": "synthetic-residual-auto",
     }
     return [("setting", *VARIANTS), *((text, *_each(name, VARIANTS)) for text, name in settings.items())]

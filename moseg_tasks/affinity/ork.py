@@ -24,7 +24,7 @@ def ork_affinity(residuals: np.ndarray, params: AffinityParams) -> np.ndarray:
     -------
     float64 (K, K)
         Mean over the pairs that contain both objects (the sum of the paper is equivalent if no object is ever missing);
-        NaN if there is none. Not normalised: between 0 and about t³ / 3.
+        NaN if there is none. Not normalised: between 0 and t (t + 1) (2 t + 1) / 6, where t is an integer.
 
     References
     ----------

@@ -62,7 +62,11 @@ class HypothesisAffinityParams(Frozen):
         min_length=1,
         description="point models of two frames, the models of the hypotheses",
     )
-    gap: Annotated[int, Unit.FRAMES] = Field(3, ge=1, description="frames between the two frames of a pair")
+    gap: Annotated[int, Unit.FRAMES] = Field(
+        3,
+        ge=1,
+        description="frames between the two frames of a pair; where motions are counted, that of the counting is read",
+    )
     num_hypotheses: Annotated[int, Unit.COUNT] = Field(
         300, ge=1, description="minimal samples of each model in each frame pair"
     )

@@ -12,7 +12,7 @@ from moseg.schemas.units import Unit
 class RamParams(Frozen):
     """Selection of a frame's tags for detection.
 
-    All tags are used unless some are excluded, as in the paper. The tagger also names scenes, colours and actions
+    All tags are used, up to `max_tags`, unless some are excluded. The tagger also names scenes, colours and actions
     ("sky", "blue", "walk"), and no list of those of its 4,585 tags that name things comes with it.
     """
 

@@ -7,6 +7,7 @@ from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.corrections import Edit
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.errors import InputError
+from moseg.tasks.motion_models import FLOW_MODELS
 from moseg.workflows.engine.execution import seeded_generator
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 from moseg.workflows.graph.frame_cues import FrameCues
@@ -133,6 +134,19 @@ def test_fused_fits_nothing_of_its_own():
     fused = _recipes(Variant.FUSED, fused_flow_model="oc")
     views = _recipes(Variant.TRAJS, Variant.OC)
     assert _tasks(fused.keys() - views.keys()) == END
+
+
+def test_fused_and_the_flow_model_with_depth_both_follow_the_equation_as_printed():
+    printed = {"fused_flow_model": "oc_depth_paper"}
+    fused, alone = _recipes(Variant.FUSED, **printed), _recipes(Variant.OC_DEPTH, **printed)
+    assert _tasks(alone.keys() - fused.keys()) == END
+    assert alone.keys().isdisjoint(_recipes(Variant.OC_DEPTH).keys() - _recipes(Variant.OC).keys())
+
+
+def test_a_flow_model_of_a_plug_in_without_depth_reads_none(monkeypatch):
+    monkeypatch.setitem(FLOW_MODELS, "plain", FLOW_MODELS["oc"]._replace(name="plain"))
+    with_depth = _recipes(Variant.FUSED, fused_flow_model="plain", depth__method="groundtruth")
+    assert with_depth == _recipes(Variant.FUSED, fused_flow_model="plain")
 
 
 def test_without_depth_the_flow_models_differ_only_in_name():

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from moseg.tasks.motion_models import FLOW_MODELS
 from moseg.workflows.graph.cached_method import cached_method
 from moseg.workflows.graph.frame_cues import FrameCues
 from moseg.workflows.graph.nodes import Nodes
@@ -114,6 +115,6 @@ class Motions:
             "proposals": self._objects.proposals(index),
             "linking": self._objects.linking(),
         }
-        if model != "oc" and self._config.depth.method != "none":
+        if FLOW_MODELS[model].uses_depth and self._config.depth.method != "none":
             inputs["depth"] = tuple(self._cues.depth(frame) for frame in frames)
         return inputs

@@ -112,6 +112,8 @@ STAGE = Stage(
         "hypotheses": "residuals of every section under many hypotheses (hypotheses, combined)",
     },
     arrays={
+        # The range is required of plug-ins. The ordered residual kernel has no scale: its values are at most
+        # t (t + 1) (2 t + 1) / 6, and are normalised when they are clustered.
         "affinity": layout("float64", "object object", "NaN where unknown; object 0 is the background", within=(0, 1)),
         "static_support": layout("float64", "object", "NaN where unknown", within=(0, 1)),
     },

@@ -1,4 +1,4 @@
-"""Flow model: its parameters per object and frame pair of a section, by least squares (section 3.4).
+"""Flow model: its parameters per object and frame pair of a section, by least squares (section 3.3).
 
 The pairs of a section are stacked in one artifact: fitting a pair takes less time than storing it alone would.
 """

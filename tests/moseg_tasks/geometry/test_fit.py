@@ -51,6 +51,12 @@ def test_what_is_not_valid_is_zero_and_nan(scene, fit):
     np.testing.assert_array_equal(fits.counts[:, 0], [80, 30, 30, 2, 0])
 
 
+@pytest.mark.parametrize(("min_points", "is_known"), [(30, True), (31, False)])
+def test_an_object_with_just_enough_points_has_residuals(scene, fit, min_points, is_known):
+    residual = fundamental_residuals(fit(*scene), *scene, FundamentalParams(min_points=min_points))
+    assert np.isfinite(residual[:3, 1:3]).all() == is_known
+
+
 def test_swapping_the_frames_transposes(scene, fit):
     points0, points1, object = scene
     forward, backward = fit(points0, points1, object), fit(points1, points0, object)

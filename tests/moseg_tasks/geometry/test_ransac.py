@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from moseg.tasks.geometry.poselib_fundamental import poselib_fundamental
-from moseg.tasks.geometry.ransac import FUNDAMENTAL, HOMOGRAPHY, draw_samples, ransac
+from moseg.tasks.geometry.ransac import FUNDAMENTAL, HOMOGRAPHY, ModelFamily, draw_samples, ransac
 from moseg.tasks.geometry.sampson import sampson_squared
 
 SETTINGS = {"threshold": 1.0, "num_samples": 300, "num_refits": 5}
@@ -79,3 +79,19 @@ def test_poselib_is_seeded_by_the_generator(polluted):
 def test_poselib_without_a_model_returns_none():
     points = np.full((8, 2), 0.5)
     assert poselib_fundamental(points, points, threshold=0.01, num_samples=20, rng=np.random.default_rng(0)) is None
+
+
+def test_a_refit_that_costs_more_is_not_kept():
+    """A solver that is exact for one pair and wrong by half a pixel for several."""
+
+    def solve(points0, points1):
+        shifts = (points1 - points0).mean(axis=-2)
+        return shifts + 0.5 * (points0.shape[-2] > 1)
+
+    def distance_squared(shifts, points0, points1):
+        return ((points1 - points0 - shifts[..., None, :]) ** 2).sum(axis=-1)
+
+    points0 = np.random.default_rng(0).uniform(0, 100, (30, 2))
+    family = ModelFamily(1, solve, distance_squared)
+    fit = ransac(family, points0, points0 + np.array([3, 1]), rng=np.random.default_rng(1), **SETTINGS)
+    np.testing.assert_allclose(fit.matrix, [3, 1], atol=1e-12)
