@@ -4,6 +4,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable
 from functools import partial
 
@@ -15,16 +16,20 @@ class _Terminated(KeyboardInterrupt):
     """An interruption by SIGTERM: a batch system, a container or `kill` ends a run as Ctrl-C does."""
 
 
-_AGAIN_SECONDS = 0.01
+_AGAIN_SECONDS = 0.05
 """Until a dropped interruption is repeated: the callback that dropped it has returned by then, or drops it again."""
+_MAX_REPETITIONS = 100
 _received: list[int] = []
-"""Signals that ended this process, the first one first."""
+"""Signals that were handled, the first one first."""
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Run `moseg`: exit code 0 when done, 2 for bad use or input, 1 for a fault, 130 or 143 when interrupted."""
     if os.name == "posix" and threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGTERM, _terminate)
+        signal.signal(signal.SIGTERM, _interrupt)
+        # A process that a shell runs in the background ignores Ctrl-C.
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            signal.signal(signal.SIGINT, _interrupt)
     report_unraisable = sys.unraisablehook
     sys.unraisablehook = partial(_repeat_interruption, report_unraisable)
     try:
@@ -45,14 +50,14 @@ def main(arguments: list[str] | None = None) -> None:
 
 def report_interruption() -> int:
     """Print the line that ends an interrupted command, and return its exit code."""
-    is_terminated = bool(_received)
+    is_terminated = signal.SIGTERM in _received
     print(f"moseg: {'terminated' if is_terminated else 'interrupted'}; {_KEPT}", file=sys.stderr)
     return EXIT_TERMINATED if is_terminated else EXIT_INTERRUPTED
 
 
-def _terminate(number: int, frame: object) -> None:
+def _interrupt(number: int, frame: object) -> None:
     _received.append(number)
-    raise _Terminated
+    raise _Terminated if number == signal.SIGTERM else KeyboardInterrupt
 
 
 def _repeat_interruption(report: Callable[[object], object], unraisable: object) -> None:
@@ -64,9 +69,21 @@ def _repeat_interruption(report: Callable[[object], object], unraisable: object)
         report(unraisable)
         return
     number = signal.SIGTERM if isinstance(unraisable.exc_value, _Terminated) else signal.SIGINT
-    again = threading.Timer(_AGAIN_SECONDS, signal.pthread_kill, (threading.main_thread().ident, number))
-    again.daemon = True
-    again.start()
+    threading.Thread(target=_send_until_handled, args=(number, len(_received)), daemon=True).start()
+
+
+def _send_until_handled(number: int, num_received: int) -> None:
+    """Send a signal to the main thread until its handler has run.
+
+    Once is not enough: while this thread sends it, the main thread waits for the interpreter's lock. If a blocking call
+    is the next that it does, the handler would run after that.
+    """
+    is_counted = signal.getsignal(number) is _interrupt
+    for _ in range(_MAX_REPETITIONS if is_counted else 1):
+        time.sleep(_AGAIN_SECONDS)
+        if len(_received) > num_received:
+            return
+        signal.pthread_kill(threading.main_thread().ident, number)
 
 
 def _flush(code: int) -> int:

@@ -21,7 +21,7 @@ def interrupt(phase, info):
 def run(arguments):
     gc.callbacks.append(interrupt)
     gc.collect()
-    time.sleep(60)
+    time.sleep(600)
     return 0
 
 app.run = run
@@ -41,6 +41,7 @@ def test_an_interruption_that_python_drops_is_repeated(number, code, word):
         capture_output=True,
         text=True,
         check=False,
+        timeout=120,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     assert (ran.returncode, ran.stdout) == (code, "")
