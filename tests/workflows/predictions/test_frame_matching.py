@@ -214,3 +214,13 @@ def test_rendered_frames_have_numbers_from_0(moseg, tmp_path):
     report = json.loads((tmp_path / "report.json").read_text())
     assert report["rows"][0]["mean"]["F"] == 100
     assert report["matching"] == {name: "order"}
+
+
+def test_soft_masks_are_noted(dataset, predictions, score):
+    root, saved = dataset({"00010", "00011"}), predictions(_own("00010", "00011"))
+    assert "note" not in score(root, saved)[2]
+    soft = np.tile(np.linspace(0, 252, SHAPE[1]).astype(np.uint8), (SHAPE[0], 1))
+    soft[0] += 1
+    Image.fromarray(soft).save(saved / "dog" / "00011.png")
+    note = "more than 64 labels in a frame, each scored as an object; a soft mask must be thresholded first: dog"
+    assert note in score(root, saved)[2]
