@@ -1,13 +1,14 @@
 """Only a window of the calls is submitted at a time, and no call runs before those that it waits for."""
 
 from itertools import count
+from threading import Event, Thread, Timer
 
 import pytest
 from distributed import Client
 
 from moseg.workflows.cluster import distributed_runner, runners
 from moseg.workflows.cluster.call import Call
-from moseg.workflows.cluster.runners import open_runner
+from moseg.workflows.cluster.runners import SynchronousRunner, open_runner
 
 WINDOW = 32
 
@@ -95,3 +96,33 @@ def test_the_scheduler_forgets_finished_calls(monkeypatch):
         assert max(futures for _, futures, _ in sizes) <= 3 * WINDOW
         assert max(prefixes for _, _, prefixes in sizes) <= 5
     assert len(scheduler.tasks) == 0
+
+
+def test_runs_in_two_threads_get_their_own_results():
+    """The first run draws its second call when the second run has begun."""
+    found = {"first": [], "second": []}
+    has_begun, may_end = Event(), Event()
+
+    def first_calls():
+        yield Call("a-0", has_begun.wait, (60,))
+
+    def second_calls():
+        yield Call("b-0", may_end.wait, (60,))
+
+    def second():
+        SynchronousRunner().run(second_calls(), lambda name, result: found["second"].append(name))
+
+    thread = Thread(target=second)
+
+    def draw_first():
+        thread.start()
+        yield from first_calls()
+
+    def begin():
+        has_begun.set()
+        may_end.set()
+
+    Timer(0.2, begin).start()
+    SynchronousRunner().run(draw_first(), lambda name, result: found["first"].append(name))
+    thread.join()
+    assert found == {"first": ["a-0"], "second": ["b-0"]}

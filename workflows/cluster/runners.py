@@ -9,7 +9,6 @@ from itertools import islice
 from typing import Any, Protocol
 
 import dask
-from dask.callbacks import Callback
 from dask.task_spec import Task, TaskRef
 
 from moseg.schemas.errors import InputError
@@ -49,17 +48,17 @@ class SynchronousRunner:
         def posttask(key, result, dsk, state, worker_id):
             on_done(key, result)
 
+        # Callbacks that a block registers belong to the whole process: runs in two threads would exchange them.
+        start = start_state = pretask = finish = None
+        callbacks = [(start, start_state, pretask, posttask, finish)]
         remaining = iter(calls)
-        with Callback(posttask=posttask):
-            while calls := list(islice(remaining, CALLS_AT_ONCE)):
-                names = {call.name for call in calls}
-                graph = {
-                    call.name: Task(
-                        call.name, _run_after, call, *(TaskRef(name) for name in call.after if name in names)
-                    )
-                    for call in calls
-                }
-                dask.get(graph, list(graph))
+        while calls := list(islice(remaining, CALLS_AT_ONCE)):
+            names = {call.name for call in calls}
+            graph = {
+                call.name: Task(call.name, _run_after, call, *(TaskRef(name) for name in call.after if name in names))
+                for call in calls
+            }
+            dask.get(graph, list(graph), callbacks=callbacks)
 
     def has_gpu(self) -> bool:
         """See `Runner.has_gpu`."""
