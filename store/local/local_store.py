@@ -159,7 +159,11 @@ class LocalStore(LocalLogs, BackendStore):
         partial = target.with_name(f"{target.name}.{uuid.uuid4().hex}.partial")
         try:
             target.parent.mkdir(exist_ok=True)
-            partial.write_bytes(content)
+            with open(partial, "wb") as file:
+                file.write(content)
+                file.flush()
+                # A record without its bytes, as a power loss may leave it, would be refused for ever.
+                os.fsync(file.fileno())
             partial.replace(target)
         except OSError as error:
             # a partial file that cannot be deleted now is a leftover

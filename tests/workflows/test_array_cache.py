@@ -110,3 +110,12 @@ def test_kept_arrays_are_of_one_artifact_and_read_only(store):
     first.keep("sums", np.arange(3))
     assert first.find_kept("sums").tolist() == [0, 1, 2] and not first.find_kept("sums").flags.writeable
     assert first.find_kept("other") is None and second.find_kept("sums") is None
+
+
+def test_a_part_of_an_array_does_not_keep_the_rest_in_memory(store):
+    cache = ArrayCache(limit=10_000)
+    whole = np.arange(1000.0).reshape(10, 100)
+    cache.keep(store.url, "flow/1", {"last": whole[-1], "whole": whole})
+    assert not np.shares_memory(cache.find(store.url, "flow/1", "last"), whole)
+    assert np.array_equal(cache.find(store.url, "flow/1", "last"), whole[-1])
+    assert np.shares_memory(cache.find(store.url, "flow/1", "whole"), whole)

@@ -296,6 +296,17 @@ def test_trials_of_an_open_run_leave_no_pins(frames, store):
     assert count_pins() == before + 1
 
 
+def test_changes_of_how_strokes_are_carried_do_not_read_the_video_again(frames, store, tmp_path):
+    shutil.copytree(frames, tmp_path / "clip")
+    stroke = {"object": 2, "frame": 1, "strokes": [{"radius": 6, "points": [[20, 20]]}]}
+    edits = [{"paint": stroke}]
+    with open_run(tmp_path / "clip", RunSettings(str(store), quiet=True), PipelineChoices(CONFIG)) as video:
+        video.apply(edits)
+        shutil.rmtree(tmp_path / "clip")
+        for name, value in (("carrying.reach", 3), ("growing.max_still_area", 0.2), ("affinity.scale", 0.34)):
+            video.apply({"settings": {name: value}, "edits": edits})
+
+
 def test_an_overlay_has_the_users_names(frames, store):
     style = OverlayStyle(has_identities=True)
     plain, named = (_video(frames, store, edits) for edits in ([], [{"rename": {"object": 1, "name": "A"}}]))

@@ -411,6 +411,11 @@ def test_an_invalid_plug_in_is_rejected_in_one_line(run_with, site, text, messag
     [
         ('"static_support": affinity[0]})', '"static_support": affinity[0, 1:]})', "axis object of two lengths"),
         ("(affinity + affinity.T) / 2", "affinity * 7 - 3", "affinity out of range in affinity by nova-mean"),
+        (
+            "affinity[0]})",
+            'affinity[0]}, {"mean": affinity.mean()})',
+            "attributes that cannot be stored in affinity by",
+        ),
     ],
 )
 def test_an_affinity_that_its_stage_cannot_take_is_named(run_with, site, squares, tmp_path, before, after, message):

@@ -1,12 +1,15 @@
 """Disk space: what work will take is estimated, and too little is one line before anything is computed."""
 
 import os
+import shutil
 
+import cv2
 import numpy as np
 import pytest
 
 from moseg.schemas.recipes import Recipe, leaf_recipe
 from moseg.store import LocalStore, open_store
+from moseg.workflows.engine import session
 from moseg.workflows.engine.space import BYTES_PER_PIXEL, check_space, plan_nbytes, video_nbytes
 from moseg.workflows.sources.likely_length import likely_num_frames
 from moseg.workflows.sources.video_file import VideoFile
@@ -73,6 +76,23 @@ def test_the_estimate_is_near_what_a_run_takes(segment, tmp_path):
 def test_frames_of_a_video_are_counted_without_decoding(tmp_path, video_file):
     path = video_file(tmp_path / "clip.mp4", 7)
     assert likely_num_frames(VideoFile(str(path), 64)) == VideoFile(str(path), 64).num_frames() == 7
+    assert likely_num_frames(VideoFile(str(path), 64).choose((1, 4))) == 2
+
+
+def test_only_sequences_that_have_to_be_decoded_are_counted(squares, tmp_path, moseg, monkeypatch):
+    counted = []
+    monkeypatch.setattr(session, "check_space", lambda store, nbytes, report: counted.append(nbytes))
+    for number, name in enumerate(("one", "two", "three")):
+        shutil.copytree(squares / "squares", tmp_path / "data" / name)
+        for path in (tmp_path / "data" / name / "frames").iterdir():
+            image = cv2.imread(str(path))
+            # Other bytes, which have to be decoded.
+            image[0, 0] = number
+            cv2.imwrite(str(path), image)
+        places = ("--root", tmp_path / "data", "--store", tmp_path / "store")
+        assert moseg("eval", "--dataset", "folder", *places, "--quiet").code == 0
+    ingests = [nbytes for nbytes in counted if nbytes == video_nbytes(10, (96, 128))]
+    assert len(ingests) == 3
 
 
 def test_a_store_of_a_given_size_loses_what_was_not_used_for_longest(segment, tmp_path, moseg, monkeypatch):

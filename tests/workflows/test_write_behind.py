@@ -117,3 +117,20 @@ def test_a_failed_put_does_not_hide_the_failure_before_it(store):
     store.failure = StoreError("no space left")
     with pytest.raises(ZeroDivisionError):
         _put_and_fail(store, lambda put: put.outcome.result())
+
+
+def test_what_was_stored_is_reported_although_another_put_is_impossible(store, reported):
+    def report(put):
+        put.outcome.result()
+        reported.append(put.recipe)
+
+    def work():
+        with WriteBehind(store, report) as behind:
+            behind.put(_flow(0), Output({"flow": FLOW}, {"mean": np.float32(1)}), seconds=0.0)
+            behind.put(_flow(1), Output({"flow": FLOW}), seconds=0.0)
+            store.gate.set()
+            raise KeyError("of the work")
+
+    with pytest.raises(KeyError, match="of the work"):
+        work()
+    assert reported == [_flow(1)]

@@ -107,7 +107,10 @@ def _masks(leaf: LeafWriter, source) -> dict:
         indices.append(int(index))
         masks.append(mask)
     labels = sorted({int(label) for mask in masks for label in np.flatnonzero(np.bincount(mask.ravel()))} - {0})
-    stack = np.stack(masks)
+    # Each mask is freed when it is copied: two copies of all would be twice as large.
+    stack = np.empty((len(masks), *masks[0].shape), np.result_type(*masks))
+    for row in reversed(range(len(masks))):
+        stack[row] = masks.pop()
     ref = leaf({"masks": stack}, {"indices": indices})
     return {"leaves": [ref], "labels": labels, "shape": list(stack.shape[1:])}
 

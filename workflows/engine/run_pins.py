@@ -11,6 +11,9 @@ from moseg.store import ArtifactStore
 LEASE_SECONDS = 7 * 86_400.0
 """Time for which `gc` spares the artifacts of a run in progress if the run dies without ending its lease."""
 
+RENEW_LEASE_SECONDS = 0.5 * 86_400.0
+"""Age from which a lease is renewed: `gc` takes a lease that is older than a day for that of a run that died."""
+
 RENEWED_SECONDS = 600.0
 """Age from which the pin of results that are used again gets a new time, by which `gc --older` decides."""
 
@@ -36,10 +39,10 @@ class RunPins:
         leased = frozenset(refs)
         self._store.pin(self._run_id, leased, lease_seconds=LEASE_SECONDS)
         self._leased = leased
-        self._renew_at = time.monotonic() + LEASE_SECONDS / 2
+        self._renew_at = time.monotonic() + RENEW_LEASE_SECONDS
 
     def renew(self) -> None:
-        """Renew the lease if half of it is over."""
+        """Renew the lease if it is half a day old."""
         if time.monotonic() > self._renew_at:
             self.lease(self._leased)
 
@@ -52,10 +55,14 @@ class RunPins:
     def keep(self, refs: Sequence[str], is_new: bool, with_inputs: bool = True) -> None:
         """Pin the results of finished work, with what they were computed from, under a name that follows from them.
 
-        If nothing is new the store may be read-only; then nothing is collected from it either, and no pin is needed.
+        If nothing is new the store may be read-only; then nothing is collected from it either, and no pin is needed. A
+        damaged pin of this name is replaced.
         """
         name = digest_json("run", sorted(refs))[:16]
-        found = self._store.pin_of(name)
+        try:
+            found = self._store.pin_of(name)
+        except StoreError:
+            found = None
         if found is None or found.created < time.time() - RENEWED_SECONDS:
             # the name under which `moseg status` knows the results, also if they were only used again
             run = found.run if found is not None and not is_new else self._run_id

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from typing import NamedTuple, TypeVar
 
-from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifactError
+from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifactError, StoreError
 from moseg.schemas.recipes import Recipe, split_ref
 from moseg.schemas.scores import StoreUse
 from moseg.store import ArtifactStore, PutOutcome, map_reads, open_store
@@ -167,10 +167,13 @@ class Session:
         if not self._quiet:
             print(line, file=sys.stderr, flush=True)
 
-    def ingest(self, jobs: Sequence[IngestJob], estimate: Callable[[], float] = lambda: 0.0) -> list[dict]:
+    def ingest(
+        self, jobs: Sequence[IngestJob], estimate: Callable[[Sequence[int]], float] = lambda places: 0.0
+    ) -> list[dict]:
         """Return the leaves of every job, decoded now or remembered from the same file bytes.
 
-        `estimate` returns about how many bytes the decoded sources, and what is computed from them, take.
+        `estimate` returns about how many bytes the sources of the jobs in these places, which have to be decoded, and
+        what is computed from them take.
         """
         # Each job's recipe is a digest of its files.
         with StageProgress({"sources": len(jobs)}, self._quiet, "files hashed", PATIENCE_SEC) as progress:
@@ -180,7 +183,8 @@ class Session:
         missing = {recipe.ref: (job, recipe) for job, recipe in needed if found[recipe.ref] is None}
         calls: list[Call] = []
         if missing:
-            check_space(self.store, estimate(), self.report)
+            places = [place for place, recipe in enumerate(recipes) if recipe.ref in missing]
+            check_space(self.store, estimate(places), self.report)
             self._pins.lease(found)
             self.log.open(self.runner.num_workers)
             self.log.plan(missing)
@@ -268,7 +272,8 @@ class Session:
         if self.computed:
             # Cues of an interrupted run too, whose work this one continued.
             self._pins.end_lease()
-            self.store.release(cues)
+            with self._reported("cues stay in the store"):
+                self.store.release(cues)
 
     def settle(self, recipes: Mapping[str, Recipe], sinks: Sequence[str], leaves: Iterable[str] = ()) -> list[dict]:
         """Compute missing artifacts on which the graph itself depends, and return the attributes of each.
@@ -302,12 +307,20 @@ class Session:
         """Reduce the store to the size that the user allows it."""
         if self._max_nbytes is None or not self.computed:
             return
-        # Another run may be about to pin what it has just put.
-        done = self.store.gc(is_dry=False, grace_seconds=GRACE_SECONDS, keep_nbytes=self._max_nbytes)
-        if done.removed:
-            self.report(
-                f"{BUDGET_VARIABLE}: {len(done.removed)} least recently used artifacts removed ({size(done.nbytes)})"
-            )
+        with self._reported(f"{BUDGET_VARIABLE}: nothing is removed"):
+            # Another run may be about to pin what it has just put.
+            done = self.store.gc(is_dry=False, grace_seconds=GRACE_SECONDS, keep_nbytes=self._max_nbytes)
+            if done.removed:
+                number, freed = len(done.removed), size(done.nbytes)
+                self.report(f"{BUDGET_VARIABLE}: {number} least recently used artifacts removed ({freed})")
+
+    @contextmanager
+    def _reported(self, outcome: str) -> Iterator[None]:
+        """Report a store's error in the block instead of raising it: the results are there, and only space is not."""
+        try:
+            yield
+        except StoreError as error:
+            self.report(f"{outcome}: {error}")
 
     def _plan(self, recipes: Mapping[str, Recipe], sinks: Sequence[str], leaves: Iterable[str] = ()) -> Plan:
         """Return a plan whose artifacts are pinned: what `gc` took between the look-up and the pin is planned again.

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from moseg.schemas.arrays import ArrayLayout
+from moseg.schemas.digests import canonical_json
 from moseg.schemas.errors import InputError, StoreError
 from moseg.schemas.recipes import Recipe
 from moseg.workflows.stages.registry import axes_of, layouts_of
@@ -34,6 +35,11 @@ def check_outputs(recipes: Sequence[Recipe], outputs: object, is_plugin: bool) -
         except StoreError as error:
             what, place, got, expected = error.parts
             raise InputError(f"{what} of {place}", where=where, got=got, expected=expected) from error
+        try:
+            canonical_json(dict(computed.attributes))
+        except (TypeError, ValueError) as error:
+            what, expected = "attributes that cannot be stored", "str, bool, int, finite float, None, list and dict"
+            raise InputError(what, where=where, got=error, expected=expected) from error
         if is_plugin:
             _check_values(computed.arrays, layouts_of(recipes[0].task), where)
 

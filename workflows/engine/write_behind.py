@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from moseg.schemas.errors import StoreError
 from moseg.schemas.manifests import Manifest
 from moseg.schemas.recipes import Recipe
 from moseg.store import ArtifactStore, PutOutcome
@@ -54,11 +53,11 @@ class WriteBehind(AbstractContextManager):
     def __exit__(self, kind, *exception) -> None:
         self._writer.shutdown(wait=True)
         # Outputs that were computed before a failure are stored and reported, and the first failure is raised.
-        failure: StoreError | None = None
+        failure: Exception | None = None
         while self._waiting:
             try:
                 self._settle(0)
-            except StoreError as error:
+            except Exception as error:
                 failure = failure or error
         if kind is None and failure is not None:
             raise failure

@@ -130,10 +130,10 @@ class Foreground:
 
     def _both(self, name: str, write, index: int) -> dict[str, str]:
         """Return the references of both passes over a section."""
-        return {f"{name}_{origin}": self._chain(name, write, origin)[index] for origin in PASSES}
+        return {f"{name}_{origin}": self._chain(write, origin)[index] for origin in PASSES}
 
     @cached_method
-    def _chain(self, name: str, write, origin: str) -> tuple[str, ...]:
+    def _chain(self, write, origin: str) -> tuple[str, ...]:
         """Return the references of one pass over all sections, each of which continues the one before it."""
         order = range(len(self._sections)) if origin == "past" else reversed(range(len(self._sections)))
         refs: dict[int, str] = {}

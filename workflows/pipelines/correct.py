@@ -27,6 +27,7 @@ from moseg.workflows.sources.described_frames import DescribedFrames
 BEHIND_LEAVES = (
     *("linking", "identity", "components", "confidence", "moves_now", "track_objects", "rigid_support"),
     *("fundamental", "flow_model", "object_hypotheses", "affinity", "clustering", "moving_objects"),
+    *("carrying", "growing"),
 )
 """Stages whose parameters change nothing in the leaves of a graph, so that a video need not be read again for them."""
 

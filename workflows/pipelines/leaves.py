@@ -28,8 +28,14 @@ def ingest_sequences(
     """
     require_packages(config)
     plans = [ingest_jobs(source, config, annotated) for source in sources]
-    decoded = [job for jobs in plans for job in chain.from_iterable(jobs.values())]
-    found = iter(session.ingest(decoded, lambda: _estimate(sources, config)))
+    decoded = [
+        (source, job) for source, jobs in zip(sources, plans, strict=True) for job in chain.from_iterable(jobs.values())
+    ]
+
+    def estimate(places: Sequence[int]) -> float:
+        return _estimate([decoded[place][0] for place in places], config)
+
+    found = iter(session.ingest([job for _, job in decoded], estimate))
     leaves = []
     for source, jobs in zip(sources, plans, strict=True):
         ingested = {role: [next(found) for _ in group] for role, group in jobs.items()}
@@ -40,11 +46,11 @@ def ingest_sequences(
 
 
 def _estimate(sources: Sequence[SequenceSource], config: PipelineConfig) -> float:
-    """Return about how many bytes the artifacts of these sequences take while they are analysed."""
+    """Return about how many bytes the artifacts of these sequences, some given twice, take while they are analysed."""
     # Only where something is decoded: it imports the decoder of videos.
     from moseg.workflows.sources.likely_length import likely_num_frames
 
-    frames = [source.frames for source in sources]
+    frames = [source.frames for source in {source.name: source for source in sources}.values()]
     shapes = [working_size(each.describe().size, config.max_side) for each in frames]
     return sum(video_nbytes(likely_num_frames(each), shape) for each, shape in zip(frames, shapes, strict=True))
 

@@ -33,7 +33,10 @@ class ArrayCache:
         """Keep an artifact's arrays as the store would return them, and drop the least recently used ones."""
         for name, array in arrays.items():
             # In another memory order, sums over the array would be rounded differently from sums over the stored array.
-            kept = np.asarray(array, order="C").view()
+            kept = np.asarray(array, order="C")
+            # A part of an array would keep all of it in memory.
+            is_part = isinstance(kept.base, np.ndarray) and kept.base.nbytes > kept.nbytes
+            kept = kept.copy() if is_part else kept.view()
             kept.flags.writeable = False
             with self._lock:
                 self._insert((url, ref, name), kept)

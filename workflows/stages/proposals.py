@@ -92,10 +92,10 @@ def _run_given(params, inputs, rng):
 
     # A frame without a given mask has no object.
     given = np.zeros((params["stop"] - params["start"], *params["shape"]), np.uint16)
+    read_mask = inputs["masks"].row_reader("masks")
     for row, frame in enumerate(inputs["masks"].attributes["indices"]):
         if params["start"] <= frame < params["stop"]:
-            mask = inputs["masks"].rows("masks", row, row + 1)[0]
-            given[frame - params["start"]] = resize_labels(mask, tuple(params["shape"]))
+            given[frame - params["start"]] = resize_labels(read_mask(row), tuple(params["shape"]))
     if params["void"] is not None:
         given[given == params["void"]] = 0
     masks, identities = relabel_masks(given)
