@@ -12,17 +12,20 @@ from moseg.workflows.graph.sequence_leaves import SequenceLeaves
 
 
 class Stretch(NamedTuple):
-    """Stretch of the frames start..stop."""
+    """Stretch start..stop of frames, or of sections."""
 
     start: int
     stop: int
 
 
-def cut_stretches(num_frames: int, length: int) -> tuple[Stretch, ...]:
-    """Return stretches of `length` frames that cover the video; a rest shorter than half of it joins the last one."""
-    num_stretches = max((num_frames + length // 2) // length, 1)
+def cut_stretches(number: int, length: int) -> tuple[Stretch, ...]:
+    """Return stretches of `length` frames, or sections, that cover a number of them.
+
+    A rest shorter than half of `length` joins the last one.
+    """
+    num_stretches = max((number + length // 2) // length, 1)
     starts = [index * length for index in range(num_stretches)]
-    return tuple(map(Stretch, starts, [*starts[1:], num_frames]))
+    return tuple(map(Stretch, starts, [*starts[1:], number]))
 
 
 def choose_pairs(stretch: Stretch, params: SceneParallaxParams) -> list[tuple[int, int]]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError
-from moseg.workflows.sources.files import digest_file, read_bytes
+from moseg.workflows.sources.files import digest_file, read_bytes, stem
 from moseg.workflows.sources.frames import FrameDescription
 from moseg.workflows.sources.pillow_image import MAX_PIXELS, check_image_header, has_wide_integers
 from moseg.workflows.sources.png_file import check_png
@@ -41,12 +41,15 @@ class ImageFiles:
         Original (height, width) that every image must have; the first image's where None.
     folder_start : str, optional
         Path of the first image of the folder, of which these are some; the first of these where None.
+    left_out : frozenset of str
+        Names without suffix of the folder's other images, which were not chosen.
     """
 
     paths: tuple[str, ...]
     max_side: int
     size: tuple[int, int] | None = None
     folder_start: str | None = None
+    left_out: frozenset[str] = frozenset()
 
     def __post_init__(self):
         if not self.paths:
@@ -82,7 +85,9 @@ class ImageFiles:
 
     def choose(self, numbers: tuple[int, ...]) -> "ImageFiles":
         """Return the source of these frames alone, counted from 0."""
-        return replace(self, paths=tuple(self.paths[number] for number in numbers), folder_start=self.first_path)
+        chosen = tuple(self.paths[number] for number in numbers)
+        left_out = self.left_out.union(map(stem, set(self.paths).difference(chosen)))
+        return replace(self, paths=chosen, folder_start=self.first_path, left_out=left_out)
 
     @property
     def first_path(self) -> str:

@@ -60,6 +60,7 @@ def open_masks(folder: str, frames: FrameSource, kind: MaskKind | None = None) -
     masks = list_files(folder, MASK_SUFFIXES)
     if not masks:
         raise MissingInputError("no masks", where=folder, expected="PNG files named as their frames")
+    masks = _of_chosen(masks, frames, folder)
     stems = frame_stems(frames)
     if stems is None:
         _, indices = match_names(tuple(map(stem, masks)), None, frames.num_frames(), folder)
@@ -79,7 +80,7 @@ def open_depth(folder: str, frames: FrameSource, num_frames: int, max_side: int)
         Their number is not `num_frames`, or only some have the name of a frame.
     """
     folder = os.path.abspath(folder)
-    paths = list_files(folder, DEPTH_SUFFIXES)
+    paths = _of_chosen(list_files(folder, DEPTH_SUFFIXES), frames, folder)
     if len(paths) != num_frames:
         expected = f"{num_frames} files ({' or '.join(DEPTH_SUFFIXES)}), one for each frame"
         raise InputError("wrong number of depth maps", where=folder, got=len(paths), expected=expected)
@@ -99,7 +100,9 @@ def open_flow(folder: str, frames: FrameSource, num_frames: int, max_side: int) 
     folder = os.path.abspath(folder)
     paths = list_files(folder, FLOW_SUFFIXES)
     if len(paths) != num_frames - 1:
-        expected = f"{num_frames - 1} files ({' or '.join(FLOW_SUFFIXES)}), one for each pair of neighbouring frames"
+        of_part = " of the chosen part" if isinstance(frames, ImageFiles) and frames.left_out else ""
+        pairs = f"one for each pair of neighbouring frames{of_part}"
+        expected = f"{num_frames - 1} files ({' or '.join(FLOW_SUFFIXES)}), {pairs}"
         raise InputError("wrong number of flow fields", where=folder, got=len(paths), expected=expected)
     check_pairs(tuple(map(stem, paths)), frame_stems(frames), folder)
     return FlowFiles(paths, frames.describe().size, max_side)
@@ -127,6 +130,17 @@ def open_tracks(path: str, name: str, frames: FrameSource, num_frames: int, max_
     if len(named) > 1:
         raise InputError("no tracks of this sequence", where=path, got=f"{len(files)} files", expected=f"{name}.npz")
     return TrackFile(named[0], num_frames, frames.describe().size, max_side)
+
+
+def _of_chosen(paths: tuple[str, ...], frames: FrameSource, folder: str) -> tuple[str, ...]:
+    """Return the files without those that are named as frames of the folder which were not chosen."""
+    if not isinstance(frames, ImageFiles) or not frames.left_out:
+        return paths
+    chosen = tuple(path for path in paths if stem(path) not in frames.left_out)
+    if paths and not chosen:
+        got, expected = f"{len(paths)} files of other frames", "files named as the chosen frames"
+        raise MissingInputError("no file of the chosen part", where=folder, got=got, expected=expected)
+    return chosen
 
 
 def _frame_of(path: str, index_of: dict[str, int]) -> int:
