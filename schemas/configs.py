@@ -49,6 +49,7 @@ from moseg.schemas.parameters import (
     ObjectHypothesisParams,
     OwnMotionParams,
     PipsParams,
+    PluginParams,
     RaftParams,
     RamParams,
     RefinementParams,
@@ -204,6 +205,7 @@ class PipelineConfig(Frozen):
     kernel: KernelParams = KernelParams()
     clip_sections: ClipSectionParams = ClipSectionParams()
     trajectory_clustering: TrajectoryClusteringParams = TrajectoryClusteringParams()
+    plugins: PluginParams = Field(default_factory=PluginParams)
 
     _split_models = field_validator("fused_point_models", mode="before")(split_commas)
     _check_models = field_validator("fused_point_models")(check_models)

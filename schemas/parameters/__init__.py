@@ -35,6 +35,7 @@ from moseg.schemas.parameters.network_training import NetworkTrainingParams
 from moseg.schemas.parameters.object_hypotheses import ObjectHypothesisParams
 from moseg.schemas.parameters.own_motion import OwnMotionParams
 from moseg.schemas.parameters.pips import PipsParams
+from moseg.schemas.parameters.plugins import PluginParams
 from moseg.schemas.parameters.raft import RaftParams
 from moseg.schemas.parameters.ram import RamParams
 from moseg.schemas.parameters.refinement import RefinementParams
@@ -121,6 +122,7 @@ __all__ = [
     "OwnMotionParams",
     "PieceParams",
     "PipsParams",
+    "PluginParams",
     "RaftParams",
     "RamParams",
     "RefinementParams",

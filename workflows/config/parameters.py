@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 
 from moseg.schemas.choices import ChoiceOf
 from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.plugin_parameters import declared_parameters
 from moseg.schemas.units import Unit
 
 _SIGNS = {"ge": ">=", "gt": ">", "le": "<=", "lt": "<"}
@@ -56,15 +57,23 @@ class Parameter:
         return tuple(_choices(self.kind))
 
 
-@cache
 def list_parameters() -> Mapping[str, Parameter]:
-    """Return every parameter of the pipeline by ``stage.name``, in the order of the stages."""
+    """Return every parameter of the pipeline by ``stage.name``, in the order of the stages; last those of plug-ins."""
+    return _list_parameters(declared_parameters())
+
+
+def list_stages() -> Mapping[str, str]:
+    """Return what the parameters of every stage are about; a stage within a stage as ``clustering.count``."""
+    return _list_stages(declared_parameters())
+
+
+@cache
+def _list_parameters(of_plugins: tuple[str, ...]) -> Mapping[str, Parameter]:
     return {parameter.name: parameter for parameter in _walk(PipelineConfig(), ())}
 
 
 @cache
-def list_stages() -> Mapping[str, str]:
-    """Return what the parameters of every stage are about; a stage within a stage as ``clustering.count``."""
+def _list_stages(of_plugins: tuple[str, ...]) -> Mapping[str, str]:
     return dict(_walk_stages(PipelineConfig, ()))
 
 
@@ -98,7 +107,7 @@ def _walk(defaults: BaseModel, path: tuple[str, ...]) -> Iterator[Parameter]:
 def _walk_stages(model: type[BaseModel], path: tuple[str, ...]) -> Iterator[tuple[str, str]]:
     for name, field in model.model_fields.items():
         inner = stage_model(field)
-        if inner is not None:
+        if inner is not None and inner.model_fields:
             yield ".".join((*path, name)), " ".join((inner.__doc__ or "").partition("\n\n")[0].split())
             yield from _walk_stages(inner, (*path, name))
 
@@ -131,7 +140,9 @@ def _values(kind: Any, bounds: tuple = ()) -> str:
         return f"list of {_values(arguments[0])}"
     if kind in (int, float):
         return _range(bounds)
-    return {bool: "true or false", str: "text", NoneType: "null"}[kind]
+    words = {bool: "true or false", str: "text", NoneType: "null"}
+    # Plug-ins may declare other kinds.
+    return words.get(kind) or getattr(kind, "__name__", str(kind))
 
 
 def _range(bounds: tuple) -> str:

@@ -2,11 +2,16 @@
 
 import re
 import sys
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from inspect import signature
 from typing import NamedTuple
 
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import InputError
+from moseg.schemas.parameters.plugins import Parameters
+from moseg.schemas.plugin_parameters import declare_parameters, declared_parameters
 from moseg.tasks.motion_models import FLOW_MODELS
 from moseg.tasks.motion_models.flow_model import FlowModel
 from moseg.tasks.point_models import POINT_MODELS
@@ -34,11 +39,15 @@ class Method(NamedTuple):
         Description in words, for `moseg backends`.
     licence : str
         Owner and licence of the code, for `moseg backends`.
+    parameters : subclass of moseg.Parameters, optional
+        Parameters of the method, all with defaults: ``--set plugins.<method>.<parameter>=VALUE``. The task reads their
+        values as ``params["parameters"]``, and they are part of its keys.
     """
 
     task: Task
     about: str
     licence: str = "plug-in"
+    parameters: type[Parameters] | None = None
 
 
 RESERVED = (*GIVEN, "auto")
@@ -86,7 +95,10 @@ def check_kind(declared: object, where: str) -> None:
         expected = "a Method, a FlowModel, a PointModel, the layout of a data set, or an ExportFormat (no class)"
         raise InputError("nothing that a plug-in can add", where=where, got=repr(declared), expected=expected)
     if isinstance(declared, Method):
-        _check_task(declared.task, f"{declared.task.name} by {declared.task.method} of {where}")
+        place = f"{declared.task.name} by {declared.task.method} of {where}"
+        _check_task(declared.task, place)
+        if declared.parameters is not None:
+            _check_parameters(declared.parameters, declared.task.method, place)
     elif isinstance(declared, PointModel):
         _check_point_model(declared, f"{declared.name} of {where}")
 
@@ -112,6 +124,19 @@ def _check_task(task: Task, where: str) -> None:
         raise InputError(f"{computed} of other arguments", where=where, got=error, expected=expected) from error
 
 
+def _check_parameters(model: type[Parameters], method: str, where: str) -> None:
+    """Raise InputError if parameters cannot be part of a configuration."""
+    if not isinstance(model, type) or not issubclass(model, Parameters):
+        expected = "a subclass of moseg.Parameters"
+        raise InputError("parameters that are none", where=where, got=repr(model), expected=expected)
+    if "." in method:
+        expected = "no dot in the name of a method that has parameters"
+        raise InputError("no name for parameters", where=where, got=repr(method), expected=expected)
+    without = [name for name, field in model.model_fields.items() if field.is_required()]
+    if without:
+        raise InputError("a parameter without a default", where=where, got=without[0], expected="defaults of all")
+
+
 def _check_point_model(model: PointModel, where: str) -> None:
     """Raise InputError if samples of a point model cannot be drawn."""
     for name, is_right, expected in (
@@ -126,8 +151,7 @@ def add_entry(entry: Registered) -> None:
     """Add one declaration of a plug-in to this project's own; see `register`."""
     declared = entry.declared
     if isinstance(declared, Method):
-        backend = Backend(declared.task.method, declared.about, declared.licence, declared.task.network)
-        add_method(find_stage(declared.task.name).name, replace(declared.task, code=entry.code), backend)
+        _add_method(declared, entry.code)
     elif isinstance(declared, FlowModel):
         _insert(FLOW_MODELS, declared, "flow model")
         set_model_code("flow", declared.name, entry.code)
@@ -139,6 +163,23 @@ def add_entry(entry: Registered) -> None:
         _insert(POINT_MODELS, declared, "point model")
         set_model_code("point", declared.name, entry.code)
     entries.append(entry)
+
+
+def _add_method(declared: Method, code: str) -> None:
+    task, name = replace(declared.task, code=code), declared.task.method
+    if declared.parameters is not None:
+        if name in declared_parameters():
+            raise InputError("parameters of this name exist", where="plug-in", got=name, expected="another name")
+        task = replace(task, params=partial(_read_params, task.params, name))
+    backend = Backend(name, declared.about, declared.licence, task.network)
+    add_method(find_stage(task.name).name, task, backend)
+    if declared.parameters is not None:
+        declare_parameters(name, declared.parameters)
+
+
+def _read_params(read: Callable[..., dict], name: str, config: PipelineConfig, **place) -> dict:
+    """Return what a task reads of the configuration, with the parameters of its own."""
+    return {**read(config, **place), "parameters": getattr(config.plugins, name).model_dump(mode="json")}
 
 
 def _insert(names: dict, declared: Declared, kind: str) -> None:

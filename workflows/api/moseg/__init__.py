@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from moseg.schemas.configs import PipelineConfig, Variant
     from moseg.schemas.corrections import Corrections
     from moseg.schemas.errors import InputError, MosegError
+    from moseg.schemas.parameters.plugins import Parameters
     from moseg.schemas.scores import EvaluationReport, StillReport
     from moseg.schemas.trajectory_scores import TrajectoryReport
     from moseg.workflows.api import (
@@ -44,6 +45,7 @@ __all__ = [
     "MovingObject",
     "OverlayMode",
     "OverlayStyle",
+    "Parameters",
     "PipelineConfig",
     "StillReport",
     "TrajectoryReport",
@@ -67,6 +69,7 @@ _HOMES = {
     "MovingObject": "moseg.workflows.api",
     "OverlayMode": "moseg.workflows.exports",
     "OverlayStyle": "moseg.workflows.exports",
+    "Parameters": "moseg.schemas.parameters.plugins",
     "PipelineConfig": "moseg.schemas.configs",
     "StillReport": "moseg.schemas.scores",
     "TrajectoryReport": "moseg.schemas.trajectory_scores",
