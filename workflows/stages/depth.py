@@ -1,10 +1,9 @@
 """Depth: relative inverse depth of a frame."""
 
-import numpy as np
-
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import DepthAnything3Params, DepthAnythingParams, DptDinov2Params
+from moseg.workflows.stages.image_sizes import run_by_image_size
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
 from moseg.workflows.stages.task import Network, Output, Task
@@ -31,9 +30,10 @@ def _run_depth_anything_3(params, inputs):
 def _estimate(build, depth_params, inputs):
     from moseg.tasks.depth import estimate_inverse_depth
 
-    images = np.stack([each["frame"].cached("image") for each in inputs])
     with open_network(build, inputs[0]["weights"]) as network:
-        maps = estimate_inverse_depth(network, images, depth_params)
+        maps = run_by_image_size(
+            lambda images: estimate_inverse_depth(network, *images, depth_params), inputs, ("frame",)
+        )
     return [Output({"inverse_depth": inverse_depth}, made_on()) for inverse_depth in maps]
 
 

@@ -5,6 +5,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import FlowParams, RaftParams, SeaRaftParams
+from moseg.workflows.stages.image_sizes import run_by_image_size
 from moseg.workflows.stages.inputs import ArtifactView
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import OPENCV, Backend, Choice, Stage
@@ -62,9 +63,10 @@ def _sea_raft_params(config: PipelineConfig) -> dict:
 def _estimate(build, params, inputs):
     from moseg.tasks.flow.raft import estimate_raft_flow
 
-    images0, images1 = (np.stack([each[role].cached("image") for each in inputs]) for role in ("frame0", "frame1"))
     with open_network(build, inputs[0]["weights"]) as network:
-        flows = estimate_raft_flow(network, images0, images1, params)
+        flows = run_by_image_size(
+            lambda images: estimate_raft_flow(network, *images, params), inputs, ("frame0", "frame1")
+        )
     return [Output({"flow": flow}, made_on()) for flow in flows]
 
 
