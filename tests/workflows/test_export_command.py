@@ -11,6 +11,7 @@ import pytest
 from PIL import Image
 from pycocotools.coco import COCO
 
+from moseg.workflows.api import segment_video
 from moseg.workflows.cli.segment import OverlayOptions
 from moseg.workflows.exports import OverlayMode
 
@@ -213,6 +214,23 @@ def test_a_set_is_written_by_segment_too_and_thinned_by_time(squares, frames, st
     assert len(list((tmp_path / "set" / "masks").iterdir())) == 10
     with av.open(str(tmp_path / "set" / "matte.mp4")) as container:
         assert sum(1 for _ in container.decode(video=0)) == 10
+
+
+def test_seconds_of_a_set_are_those_of_the_video_if_frames_are_left_out(frames, moseg, tmp_path):
+    given = ("--every", "2", "--fps", 10, "--store", tmp_path / "store", *OPTIONS)
+    ran = moseg("segment", frames, *given, "--for", "colmap", "--for-every", "0.4s", "-o", tmp_path / "set")
+    assert (ran.code, ran.err) == (0, "")
+    images = sorted(path.name for path in (tmp_path / "set" / "for-colmap" / "images").iterdir())
+    assert images == ["00000.png", "00004.png", "00008.png"]
+
+
+def test_a_video_of_another_length_is_one_line_before_anything_is_written(squares_out, moseg, tmp_path):
+    frames = np.random.default_rng(0).integers(0, 255, (6, 48, 64, 3), np.uint8)
+    segment_video(frames, name="array", store=tmp_path / "store", progress=False).save(tmp_path / "out")
+    clip = shutil.copy(squares_out / "overlay.mp4", tmp_path / "clip.mp4")
+    ran = moseg("export", tmp_path / "out", "--for", "colmap", "--video", clip, "-o", tmp_path / "set")
+    assert ran.code == 2 and "masks and frames differ in number" in ran.err and ran.err.count("\n") == 1
+    assert not list(tmp_path.glob("set/for-colmap/images/*"))
 
 
 @pytest.fixture

@@ -195,6 +195,8 @@ def segment_video(
     with kept_process_settings(), open_source(video, choices, name, chosen, fps) as (source, config):
         origin = FrameOrigin(path, source.frames)
         given.check_video(origin)
+        # Read now, and kept: the file may be gone when the result is saved.
+        _ = origin.identity
         read = partial(_read, origin, given)
         uncorrected = choices.read_uncorrected()
         done = run_segmentation(source, config, variant, run, read, fps, page, "motions", chosen, given, uncorrected)
@@ -247,6 +249,7 @@ def _describe_objects(
         confidences=stored.confidences(store),
         given_names=stored.names,
         drawn=stored.drawn,
+        advice=stored.advice,
     )
     supports = {view: store.read(ref, "static_support") for view, ref in stored.affinity_refs.items()}
     if stored.rigid_support is not None:

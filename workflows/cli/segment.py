@@ -209,7 +209,7 @@ def segment(
                 exports or (),
                 sets=sets or (),
                 step=step,
-                fps=frames.fps,
+                fps=None if frames.fps is None else chosen.thinned_rate(frames.fps),
                 corrections=given,
                 page=page,
             )

@@ -94,7 +94,9 @@ class SavedSegmentation:
 
     def from_video(self, origin: FrameOrigin) -> "SavedSegmentation":
         """Return the segmentation with the frames of a video or a folder, whose number must be the same."""
-        if not isinstance(origin.frames, VideoFile) and origin.frames.num_frames() != self.summary.num_frames:
+        # A video that is known by its digest has the frames; another has to be decoded to count them.
+        is_known = isinstance(origin.frames, VideoFile) and self.summary.video is not None
+        if not is_known and origin.frames.num_frames() != self.summary.num_frames:
             got = f"{origin.frames.num_frames()} frames"
             raise InputError(
                 "masks and frames differ in number", where=origin.path, got=got, expected=self.summary.num_frames

@@ -3,6 +3,7 @@
 import base64
 import io
 import re
+from importlib import import_module
 
 import cv2
 import numpy as np
@@ -12,6 +13,8 @@ from PIL import Image
 from moseg.schemas.errors import InputError
 from moseg.workflows.api import MovingObject, segment_video
 from moseg.workflows.exports import OverlayMode, OverlayStyle
+from moseg.workflows.exports.doubts import BY_HAND
+from moseg.workflows.exports.summarise import summarise_sequence
 
 
 def test_nothing_is_read_before_it_is_asked_for(segmented, config):
@@ -151,3 +154,15 @@ def test_a_folder_that_cannot_be_written_is_told(segmented, tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(InputError, match="file"):
         segmented.result.save(tmp_path / "file")
+
+
+def test_python_advises_what_the_file_of_a_result_advises(segmented, config, monkeypatch):
+    module, given = import_module("moseg.workflows.api.segment_video"), []
+
+    def summarise(*arguments, **options):
+        given.append(options.get("advice"))
+        return summarise_sequence(*arguments, **options)
+
+    monkeypatch.setattr(module, "summarise_sequence", summarise)
+    result = segment_video(segmented.frames, config, store=segmented.store, progress=False)
+    assert given == [result._stored.advice] and given != [BY_HAND]

@@ -1,6 +1,7 @@
 """What a result leaves in a folder, and what it leaves alone."""
 
 import json
+import shutil
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from threading import Event
@@ -151,3 +152,13 @@ def test_of_two_videos_at_a_time_the_first_keeps_its_results(segmented, config, 
     with pytest.raises(InputError, match="the results of another video"):
         save_both(segmented.result, other, tmp_path / "out")
     assert json.loads((tmp_path / "out" / "motion.json").read_text())["name"] == segmented.result.name
+
+
+def test_a_result_is_saved_although_its_video_is_gone(segmented, config, tmp_path):
+    shutil.copytree(segmented.frames, tmp_path / "clip")
+    result = moseg.segment_video(tmp_path / "clip", config, store=tmp_path / "store", progress=False)
+    video = json.loads((segmented.out / "motion.json").read_text())["video"]
+    shutil.rmtree(tmp_path / "clip")
+    assert result.corrections.video == video
+    result.save(tmp_path / "out")
+    assert json.loads((tmp_path / "out" / "motion.json").read_text())["video"] == video

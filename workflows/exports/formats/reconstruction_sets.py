@@ -3,6 +3,7 @@
 import shutil
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
+from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple
 
@@ -61,7 +62,9 @@ def write_set(
     target = set_folders(name, image_name, mask_name, folder, saved.summary.name, saved.names)
     width = DEFAULT_DILATION if dilation is None else dilation
     with target.images as images, target.masks as masks:
-        for file, write in zip(images.names, _frame_writers(saved), strict=True):
+        for file, write in zip_longest(images.names, _frame_writers(saved)):
+            if file is None or write is None:
+                raise InputError("masks and frames differ in number", where=required_origin(saved.origin).path)
             with atomic_path(images.folder / file) as temporary, blame_output(images.folder / file):
                 write(temporary)
         for file, labels in zip(masks.names, saved.labels(), strict=True):
