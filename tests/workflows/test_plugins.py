@@ -424,3 +424,20 @@ def test_an_affinity_that_its_stage_cannot_take_is_named(run_with, site, squares
     data = ("--dataset", "folder", "--root", squares, "--store", tmp_path / "store", *CUES)
     ((code, _, err),) = run_with(("eval", *data, "--affinity", "nova-mean", "--quiet"))
     assert code == 2 and message in err and len(err.splitlines()) == 1
+
+
+def test_a_second_thread_waits_until_plug_ins_are_loaded(site, tmp_path):
+    path = site / "nova" / "__init__.py"
+    path.write_text("import time\n\ntime.sleep(1)\n" + path.read_text())
+    script = """
+from concurrent.futures import ThreadPoolExecutor
+from moseg.workflows.plugins import loading, registered
+
+def load(number):
+    loading.load_plugins()
+    return len(registered.entries)
+
+with ThreadPoolExecutor(4) as threads:
+    print(set(threads.map(load, range(4))))
+"""
+    assert _codes(site, tmp_path, "-c", script) == "{6}\n"

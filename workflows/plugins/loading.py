@@ -2,6 +2,7 @@
 
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from threading import RLock
 
 from moseg.schemas.errors import InputError, MosegError
 from moseg.workflows.plugins.code import code_of_plugin
@@ -10,6 +11,7 @@ from moseg.workflows.plugins.registered import PluginSet, Registered, entries
 GROUP = "moseg.plugins"
 
 
+_lock = RLock()
 _under_way: list[str] = []
 
 
@@ -17,15 +19,16 @@ def load_plugins() -> None:
     """Register the objects, or tuples and lists of them, that the entry points of the group ``moseg.plugins`` name.
 
     An object that a script has registered before is left as it is. While plug-ins are imported, which may ask for the
-    names of methods, a further call does nothing.
+    names of methods, a further call of the same thread does nothing; other threads wait.
 
     Raises
     ------
     InputError
         A plug-in cannot be imported or registered; the message names its entry point and its package.
     """
-    if not _under_way:
-        _load_once()
+    with _lock:
+        if not _under_way:
+            _load_once()
 
 
 @cache

@@ -15,6 +15,7 @@ from moseg.workflows.training.clip_files import read_clip
 from moseg.workflows.training.drawing import draw_shards
 from moseg.workflows.training.rendered_scenes import draw_batch, scene_shards, score_scenes, validation_shards
 from moseg.workflows.training.result import Trained, write_result
+from moseg.workflows.training.shards import DRAWING_VERSION
 from moseg.workflows.training.steps import take_steps
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ def train_on_clips(
         replayed = _keep_loss(learner.logits, before, draw_batch(shards, own, seed, step).channels, device)
         return params.replay * replayed + _clip_loss(learner.logits, before, clip, params, device)
 
-    settings = {"seed": seed, **settings, **params.model_dump(mode="json")}
+    settings = {"seed": seed, "scenes_version": DRAWING_VERSION, **settings, **params.model_dump(mode="json")}
     validate = partial(score_scenes, learner, held_out)
     curve = take_steps(learner, own, loss_of_step, validate, folder, settings, quiet, shows_start=True)
     return write_result(learner.average, out, settings, curve)

@@ -17,6 +17,7 @@ from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.pipelines.video_clips import cue_config, describe_clips
 from moseg.workflows.sources import open_frames
 from moseg.workflows.stages.registry import STAGES
+from moseg.workflows.training import videos as video_training
 
 pytestmark = pytest.mark.usefixtures("in_empty_folder")
 TINY = ("--set=scenes=2", "--set=textures=2", "--set=batch=2", "--steps=2", "--set=interval=1", "--quiet")
@@ -38,7 +39,7 @@ def videos(squares, tmp_path):
     return folder
 
 
-def test_a_network_goes_on_from_videos_without_labels(moseg, start, videos, scene_files, tmp_path):
+def test_a_network_goes_on_from_videos_without_labels(moseg, start, videos, scene_files, tmp_path, monkeypatch):
     folder = shutil.copytree(scene_files, tmp_path / "work")
     options = ("train", "--videos", videos, "--from", start, "--folder", folder, "--workers", 1, "--threads", 1, *TINY)
     ran = moseg(*options, "--out", tmp_path / "mine.onnx")
@@ -52,6 +53,10 @@ def test_a_network_goes_on_from_videos_without_labels(moseg, start, videos, scen
     assert moseg(*options, "--out", tmp_path / "again.onnx").code == 0
     assert (tmp_path / "again.onnx").read_bytes() == content
     assert {path: path.stat().st_mtime_ns for path in clips} == clips
+    # A checkpoint of losses on other scenes is no start.
+    monkeypatch.setattr(video_training, "DRAWING_VERSION", 99)
+    ran = moseg(*options, "--out", tmp_path / "other.onnx")
+    assert ran.code == 2 and "scenes_version" in ran.err
 
 
 @pytest.mark.parametrize("stage", ["flow", "background", "saliency"])
