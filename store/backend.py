@@ -26,6 +26,7 @@ class Trash(ManifestSource, Protocol):
     """Artifacts that were taken out of service and can still be restored."""
 
     taken: set[str]
+    """Artifacts that are out of service; after a `take` that raised, all that may be."""
 
     def take(self, refs: Iterable[str]) -> None:
         """Take artifacts out of service, each atomically; those that are not stored are skipped."""
@@ -97,9 +98,14 @@ class Backend(ArtifactStore, ManifestSource, Protocol):
         """Return a place of this process for artifacts that are to be deleted."""
 
     @abstractmethod
+    def restore_abandoned(self, now: float) -> None:
+        """Put complete artifacts back into service that a process which has ended took out of it; `now` is the time."""
+
+    @abstractmethod
     def leftovers(self, now: float, before: float) -> dict[str, int]:
         """Return what interrupted processes left, pins excepted, and artifacts quarantined before a time.
 
+        What `restore_abandoned` would put back into service is not among them.
         The names are relative to the store's root; the values are bytes.
         """
 

@@ -3,13 +3,17 @@
 The sweep takes no lock. It first takes unreachable artifacts out of service, each atomically, then reads the pins again
 and restores artifacts that a run has pinned in the meantime, and deletes only then. A run pins before it looks up: so
 either the sweep sees the pin, or the run finds the artifact gone and computes it.
+
+A sweep that fails restores what it took. What it could not restore, or what a killed sweep took, is restored by the
+next collection, which then judges it as any other artifact.
 """
 
 import time
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
 from moseg.schemas.errors import CorruptArtifactError
-from moseg.store.backend import Backend, ManifestSource
+from moseg.store.backend import Backend, ManifestSource, Trash
 from moseg.store.names import check_ref
 from moseg.store.outcomes import GcReport, Pin
 from moseg.store.pins import discard_ended, ended_pins, pinned, unpin
@@ -31,6 +35,8 @@ def collect(
 ) -> GcReport:
     """See `ArtifactStore.gc`."""
     now = time.time()
+    if not is_dry:
+        backend.restore_abandoned(now)
     pins = [pin for name, pin in pinned(backend).items() if name not in forget]
     reached = reachable(pins, [backend])
     # A run at work cannot name the leaves that it decodes before it has decoded them.
@@ -75,10 +81,9 @@ def remove(backend: Backend, ref: str) -> bool:
     """See `ArtifactStore.remove`."""
     check_ref(ref)
     trash = backend.new_trash()
-    try:
+    with _restoring(trash):
         trash.take([ref])
-    finally:
-        trash.empty()
+    trash.empty()
     return ref in trash.taken
 
 
@@ -105,17 +110,25 @@ def reachable(pins: Iterable[Pin], sources: Sequence[ManifestSource]) -> set[str
 
 def _sweep(backend: Backend, unreachable: list[str]) -> list[str]:
     trash = backend.new_trash()
-    try:
-        try:
-            trash.take(unreachable)
-            rescued = reachable(pinned(backend).values(), [backend, trash]) & trash.taken
-        except BaseException:
-            trash.restore(list(trash.taken))
-            raise
-        trash.restore(rescued)
-    finally:
-        trash.empty()
+    with _restoring(trash):
+        trash.take(unreachable)
+        rescued = reachable(pinned(backend).values(), [backend, trash]) & trash.taken
+    trash.restore(rescued)
+    trash.empty()
     return [ref for ref in unreachable if ref in trash.taken]
+
+
+@contextmanager
+def _restoring(trash: Trash) -> Iterator[None]:
+    """Restore everything that was taken if the block fails.
+
+    The trash is not emptied then: what cannot be restored now is restored by a collection after this process has ended.
+    """
+    try:
+        yield
+    except BaseException:
+        trash.restore(list(trash.taken))
+        raise
 
 
 def _inputs(refs: Collection[str], sources: Sequence[ManifestSource]) -> set[str]:

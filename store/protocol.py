@@ -190,7 +190,8 @@ class ArtifactStore(Protocol):
 
         A pin reaches the references it names and, through the inputs in manifests, everything they were computed from;
         an input that is not stored ends the walk. Unfinished puts, quarantined artifacts older than the grace period,
-        and pins that no longer hold are deleted too.
+        and pins that no longer hold are deleted too. Artifacts that a killed or failed collection took out of service
+        are restored first.
 
         Parameters
         ----------

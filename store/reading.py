@@ -40,7 +40,10 @@ def read_sealed(backend: Backend, ref: str) -> Sealed:
 
 
 def check_seal(ref: str, data: bytes) -> Sealed:
-    """Parse a manifest file; raises CorruptArtifactError if it is changed, or another artifact's."""
+    """Parse a manifest file; raises CorruptArtifactError if it is changed, another artifact's, or forged.
+
+    A reference that is the digest of its recipe also excludes artifacts that name each other as inputs.
+    """
     try:
         sealed = unseal(data)
     except ValueError as error:
@@ -48,6 +51,8 @@ def check_seal(ref: str, data: bytes) -> Sealed:
     if (sealed.manifest.recipe.task, sealed.manifest.key) != split_ref(ref):
         found = f"{sealed.manifest.recipe.task}/{sealed.manifest.key}"
         raise CorruptArtifactError("another artifact's manifest", where=ref, got=found, ref=ref)
+    if sealed.manifest.recipe.ref != ref:
+        raise CorruptArtifactError("a manifest of another recipe", where=ref, got=sealed.manifest.recipe.ref, ref=ref)
     return sealed
 
 

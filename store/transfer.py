@@ -26,7 +26,9 @@ NUM_THREADS = 16
 
 Between two disks one thread is fastest: the work is checking and decoding, and threads share the interpreter."""
 LEASE_SECONDS = 7 * 86_400.0
-"""For how long `gc` at the target keeps the artifacts of a transfer that was killed."""
+"""For how long `gc` at the target keeps the artifacts of a transfer that was killed on another machine.
+
+On the transfer's own machine they are kept until its process ends."""
 
 
 class TransferPlan(NamedTuple):

@@ -2,10 +2,11 @@
 
 import os
 import uuid
+from collections.abc import Iterator
 from pathlib import Path
 
 from moseg.schemas.errors import MissingStoreError, StoreChoiceError, StoreError
-from moseg.store.names import CONTENT, MARKER, check_marker, slot
+from moseg.store.names import CONTENT, MARKER, check_marker, is_key_in, slot
 
 
 class Layout:
@@ -31,6 +32,15 @@ class Layout:
     def folder(self, ref: str) -> str:
         """Return the folder of an artifact; raises InputError if the reference is malformed."""
         return f"{self._objects}/{slot(ref)}"
+
+    def refs(self, task: str | None = None) -> Iterator[str]:
+        """Iterate over the references of the artifacts below this root, of one task or of all, in order."""
+        for name in names_in(self.objects) if task is None else [task]:
+            for prefix in names_in(self.objects / name):
+                for key in names_in(self.objects / name / prefix):
+                    # other entries are not artifacts
+                    if is_key_in(key, prefix):
+                        yield f"{name}/{key}"
 
     def make_folder(self, folder: str | Path) -> None:
         """Make a folder below the root, and its parents; raises FileNotFoundError if there is no root.

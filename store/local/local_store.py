@@ -11,10 +11,10 @@ from moseg.schemas.errors import MissingArtifactError, StoreError
 from moseg.schemas.recipes import split_ref
 from moseg.store.backend_store import BackendStore
 from moseg.store.local.files import file_sizes, folder_nbytes, read_file, read_manifests, read_parts
-from moseg.store.local.layout import Layout, names_in, open_root, renew_marker
+from moseg.store.local.layout import Layout, open_root, renew_marker
 from moseg.store.local.logs import LocalLogs
 from moseg.store.local.moves import LocalTrash, commit
-from moseg.store.names import MANIFEST, REASON, is_key_in
+from moseg.store.names import MANIFEST, REASON
 from moseg.store.outcomes import PutOutcome
 from moseg.store.owners import ABANDONED_SECONDS, is_abandoned
 from moseg.store.packing import Range
@@ -52,13 +52,7 @@ class LocalStore(LocalLogs, BackendStore):
         return {ref for ref in refs if self.has(ref)}
 
     def refs(self, task: str | None = None) -> Iterator[str]:
-        tasks = names_in(self._layout.objects) if task is None else [task]
-        for name in tasks:
-            for prefix in names_in(self._layout.objects / name):
-                for key in names_in(self._layout.objects / name / prefix):
-                    # other entries are not artifacts
-                    if is_key_in(key, prefix):
-                        yield f"{name}/{key}"
+        return self._layout.refs(task)
 
     def committed(self) -> dict[str, float]:
         # a rename does not change a folder's time
@@ -138,14 +132,24 @@ class LocalStore(LocalLogs, BackendStore):
     def new_trash(self) -> LocalTrash:
         return LocalTrash(self._layout)
 
+    def restore_abandoned(self, now: float) -> None:
+        for folder in self._abandoned(now):
+            trash = LocalTrash(self._layout, folder)
+            trash.restore(trash.out_of_service())
+
     def leftovers(self, now: float, before: float) -> dict[str, int]:
         """Return folders of dead processes under ``staging/``, old ones under ``quarantine/``, and partial records."""
-        staged = _folders(self._layout.staging)
-        found = [folder for folder in staged if is_abandoned(folder.name, now - _modified(folder))]
+        abandoned = self._abandoned(now)
+        found = [folder for folder in abandoned if not LocalTrash(self._layout, folder).out_of_service()]
         found += [folder for folder in _folders(self._layout.quarantine) if _modified(folder) <= before]
         partials = [path for path in sorted(self.root.glob("*/*.partial")) if now - _modified(path) > ABANDONED_SECONDS]
         sizes = {path.relative_to(self.root).as_posix(): _size(path) for path in partials}
         return sizes | {folder.relative_to(self.root).as_posix(): folder_nbytes(str(folder)) for folder in found}
+
+    def _abandoned(self, now: float) -> list[Path]:
+        """Return the folders under ``staging/`` that no process will finish."""
+        staged = _folders(self._layout.staging)
+        return [folder for folder in staged if is_abandoned(folder.name, now - _modified(folder))]
 
     def discard(self, leftovers: Iterable[str]) -> None:
         for name in leftovers:

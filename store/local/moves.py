@@ -79,13 +79,19 @@ def _move(layout: Layout, staged: str, target: str) -> PutOutcome:
 
 
 class LocalTrash:
-    """A `Trash` that moves artifacts to a staging folder."""
+    """A `Trash` that moves artifacts to a staging folder.
 
-    def __init__(self, layout: Layout):
+    Parameters
+    ----------
+    folder : path, optional
+        Staging folder of another process, which has ended; a new one by default.
+    """
+
+    def __init__(self, layout: Layout, folder: Path | None = None):
         self.taken: set[str] = set()
         self._layout = layout
         try:
-            self._aside = Layout(Path(new_staging(layout)))
+            self._aside = Layout(Path(new_staging(layout)) if folder is None else folder)
         except OSError as error:
             raise self._fault(error) from error
 
@@ -94,8 +100,14 @@ class LocalTrash:
 
     def take(self, refs: Iterable[str]) -> None:
         for ref in refs:
-            if self._rename(self._layout.folder(ref), self._aside.folder(ref)):
-                self.taken.add(ref)
+            # before the rename: an interruption may come after it
+            self.taken.add(ref)
+            if not self._rename(self._layout.folder(ref), self._aside.folder(ref)):
+                self.taken.discard(ref)
+
+    def out_of_service(self) -> list[str]:
+        """Return the artifacts here that were not computed again in the meantime."""
+        return [ref for ref in self._aside.refs() if not os.path.lexists(self._layout.folder(ref))]
 
     def restore(self, refs: Iterable[str]) -> None:
         for ref in refs:
@@ -103,6 +115,13 @@ class LocalTrash:
             self.taken.discard(ref)
 
     def empty(self) -> None:
+        # one rename decides: what a kill leaves of it is never taken for artifacts that can be restored
+        try:
+            os.rename(self._aside.objects, self._aside.root / "deleted")
+        except FileNotFoundError:
+            pass
+        except OSError as error:
+            raise self._fault(error) from error
         shutil.rmtree(self._aside.root, ignore_errors=True)
 
     def _rename(self, source: str, target: str) -> bool:

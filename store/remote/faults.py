@@ -32,7 +32,8 @@ _MEANINGS = {
 }
 _LONGEST = 160
 _PASSING = re.compile(
-    r"no answer in time|the server answers (5(?!01)\d\d|SlowDown|InternalError|ServiceUnavailable|RequestTimeout)\b"
+    r"no answer in time|the server answers (5(?!01)\d\d|408|429|SlowDown|InternalError|ServiceUnavailable"
+    r"|RequestTimeout|TooManyRequests|ServerBusy)\b"
 )
 """Reasons of a server that may answer later, which no other choice of the user would change."""
 

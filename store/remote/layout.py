@@ -100,6 +100,9 @@ def renew_marker(requests: Requests) -> None:
 
 def _create_marker(requests: Requests, *, create: bool) -> bytes:
     foreign = next(requests.listing(""), None)
+    # another process may have made the store, and put artifacts, since the marker was looked up
+    if foreign is not None and (content := requests.get(MARKER)) is not None:
+        return content
     if foreign is not None and foreign.name != MARKER:
         raise StoreChoiceError(
             "not an artifact store", where=requests.url, got=foreign.name, expected="an empty prefix or a store"

@@ -1,7 +1,7 @@
 """Objects that interrupted processes left on an object store."""
 
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
 from moseg.store.owners import is_abandoned
@@ -10,6 +10,7 @@ from moseg.store.remote.layout import (
     OBJECTS,
     PAYLOADS,
     QUARANTINE,
+    aside_name,
     manifest_name,
     payload_folder,
     ref_of_aside,
@@ -17,7 +18,7 @@ from moseg.store.remote.layout import (
     ref_of_payload,
 )
 from moseg.store.remote.requests import Found, Requests
-from moseg.store.remote.trash import read_aside
+from moseg.store.remote.trash import Aside, RemoteTrash, read_aside, stored_files
 
 
 class Attempt(NamedTuple):
@@ -51,15 +52,40 @@ def find_leftovers(requests: Requests, now: float, before: float) -> dict[str, i
     orphans = [attempt for attempt in doubtful if is_abandoned(attempt.name, ages[attempt])]
     orphans = _unnamed_in_service(requests, orphans)
 
-    copies = {item.name: item for item in requests.listing(ASIDE) if ref_of_aside(item.name)}
-    held = {name: read_aside(content) for name, content in requests.get_many(copies).items() if content is not None}
-    abandoned = {name for name, aside in held.items() if is_abandoned(aside.owner, now - copies[name].modified)}
+    copies, held, abandoned = _set_aside(requests, now)
+    abandoned -= {aside_name(ref) for ref in _restorable(requests, held, abandoned)}
     kept = [aside.manifest for name, aside in held.items() if name not in abandoned]
     orphans = [attempt for attempt in orphans if not any(attempt.is_named_in(manifest) for manifest in kept)]
 
     found = {attempt.folder: sizes[attempt] for attempt in sorted(_unnamed_in_service(requests, orphans))}
     found |= {name: copies[name].nbytes for name in sorted(abandoned)}
     return found | _old_quarantine(requests, before)
+
+
+def restore_abandoned(requests: Requests, now: float) -> None:
+    """Put artifacts back into service that a process which has ended set aside, if all their files are there."""
+    _, held, abandoned = _set_aside(requests, now)
+    trash = RemoteTrash(requests, _restorable(requests, held, abandoned))
+    trash.restore(list(trash.taken))
+
+
+def _set_aside(requests: Requests, now: float) -> tuple[dict[str, Found], dict[str, Aside], set[str]]:
+    """Return the copies under ``aside/`` by name: objects, contents, and the names that no process will finish."""
+    copies = {item.name: item for item in requests.listing(ASIDE) if ref_of_aside(item.name)}
+    held = {name: read_aside(content) for name, content in requests.get_many(copies).items() if content is not None}
+    abandoned = {name for name, aside in held.items() if is_abandoned(aside.owner, now - copies[name].modified)}
+    return copies, held, abandoned
+
+
+def _restorable(requests: Requests, held: Mapping[str, Aside], names: Collection[str]) -> dict[str, bytes]:
+    """Return the manifests, by reference, of copies whose artifact is not in service and has all its files."""
+    if not names:
+        return {}
+    manifests = {ref_of_aside(name): held[name].manifest for name in names}
+    in_service = requests.has_many([manifest_name(ref) for ref in manifests])
+    files = {ref: stored_files(ref, data) for ref, data in manifests.items() if manifest_name(ref) not in in_service}
+    there = requests.has_many([name for each in files.values() for name in each])
+    return {ref: manifests[ref] for ref, each in files.items() if each and there.issuperset(each)}
 
 
 def _attempts(requests: Requests, now: float) -> tuple[dict[Attempt, int], dict[Attempt, float]]:

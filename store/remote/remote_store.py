@@ -30,7 +30,7 @@ from moseg.store.remote.layout import (
     ref_of_payload,
     renew_marker,
 )
-from moseg.store.remote.leftovers import find_leftovers
+from moseg.store.remote.leftovers import find_leftovers, restore_abandoned
 from moseg.store.remote.logs import RemoteLogs
 from moseg.store.remote.requests import requests_for
 from moseg.store.remote.trash import RemoteTrash
@@ -187,6 +187,9 @@ class RemoteStore(RemoteLogs, BackendStore):
 
     def new_trash(self) -> RemoteTrash:
         return RemoteTrash(self._requests)
+
+    def restore_abandoned(self, now: float) -> None:
+        restore_abandoned(self._requests, now)
 
     def leftovers(self, now: float, before: float) -> dict[str, int]:
         return find_leftovers(self._requests, now, before)

@@ -1,7 +1,7 @@
 """Requests to an object store, several at a time, by names relative to the store's root."""
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import AbstractContextManager
 from functools import cache, cached_property, lru_cache
 from typing import NamedTuple, TypeVar
@@ -48,7 +48,8 @@ class Requests:
     """Objects below a URL.
 
     Every method raises StoreError on faults of the network, the server or the credentials. A missing object is not a
-    fault; a missing bucket is one.
+    fault; a missing bucket is one, except for `has` and `has_many`: the answer to their requests does not tell the two
+    apart.
     """
 
     def __init__(self, url: str):
@@ -227,7 +228,11 @@ def _spans(parts: Iterable[Range]) -> list[tuple[int, int]]:
 
 
 def _gather(call: Callable[[T], U], items: Iterable[T]) -> list[U]:
-    """Return the results of a call on every item, in order, `CONCURRENT` at a time; the first error cancels others."""
+    """Return the results of a call on every item, in order, `CONCURRENT` at a time.
+
+    After an error those that have not begun are cancelled. It is raised when the others have ended: what the caller
+    does next must not run into a request that the server still answers.
+    """
     waiting = list(items)
     if len(waiting) < 2:
         return [call(item) for item in waiting]
@@ -235,8 +240,7 @@ def _gather(call: Callable[[T], U], items: Iterable[T]) -> list[U]:
     try:
         return [future.result() for future in futures]
     finally:
-        for future in futures:
-            future.cancel()
+        wait([future for future in futures if not future.cancel()])
 
 
 @cache

@@ -2,11 +2,12 @@
 
 There is no rename. A collection first writes a copy of the manifest under ``aside/`` that only one process at a time
 can own, then deletes the manifest: this takes the artifact out of service. Its files stay until the collection has read
-the pins again. A process that is killed in between leaves the copy, which names the process, and files that no manifest
-names; the next collection finds both.
+the pins again. A process that is killed or fails in between leaves the copy, which names the process, and files that no
+manifest names. The next collection after the end of that process puts the artifact back into service if all its files
+are there (the copy is deleted last), and deletes the rest.
 """
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from typing import NamedTuple
 
 from moseg.schemas.errors import CorruptArtifactError
@@ -30,13 +31,19 @@ def read_aside(content: bytes) -> Aside:
 
 
 class RemoteTrash:
-    """A `Trash` of manifests under ``aside/`` that this process owns."""
+    """A `Trash` of manifests under ``aside/``.
 
-    def __init__(self, requests: Requests):
-        self.taken: set[str] = set()
+    Parameters
+    ----------
+    manifests : dict of str to bytes, optional
+        By reference: manifests that a process which has ended set aside. Later ones belong to this process.
+    """
+
+    def __init__(self, requests: Requests, manifests: Mapping[str, bytes] | None = None):
         self._requests = requests
         self._owner = owned_name()
-        self._manifests: dict[str, bytes] = {}
+        self._manifests = dict(manifests or {})
+        self.taken = set(self._manifests)
 
     def read_manifests(self, refs: Collection[str]) -> dict[str, bytes]:
         return {ref: self._manifests[ref] for ref in refs if ref in self._manifests}
@@ -49,8 +56,9 @@ class RemoteTrash:
         copies = {aside_name(ref): self._owner.encode("ascii") + b"\n" + data for ref, data in found.items()}
         owned = self._requests.create_many(copies)
         self._manifests |= {ref: data for ref, data in found.items() if aside_name(ref) in owned}
-        self._requests.delete(manifest_name(ref) for ref in self._manifests)
+        # before the requests: if one of them fails, any of the manifests may be gone
         self.taken |= self._manifests.keys()
+        self._requests.delete(manifest_name(ref) for ref in self._manifests)
 
     def restore(self, refs: Iterable[str]) -> None:
         """Write manifests again; an artifact that was computed again in the meantime stays."""
@@ -66,7 +74,7 @@ class RemoteTrash:
 
     def empty(self) -> None:
         """Delete the files of the taken artifacts, and the copies of their manifests last."""
-        files = [name for ref, data in self._manifests.items() for name in _files(ref, data)]
+        files = [name for ref, data in self._manifests.items() for name in stored_files(ref, data)]
         self._requests.delete(files)
         self._requests.delete(map(aside_name, self._manifests))
         self._manifests.clear()
@@ -79,7 +87,7 @@ class RemoteTrash:
         self._requests.delete(name for name, owner in owners.items() if is_abandoned(owner, age=0))
 
 
-def _files(ref: str, data: bytes) -> list[str]:
+def stored_files(ref: str, data: bytes) -> list[str]:
     """Return the names of an artifact's files; none if the manifest is damaged: they are left to `leftovers`."""
     try:
         sealed = check_seal(ref, data)

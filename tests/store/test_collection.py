@@ -12,6 +12,8 @@ import pytest
 
 from moseg.schemas.errors import InputError, StoreError
 from moseg.store import LocalStore, collection, pins
+from moseg.store.local import moves
+from moseg.store.names import slot
 from moseg.store.owners import is_running, process_space
 
 DAY = 86_400.0
@@ -155,6 +157,60 @@ def test_gc_removes_staging_of_dead_processes_and_old_quarantine_only(store, cha
     for folder in (theirs, damaged):
         os.utime(folder, (0, 0))
     assert set(store.gc(is_dry=False).leftovers) == {f"staging/{theirs.name}", f"quarantine/{damaged.name}"}
+
+
+def test_a_sweep_that_cannot_restore_an_artifact_keeps_it_for_the_next_collection(store, chain, monkeypatch):
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    rename, lost = os.rename, slot(chain[1])
+
+    def pin_late(backend):
+        if not store.has(chain[0]):
+            store.pin("late", chain)
+        return store.pinned()
+
+    def fail(source, target):
+        if str(target).endswith(f"{store.root}/objects/{lost}"):
+            raise OSError(errno.EIO, "Input/output error")
+        rename(source, target)
+
+    with monkeypatch.context() as faulty:
+        faulty.setattr(collection, "pinned", pin_late)
+        faulty.setattr(moves, "owned_name", lambda: f"{process_space()}-{dead.pid}-{'0' * 32}")
+        faulty.setattr(moves.os, "rename", fail)
+        with pytest.raises(StoreError, match="Input/output error"):
+            store.gc(is_dry=False, grace_seconds=0)
+    assert not store.has(chain[1])
+    assert store.gc().leftovers == ()
+    store.gc(is_dry=False)
+    assert [result.is_intact for result in store.verify()] == [True] * 4
+    assert list((store.root / "staging").iterdir()) == []
+
+
+def test_a_sweep_interrupted_after_a_rename_restores_the_artifact(store, chain, monkeypatch):
+    rename = os.rename
+
+    def interrupt(source, target):
+        rename(source, target)
+        if str(source).endswith(f"{store.root}/objects/{slot(chain[2])}"):
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as faulty:
+        faulty.setattr(moves.os, "rename", interrupt)
+        with pytest.raises(KeyboardInterrupt):
+            store.release(chain)
+    assert [result.is_intact for result in store.verify()] == [True] * 4
+
+
+def test_what_a_sweep_was_deleting_when_it_was_killed_does_not_return(store, chain, monkeypatch):
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    with monkeypatch.context() as killed:
+        killed.setattr(moves, "owned_name", lambda: f"{process_space()}-{dead.pid}-{'0' * 32}")
+        killed.setattr(moves.shutil, "rmtree", lambda *arguments, **options: None)
+        assert store.release(chain) == 4
+    assert len(store.gc(is_dry=False).leftovers) == 1
+    assert list(store.refs()) == [] and list((store.root / "staging").iterdir()) == []
 
 
 def test_gc_removes_pins_that_no_longer_hold_and_no_others(store, chain):

@@ -14,7 +14,9 @@ import zarr
 
 from moseg.schemas.errors import StoreError
 from moseg.store import LocalStore, open_store
+from moseg.store.reading import read_sealed
 from moseg.store.remote.connection import connect
+from moseg.store.sealing import seal
 from moseg.store.transfer import is_same_store, keep, kept_meanwhile, plan_transfer, select, transfer
 
 DIES = """
@@ -151,6 +153,20 @@ def test_a_damaged_manifest_is_named_and_the_rest_is_copied(store, family, targe
     assert report.num_copied == len(family) - 1
     assert list(report.problems) == [family["child"]]
     assert "seal" in report.problems[family["child"]]
+
+
+def test_forged_artifacts_that_are_inputs_of_each_other_are_named_and_the_rest_is_copied(store, family, target):
+    forged = [family["left"], family["right"]]
+    for ref, other in (forged, forged[::-1]):
+        sealed = read_sealed(store, ref)
+        recipe = sealed.manifest.recipe.about({"other": other})
+        task, key = ref.split("/")
+        data = seal(sealed.manifest.model_copy(update={"recipe": recipe}), sealed.metadata, is_packed=True)
+        (store.root / "objects" / task / key[:2] / key / "manifest.json").write_bytes(data)
+    report = _copy(store, target)
+    assert report.num_copied == len(family) - 2
+    assert report.problems.keys() == set(forged)
+    assert all("another recipe" in problem for problem in report.problems.values())
 
 
 def test_an_artifact_that_vanishes_while_it_is_copied_is_named(store, family, target):

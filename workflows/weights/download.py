@@ -32,6 +32,8 @@ _RANGE = re.compile(r"bytes (?:(?P<start>\d{1,18})-\d+|\*)/(?P<total>\d{1,18}|\*
 
 Report = Callable[[int, int | None], None]
 """Takes how many bytes were received, and of how many if that is known."""
+Record = Callable[["Downloaded"], None]
+"""Takes what was received, before it has its name: a kill then never leaves a file that is not recorded."""
 
 
 class Source(NamedTuple):
@@ -66,7 +68,13 @@ class _Cut(Exception):
         self.answer = answer
 
 
-def download(source: Source, target: Path, report: Report, retries: Retries | None = None) -> Downloaded:
+def download(
+    source: Source,
+    target: Path,
+    report: Report,
+    retries: Retries | None = None,
+    record: Record = lambda found: None,
+) -> Downloaded:
     """Download a file to `target`, whose folder exists.
 
     Raises
@@ -89,6 +97,7 @@ def download(source: Source, target: Path, report: Report, retries: Retries | No
                 got, expected = f"{found.size} bytes", source.size
             expected = f"{expected}; what was downloaded is deleted"
             raise InputError("a wrong file was downloaded", where=source.url, got=got, expected=expected)
+    record(found)
     try:
         os.replace(partial, target)
     except OSError as error:
@@ -105,6 +114,7 @@ class _Transfer:
         self._report = report
         self._retries = retries
         self._etag: str | None = None
+        self._total: int | None = None
 
     def receive(self) -> None:
         """Request what is missing until the file is complete."""
@@ -166,15 +176,13 @@ class _Transfer:
         """Accept that the server has no more bytes; delete what is here if the file has another length."""
         error.close()
         match = _RANGE.fullmatch(error.headers.get("Content-Range", ""))
-        if match is None or match["total"] != str(start):
+        if match is None or match["total"] != str(start) or self._total not in (None, start):
             self._partial.unlink()
+            self._etag = self._total = None
             raise _Cut("the server has no such range") from error
 
     def _receive_body(self, response: HTTPResponse, start: int) -> None:
-        tag = response.headers.get("ETag", "")
-        self._etag = tag if tag.startswith('"') else None
-        start = _accepted_start(response, start)
-        total = None if response.length is None else start + response.length
+        start, total = self._accept(response, start)
         self._check_answer(response, total)
         free = shutil.disk_usage(self._partial.parent).free
         if response.length is not None and response.length > free:
@@ -202,6 +210,39 @@ class _Transfer:
             self._partial.unlink()
             raise InputError("the server sent an empty file", where=self._source.url, got="0 bytes")
 
+    def _accept(self, response: HTTPResponse, start: int) -> tuple[int, int | None]:
+        """Return where the response begins and how long the file is, and note which version of the file this is.
+
+        It begins at 0 if the server ignores ranges or has another file by now.
+        """
+        tag = response.headers.get("ETag", "")
+        tag = tag if tag.startswith('"') else None
+        total = response.length
+        if response.status == 206:
+            match = _RANGE.fullmatch(response.headers.get("Content-Range", ""))
+            if match is None or match["start"] != str(start):
+                raise _Cut("the server sent another range")
+            if match["total"] != "*":
+                total = int(match["total"])
+            elif total is not None:
+                total += start
+            # Not every server, and not every cache before it, heeds If-Range.
+            if self._is_another_version(tag, total):
+                self._partial.unlink(missing_ok=True)
+                self._etag = self._total = None
+                raise _Cut("the server has another version of the file")
+        else:
+            start = 0
+        self._etag, self._total = tag, total
+        return start, total
+
+    def _is_another_version(self, tag: str | None, total: int | None) -> bool:
+        """Return whether a part cannot belong to what was received before."""
+        # A part without a tag may be of any version; the digest, if it is known, tells later.
+        if self._etag is not None and tag != self._etag and (tag is not None or self._source.sha256 is None):
+            return True
+        return None not in (total, self._total) and total != self._total
+
     def _check_answer(self, response: HTTPResponse, total: int | None) -> None:
         """Raise InputError for a response that cannot be the file, before it is downloaded."""
         url, size = self._source.url, self._source.size
@@ -218,16 +259,6 @@ class _Transfer:
 
     def _reached(self) -> int:
         return self._partial.stat().st_size if self._partial.exists() else 0
-
-
-def _accepted_start(response: HTTPResponse, start: int) -> int:
-    """Return where the response begins: at 0 if the server ignores ranges or has another file by now."""
-    if response.status != 206:
-        return 0
-    match = _RANGE.fullmatch(response.headers.get("Content-Range", ""))
-    if match is None or match["start"] != str(start):
-        raise _Cut("the server sent another range")
-    return start
 
 
 def _read(response: HTTPResponse) -> bytes:

@@ -62,14 +62,17 @@ def _fetch_file(files: ItemFolder, file: WeightsFile, token: str | None, quiet: 
         pins, source = _find_pin(file, source, files.path, pins, token, label)
     source = source._replace(token=token_for(source.url, token))
     target = files.path / file.name
+
+    def pin(found: Downloaded) -> None:
+        if file.sha256 is None:
+            pinned = FilePin(source=file.url, sha256=found.sha256, size=found.size)
+            write_pins(files.path, pins.model_copy(update={"files": {**pins.files, file.name: pinned}}))
+
     if again and source.sha256 is not None and target.is_file() and sha256_of(target) == source.sha256:
-        found = Downloaded(source.sha256, target.stat().st_size)
+        pin(Downloaded(source.sha256, target.stat().st_size))
     else:
         with DownloadProgress(label, urlsplit(source.url).hostname, quiet) as progress:
-            found = download(source, target, progress.advance)
-    if file.sha256 is None:
-        pin = FilePin(source=file.url, sha256=found.sha256, size=found.size)
-        write_pins(files.path, pins.model_copy(update={"files": {**pins.files, file.name: pin}}))
+            download(source, target, progress.advance, record=pin)
 
 
 def _find_pin(

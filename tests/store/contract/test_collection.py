@@ -1,14 +1,33 @@
 """Pins, and the collection of what none of them reaches, on every kind of store."""
 
+import subprocess
+import sys
 import time
+import uuid
 
 import pytest
 
 from moseg.schemas.errors import StoreError
 from moseg.schemas.recipes import Recipe
 from moseg.store import collection
+from moseg.store.local import moves
+from moseg.store.owners import process_space
+from moseg.store.remote import remote_store, trash
 
 ABSENT = "toy/" + "f" * 64
+
+
+@pytest.fixture
+def dies_now(monkeypatch):
+    """Return a function after which unfinished work of this process is that of one which has ended."""
+
+    def die():
+        dead = subprocess.Popen([sys.executable, "-c", ""])
+        dead.wait()
+        for module in (moves, trash, remote_store):
+            monkeypatch.setattr(module, "owned_name", lambda: f"{process_space()}-{dead.pid}-{uuid.uuid4().hex}")
+
+    return die
 
 
 def test_pins_are_listed_until_unpinned(store, ref):
@@ -61,6 +80,31 @@ def test_a_failed_sweep_restores_everything(store, ref, monkeypatch):
     with pytest.raises(StoreError, match="unreadable pin"):
         store.gc(is_dry=False, grace_seconds=0)
     assert [result.is_intact for result in store.verify([ref])] == [True]
+
+
+def test_what_a_killed_sweep_took_returns_at_the_next_collection(store, ref, dies_now):
+    other = Recipe(task="apple", version=1)
+    store.put(other, {}, dims={})
+    store.pin("run-1", [ref])
+    dies_now()
+    store.new_trash().take([ref, other.ref])
+    assert list(store.refs()) == []
+    assert store.gc().leftovers == ()
+    assert store.gc(is_dry=False).removed == ()
+    assert [result.is_intact for result in store.verify()] == [True, True]
+    assert store.gc(is_dry=False).leftovers == ()
+
+
+def test_what_a_killed_sweep_took_and_a_run_computed_again_is_a_leftover(store, ref, toy, dies_now):
+    store.pin("run-1", [ref])
+    dies_now()
+    store.new_trash().take([ref])
+    store.put(toy.recipe, toy.arrays, dims=toy.dims)
+    preview, done = store.gc(), store.gc(is_dry=False)
+    assert preview.leftovers == done.leftovers != ()
+    assert store.gc().leftovers == ()
+    assert store.attributes(ref) == {}
+    assert [result.is_intact for result in store.verify()] == [True]
 
 
 def test_gc_without_a_pin_previews_what_it_deletes(store, ref):

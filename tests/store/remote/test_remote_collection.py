@@ -8,13 +8,14 @@ import time
 import numpy as np
 import obstore
 import pytest
-from obstore.exceptions import AlreadyExistsError
+from obstore.exceptions import AlreadyExistsError, GenericError
 
 from moseg.schemas.errors import StoreError
 from moseg.schemas.recipes import Recipe
 from moseg.store import collection, open_store
+from moseg.store.names import slot
 from moseg.store.owners import owned_name
-from moseg.store.remote import logs, remote_store
+from moseg.store.remote import logs, remote_store, trash
 from moseg.store.remote import requests as remote_requests
 from moseg.store.remote.connection import connect
 from moseg.store.remote.layout import aside_name, manifest_name
@@ -119,10 +120,70 @@ def test_leftovers_of_a_killed_collection_are_deleted(store, s3, put_toy, names,
         obstore.put(client, aside_name(ref), dead_name.encode() + b"\n" + manifest)
     # one manifest was already deleted
     obstore.delete(client, manifest_name(refs[1]))
-    report = store.gc(is_dry=False)
-    assert len(report.leftovers) == 3 and report.removed == ()
+    # the files of the other one too, as the last thing but its copy
+    (packed,) = names(f"payloads/{slot(refs[1])}")
+    obstore.delete(client, packed)
+    put_orphan(store, s3, dead_name)
+    preview, report = store.gc(), store.gc(is_dry=False)
+    assert len(report.leftovers) == 3 and report.leftovers == preview.leftovers and report.removed == ()
     assert names("aside") == [] and [result.is_intact for result in store.verify()] == [True]
     assert len({name.split("/")[3] for name in names("payloads")}) == 1
+
+
+def fail_at(monkeypatch, name: str, request: str) -> None:
+    """Let a server answer 503 to requests for an object, and others of the same kind late."""
+    real = getattr(obstore, request)
+
+    def answer(client, path, *arguments, **options):
+        if path == name:
+            raise GenericError("Generic S3 error: Server returned non-2xx status code: 503 Slow Down: ")
+        time.sleep(0.2)
+        return real(client, path, *arguments, **options)
+
+    monkeypatch.setattr(remote_requests.obstore, request, answer)
+
+
+def test_a_sweep_that_cannot_delete_a_manifest_restores_everything(store, put_toy, names, monkeypatch):
+    refs = [put_toy(store, number) for number in range(6)]
+    for collect in (lambda: store.gc(is_dry=False, grace_seconds=0), lambda: store.release(refs)):
+        with monkeypatch.context() as faulty:
+            fail_at(faulty, manifest_name(refs[2]), "delete")
+            with pytest.raises(StoreError, match="cannot delete objects: the server answers 503"):
+                collect()
+        assert [result.is_intact for result in store.verify()] == [True] * 6
+        assert names("aside") == []
+    assert store.release(refs) == 6 and names("") == ["moseg-store.json"]
+
+
+def test_an_artifact_whose_manifest_cannot_be_deleted_is_not_removed(store, put_toy, names, monkeypatch):
+    ref = put_toy(store)
+    with monkeypatch.context() as faulty:
+        fail_at(faulty, manifest_name(ref), "delete")
+        with pytest.raises(StoreError, match="503"):
+            store.remove(ref)
+    assert [result.is_intact for result in store.verify()] == [True] and names("aside") == []
+
+
+def test_what_a_failed_sweep_cannot_restore_returns_at_the_next_collection(
+    store, put_toy, names, monkeypatch, dead_name
+):
+    refs = [put_toy(store, number) for number in range(3)]
+
+    def pinned(backend):
+        if not store.has(refs[0]):
+            store.pin("run", refs)
+            fail_at(faulty, manifest_name(refs[1]), "put")
+        return store.pinned()
+
+    with monkeypatch.context() as faulty:
+        faulty.setattr(collection, "pinned", pinned)
+        faulty.setattr(trash, "owned_name", lambda: dead_name)
+        with pytest.raises(StoreError, match="cannot write objects: the server answers 503"):
+            store.gc(is_dry=False, grace_seconds=0)
+    assert not store.has(refs[1])
+    assert store.gc(is_dry=False).removed == ()
+    assert [result.is_intact for result in store.verify()] == [True] * 3
+    assert names("aside") == []
 
 
 def test_a_copy_that_a_killed_collection_left_does_not_prevent_removal(store, s3, put_toy, names, dead_name):

@@ -9,9 +9,10 @@ import pytest
 
 from moseg.schemas.errors import InputError, MissingStoreError, StoreChoiceError, StoreError
 from moseg.store import open_store
+from moseg.store.names import CONTENT, MARKER
 from moseg.store.remote import connection
 from moseg.store.remote.connection import connect, s3_settings
-from moseg.store.remote.requests import requests_for
+from moseg.store.remote.requests import Requests, requests_for
 
 SECRET = "a-secret-of-mine"
 
@@ -36,6 +37,21 @@ def test_a_prefix_with_other_objects_is_refused_and_not_changed(s3):
         with pytest.raises(StoreChoiceError, match=r"not an artifact store .*thesis\.tex"):
             open_store(s3, create=create)
     assert [item["path"] for item in obstore.list(connect(s3)).collect()] == ["thesis.tex"]
+
+
+@pytest.mark.parametrize("first", ["logs/run/0.jsonl", "objects/toy/0"])
+@pytest.mark.parametrize("create", [True, False])
+def test_a_store_that_another_process_makes_meanwhile_is_opened(s3, monkeypatch, create, first):
+    look_up, client = Requests.get, connect(s3)
+
+    def look_up_early(requests, name):
+        content = look_up(requests, name)
+        obstore.put(client, MARKER, CONTENT)
+        obstore.put(client, first, b"")
+        return content
+
+    monkeypatch.setattr(Requests, "get", look_up_early)
+    assert open_store(s3, create=create).url == s3
 
 
 @pytest.mark.parametrize("content", [b'{"store": "moseg artifacts", "format": 3}', b"{}", b""])

@@ -208,6 +208,49 @@ def test_parts_of_two_versions_are_never_joined(server, fetch, tmp_path, sha256)
 
 
 @pytest.mark.parametrize(
+    ("other", "etag", "is_digest_known"),
+    [
+        (b"y" * len(CONTENT), '"2"', False),
+        (b"y" * len(CONTENT), '"2"', True),
+        (b"y" * len(CONTENT), None, False),
+        (b"y" * (len(CONTENT) + 1), '"1"', False),
+        (b"y" * 1000, '"1"', False),
+    ],
+)
+def test_parts_are_not_joined_if_the_server_ignores_if_range(server, fetch, sha256, other, etag, is_digest_known):
+    server.serve(PATH, CONTENT, etag='"1"', cuts=[1000])
+
+    def change(done, total):
+        server.serve(PATH, other, etag=etag, heeds_if_range=False)
+
+    found = fetch(report=change, sha256=sha256(other) if is_digest_known else None, size=None)
+    assert found == (sha256(other), len(other))
+
+
+def test_a_part_without_a_tag_is_accepted_if_the_digest_is_known(server, fetch, sha256):
+    server.serve(PATH, CONTENT, etag='"1"', cuts=[1000])
+
+    def forget_tag(done, total):
+        server.serve(PATH, CONTENT, heeds_if_range=False)
+
+    fetch(report=forget_tag)
+    assert server.num_sent(PATH) == len(CONTENT)
+
+
+def test_a_part_that_ends_early_is_not_the_rest(server, fetch, sha256):
+    headers = {"Content-Range": f"bytes 1000-1999/{len(CONTENT)}", "Content-Length": "1000"}
+    server.serve(PATH, CONTENT, etag='"1"', cuts=[1000])
+
+    def shorten(done, total):
+        if done == 1000:
+            server.serve(PATH, CONTENT, etag='"1"', headers=headers, cuts=[1000])
+        elif done == 2000:
+            server.serve(PATH, CONTENT, etag='"1"')
+
+    assert fetch(report=shorten, sha256=None, size=None).sha256 == sha256(CONTENT)
+
+
+@pytest.mark.parametrize(
     ("status", "line"), [(500, "the server fails in"), (503, "the server is busy in"), (429, "the server is busy in")]
 )
 def test_a_busy_server_is_retried(server, fetch, status, line):

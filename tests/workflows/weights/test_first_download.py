@@ -1,6 +1,7 @@
 """Files without a published checksum: verified against the hub's record, or recorded once and enforced."""
 
 import json
+import os
 
 import pytest
 
@@ -113,6 +114,32 @@ def test_an_address_elsewhere_is_recorded_and_enforced(server, describe, open_fo
     server.serve("/net.pth", TENSORS[::-1])
     with pytest.raises(InputError, match="a wrong file was downloaded"):
         weights.ensure(item)
+
+
+@pytest.mark.parametrize("is_renamed", [True, False])
+def test_a_download_that_is_killed_as_it_ends_is_recorded(
+    server, describe, open_folder, folder, sha256, monkeypatch, is_renamed
+):
+    describe({"files": [{"name": "model.pth", "url": server.serve("/net.pth", TENSORS)}]})
+    weights = open_folder()
+    item, path, rename = weights.item("net"), folder / "net" / "model.pth", os.replace
+
+    def die(source, target):
+        if target != path or is_renamed:
+            rename(source, target)
+        if target == path:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as killed:
+        killed.setattr(os, "replace", die)
+        with pytest.raises(KeyboardInterrupt):
+            weights.ensure(item)
+    assert path.exists() == is_renamed
+    weights.ensure(item)
+    assert server.num_sent("/net.pth") == len(TENSORS)
+    path.write_bytes(TENSORS[::-1])
+    assert weights.digests(item) == {"model.pth": sha256(TENSORS)}
+    assert [verdict.is_wrong for verdict in weights.verify(item)] == [True]
 
 
 @pytest.fixture
