@@ -109,6 +109,24 @@ class SequenceSubject(Frozen):
     fps: float | None = None
 
 
+class VideoFrames(Frozen):
+    """Frames of the user's video, or folder of images, that a run read.
+
+    Attributes
+    ----------
+    names : tuple of str or None
+        File names, one each; None for a video.
+    numbers : tuple of int or None
+        Numbers in the video, counted from 0, one each; None if all were read, or if they have names.
+    part : str or None
+        Part of the video that they are, in words; None if all were read, or if this is not known.
+    """
+
+    names: tuple[str, ...] | None = None
+    numbers: tuple[int, ...] | None = None
+    part: str | None = None
+
+
 class SubjectEvent(_ProcessLine):
     """The subject of a run for one wave of sequences: sufficient to write the graph again without its sources.
 
@@ -128,6 +146,8 @@ class SubjectEvent(_ProcessLine):
         Command line without `moseg` that leads to the same, of a run that continues another.
     video : str or None
         Digest of the user's video, as in ``motion.json``.
+    video_frames : VideoFrames or None
+        Its frames; None in runs of earlier versions, and where JSON cannot hold their names.
     uncorrected : dict or None
         Every parameter before the settings of the user's corrections, if there are any.
     sequences : tuple of SequenceSubject
@@ -142,6 +162,7 @@ class SubjectEvent(_ProcessLine):
     notes: tuple[str, ...] = ()
     words: tuple[str, ...] | None = None
     video: str | None = None
+    video_frames: VideoFrames | None = None
     uncorrected: dict[str, JsonValue] | None = None
     sequences: tuple[SequenceSubject, ...]
 

@@ -16,6 +16,7 @@ from moseg.schemas.events import (
     SequenceSubject,
     SubjectEvent,
     TroubleEvent,
+    VideoFrames,
     WorkEvent,
     line_time,
     read_event,
@@ -96,6 +97,20 @@ LINES = {
         f'{{{WHERE},"event":"closed","outcome":"finished","pins":["1a2b"]}}',
     ),
 }
+
+
+@pytest.mark.parametrize(
+    ("frames", "line"),
+    [
+        (VideoFrames(numbers=(3, 5), part="2 frames, 3 to 5"), '{"numbers":[3,5],"part":"2 frames, 3 to 5"}'),
+        (VideoFrames(names=("a.png", "b.png")), '{"names":["a.png","b.png"]}'),
+        (VideoFrames(), "{}"),
+    ],
+)
+def test_the_frames_of_a_video_are_in_the_line_of_its_run(frames, line):
+    subject = LINES[EventKind.SUBJECT][0].model_copy(update={"video_frames": frames})
+    assert f'"video_frames":{line}' in write_event(subject).decode()
+    assert read_event(write_event(subject)) == subject
 
 
 def test_every_kind_of_event_has_its_line():

@@ -193,5 +193,12 @@ def open_run(
         path = os.path.abspath(os.fsdecode(video)) if isinstance(video, str | os.PathLike) else None
         rate = chosen.thinned_rate(choose_fps(fps, source.frames.describe().fps))
         origin = FrameOrigin(path, source.frames)
-        purpose = Purpose("segment", source.notes, rate, video=origin.identity, uncorrected=choices.read())
+        purpose = Purpose(
+            "segment",
+            source.notes,
+            rate,
+            video=origin.identity,
+            uncorrected=choices.read(),
+            video_frames=origin.recorded(),
+        )
         yield OpenVideo(OpenRun(session, source, variant, purpose), source, origin, choices, rate)

@@ -145,7 +145,9 @@ def run_segmentation(
     notes = (*source.notes, *motions_note(config, option), *corrections.notes(origin))
     rate = chosen.thinned_rate(choose_fps(fps, source.frames.describe().fps))
     shown = None if page is None else RunReport(page, source.name, config, [variant], [source.name])
-    purpose = Purpose("segment", notes, rate, video=origin.identity, uncorrected=uncorrected)
+    purpose = Purpose(
+        "segment", notes, rate, video=origin.identity, uncorrected=uncorrected, video_frames=origin.recorded()
+    )
     panels = None if shown is None else shown.panels
     with run.open() as session:
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from moseg.schemas.digests import digest_bytes
 from moseg.schemas.errors import InputError
+from moseg.schemas.events import VideoFrames
 from moseg.workflows.exports.motion_json import frame_names
 from moseg.workflows.sources import FrameSource, ImageFiles, VideoFile
 from moseg.workflows.sources.files import open_file, unreadable
@@ -64,6 +65,14 @@ class FrameOrigin:
         if self.numbers is not None:
             return f"{len(self.numbers)} frames, {self.numbers[0]} to {self.numbers[-1]}"
         return None
+
+    def recorded(self) -> VideoFrames | None:
+        """Return the frames as the log of a run records them; None if JSON cannot hold their names."""
+        try:
+            return VideoFrames(names=self.names, numbers=self.numbers, part=self.part)
+        except InputError:
+            # Such names are reported where they are to be written; a run that writes no results does not need them.
+            return None
 
     def choose(self, kept: tuple[int, ...] | None) -> "FrameOrigin":
         """Return the origin of some of the frames, counted among those of this one; of all where None."""

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Literal, NamedTuple
 
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
-from moseg.schemas.events import SequenceSubject, SubjectEvent
+from moseg.schemas.events import SequenceSubject, SubjectEvent, VideoFrames
 from moseg.schemas.frozen import Frozen
 from moseg.workflows.graph import SequenceLeaves, TrajectoryLeaves
 from moseg.workflows.runlog.events import as_unicode, this_process
@@ -27,6 +27,8 @@ class Purpose(NamedTuple):
         Digest of the user's video.
     uncorrected : PipelineConfig or None
         The configuration before the settings of the user's corrections, if there are any.
+    video_frames : VideoFrames or None
+        The frames that are read of the user's video, if they are known.
     """
 
     command: Literal["eval", "ablate", "segment"]
@@ -35,6 +37,7 @@ class Purpose(NamedTuple):
     words: tuple[str, ...] | None = None
     video: str | None = None
     uncorrected: PipelineConfig | None = None
+    video_frames: VideoFrames | None = None
 
 
 EVALUATION = Purpose("eval")
@@ -58,6 +61,7 @@ def make_subject(
         seeds=None if seeds is None else tuple(seeds),
         notes=tuple(map(as_unicode, purpose.notes)),
         video=purpose.video,
+        video_frames=purpose.video_frames,
         uncorrected=None if purpose.uncorrected is None else purpose.uncorrected.model_dump(mode="json"),
         words=None if purpose.words is None else tuple(map(as_unicode, purpose.words)),
         sequences=tuple(SequenceSubject(leaves=_plain(leaves), fps=fps) for leaves, fps in sequences),

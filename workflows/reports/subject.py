@@ -7,7 +7,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from moseg.schemas.configs import PipelineConfig, TrajectoryVariant, Variant
 from moseg.schemas.errors import InputError
-from moseg.schemas.events import EventKind, SubjectEvent, line_time, read_event
+from moseg.schemas.events import EventKind, SubjectEvent, VideoFrames, line_time, read_event
 from moseg.store import ArtifactStore
 from moseg.workflows.graph import SequenceLeaves, TrajectoryLeaves
 
@@ -41,6 +41,8 @@ class RunSubject(NamedTuple):
         Command line without `moseg` that leads to the same, of a run that continues another.
     video : str or None
         Digest of the user's video; None in runs of earlier versions too.
+    video_frames : VideoFrames or None
+        Its frames, where the log has them.
     uncorrected : PipelineConfig or None
         The configuration before the settings of the user's corrections, if there are any.
     """
@@ -55,6 +57,7 @@ class RunSubject(NamedTuple):
     words: tuple[str, ...] | None = None
     video: str | None = None
     uncorrected: PipelineConfig | None = None
+    video_frames: VideoFrames | None = None
 
     @property
     def has_frames(self) -> bool:
@@ -123,5 +126,6 @@ def _read(events: list[SubjectEvent]) -> RunSubject:
         notes=first.notes,
         words=first.words,
         video=first.video,
+        video_frames=first.video_frames,
         uncorrected=None if first.uncorrected is None else PipelineConfig.model_validate(first.uncorrected),
     )

@@ -23,7 +23,7 @@ from moseg.workflows.pipelines.purpose import Purpose
 from moseg.workflows.view.growing_methods import list_growing_methods
 from moseg.workflows.view.opened import ExportChoices, Opened
 from moseg.workflows.view.shown_result import ShownResult
-from moseg.workflows.view.stored_frames import RunOrigin, StoredFrames, StoredOrigin
+from moseg.workflows.view.stored_frames import StoredFrames, find_origin
 from moseg.workflows.view.stored_runs import StoredRun
 from moseg.workflows.view.uploads import FOLDER
 from moseg.workflows.view.view_session import Opening
@@ -92,11 +92,13 @@ def run_opening(run: StoredRun, out: Path, settings: RunSettings, summary: Seque
             shape = summary.height, summary.width
         frames = StoredFrames.of_size(session.store, run.leaves.frames, shape, fps)
         source = SequenceSource(run.leaves.name, frames)
-        origin = RunOrigin(None, frames, run.video) if summary is None else StoredOrigin(None, frames, summary)
+        origin = find_origin(frames, run, out, summary)
         leaves = run.leaves._replace(edits=())
         words = _as_segment(run.words, run.leaves.name, out)
         base = run.uncorrected
-        purpose = Purpose("segment", words=words, video=origin.identity, uncorrected=base)
+        purpose = Purpose(
+            "segment", words=words, video=origin.identity, uncorrected=base, video_frames=origin.recorded()
+        )
         video = OpenVideo(
             OpenRun(session, source, run.variant, purpose, leaves, base), source, origin, PipelineChoices(base), fps
         )

@@ -26,7 +26,7 @@ from moseg.workflows.view.view_session import Opening, ViewSession
 PACKAGES = ("starlette", "uvicorn")
 """The libraries that the server runs on; nothing else needs them."""
 DEFAULT_OUT = "out"
-_RUN = re.compile(r"\d{8}T\d+(-[0-9a-f]*)?")
+_RUN = re.compile(r"\d{4,8}(T\d*(-[0-9a-f]*)?)?")
 
 
 def start_view(

@@ -2,15 +2,19 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from moseg.schemas.digests import digest_json
+from moseg.schemas.events import VideoFrames
 from moseg.store import ArtifactStore
 from moseg.workflows.exports.frame_origin import FrameOrigin
-from moseg.workflows.exports.motion_json import SequenceSummary
+from moseg.workflows.exports.motion_json import SequenceSummary, read_motion
+from moseg.workflows.exports.outputs import MOTION
 from moseg.workflows.sources.frames import FrameDescription
+from moseg.workflows.view.stored_runs import StoredRun
 
 
 class StoredFrames(NamedTuple):
@@ -57,45 +61,77 @@ class StoredFrames(NamedTuple):
 
 
 @dataclass(frozen=True)
-class RunOrigin(FrameOrigin):
-    """Origin of the frames of a run, as its log has it.
+class StoredOrigin(FrameOrigin):
+    """Origin of the frames of a stored result, without the video itself.
 
     Attributes
     ----------
     video : str or None
         Digest of the video.
+    recorded_frames : VideoFrames or None
+        Frames of the video that were read; None if this is not known.
     """
 
     video: str | None
+    recorded_frames: VideoFrames | None
+
+    @property
+    def names(self) -> tuple[str, ...] | None:
+        """See `FrameOrigin`."""
+        return None if self.recorded_frames is None else self.recorded_frames.names
+
+    @property
+    def numbers(self) -> tuple[int, ...] | None:
+        """See `FrameOrigin`."""
+        return None if self.recorded_frames is None else self.recorded_frames.numbers
 
     @property
     def identity(self) -> str | None:
         """See `FrameOrigin`."""
         return self.video
 
+    @property
+    def part(self) -> str | None:
+        """See `FrameOrigin`; None too for images of which it is not known whether the folder has others."""
+        told = None if self.recorded_frames is None else self.recorded_frames.part
+        return told or super().part
 
-@dataclass(frozen=True)
-class StoredOrigin(FrameOrigin):
-    """Origin of the frames of a result whose video is not known, as ``motion.json`` describes it.
+    def recorded(self) -> VideoFrames | None:
+        """See `FrameOrigin`."""
+        return self.recorded_frames
 
-    Attributes
+
+def find_origin(frames: StoredFrames, run: StoredRun, out: Path, summary: SequenceSummary | None) -> StoredOrigin:
+    """Return the origin of the frames of a run.
+
+    Parameters
     ----------
-    summary : SequenceSummary
+    out : Path
+        Output folder. Its ``motion.json`` counts for a run of an earlier version, whose log does not have the frames.
+    summary : SequenceSummary or None
+        What the output folder has of the run, if that is what is opened.
+
+    Raises
+    ------
+    InputError
+        ``motion.json`` is needed and cannot be read.
     """
+    recorded = run.video_frames
+    if summary is None and recorded is None:
+        summary = _read_summary(run, out)
+    if summary is None:
+        return StoredOrigin(None, frames, run.video, recorded)
+    told = summary.frames, summary.numbers
+    if recorded is None or (recorded.names, recorded.numbers) != told:
+        recorded = VideoFrames(names=summary.frames, numbers=summary.numbers)
+    return StoredOrigin(None, frames, summary.video, recorded)
 
-    summary: SequenceSummary
 
-    @property
-    def names(self) -> tuple[str, ...] | None:
-        """See `FrameOrigin`."""
-        return self.summary.frames
-
-    @property
-    def numbers(self) -> tuple[int, ...] | None:
-        """See `FrameOrigin`."""
-        return self.summary.numbers
-
-    @property
-    def identity(self) -> str | None:
-        """See `FrameOrigin`."""
-        return self.summary.video
+def _read_summary(run: StoredRun, out: Path) -> SequenceSummary | None:
+    """Return what a folder has of the same video and as many frames; None if it has none or those of another one."""
+    path = out / MOTION
+    if run.video is None or not path.is_file():
+        return None
+    summary = read_motion(path)
+    is_same = (summary.video, summary.num_frames) == (run.video, len(run.leaves.frames))
+    return summary if is_same else None

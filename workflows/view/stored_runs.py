@@ -9,6 +9,7 @@ import numpy as np
 
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.errors import InputError, MissingArtifactError, StoreError
+from moseg.schemas.events import VideoFrames
 from moseg.store import ArtifactStore
 from moseg.workflows.exports.motion_json import SequenceSummary
 from moseg.workflows.exports.outputs import MASKS, mask_name
@@ -42,6 +43,8 @@ class StoredRun(NamedTuple):
         Digest of the video; None in runs of earlier versions, and for arrays.
     words : tuple of str
         Its command line without `moseg`; for a run that continues another, that of the other one.
+    video_frames : VideoFrames or None
+        The frames of the video that were read; None in runs of earlier versions.
     """
 
     status: RunStatus
@@ -52,6 +55,12 @@ class StoredRun(NamedTuple):
     fps: float | None
     video: str | None
     words: tuple[str, ...]
+    video_frames: VideoFrames | None = None
+
+    @property
+    def numbers(self) -> tuple[int, ...] | None:
+        """Numbers of the frames in the video; None if all were read, if they have names, or if they are not known."""
+        return None if self.video_frames is None else self.video_frames.numbers
 
 
 def read_run(store: ArtifactStore, name: str) -> StoredRun:
@@ -71,7 +80,17 @@ def read_run(store: ArtifactStore, name: str) -> StoredRun:
     status = read_status(store, run_id)
     words = subject.words or status.command[1:]
     uncorrected = subject.uncorrected or subject.config
-    return StoredRun(status, sequence.leaves, subject.config, uncorrected, variant, sequence.fps, subject.video, words)
+    return StoredRun(
+        status=status,
+        leaves=sequence.leaves,
+        config=subject.config,
+        uncorrected=uncorrected,
+        variant=variant,
+        fps=sequence.fps,
+        video=subject.video,
+        words=words,
+        video_frames=subject.video_frames,
+    )
 
 
 def list_segmentations(store: ArtifactStore) -> list[dict]:
@@ -99,6 +118,8 @@ def find_run_of(store: ArtifactStore, folder: Path, summary: SequenceSummary, is
         if (run.leaves.name, len(run.leaves.frames)) != (summary.name, summary.num_frames):
             continue
         if None not in (run.video, summary.video) and run.video != summary.video:
+            continue
+        if None not in (run.numbers, summary.numbers) and run.numbers != summary.numbers:
             continue
         try:
             if is_corrected or _has_masks_of(store, run, folder, summary):

@@ -6,9 +6,11 @@ import shlex
 import shutil
 import signal
 import socket
+from pathlib import Path
 
 import pytest
 
+from moseg.store import open_store
 from moseg.workflows.config.corrections_file import read_corrections
 
 OPTIONS = ("--section-length", "4", "--set", "sections.overlap=2")
@@ -229,6 +231,27 @@ def test_missing_libraries_are_named_with_their_installation(moseg, monkeypatch,
 def test_what_cannot_be_opened_is_one_line(moseg, what, in_empty_folder):
     ran = moseg("view", what, "--no-browser")
     assert ran.code == 2 and ran.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("what", ["1999", "199901", "19990101", "19990101T", "19990101T1200", "19990101T120000-3f"])
+def test_a_beginning_of_a_runs_name_is_looked_up_as_a_run(moseg, result, what):
+    ran = moseg("view", what, "--out", result.out, "--store", result.store, "--no-browser")
+    assert (ran.code, ran.err.count("\n")) == (2, 1)
+    assert "no such run" in ran.err and repr(what) in ran.err
+
+
+def test_a_run_opens_by_the_beginning_of_its_name(serve, segmented, tmp_path, moseg):
+    files = ("--out", tmp_path / "out", "--store", tmp_path / "store", "--quiet")
+    assert moseg("segment", segmented.frames, *files, "--section-length", "4").code == 0
+    (run_id,) = open_store(str(tmp_path / "store"), create=False).logs()
+    server = serve(run_id[:6], *files)
+    assert server.wait("ready")["name"] == "frames"
+
+
+def test_a_file_that_is_named_as_a_run_begins_is_a_file(moseg, result, in_empty_folder):
+    Path("2026").write_text("no video")
+    ran = moseg("view", "2026", "--out", result.out, "--store", result.store, "--no-browser")
+    assert ran.code == 2 and "not a video in " in ran.err
 
 
 def test_a_folder_of_results_and_a_run_open_without_the_video(serve, segmented, result):

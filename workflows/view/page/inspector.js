@@ -57,8 +57,6 @@ const facts = (identity) => {
   if (entry) {
     rows.push(["frames", `${entry.first}–${entry.last}`], ["mean area", `${entry.mean.toFixed(2)} %`]);
   }
-  if (object.sure !== null && object.sure !== undefined) rows.push(["sure", `${Math.round(100 * object.sure)} %`]);
-  if (object.complete !== null && object.complete !== undefined) rows.push(["complete", `${Math.round(100 * object.complete)} %`]);
   if (object.verdict) rows.push(["corrected", object.verdict]);
   return make("dl", { class: "object-facts" }, ...rows.map(([name, value]) => make("div", {}, make("dt", {}, name), make("dd", {}, value))));
 };

@@ -12,7 +12,7 @@ const look = (identity) => {
   if (entry) goTo(entry.best);
 };
 
-const makeEntry = ({ identity, reason }, shown) => {
+const makeEntry = ({ identity }) => {
   const entry = model.grid?.rejected[identity];
   const image = entry && make("img", { alt: "", loading: "lazy", src: `thumbnails/${identity}/${entry.best}?of=${entry.tag}` });
   return make(
@@ -22,7 +22,7 @@ const makeEntry = ({ identity, reason }, shown) => {
       "button",
       { type: "button", class: "look", "data-key": `look-${identity}`, onclick: () => look(identity), "aria-label": `look at rejected proposal ${nameOf(identity)}` },
       image,
-      make("span", {}, make("b", {}, nameOf(identity)), make("span", { class: "muted" }, entry ? ` ${entry.first}–${entry.last} · ${entry.mean.toFixed(1)}\u00a0%` : "", reason ? ` · ${reason}` : "")),
+      make("span", {}, make("b", {}, nameOf(identity)), make("span", { class: "muted" }, entry ? ` ${entry.first}–${entry.last} · ${entry.mean.toFixed(1)}\u00a0%` : "")),
     ),
     make("button", { type: "button", "data-key": `promote-${identity}`, onclick: () => sendEdit({ keep: identity }, `object ${identity} promoted`), "aria-label": `promote ${nameOf(identity)}` }, "Promote"),
   );
@@ -35,7 +35,7 @@ const draw = () => {
     find("rejected"),
     make("h2", { id: "rejected-heading" }, `Rejected proposals (${shown.rejected.length})`),
     shown.rejected.length
-      ? make("ul", { class: "rejected" }, ...shown.rejected.map((each) => makeEntry(each, shown)))
+      ? make("ul", { class: "rejected" }, ...shown.rejected.map(makeEntry))
       : make("p", { class: "muted" }, "None: everything that was proposed is in the result."),
   );
 };

@@ -1,4 +1,4 @@
-// Objects over time: a row for each object with pictures cut out of frames, its area, and when it moves.
+// Objects over time: a row for each object with pictures cut out of frames, and its area.
 
 import { announce, find, make, makeDrawing, plural, refill, swatch } from "./elements.js";
 import { goTo, model, nameOf, on, result, select } from "./model.js";
@@ -22,14 +22,10 @@ const drawTrack = (object, entry, shown) => {
   const playhead = makeDrawing("line", { class: "playhead", y1: 0, y2: HEIGHT });
   const area = makeDrawing("polygon", { points: outline(entry.areas, model.grid.step, numFrames, entry.largest) });
   area.style.fill = object.colour;
-  const moving = (object.movingFrames ?? []).map(([first, end]) =>
-    makeDrawing("rect", { class: "moves", x: first, y: HEIGHT - 3, width: end - first + 1, height: 3 }),
-  );
   return makeDrawing(
     "svg",
     { class: "area", viewBox: `0 0 ${numFrames} ${HEIGHT}`, preserveAspectRatio: "none", "aria-hidden": "true" },
     area,
-    ...moving,
     playhead,
   );
 };
