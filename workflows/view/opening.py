@@ -55,6 +55,11 @@ class OpenOptions:
     run: RunSettings
     options: tuple[str, ...] = ()
 
+    @property
+    def thinned_fps(self) -> float | None:
+        """Frames per second of the chosen frames, as far as the rate is given."""
+        return None if self.fps is None else self.chosen.thinned_rate(self.fps)
+
 
 def video_opening(path: str, name: str | None, options: OpenOptions) -> Opening:
     """Return the opening of a video: it is segmented, as far as that is not stored, and its results are written."""
@@ -129,7 +134,7 @@ def _open(video: OpenVideo, options: OpenOptions, words: Sequence[str]) -> Opene
         )
 
     def write(choices: ExportChoices) -> tuple[Path, ...]:
-        return write_result(video, options.out, choices, options.fps)
+        return write_result(video, options.out, choices, options.thinned_fps)
 
     # Both are asked for while the video is there: it may be removed later.
     shape, identity, part = video.shape, video.origin.identity, video.origin.part
