@@ -1,14 +1,21 @@
 """Only a window of the calls is submitted at a time, and no call runs before those that it waits for."""
 
+import time
+from contextlib import closing
 from itertools import count
 from threading import Event, Thread, Timer
 
 import pytest
-from distributed import Client
+from distributed import Client, LocalCluster
 
-from moseg.workflows.cluster import distributed_runner, runners
+from moseg.schemas.errors import ClusterError
+from moseg.workflows.cluster import distributed_runner, local_workers, runners, submission_window
 from moseg.workflows.cluster.call import Call
+from moseg.workflows.cluster.distributed_runner import DistributedRunner
+from moseg.workflows.cluster.existing_cluster import ExistingCluster
+from moseg.workflows.cluster.local_workers import LocalWorkers
 from moseg.workflows.cluster.runners import SynchronousRunner, open_runner
+from moseg.workflows.cluster.tls_files import TlsFiles
 
 WINDOW = 32
 
@@ -126,3 +133,46 @@ def test_runs_in_two_threads_get_their_own_results():
     SynchronousRunner().run(draw_first(), lambda name, result: found["first"].append(name))
     thread.join()
     assert found == {"first": ["a-0"], "second": ["b-0"]}
+
+
+def test_a_run_ends_if_no_local_worker_starts_again(monkeypatch):
+    monkeypatch.setattr(submission_window, "WATCH_SECONDS", 0.1)
+    monkeypatch.setattr(local_workers, "WITHOUT_WORKERS_SECONDS", 0.3)
+    cluster = LocalWorkers(1, 1, "cpu")
+    with closing(cluster):
+        cluster.client().cluster.scale(0)
+        _wait(lambda: not cluster.client().nthreads())
+        with pytest.raises(ClusterError, match=r"no worker starts again in --workers 1; got none for \d+ s"):
+            DistributedRunner(cluster).run([Call("stage-0", abs, (1,))], lambda name, result: None)
+
+
+def test_a_run_that_waits_for_workers_of_a_cluster_says_so_once(monkeypatch, capsys):
+    monkeypatch.setattr(submission_window, "WATCH_SECONDS", 0.1)
+    found, said = [], []
+
+    def is_said() -> bool:
+        said.append(capsys.readouterr().err)
+        return "any more" in "".join(said)
+
+    options = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0", "silence_logs": "CRITICAL"}
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=True, **options) as held:
+        cluster = ExistingCluster(held.scheduler_address, TlsFiles(), 1, "cpu")
+        held.scale(0)
+        _wait(lambda: not cluster.client().nthreads())
+        calls = [Call("stage-0", abs, (-1,))]
+        run = Thread(target=DistributedRunner(cluster).run, args=(calls, lambda name, result: found.append(result)))
+        run.start()
+        _wait(is_said)
+        held.scale(1)
+        run.join()
+        cluster.close()
+    assert found == [1]
+    assert "".join((*said, capsys.readouterr().err)).count("has no workers any more, waiting for one") == 1
+
+
+def _wait(holds) -> None:
+    for _ in range(6000):
+        if holds():
+            return
+        time.sleep(0.05)
+    pytest.fail("never held")

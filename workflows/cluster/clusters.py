@@ -52,6 +52,9 @@ class Cluster(Protocol):
     def examine_workers(self) -> None:
         """Check all workers again, because a call failed for want of a module."""
 
+    def watch(self) -> None:
+        """Report that there are no workers; raise ClusterError if none will come. Called while no call finishes."""
+
     def close(self) -> None:
         """End what was started."""
 

@@ -25,7 +25,7 @@ class DistributedRunner:
             waiting = list(islice(remaining, MIN_WINDOW))
             if not waiting:
                 return
-            with closing(SubmissionWindow(self._cluster.client(), self._cluster.setup)) as window:
+            with closing(SubmissionWindow(self._cluster.client(), self._cluster.setup, self._cluster.watch)) as window:
                 while waiting or window:
                     if waiting:
                         needs_gpus = any(call.needs_gpu for call in waiting) and self._cluster.claim_gpus()

@@ -28,6 +28,7 @@ class ExistingCluster:
         self.setup = make_setup(threads, DeclaredGpus(device))
         self._device = device
         self._had_gpus = False
+        self._is_waiting = False
         self._client = connect(scheduler, tls)
         try:
             self.where = self._client.scheduler.address
@@ -82,6 +83,13 @@ class ExistingCluster:
         """See `Cluster.examine_workers`."""
         self._check.forget_workers()
         self._admit(self._check.check_workers)
+
+    def watch(self) -> None:
+        """See `Cluster.watch`."""
+        has_workers = self.is_lost() or bool(self._client.nthreads())
+        if not has_workers and not self._is_waiting:
+            print(f"moseg: --scheduler {self.where} has no workers any more, waiting for one", file=sys.stderr)
+        self._is_waiting = not has_workers
 
     def close(self) -> None:
         """See `Cluster.close`."""

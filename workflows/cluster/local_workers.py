@@ -1,6 +1,7 @@
 """Worker processes of this machine."""
 
 import gc
+import time
 from contextlib import ExitStack
 from importlib import import_module
 
@@ -8,6 +9,7 @@ import dask
 from distributed import Client, LocalCluster, Status, WorkerPlugin
 
 from moseg.schemas.errors import ClusterError
+from moseg.workflows.cluster.clusters import RESUME
 from moseg.workflows.cluster.connection import SHORT_LOGS
 from moseg.workflows.cluster.placement import AssignedAccelerators, PlacementPolicy
 from moseg.workflows.cluster.remote_calls import make_setup
@@ -18,6 +20,10 @@ from moseg.workflows.process.resources import allocation_environ, pin_threads, t
 CALM = {"distributed.admin.tick.interval": "1s", "distributed.admin.system-monitor.interval": "2s"}
 """Scheduler, workers and their guards measure the delay of their event loops and their use of the machine this often,
 for the dashboard. Dask's 20 ms and 0.5 s wake each of them fifty times a second while workers compute."""
+
+
+WITHOUT_WORKERS_SECONDS = 120.0
+"""Time without any worker after which a run ends; a worker starts in some seconds."""
 
 
 class LocalWorkers:
@@ -32,6 +38,7 @@ class LocalWorkers:
         self._has_gpus: bool | None = None
         self._stack = ExitStack()
         self._client: Client | None = None
+        self._without_since: float | None = None
 
     def client(self) -> Client:
         """See `Cluster.client`."""
@@ -96,6 +103,21 @@ class LocalWorkers:
 
     def examine_workers(self) -> None:
         """See `Cluster.examine_workers`."""
+
+    def watch(self) -> None:
+        """See `Cluster.watch`."""
+        if self._client is None or self.is_lost():
+            return
+        now = time.monotonic()
+        if self._client.nthreads():
+            self._without_since = None
+        elif self._without_since is None:
+            self._without_since = now
+        elif now - self._without_since >= WITHOUT_WORKERS_SECONDS:
+            # Dask starts a worker again and again that dies before it has joined.
+            expected = f"enough memory and disk for workers to start; {RESUME}"
+            got = f"none for {now - self._without_since:.0f} s"
+            raise ClusterError("no worker starts again", where=self.where, got=got, expected=expected)
 
     def close(self) -> None:
         """See `Cluster.close`."""

@@ -1,7 +1,8 @@
 """A sliding window over the calls that a Dask cluster runs."""
 
+import time
 import uuid
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from typing import Any
@@ -22,6 +23,8 @@ must not fill the window while there is other work. Client and scheduler hold so
 MAX_CHAIN = 64
 """Longest chain of calls in the window that wait for each other: the scheduler keeps a finished call as long as any
 other call waits for it, directly or not."""
+WATCH_SECONDS = 5.0
+"""While no call finishes, the cluster is asked after its workers this often."""
 
 
 class SubmissionWindow:
@@ -29,11 +32,19 @@ class SubmissionWindow:
 
     The scheduler forgets a call as soon as its result is collected and no call in the window waits for it, so its
     memory and the client's do not grow with the number of calls.
+
+    Parameters
+    ----------
+    client : Client
+    setup : Setup
+    watch : function without arguments
+        Called again and again while no call finishes; what it raises ends the waiting.
     """
 
-    def __init__(self, client: Client, setup: Setup):
+    def __init__(self, client: Client, setup: Setup, watch: Callable[[], None] = lambda: None):
         self._client = client
         self._setup = setup
+        self._watch = watch
         # The scheduler would confuse calls of the same name of two runs. A task group is the name up to the first
         # hyphen, the stage, so that there are few groups.
         self._suffix = f"-{uuid.uuid4().hex}"
@@ -88,6 +99,7 @@ class SubmissionWindow:
 
     def collect(self) -> Iterator[tuple[str, Any]]:
         """Yield names and results of finished calls, at least of one; raise the first error among them after these."""
+        self._wait()
         batch = self._completed.next_batch()
         failed = [future for future in batch if future.status in ("error", "cancelled")]
         done = [future for future in batch if future not in failed]
@@ -97,6 +109,17 @@ class SubmissionWindow:
             yield name, result
         for future in failed:
             raise CallError(self._name(future), future.exception())
+
+    def _wait(self) -> None:
+        """Wait until a call has finished, and watch the cluster meanwhile."""
+        watch_at = time.monotonic() + WATCH_SECONDS
+        while not self._completed.has_ready() and not self._completed.is_empty():
+            with self._completed.thread_condition:
+                # As Dask itself waits, which would not come back.
+                self._completed.thread_condition.wait(timeout=0.1)
+            if time.monotonic() >= watch_at:
+                self._watch()
+                watch_at = time.monotonic() + WATCH_SECONDS
 
     def _gather(self, done: Sequence[Future]) -> Sequence[Any]:
         """Return results; one whose worker has died since is computed again, which may fail."""

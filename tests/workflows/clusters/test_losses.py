@@ -148,7 +148,7 @@ def _window(**methods):
     killed = KilledWorker("flow-0", "tcp://worker:1", 3)
     future = SimpleNamespace(key="flow-0" + window._suffix, status="finished", exception=lambda: killed)
     window._futures["flow-0"] = future
-    window._completed = SimpleNamespace(next_batch=lambda: [future])
+    window._completed = SimpleNamespace(next_batch=lambda: [future], has_ready=lambda: True)
     return window, future
 
 
