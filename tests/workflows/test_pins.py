@@ -227,7 +227,7 @@ def test_a_damaged_pin_of_the_same_results_is_replaced(tmp_path):
 
 
 def test_a_damaged_pin_of_another_run_keeps_no_result_back(squares, tmp_path, moseg, monkeypatch):
-    """What cannot be freed then stays, and is reported."""
+    """Report what cannot be freed then, and end well."""
     video, store = squares / "squares" / "frames", tmp_path / "store"
     arguments = ("segment", video, "--out", tmp_path / "out", "--store", store)
     assert moseg(*arguments, "--quiet").code == 0

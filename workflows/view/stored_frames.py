@@ -93,8 +93,8 @@ class StoredOrigin(FrameOrigin):
     @property
     def part(self) -> str | None:
         """See `FrameOrigin`; None too for images of which it is not known whether the folder has others."""
-        told = None if self.recorded_frames is None else self.recorded_frames.part
-        return told or super().part
+        recorded = None if self.recorded_frames is None else self.recorded_frames.part
+        return recorded or super().part
 
     def recorded(self) -> VideoFrames | None:
         """See `FrameOrigin`."""
@@ -121,8 +121,8 @@ def find_origin(frames: StoredFrames, run: StoredRun, out: Path, summary: Sequen
         summary = _read_summary(run, out)
     if summary is None:
         return StoredOrigin(None, frames, run.video, recorded)
-    told = summary.frames, summary.numbers
-    if recorded is None or (recorded.names, recorded.numbers) != told:
+    saved = summary.frames, summary.numbers
+    if recorded is None or (recorded.names, recorded.numbers) != saved:
         recorded = VideoFrames(names=summary.frames, numbers=summary.numbers)
     return StoredOrigin(None, frames, summary.video, recorded)
 
