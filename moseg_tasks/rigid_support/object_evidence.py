@@ -6,10 +6,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from moseg.schemas.parameters import RigidityParams, RigidSupportParams
+from moseg.schemas.parameters import RigidityParams, RigidSupportParams, SceneParallaxParams
 from moseg.tasks.geometry.camera_motion import CameraMotion
+from moseg.tasks.rigidity.explained_shares import explained_shares
 from moseg.tasks.rigidity.noise import displacement_noise
 from moseg.tasks.rigidity.parallax import split_displacements
+from moseg.tasks.tracks.labels_at import labels_at
 
 
 class ObjectEvidence(NamedTuple):
@@ -27,6 +29,9 @@ class ObjectEvidence(NamedTuple):
         Share of those that may have the inverse depth of a track outside; 1 without any.
     num_pairs : int
         Frame pairs that were read.
+    gain : float
+        Share of the tracks outside of all objects that a rigid scene explains and no single plane does: the median over
+        the pairs that are farthest apart and have enough of them, 0 without any.
     """
 
     num_observations: np.ndarray
@@ -34,6 +39,7 @@ class ObjectEvidence(NamedTuple):
     num_contour: np.ndarray
     attached: np.ndarray
     num_pairs: int
+    gain: float
 
 
 def measure_objects(
@@ -45,9 +51,10 @@ def measure_objects(
     cameras: Sequence[CameraMotion],
     strict_test: np.ndarray,
     params: RigidSupportParams,
+    scene: SceneParallaxParams,
     rigidity: RigidityParams,
 ) -> ObjectEvidence:
-    """Gather the evidence of the tracks in the objects' masks.
+    """Gather the evidence of the tracks in the objects' masks, and around them.
 
     Depths are compared over the pairs that are farthest apart, in which parallax is largest.
 
@@ -67,12 +74,14 @@ def measure_objects(
     strict_test : floating (pair, track)
         As `estimate_rigidity` returns it; NaN where a track is not seen in both frames.
     params : RigidSupportParams
+    scene : SceneParallaxParams
+        Of the share that a single plane explains.
     rigidity : RigidityParams
-        Of the noise of displacements.
+        Of the noise of displacements, and of the fit of the plane.
     """
     num_observations, test = np.zeros((2, num_objects))
     num_contour, num_attached, num_holding = np.zeros((3, num_objects))
-    num_pairs = 0
+    num_pairs, gains = 0, []
     widest = pairs[:, 1].max(initial=0)
     for (start, gap), camera, tests in zip(pairs.tolist(), cameras, strict_test, strict=True):
         if start + gap >= len(labels):
@@ -80,7 +89,7 @@ def measure_objects(
         num_pairs += 1
         seen = np.flatnonzero(visible[:, start] & visible[:, start + gap] & np.isfinite(tests))
         points0, points1 = (points[seen, frame].astype(np.float64) for frame in (start, start + gap))
-        owner, owner1 = _labels_at(labels[start], points0), _labels_at(labels[start + gap], points1)
+        owner, owner1 = labels_at(labels[start], points0), labels_at(labels[start + gap], points1)
         inside = (owner > 0) & (owner == owner1)
         num_observations += np.bincount(owner[inside], minlength=num_objects)
         test += np.bincount(owner[inside], tests[seen[inside]].astype(np.float64), num_objects)
@@ -92,20 +101,19 @@ def measure_objects(
             num_contour += np.bincount(owner[rows], minlength=num_objects)
             num_attached += np.bincount(owner[rows], is_attached, num_objects)
             num_holding += has_tracks
+            outside = (owner == 0) & (owner1 == 0)
+            if np.count_nonzero(outside) >= scene.min_tracks:
+                track_ends = points0[outside], points1[outside]
+                shares = explained_shares(*track_ends, camera, labels.shape[1:], scene.plane_slack, rigidity)
+                gains.append(shares.gain)
     return ObjectEvidence(
         num_observations=num_observations.astype(np.int64),
         test=test / np.maximum(num_observations, 1),
         num_contour=num_contour / np.maximum(num_holding, 1),
         attached=np.where(num_contour > 0, num_attached / np.maximum(num_contour, 1), 1.0),
         num_pairs=num_pairs,
+        gain=float(np.median(gains)) if gains else 0.0,
     )
-
-
-def _labels_at(labels: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Return the label of the pixel nearest to each of the points (N, 2), int64 (N,)."""
-    column, row = np.rint(points).astype(np.intp).T
-    height, width = labels.shape
-    return labels[np.clip(row, 0, height - 1), np.clip(column, 0, width - 1)].astype(np.int64)
 
 
 def _compare_depths(points, owner, inside, parallax, noise, params) -> tuple[np.ndarray, np.ndarray]:

@@ -8,13 +8,16 @@ from moseg.schemas.parameters import RigidSupportParams
 from moseg.tasks.rigid_support.object_evidence import ObjectEvidence
 
 
-def support_of_evidence(evidence: ObjectEvidence, params: RigidSupportParams, sensitivity: float) -> np.ndarray:
+def support_of_evidence(
+    evidence: ObjectEvidence, params: RigidSupportParams, sensitivity: float, min_gain: float
+) -> np.ndarray:
     """Return whether each object is part of the rigid scene, float64 (K,): 1 = it is, 0 = it is not, NaN = open.
 
     An object that no rigid scene explains moves. What a rigid scene explains is static if it touches other things, at
     their depth, and if it has too few tracks to say: there is no evidence that it moves. But an object that stands free
     on all sides may as well move parallel to the camera, so it stays open. All objects do if the camera's motion was
-    found in no frame pair: they were compared with nothing.
+    found in no frame pair: they were compared with nothing. So do those that do not clearly move, if nothing but the
+    objects shows depth: one motion before a plane looks like a near part of a rigid scene.
 
     Parameters
     ----------
@@ -22,12 +25,15 @@ def support_of_evidence(evidence: ObjectEvidence, params: RigidSupportParams, se
     params : RigidSupportParams
     sensitivity : float
         Divisor of the evidence that a moving object needs.
+    min_gain : float
+        Least `ObjectEvidence.gain` by which the scene shows depth.
     """
     # Neighbouring pairs see nearly the same: what is skipped would have counted as much as what is read.
     is_known = params.step * evidence.num_observations >= params.min_observations / sensitivity
     moves = is_known & (evidence.test > params.max_test / sensitivity)
+    shows_depth = evidence.gain >= min_gain
     stands_free = is_known & (evidence.num_contour >= params.min_contour) & (evidence.attached < params.min_attached)
-    support = np.where(moves, 0.0, np.where(stands_free, np.nan, 1.0))
+    support = np.where(moves, 0.0, np.where(stands_free | (not shows_depth), np.nan, 1.0))
     if evidence.num_pairs == 0:
         support[:] = np.nan
     support[0] = 1.0

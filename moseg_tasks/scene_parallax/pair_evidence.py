@@ -4,14 +4,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import poselib
 
 from moseg.schemas.parameters import RigidityParams, SceneParallaxParams
 from moseg.tasks.geometry.camera_motion import CameraMotion
+from moseg.tasks.rigidity.explained_shares import ExplainedShares, explained_shares
 from moseg.tasks.rigidity.focal_length import focal_of_pairs
-from moseg.tasks.rigidity.noise import displacement_noise
-from moseg.tasks.rigidity.parallax import split_displacements
-from moseg.tasks.rigidity.relative_pose import fit_pose, one_per_cell
+from moseg.tasks.rigidity.relative_pose import fit_pose
 
 
 class PairEvidence(NamedTuple):
@@ -21,7 +19,7 @@ class PairEvidence(NamedTuple):
     ----------
     motion : float
         Median displacement of the tracks, px.
-    rigid_share, plane_share : float
+    explained : ExplainedShares
         Shares of the tracks that a rigid scene, and a single homography, explain.
     heading : float64 (3,)
         Direction in which the scene moves in the camera's axes, against the camera's own: unit length.
@@ -30,8 +28,7 @@ class PairEvidence(NamedTuple):
     """
 
     motion: float
-    rigid_share: float
-    plane_share: float
+    explained: ExplainedShares
     heading: np.ndarray
     sees_epipole: bool
 
@@ -65,32 +62,12 @@ def _measure(points0, points1, focal, shape, params, rigidity) -> PairEvidence |
     camera = fit_pose(points0, points1, focal, shape, rigidity)
     if camera is None:
         return None
-    noise = displacement_noise(points0, points1, rigidity.noise, rigidity.noise_share)
-    across = split_displacements(points0, points1, camera, shape).across
-    plane_error = _homography_error(points0, points1, rigidity)
     return PairEvidence(
         motion=_motion(points0, points1),
-        rigid_share=float((np.abs(across) < noise).mean()),
-        plane_share=float((plane_error < params.plane_slack * noise).mean()),
+        explained=explained_shares(points0, points1, camera, shape, params.plane_slack, rigidity),
         heading=camera.translation,
         sees_epipole=_sees_epipole(camera, shape),
     )
-
-
-def _homography_error(points0: np.ndarray, points1: np.ndarray, rigidity: RigidityParams) -> np.ndarray:
-    """Return the transfer error under the homography of most tracks, one per cell: float64 (N,), px."""
-    options = {
-        "max_reproj_error": rigidity.pose_threshold,
-        "min_iterations": rigidity.pose_iterations // 2,
-        "max_iterations": rigidity.pose_iterations,
-        "seed": rigidity.seed,
-    }
-    chosen = one_per_cell(points0, rigidity.pose_cell)
-    H, _ = poselib.estimate_homography(points0[chosen], points1[chosen], options, {})
-    moved = np.column_stack([points0, np.ones(len(points0))]) @ np.asarray(H).T
-    # A homography may send a point to infinity: it does not explain it.
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.nan_to_num(np.linalg.norm(moved[:, :2] / moved[:, 2:] - points1, axis=1), nan=np.inf)
 
 
 def _sees_epipole(camera: CameraMotion, shape: tuple[int, int]) -> bool:

@@ -59,7 +59,7 @@ def choose_source(evidence: Sequence[PairEvidence], num_pairs: int, params: Scen
     if not evidence:
         return SourceChoice(SALIENCY, "the camera stands still")
     moving = len(evidence) / num_pairs
-    gain = float(np.median([max(pair.rigid_share - pair.plane_share, 0.0) for pair in evidence]))
+    gain = float(np.median([pair.explained.gain for pair in evidence]))
     inside = float(np.mean([pair.sees_epipole for pair in evidence]))
     wander = _wander(np.array([pair.heading for pair in evidence]))
     is_ahead = inside >= params.min_inside and wander <= params.max_wander_deg

@@ -77,7 +77,8 @@ class Motions:
             "dense_tracks": window.dense_tracks(index, self._config.rigid_support.step),
             "rigidity": window.rigidity(index, self._config.rigid_support.step),
         }
-        return self._nodes.add("rigid_support", inputs, "masks", section=index, start=window.first_row(index))
+        place = {"section": index, "start": window.first_row(index)}
+        return self._nodes.add("rigid_support", inputs, "masks", **place, min_gain=objects.min_gain(index))
 
     def _pairs(self, gap: int) -> Iterator[tuple[int, int, int]]:
         """Yield, for every section with frame pairs, its index, the number of pairs, and their gap in frames."""

@@ -88,6 +88,17 @@ class Objects:
         choice = self._choice_of(index)
         return choice is not None and choice.shows_depth
 
+    def min_gain(self, index: int) -> float:
+        """Return the gain that the surroundings of a section's objects need for these to be part of a rigid scene.
+
+        It is what the stretch needed with the objects, and 0 where no stretch was judged or all are compared.
+        """
+        choice, params = self._choice_of(index), self._config.scene_parallax
+        if choice is None or self._config.rigid_support.use == "always":
+            return 0.0
+        is_ahead = choice.proposals == "tracks" or choice.gain < params.min_gain
+        return params.min_ahead_gain if is_ahead else params.min_gain
+
     def _choice_of(self, index: int) -> StretchChoice | None:
         """Return the choice of the stretch that a section lies in; None if none was made."""
         section = self._sections[index]

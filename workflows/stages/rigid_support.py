@@ -4,14 +4,16 @@ import numpy as np
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
-from moseg.schemas.parameters import RigidityParams, RigidSupportParams
+from moseg.schemas.parameters import RigidityParams, RigidSupportParams, SceneParallaxParams
 from moseg.workflows.stages.moving_tracks import tracks_of
 from moseg.workflows.stages.rigidity import cameras_of
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
-NOISE_PARAMS = frozenset({"noise", "noise_share"})
-"""Parameters of rigidity that it reads: the noise of displacements."""
+RIGIDITY_PARAMS = frozenset({"noise", "noise_share", "pose_cell", "pose_threshold", "pose_iterations", "seed"})
+"""Parameters of rigidity that it reads: the noise of displacements, and the fit of a plane."""
+SCENE_PARAMS = frozenset({"min_tracks", "plane_slack"})
+"""Parameters of the scene's parallax that it reads: when tracks show depth."""
 
 
 def _run_masks(params, inputs, rng):
@@ -34,9 +36,10 @@ def _run_masks(params, inputs, rng):
         [cameras[index] for index in in_section],
         rigidity.array("strict_test")[in_section],
         support_params,
+        SceneParallaxParams.of_recipe(params["scene_parallax"]),
         RigidityParams.of_recipe(params["rigidity"]),
     )
-    support = support_of_evidence(evidence, support_params, params["sensitivity"])
+    support = support_of_evidence(evidence, support_params, params["sensitivity"], params["min_gain"])
     support[np.setdiff1d(np.arange(num_objects), identity)] = np.nan
     return Output({"support": support}, {name: np.asarray(each).tolist() for name, each in evidence._asdict().items()})
 
@@ -54,13 +57,15 @@ def _identities(params, inputs) -> tuple[np.ndarray, int]:
     return inputs["linking"].cached("identity")[params["section"]], inputs["linking"].attributes["num_objects"]
 
 
-def _mask_params(config: PipelineConfig, section: int, start: int) -> dict:
+def _mask_params(config: PipelineConfig, section: int, start: int, min_gain: float) -> dict:
     return {
         "section": section,
         "start": start,
+        "min_gain": min_gain,
         "sensitivity": config.track_objects.sensitivity,
         "rigid_support": config.rigid_support.model_dump(mode="json", exclude={"use"}),
-        "rigidity": config.rigidity.model_dump(mode="json", include=NOISE_PARAMS),
+        "rigidity": config.rigidity.model_dump(mode="json", include=RIGIDITY_PARAMS),
+        "scene_parallax": config.scene_parallax.model_dump(mode="json", include=SCENE_PARAMS),
     }
 
 
@@ -68,7 +73,7 @@ def _track_params(config: PipelineConfig, section: int) -> dict:
     return {"section": section}
 
 
-BY_MASKS = Task("rigid_support", "masks", version=3, run=_run_masks, params=_mask_params)
+BY_MASKS = Task("rigid_support", "masks", version=4, run=_run_masks, params=_mask_params)
 BY_TRACKS = Task("rigid_support", "tracks", version=1, run=_run_tracks, params=_track_params)
 
 STAGE = Stage(

@@ -3,18 +3,20 @@
 import numpy as np
 import pytest
 
-from moseg.schemas.parameters import RigidityParams, RigidSupportParams
+from moseg.schemas.parameters import RigidityParams, RigidSupportParams, SceneParallaxParams
 from moseg.tasks.rigid_support import measure_objects
 
-PARAMS, RIGIDITY = RigidSupportParams(), RigidityParams()
+PARAMS, SCENE, RIGIDITY = RigidSupportParams(), SceneParallaxParams(), RigidityParams()
 NEAR = 25.0
 """Depth of an object that stands before the wall, which is at 40."""
+LEFT, SIDE, FAR_SPEED = 90, 40, 1.0
+"""Place of the object, px, and speed of a wall behind the wall, px per frame."""
 
 
 def measure(passage, num_objects=2, **changes):
     params = PARAMS.model_copy(update=changes)
     labels, *tracks = passage[:6]
-    return measure_objects(labels, num_objects, *tracks, params, RIGIDITY)
+    return measure_objects(labels, num_objects, *tracks, params, SCENE, RIGIDITY)
 
 
 def test_an_object_on_the_wall_has_the_walls_depth(passage):
@@ -139,7 +141,7 @@ def test_points_have_the_label_of_the_nearest_pixel_also_at_the_frames_edge(pass
     wall = np.flatnonzero(~scene.is_object)[:5]
     points, visible = scene.points.copy(), scene.visible.copy()
     right = scene.labels.shape[2] - 1
-    points[wall[:3]], points[wall[3:]] = [right + 0.9, -0.9], [right - 0.4, 0.4]
+    points[wall[:3]], points[wall[3:]] = [right + 0.4, -0.4], [right - 0.4, 0.4]
     visible[wall] = True
     labels = scene.labels.copy()
     labels[:, 0, -1] = 2
@@ -147,8 +149,44 @@ def test_points_have_the_label_of_the_nearest_pixel_also_at_the_frames_edge(pass
     assert evidence.num_observations[2] == len(wall) * len(scene.pairs)
 
 
+def test_points_beyond_the_frame_are_in_no_object_and_not_around_one(passage):
+    scene = passage(test=1.0)
+    points = scene.points.copy()
+    points[..., 1] -= scene.labels.shape[1]
+    evidence = measure(scene._replace(points=points, visible=np.ones_like(scene.visible)))
+    assert not evidence.num_observations.any() and not evidence.num_contour.any() and evidence.gain == 0
+
+
+def step_depths(scene):
+    """Return the passage with a far wall on the right, outside of the object."""
+    is_far = ~scene.is_object & (scene.points[:, 0, 0] > LEFT + SIDE)
+    points = scene.points.copy()
+    frames = np.arange(points.shape[1])
+    points[is_far, :, 0] = points[is_far, :1, 0] - FAR_SPEED * frames
+    return scene._replace(points=points), is_far
+
+
+def test_the_gain_is_of_the_tracks_around_the_objects(passage):
+    # The object alone is off the wall's plane: a rigid scene explains all tracks, but shows no depth around it.
+    flat = passage(NEAR, spacing=4.0)
+    assert measure(flat).gain == 0
+    unlabelled = flat._replace(labels=np.zeros_like(flat.labels))
+    assert measure(unlabelled).gain > 0.05
+    stepped, is_far = step_depths(flat)
+    assert measure(stepped).gain == pytest.approx(is_far.sum() / (~flat.is_object).sum(), abs=0.15)
+
+
+def test_few_tracks_around_an_object_show_no_depth(passage):
+    stepped, _ = step_depths(passage(NEAR, spacing=4.0))
+    assert measure(stepped).gain > 0
+    rows = np.flatnonzero(~stepped.is_object)[SCENE.min_tracks :]
+    hidden = stepped.visible.copy()
+    hidden[rows] = False
+    assert measure(stepped._replace(visible=hidden)).gain == 0
+
+
 def test_the_noise_of_the_tracks_around_an_object_counts_too(passage):
     # The wall moves by 16 px, the object by 25.6 px: 9.6 px < 0.34 hypot(16, 25.6) px.
     labels, *tracks = passage(NEAR)[:6]
     rigidity = RigidityParams(noise=1e-3, noise_share=0.34)
-    assert measure_objects(labels, 2, *tracks, RigidSupportParams(depth_slack=0.0), rigidity).attached[1] == 1
+    assert measure_objects(labels, 2, *tracks, RigidSupportParams(depth_slack=0.0), SCENE, rigidity).attached[1] == 1

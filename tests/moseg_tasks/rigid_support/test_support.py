@@ -5,29 +5,32 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from moseg.schemas.parameters import RigidityParams, RigidSupportParams
+from moseg.schemas.parameters import RigidityParams, RigidSupportParams, SceneParallaxParams
 from moseg.tasks.rigid_support import ObjectEvidence, combine_sections, measure_objects, support_of_evidence
 
 PARAMS = RigidSupportParams(step=1)
 NEAR, WALL = 25.0, 40.0
+MIN_GAIN = 0.2
 ATTACHED = {"num_contour": 30.0, "attached": 1.0}
 FREE = {"num_contour": 30.0, "attached": 0.1}
 
 
-def support_of(passage, sensitivity=1.0):
+def support_of(passage, sensitivity=1.0, min_gain=0.0):
     """Return the support of the object of a passage."""
     labels, *tracks = passage[:6]
-    evidence = measure_objects(labels, 2, *tracks, PARAMS, RigidityParams())
-    background, support = support_of_evidence(evidence, PARAMS, sensitivity)
+    evidence = measure_objects(labels, 2, *tracks, PARAMS, SceneParallaxParams(), RigidityParams())
+    background, support = support_of_evidence(evidence, PARAMS, sensitivity, min_gain)
     assert background == 1
     return support
 
 
-def judge(num_observations=500, test=0.0, num_contour=30.0, attached=1.0, sensitivity=1.0, num_pairs=20, **changes):
+def judge(
+    num_observations=500, test=0.0, num_contour=30.0, attached=1.0, sensitivity=1.0, num_pairs=20, gain=0.3, **changes
+):
     """Return the support of an object of this evidence, beside a background of the same."""
     values = (num_observations, test, num_contour, attached)
-    evidence = ObjectEvidence(*(np.array([value, value]) for value in values), num_pairs=num_pairs)
-    support = support_of_evidence(evidence, PARAMS.model_copy(update=changes), sensitivity)
+    evidence = ObjectEvidence(*(np.array([value, value]) for value in values), num_pairs=num_pairs, gain=gain)
+    support = support_of_evidence(evidence, PARAMS.model_copy(update=changes), sensitivity, MIN_GAIN)
     assert support.dtype == np.float64 and support[0] == 1
     return support[1]
 
@@ -76,6 +79,18 @@ def test_it_is_asked_whether_an_object_stands_free_where_its_contour_has_tracks(
     assert judge(num_contour=7.9, attached=0.1) == 1
     assert judge(num_contour=30.0, attached=0.75) == 1
     assert judge(num_contour=7.9, attached=0.1, min_contour=7) != 1
+
+
+def test_what_does_not_clearly_move_stays_open_where_only_the_objects_show_depth():
+    # One motion before a plane: a rigid scene explains both, as a near thing before a far wall.
+    assert judge(gain=0.2) == 1
+    assert np.isnan(judge(gain=0.19))
+    assert np.isnan(judge(PARAMS.min_observations - 1, gain=0.19))
+    assert judge(test=0.61, gain=0.19) == 0
+
+
+def test_a_wall_behind_an_object_shows_no_depth(passage):
+    assert support_of(passage(WALL), min_gain=0.05) != support_of(passage(WALL), min_gain=0.0) == 1
 
 
 def test_sensitivity_divides_the_evidence_that_a_moving_object_needs():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from moseg.schemas.parameters import RigidityParams, SceneParallaxParams
+from moseg.tasks.rigidity.explained_shares import ExplainedShares
 from moseg.tasks.scene_parallax import PairEvidence, choose_source, follow_corners, measure_pairs
 from moseg.tasks.synthetic import SCENES, render_scene
 
@@ -12,7 +13,7 @@ AHEAD = np.array([0.0, 0.0, -1.0])
 
 
 def _evidence(gain=0.5, heading=AHEAD, sees_epipole=True):
-    return PairEvidence(10.0, 0.9, 0.9 - gain, np.array(heading), sees_epipole)
+    return PairEvidence(10.0, ExplainedShares(0.9, 0.9 - gain), np.array(heading), sees_epipole)
 
 
 def _turned(degrees):
