@@ -38,8 +38,12 @@ def test_the_declaration_of_a_stage_is_consistent(stage):
     assert all(("weights" in stage.inputs) for task in stage.tasks if task.network is not None)
 
 
-BY_PLACE = ("score", "foreground", "object_hypotheses", "rigid_support", "segmentation")
-"""Stages whose method follows from what the sequence has, the kind of motion model, proposals, or corrections."""
+BY_PLACE = (
+    *("score", "foreground", "object_hypotheses", "rigid_support", "segmentation"),
+    *("saliency", "motion_proof"),
+)
+"""Stages whose method follows from what the sequence has, the kind of motion model, proposals, corrections, or
+repeated frames."""
 
 
 def _choose(choice, backend):

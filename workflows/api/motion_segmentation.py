@@ -118,8 +118,8 @@ class MotionSegmentation:
         name : str
             One of `cues`.
         frame : int
-            Counted from 0; from -1 backwards. ``flow`` and ``residual_flow`` lead to the next frame: the last frame has
-            neither.
+            Counted from 0; from -1 backwards. ``flow`` and ``residual_flow`` lead to the next frame, or to the next one
+            that does not repeat this frame: the last frame has neither.
 
         Returns
         -------
@@ -144,7 +144,7 @@ class MotionSegmentation:
             raise InputError("no such cue", where="name", got=repr(name), expected=", ".join(self.cues) or "no cue")
         index = _place_frame(frame, self.num_frames)
         if index >= cue.num_frames:
-            raise IndexError(f"{name} leads to the next frame, and frame {index} is the last one")
+            raise IndexError(f"{name} leads to the next frame, and frame {index} is the last one or repeated up to it")
         refs = cue.refs(index)
         if not self._store.present(set(refs)).issuperset(refs):
             got, expected = "a run that did not keep its cues", "segment_video(…, keep_cues=True)"

@@ -29,6 +29,9 @@ class Foreground:
             "frames": self._leaves.frames[section.start : section.proposal_stop],
             "saliency": self.saliency(section.start, section.proposal_stop),
         }
+        steps = self.steps(section.start, section.proposal_stop)
+        if steps != inputs["saliency"]:
+            inputs["steps"] = steps
         return self._nodes.add("components", inputs, num_frames=section.proposal_stop - section.start)
 
     def foregrounds(self, index: int) -> tuple[str, ...]:
@@ -81,17 +84,14 @@ class Foreground:
 
     @cached_method
     def _own_motion(self, index: int) -> str:
-        section, num_frames = self._sections[index], len(self._leaves.frames)
-        # The recipe depends on missing neighbours, not on the position of the section in the video.
-        place = {
-            "start": min(section.start, 1),
-            "num_frames": min(section.start, 1) + min(num_frames, section.stop + 1) - section.start,
-        }
-        inputs = {"saliency": self._saliency(index), **self._both("accumulation", self._accumulate, index)}
+        section = self._sections[index]
+        place = self._cues.pictures.ends_in(section.start, section.stop)
+        saliency = self.saliency(section.start, section.stop)
+        inputs = {"saliency": saliency, **self._both("accumulation", self._accumulate, index)}
         return self._nodes.add("own_motion", inputs, **place)
 
     def _accumulate(self, index: int, origin: str, carried: dict[str, str]) -> str:
-        inputs = {"saliency": self._saliency(index), "consistency": self._consistency(index), **carried}
+        inputs = {"saliency": self._steps(index), "consistency": self._consistency(index), **carried}
         looked_at: list[int] = []
         if uses_motion_network(self._config):
             section = self._sections[index]
@@ -100,29 +100,33 @@ class Foreground:
         return self._nodes.add("accumulation", inputs, origin=origin, looked_at=looked_at)
 
     def _remember(self, index: int, origin: str, carried: dict[str, str]) -> str:
-        inputs = {"saliency": self._saliency(index), "consistency": self._consistency(index), **carried}
+        inputs = {"saliency": self._steps(index), "consistency": self._consistency(index), **carried}
         inputs |= self._both("accumulation", self._accumulate, index)
         return self._nodes.add("motion_memory", inputs, origin=origin)
 
     def _cohere(self, index: int, origin: str, carried: dict[str, str]) -> str:
-        inputs = {"saliency": self._saliency(index), "own_motion": self._own_motion(index), **carried}
+        inputs = {"saliency": self._steps(index), "own_motion": self._own_motion(index), **carried}
         return self._nodes.add("coherence", inputs, origin=origin)
 
     @cached_method
     def _consistency(self, index: int) -> str:
         section = self._sections[index]
         first, last = max(section.start - 1, 0), min(section.stop + 1, len(self._leaves.frames))
-        inputs = {"saliency": tuple(self._cues.saliency(frame) for frame in range(first, last))}
+        inputs = {"saliency": self.steps(first, last)}
         return self._nodes.add("consistency", inputs, first=section.start - first, last=section.stop - first)
 
     def saliency(self, start: int, stop: int) -> tuple[str, ...]:
         """Return the references of the saliency of frames in a row."""
         return tuple(self._cues.saliency(frame) for frame in range(start, stop))
 
+    def steps(self, start: int, stop: int) -> tuple[str, ...]:
+        """Return the references of the same with the flow to the frames right beside them."""
+        return tuple(self._cues.steps(frame) for frame in range(start, stop))
+
     @cached_method
-    def _saliency(self, index: int) -> tuple[str, ...]:
+    def _steps(self, index: int) -> tuple[str, ...]:
         section = self._sections[index]
-        return self.saliency(section.start, section.stop)
+        return self.steps(section.start, section.stop)
 
     def _centre(self, index: int) -> float:
         section = self._sections[index]

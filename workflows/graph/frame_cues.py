@@ -1,26 +1,44 @@
-"""Cues of frames and frame pairs: flow, inverse depth, motion saliency."""
+"""Cues of frames and frame pairs: flow, inverse depth, motion saliency.
+
+Evidence of motion is read from the neighbouring pictures, which are not always the neighbouring frames: a frame that is
+repeated shows no motion to its repetition. What is carried along the flow goes from frame to frame.
+"""
+
+from collections.abc import Iterator
 
 from moseg.workflows.graph.cached_method import cached_method
 from moseg.workflows.graph.nodes import Nodes
+from moseg.workflows.graph.pictures import Pictures
 from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES
 
 
 class FrameCues:
-    """Writer of the recipes of the cues of frames and frame pairs."""
+    """Writer of the recipes of the cues of frames and frame pairs.
+
+    Attributes
+    ----------
+    pictures : Pictures
+    """
 
     def __init__(self, nodes: Nodes):
         self._nodes = nodes
         self._config = nodes.config
         self._leaves = nodes.leaves
+        self.pictures = Pictures(nodes.leaves.frames)
 
     @cached_method
     def flow(self, frame0: int, frame1: int) -> str:
-        """Return the reference of the flow from one frame to a neighbour."""
+        """Return the reference of the flow from one frame to a neighbour, or to the nearest one that differs."""
         params = self._config.flow
         if params.method in GIVEN_SOURCES:
-            direction = "flow_forward" if frame1 > frame0 else "flow_backward"
-            return self._nodes.required(direction, f"flow: {params.method}")[min(frame0, frame1)]
+            # Given for neighbours: from the last of the frames that repeat `frame0` on the way to `frame1`.
+            direction, pair = ("flow_forward", frame1 - 1) if frame1 > frame0 else ("flow_backward", frame1)
+            return self._nodes.required(direction, f"flow: {params.method}")[pair]
         return self._nodes.add("flow", {"frame0": self._leaves.frames[frame0], "frame1": self._leaves.frames[frame1]})
+
+    def flow_to_next(self, frame: int) -> str:
+        """Return the reference of the flow from one frame to the next picture, which must be there."""
+        return self.flow(frame, self.pictures.next(frame))
 
     @cached_method
     def depth(self, frame: int) -> str:
@@ -33,23 +51,24 @@ class FrameCues:
     def background(self, frame: int) -> str | None:
         """Return the reference of the background's model in a frame; None for layers, or if there is no frame pair.
 
-        A run of frames shares it, and it reads pairs at fixed places: more frames of a video change few keys.
+        A run of pictures shares it, and it reads pairs at fixed places: more frames of a video change few keys.
         """
-        params, num_frames = self._config.saliency, len(self._leaves.frames)
-        if params.background == "layers" or num_frames < 2:
+        params, num_pictures, picture = self._config.saliency, len(self.pictures), self.pictures.of(frame)
+        if params.background == "layers" or num_pictures < 2:
             return None
         length = params.selection_length
-        start = frame - frame % length
+        start = picture - picture % length
         # The last run joins the one before it if it is too short to choose a model.
-        if start and num_frames - start < length / 2:
+        if start and num_pictures - start < length / 2:
             start -= length
         return self._select_background(start)
 
     @cached_method
     def _select_background(self, start: int) -> str:
         params = self._config.saliency
-        stop = min(start + params.selection_length, len(self._leaves.frames) - 1)
-        flows = tuple(self.flow(frame0, frame0 + 1) for frame0 in range(start, stop, params.selection_step))
+        stop = min(start + params.selection_length, len(self.pictures) - 1)
+        lasts = (self.pictures.frames(picture)[-1] for picture in range(start, stop, params.selection_step))
+        flows = tuple(self.flow(frame0, frame0 + 1) for frame0 in lasts)
         return self._nodes.add("background", {"flows": flows})
 
     @cached_method
@@ -60,11 +79,27 @@ class FrameCues:
         background = self.background(frame)
         if background is not None:
             inputs["background"] = background
-        if frame > 0:
-            inputs |= {"previous": frames[frame - 1], "flow_previous": self.flow(frame, frame - 1)}
-        if frame + 1 < len(frames):
-            inputs |= {"next": frames[frame + 1], "flow_next": self.flow(frame, frame + 1)}
+        for side, other in self._beside(frame):
+            inputs |= {side: frames[other], f"flow_{side}": self.flow(frame, other)}
         return self._nodes.add("saliency", inputs)
+
+    @cached_method
+    def steps(self, frame: int) -> str:
+        """Return the reference of a frame's motion saliency with the flow to the frames right beside it.
+
+        That to a repetition is zero, which is what maps are carried along.
+        """
+        saliency, pictures = self.saliency(frame), self.pictures
+        repeats = {"previous": pictures.repeats_previous(frame), "next": pictures.repeats_next(frame)}
+        if not any(repeats.values()):
+            return saliency
+        return self._nodes.add("saliency", {"saliency": saliency}, "repeated", **repeats)
+
+    def _beside(self, frame: int) -> Iterator[tuple[str, int]]:
+        """Yield the sides of a frame on which there is another picture, and the nearest frame that shows it."""
+        for side, other in (("previous", self.pictures.previous(frame)), ("next", self.pictures.next(frame))):
+            if other is not None:
+                yield side, other
 
     def looked_at(self, start: int, stop: int) -> list[int]:
         """Return the frames whose logits the motion network gives to frames in a row: of these and right beside them.
@@ -93,7 +128,6 @@ class FrameCues:
             "saliency": self.saliency(frame),
             "network": self._nodes.required("motion_weights", "motion network"),
         }
-        for side, other in (("previous", frame - 1), ("next", frame + 1)):
-            if 0 <= other < len(frames):
-                inputs |= {side: frames[other], f"saliency_{side}": self.saliency(other)}
+        for side, other in self._beside(frame):
+            inputs |= {side: frames[other], f"saliency_{side}": self.saliency(other)}
         return self._nodes.add("motion_network", inputs)

@@ -39,14 +39,14 @@ class Motions:
         """Return the references of the residuals of all sections' frame pairs under the objects' models of one kind."""
         if view == "trajs":
             return tuple(self._fundamental_residual(*pairs) for pairs in self._pairs(self._config.fundamental.gap))
-        return tuple(self._flow_residual(index, num_pairs, view) for index, num_pairs, _ in self._pairs(1))
+        return tuple(self._flow_residual(index, num_pairs, view) for index, num_pairs in self._flow_pairs())
 
     @cached_method
     def hypotheses(self, view: str) -> tuple[str, ...]:
         """Return the references of the residuals of all sections' frame pairs under many hypotheses of one model."""
         if view == "trajs":
             return tuple(self._track_hypotheses(*pairs) for pairs in self._pairs(self._config.fundamental.gap))
-        return tuple(self._flow_hypotheses(index, num_pairs, view) for index, num_pairs, _ in self._pairs(1))
+        return tuple(self._flow_hypotheses(index, num_pairs, view) for index, num_pairs in self._flow_pairs())
 
     @cached_method
     def tracks(self, index: int) -> str:
@@ -89,6 +89,13 @@ class Motions:
             if num_pairs > 0:
                 yield index, num_pairs, gap
 
+    def _flow_pairs(self) -> Iterator[tuple[int, int]]:
+        """Yield, for every section with frames that another picture follows, its index and how many these are."""
+        for index, section in enumerate(self._sections):
+            num_pairs = min(section.stop, self._cues.pictures.num_followed) - section.start
+            if num_pairs > 0:
+                yield index, num_pairs
+
     def _fundamental_residual(self, index: int, num_pairs: int, gap: int) -> str:
         cues = {"tracks": self.tracks(index), "linking": self._objects.linking()}
         place = {"section": index, "num_pairs": num_pairs, "gap": gap}
@@ -112,7 +119,7 @@ class Motions:
         start = self._sections[index].start
         frames = range(start, start + num_pairs)
         inputs = {
-            "flow": tuple(self._cues.flow(frame, frame + 1) for frame in frames),
+            "flow": tuple(map(self._cues.flow_to_next, frames)),
             "proposals": self._objects.proposals(index),
             "linking": self._objects.linking(),
         }

@@ -56,7 +56,7 @@ class Objects:
         inputs = {
             "components": self._foreground.components(index),
             "frames": self._leaves.frames[section.start : section.proposal_stop],
-            "saliency": self._foreground.saliency(section.start, section.proposal_stop),
+            "saliency": self._foreground.steps(section.start, section.proposal_stop),
         }
         return self._nodes.add("sightings", inputs)
 

@@ -150,7 +150,7 @@ class SequenceGraph:
 
     def moves_now(self, variant: Variant) -> tuple[str | None, ...]:
         """Return the references of whether objects move now, one a section; None where saliency is not read."""
-        num_frames, refs = len(self.leaves.frames), []
+        refs = []
         judged, counted = self._judged(variant)
         for index, (section, labels) in enumerate(zip(self.sections, judged, strict=True)):
             if self.objects.regions_of(index) != "saliency":
@@ -158,8 +158,7 @@ class SequenceGraph:
                 continue
             saliency = self.foreground.saliency(section.start, section.stop)
             inputs = {"segmentation": labels, **counted, "saliency": saliency}
-            start = min(section.start, 1)
-            place = {"start": start, "num_frames": start + min(num_frames, section.stop + 1) - section.start}
+            place = self.frame_cues.pictures.ends_in(section.start, section.stop)
             refs.append(self._nodes.add("moves_now", inputs, **place))
         return tuple(refs)
 
@@ -222,5 +221,5 @@ class SequenceGraph:
 
     def cues(self) -> tuple[str, ...]:
         """Return the references of the tracks and of the forward flow, from which every motion model starts."""
-        flows = (self.frame_cues.flow(frame, frame + 1) for frame in range(len(self.leaves.frames) - 1))
+        flows = map(self.frame_cues.flow_to_next, range(self.frame_cues.pictures.num_followed))
         return (*(self.motions.tracks(index) for index in range(len(self.sections))), *flows)

@@ -8,6 +8,7 @@ from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import SceneParallaxParams
 from moseg.schemas.recipes import Recipe
 from moseg.workflows.graph.nodes import Nodes
+from moseg.workflows.graph.pictures import Pictures
 from moseg.workflows.graph.sequence_leaves import SequenceLeaves
 
 
@@ -45,6 +46,7 @@ class Stretches:
         self._nodes = Nodes(leaves, config)
         self._params = config.scene_parallax
         self._frames = leaves.frames
+        self._pictures = Pictures(leaves.frames)
         self.stretches = cut_stretches(len(leaves.frames), config.scene_parallax.stretch_length)
 
     @property
@@ -57,9 +59,13 @@ class Stretches:
         return tuple(map(self._choice, self.stretches))
 
     def _choice(self, stretch: Stretch) -> str:
-        pairs = choose_pairs(stretch, self._params)
-        read = sorted({frame for first, last in pairs for frame in range(first, last + 1)})
+        shown = self._pictures.distinct(*stretch)
+        # Among repetitions of one picture the camera stands.
+        shown = shown if len(shown) > 1 else list(range(*stretch))
+        pairs = choose_pairs(Stretch(0, len(shown)), self._params)
+        read = sorted({place for first, last in pairs for place in range(first, last + 1)})
         # By their places among the frames read: the stretch's place in the video changes no key.
-        row_of = {frame: row for row, frame in enumerate(read)}
+        row_of = {place: row for row, place in enumerate(read)}
         rows = [(row_of[first], row_of[last]) for first, last in pairs]
-        return self._nodes.add("scene_parallax", {"frames": tuple(self._frames[frame] for frame in read)}, pairs=rows)
+        frames = tuple(self._frames[shown[place]] for place in read)
+        return self._nodes.add("scene_parallax", {"frames": frames}, pairs=rows)

@@ -57,9 +57,16 @@ class VideoNetworks:
     @cached_method
     def _proof(self, index: int) -> str:
         section = self._sections[index]
+        frames, pictures = range(section.start, section.stop), self._cues.pictures
         first, last = max(section.start - 1, 0), min(section.stop + 1, len(self._frames))
-        inputs = {
-            "frames": self._frames[first:last],
-            "saliency": tuple(self._cues.saliency(frame) for frame in range(section.start, section.stop)),
-        }
-        return self._nodes.add("motion_proof", inputs, first=section.start - first)
+        saliency = tuple(self._cues.saliency(frame) for frame in frames)
+        steps = tuple(self._cues.steps(frame) for frame in frames)
+        if steps == saliency:
+            inputs = {"frames": self._frames[first:last], "saliency": saliency}
+            return self._nodes.add("motion_proof", inputs, first=section.start - first)
+        neighbours = [(pictures.previous(frame), pictures.next(frame)) for frame in frames]
+        read = sorted({frame for pair in neighbours for frame in pair if frame is not None} | {*frames})
+        row_of = {frame: row for row, frame in enumerate(read)}
+        rows = [[row_of[frame], *map(row_of.get, pair)] for frame, pair in zip(frames, neighbours, strict=True)]
+        inputs = {"frames": tuple(self._frames[frame] for frame in read), "saliency": saliency, "steps": steps}
+        return self._nodes.add("motion_proof", inputs, "repeated", rows=rows)

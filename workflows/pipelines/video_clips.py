@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from moseg.tasks.network_training.clips import Clip, CuedFrame
 
 
-CLIPS_VERSION = 2
+CLIPS_VERSION = 3
 """Raised when the same cues give other clips."""
 _STAGES = "flow", "background", "saliency"
 
@@ -70,14 +70,14 @@ def make_clips(
 def _cut(store: "ArtifactStore", graph: SequenceGraph, config: PipelineConfig, params: "ClipParams", keep) -> None:
     from moseg.tasks.network_training.clips import choose_middles, make_clip, window
 
-    num_frames = len(graph.leaves.frames)
-    for number, middle in enumerate(choose_middles(num_frames, params)):
-        frames = window(middle, num_frames, params)
+    pictures = graph.frame_cues.pictures
+    for number, middle in enumerate(choose_middles(len(pictures), params)):
+        shown = window(middle, len(pictures), params)
         clip = make_clip(
-            read_cued_frames(store, graph, frames),
-            middle - frames.start,
-            frames.start == 0,
-            frames.stop == num_frames,
+            read_cued_frames(store, graph, [pictures.frames(picture).start for picture in shown]),
+            middle - shown.start,
+            shown.start == 0,
+            shown.stop == len(pictures),
             params,
             config.saliency,
         )

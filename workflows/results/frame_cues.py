@@ -19,7 +19,7 @@ class FrameCue(NamedTuple):
     Attributes
     ----------
     num_frames : int
-        How many frames have it, from the first: a flow leads to the next frame, so that the last one has none.
+        How many frames have it, from the first: a flow leads to the next picture, so that the last one has none.
     refs : function of a frame's index
         Returns the references that are read.
     read : function of the store and these references
@@ -41,7 +41,8 @@ def frame_cues(graph: SequenceGraph, config: PipelineConfig, variants: Sequence[
     ``saliency``
         Confidence that a pixel moves differently from the background, float32 (y, x), 0..1, on the working grid.
     ``flow``
-        Motion of every pixel to the next frame, float32 (y, x, 2) at the analysed size, px; NaN where unknown.
+        Motion of every pixel to the next frame, or to the next that does not repeat the frame, float32 (y, x, 2) at the
+        analysed size, px; NaN where unknown.
     ``residual_flow``
         The flow minus that of the background, float32 (y, x, 2) on the working grid, px of the analysed size; NaN
         where unknown.
@@ -50,6 +51,7 @@ def frame_cues(graph: SequenceGraph, config: PipelineConfig, variants: Sequence[
     """
     cues, models = graph.frame_cues, {model for variant in variants for model in config.views(variant)}
     num_frames, width = len(graph.leaves.frames), graph.leaves.shape[1]
+    num_followed = cues.pictures.num_followed
     has_saliency = graph.objects.uses_saliency
     # Flow from files may be unknown in places, which saliency fills with values beside them, or with zeros.
     has_gaps = config.flow.method in GIVEN_SOURCES
@@ -58,7 +60,7 @@ def frame_cues(graph: SequenceGraph, config: PipelineConfig, variants: Sequence[
         return (cues.saliency(frame),)
 
     def flow_refs(frame: int) -> tuple[str, ...]:
-        return (cues.flow(frame, frame + 1),)
+        return (cues.flow_to_next(frame),)
 
     def residual_flow_refs(frame: int) -> tuple[str, ...]:
         return (*saliency_refs(frame), *(flow_refs(frame) if has_gaps else ()))
@@ -70,10 +72,10 @@ def frame_cues(graph: SequenceGraph, config: PipelineConfig, variants: Sequence[
     if has_saliency:
         found["saliency"] = FrameCue(num_frames, saliency_refs, _read_saliency)
     if config.proposal_source in MOVING_SOURCES or models - {"trajs"}:
-        found["flow"] = FrameCue(num_frames - 1, flow_refs, _read_flow)
+        found["flow"] = FrameCue(num_followed, flow_refs, _read_flow)
     if has_saliency:
         read = partial(_read_residual_flow, width=width)
-        found["residual_flow"] = FrameCue(num_frames - 1, residual_flow_refs, read)
+        found["residual_flow"] = FrameCue(num_followed, residual_flow_refs, read)
     method = config.depth.method
     if method in GIVEN_SOURCES or (method != "none" and models - {"trajs", "oc"}):
         found["inverse_depth"] = FrameCue(num_frames, depth_refs, _read_depth)

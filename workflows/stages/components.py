@@ -29,6 +29,8 @@ def _run(params, inputs, rng):
     if labels.any():
         flows, residual_flows = (maps_of(inputs.all("saliency"), name) for name in ("flows", "residual_flows"))
         labels = split_touching(labels, residual_flows, identity)
+        if "steps" in inputs:
+            flows, residual_flows = (maps_of(inputs.all("steps"), name) for name in ("flows", "residual_flows"))
         images = reduced_images(inputs.all("frames"), labels.shape[1:])
         labels = rejoin_components(labels, images, flows, residual_flows, identity)
     components = keep_best(foreground, labels, component_params)
@@ -52,6 +54,7 @@ STAGE = Stage(
         "foreground": "probability to move, of every section with a frame of this one",
         "frames": "frames of the section, and those that it shares with the next",
         "saliency": "saliency of these frames",
+        "steps": "the same with the flow to the frames right beside them, where frames repeat",
     },
     arrays={
         "labels": layout("uint16", "frame y x", "object of the section, 0 = background"),

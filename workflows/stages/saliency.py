@@ -40,12 +40,30 @@ def _run(params, inputs, rng):
     return Output(arrays, {"first_layers": first_layers})
 
 
+def _run_repeated(params, inputs, rng):
+    arrays = {name: inputs["saliency"].array(name).copy() for name in STAGE.arrays}
+    first_layers = list(inputs["saliency"].attributes["first_layers"])
+    for direction, side in enumerate(("previous", "next")):
+        if params[side]:
+            arrays["flows"][direction] = arrays["residual_flows"][direction] = 0
+            first_layers[direction] = None
+    return Output(arrays, {"first_layers": first_layers})
+
+
 def _params(config: PipelineConfig) -> dict:
     return config.saliency.model_dump(mode="json", exclude=SELECTION_PARAMS)
 
 
+def _repeated_params(config: PipelineConfig, previous: bool, next: bool) -> dict:
+    """Return the parameters of a frame that the one before it shows too, or the one after it."""
+    return {"previous": previous, "next": next}
+
+
 BACKGROUND_RESIDUAL = Task(
     "saliency", "background-residual", version=6, run=_run, params=_params, is_cheap=True, is_cue=True
+)
+REPEATED = Task(
+    "saliency", "repeated", version=1, run=_run_repeated, params=_repeated_params, is_cheap=True, is_cue=True
 )
 
 STAGE = Stage(
@@ -54,10 +72,11 @@ STAGE = Stage(
     inputs={
         "frame": "the frame",
         "background": "the background's model, unless layers of motion are asked for",
-        "previous": "frame before",
-        "flow_previous": "flow to the frame before",
-        "next": "frame after",
-        "flow_next": "flow to the frame after",
+        "previous": "nearest frame before that shows another picture",
+        "flow_previous": "flow to it",
+        "next": "nearest frame after that shows another picture",
+        "flow_next": "flow to it",
+        "saliency": "saliency of a frame, whose flow to its repetitions is set to zero (repeated)",
     },
     arrays={
         "saliency": layout("float16", "y x", "0..1", step=1 / 1024),
@@ -65,5 +84,5 @@ STAGE = Stage(
         "flows": layout("float16", "direction y x uv", "px/frame of the working grid", step=1 / 128),
         "residual_flows": layout("float16", "direction y x uv", "px/frame of the working grid", step=1 / 128),
     },
-    tasks=(BACKGROUND_RESIDUAL,),
+    tasks=(BACKGROUND_RESIDUAL, REPEATED),
 )

@@ -1,0 +1,81 @@
+"""Pictures of a video: runs of frames that show the same, and for each frame the next and previous one that differs."""
+
+from bisect import bisect_right
+from collections.abc import Collection, Sequence
+
+from moseg.schemas.recipes import Ref
+
+
+class Pictures:
+    """Pictures of a video in their order, each of which is shown by one frame or repeated by those that follow it.
+
+    Frames in a row with the same reference show one picture. If all frames do, each counts as a picture of its own:
+    there is no other one to compare it with.
+
+    Parameters
+    ----------
+    frames : sequence of references
+    repetitions : collection of int
+        Further frames that repeat the frame before them, although they were not decoded to the same.
+    """
+
+    def __init__(self, frames: Sequence[Ref], repetitions: Collection[int] = ()):
+        repeated = set(repetitions)
+        starts = [
+            frame
+            for frame, ref in enumerate(frames)
+            if not frame or (ref != frames[frame - 1] and frame not in repeated)
+        ]
+        self._starts = list(range(len(frames))) if len(starts) == 1 else starts
+        self._num_frames = len(frames)
+
+    def __len__(self) -> int:
+        """Return the number of pictures."""
+        return len(self._starts)
+
+    def of(self, frame: int) -> int:
+        """Return the picture that a frame shows."""
+        return bisect_right(self._starts, frame) - 1
+
+    def frames(self, picture: int) -> range:
+        """Return the frames that show a picture."""
+        following = picture + 1
+        return range(self._starts[picture], self._starts[following] if following < len(self) else self._num_frames)
+
+    def distinct(self, start: int, stop: int) -> list[int]:
+        """Return one frame for every picture that the frames start..stop show, the first of those that show it."""
+        return [frame for frame in range(start, stop) if frame == start or not self.repeats_previous(frame)]
+
+    def previous(self, frame: int) -> int | None:
+        """Return the nearest frame before one that shows another picture; None if there is none."""
+        start = self.frames(self.of(frame)).start
+        return start - 1 if start else None
+
+    def next(self, frame: int) -> int | None:
+        """Return the nearest frame after one that shows another picture; None if there is none."""
+        stop = self.frames(self.of(frame)).stop
+        return stop if stop < self._num_frames else None
+
+    def repeats_previous(self, frame: int) -> bool:
+        """Return whether the frame before shows the same picture."""
+        return frame > self.frames(self.of(frame)).start
+
+    def repeats_next(self, frame: int) -> bool:
+        """Return whether the frame after shows the same picture."""
+        return frame < self.frames(self.of(frame)).stop - 1
+
+    @property
+    def num_followed(self) -> int:
+        """Number of frames, from the first, that are followed by another picture."""
+        return self._starts[-1] if self._starts else 0
+
+    def ends_in(self, start: int, stop: int) -> dict[str, int]:
+        """Return which of the frames start..stop lack a neighbour, as own_motion and moves_now take it.
+
+        Counted from `start`, frames up to 0 have no previous picture, and frames from `num_frames` - 1 on no next one.
+        Both depend on what is missing, not on the place of the frames in the video.
+        """
+        first_with_previous = self.frames(0).stop
+        own_start = max(min(start - first_with_previous + 1, 1), start - stop + 1)
+        num_seen = max(min(self.num_followed + 1, stop + 1) - start, 1)
+        return {"start": own_start, "num_frames": own_start + num_seen}
