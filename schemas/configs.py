@@ -53,6 +53,7 @@ from moseg.schemas.parameters import (
     RaftParams,
     RamParams,
     RefinementParams,
+    RepetitionParams,
     RigidityParams,
     RigidSupportParams,
     SaliencyParams,
@@ -173,6 +174,7 @@ class PipelineConfig(Frozen):
     dense_tracks: DenseTrackParams = DenseTrackParams()
     cameras: CameraParams = CameraParams()
     rigidity: RigidityParams = RigidityParams()
+    repetitions: RepetitionParams = RepetitionParams()
     scene_parallax: SceneParallaxParams = SceneParallaxParams()
     refinement: RefinementParams = RefinementParams()
     track_window: TrackWindowParams = TrackWindowParams()

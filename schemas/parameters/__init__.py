@@ -39,6 +39,7 @@ from moseg.schemas.parameters.plugins import PluginParams
 from moseg.schemas.parameters.raft import RaftParams
 from moseg.schemas.parameters.ram import RamParams
 from moseg.schemas.parameters.refinement import RefinementParams
+from moseg.schemas.parameters.repetitions import RepetitionParams
 from moseg.schemas.parameters.rigid_support import RigidSupportParams
 from moseg.schemas.parameters.rigidity import RigidityParams
 from moseg.schemas.parameters.saliency import SaliencyParams
@@ -127,6 +128,7 @@ __all__ = [
     "RamParams",
     "RefinementParams",
     "RegroupParams",
+    "RepetitionParams",
     "RigidSupportParams",
     "RigidityParams",
     "SaliencyParams",

@@ -1,9 +1,18 @@
 """The graph of a sequence, or of a clip of trajectories: recipes, from a sink back to the decoded leaves."""
 
+from moseg.workflows.graph.repetitions import Repetitions
 from moseg.workflows.graph.sequence_graph import SequenceGraph
 from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES, SequenceLeaves
 from moseg.workflows.graph.stretches import Stretches
 from moseg.workflows.graph.trajectory_graph import TrajectoryGraph
 from moseg.workflows.graph.trajectory_leaves import TrajectoryLeaves
 
-__all__ = ["GIVEN_SOURCES", "SequenceGraph", "SequenceLeaves", "Stretches", "TrajectoryGraph", "TrajectoryLeaves"]
+__all__ = [
+    "GIVEN_SOURCES",
+    "Repetitions",
+    "SequenceGraph",
+    "SequenceLeaves",
+    "Stretches",
+    "TrajectoryGraph",
+    "TrajectoryLeaves",
+]

@@ -24,7 +24,7 @@ class FrameCues:
         self._nodes = nodes
         self._config = nodes.config
         self._leaves = nodes.leaves
-        self.pictures = Pictures(nodes.leaves.frames)
+        self.pictures = Pictures(nodes.leaves.frames, nodes.leaves.repetitions)
 
     @cached_method
     def flow(self, frame0: int, frame1: int) -> str:

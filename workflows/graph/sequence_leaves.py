@@ -41,6 +41,8 @@ class SequenceLeaves(NamedTuple):
         The motion network, if the configuration uses it.
     weights : mapping of str to reference
         The weights of the configuration's networks, by the name of their item; a leaf may be found when it is read.
+    repetitions : tuple of int
+        Frames that repeat the one before them, beside those that were decoded to the same.
     choices : tuple of StretchChoice
         The source of the proposals of every stretch, where the configuration leaves it to the camera's motion.
     edits : tuple of Edit
@@ -65,6 +67,7 @@ class SequenceLeaves(NamedTuple):
     flow_backward: tuple[Ref, ...] | None = None
     motion_weights: Ref | None = None
     weights: Mapping[str, Ref] = {}
+    repetitions: tuple[int, ...] = ()
     choices: tuple[StretchChoice, ...] = ()
     edits: tuple[Edit, ...] = ()
     frame_size: tuple[int, int] | None = None

@@ -46,7 +46,7 @@ class Stretches:
         self._nodes = Nodes(leaves, config)
         self._params = config.scene_parallax
         self._frames = leaves.frames
-        self._pictures = Pictures(leaves.frames)
+        self._pictures = Pictures(leaves.frames, leaves.repetitions)
         self.stretches = cut_stretches(len(leaves.frames), config.scene_parallax.stretch_length)
 
     @property

@@ -10,6 +10,7 @@ from moseg.workflows.engine.ingest import IngestJob
 from moseg.workflows.engine.session import Session
 from moseg.workflows.engine.space import video_nbytes
 from moseg.workflows.graph import GIVEN_SOURCES, SequenceLeaves, TrajectoryLeaves
+from moseg.workflows.pipelines.repeated_frames import settle_repetitions
 from moseg.workflows.pipelines.source_choices import settle_choices
 from moseg.workflows.sources import MotionWeights, SceneFrames, working_size
 from moseg.workflows.stages.motion_network import uses_motion_network
@@ -24,7 +25,8 @@ def ingest_sequences(
 ) -> list[SequenceLeaves]:
     """Return the leaves of every sequence: frames, cues that `config` takes as given, the annotation where asked.
 
-    Choices that `config` leaves open are settled. InputError is raised first where a package that it needs is missing.
+    Frames that repeat others are found, and choices that `config` leaves open are settled. InputError is raised first
+    where a package that it needs is missing.
     """
     require_packages(config)
     plans = [ingest_jobs(source, config, annotated) for source in sources]
@@ -42,7 +44,8 @@ def ingest_sequences(
         leaves.append(make_leaves(source, ingested))
     # Last, so that a file that is not a video is reported before anything is fetched.
     weights = session.name_weights(needed_items(config))
-    return list(settle_choices(session, [each._replace(weights=weights) for each in leaves], config))
+    leaves = settle_repetitions(session, [each._replace(weights=weights) for each in leaves], config)
+    return list(settle_choices(session, leaves, config))
 
 
 def _estimate(sources: Sequence[SequenceSource], config: PipelineConfig) -> float:

@@ -12,6 +12,7 @@ from moseg.workflows.engine.planning import make_plan
 from moseg.workflows.engine.session import StageUse
 from moseg.workflows.graph import SequenceGraph, TrajectoryGraph
 from moseg.workflows.pipelines.leaves import ingest_jobs, make_leaves, make_trajectory_leaves, trajectory_jobs
+from moseg.workflows.pipelines.repeated_frames import repetition_writers, with_repetitions
 from moseg.workflows.pipelines.source_choices import choice_recipes, with_choices
 from moseg.workflows.stages.needed_weights import needed_items
 from moseg.workflows.weights.folder import Weights, weights_leaf
@@ -35,7 +36,8 @@ def plan_evaluation(
 ) -> tuple[dict[str, StageUse], tuple[str, ...], int]:
     """Return the artifacts to compute and to reuse by stage, the weights items read, and the number of open choices.
 
-    Where such a choice is not stored, the rest is counted as if saliency were chosen. Frames that were never ingested
+    Where such a choice is not stored, the rest is counted as if saliency were chosen, and where frames that repeat
+    others were not looked for, as if there were none but those that are the same. Frames that were never ingested
     are decoded, because keys are digests of what files decode to. With weights that are neither here nor pinned nothing
     can have been made.
 
@@ -53,9 +55,14 @@ def plan_evaluation(
             ingested[role], num_new = foresee_ingest(store, jobs)
             num_ingests += num_new
         leaves.append(make_leaves(source, ingested)._replace(weights=weights))
+    writers = repetition_writers(leaves, config)
+    sinks = [ref for writer in writers for ref in writer.refs()]
+    recipes = {ref: recipe for writer in writers for ref, recipe in writer.recipes.items()}
+    leaves = with_repetitions(leaves, writers, _known(store, sinks))
     written = choice_recipes(leaves, config)
-    known = {ref: found for ref in store.present(written.sinks) if (found := _remembered(store, ref)) is not None}
-    recipes, sinks = dict(written.recipes), list(written.sinks)
+    known = _known(store, written.sinks)
+    recipes |= written.recipes
+    sinks.extend(written.sinks)
     for each in with_choices(leaves, config, written, known):
         graph = SequenceGraph(each, config)
         sinks.extend(graph.score(variant) for variant in variants)
@@ -103,6 +110,11 @@ def count_uses(
         computed["ingest"] = num_ingests
     names = dict.fromkeys([*computed, *reused])
     return {name: StageUse(computed[name], reused[name], 0.0) for name in names}
+
+
+def _known(store: ArtifactStore | EmptyStore, refs: Sequence[str]) -> dict[str, dict]:
+    """Return the attributes of what is stored, by reference."""
+    return {ref: found for ref in store.present(refs) if (found := _remembered(store, ref)) is not None}
 
 
 def _plan_weights(folder: Weights, name: str, architecture: str) -> str:

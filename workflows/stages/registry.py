@@ -47,6 +47,7 @@ from moseg.workflows.stages import (
     own_motion,
     painted,
     proposals,
+    repetitions,
     rigid_support,
     rigidity,
     saliency,
@@ -71,7 +72,7 @@ STAGES: dict[str, Stage] = {
     module.STAGE.name: module.STAGE
     for module in (
         *(tags, detections, motion_prompts, instances, seeds),
-        scene_parallax,
+        *(repetitions, scene_parallax),
         *(flow, background, saliency, motion_network, consistency, accumulation, motion_memory, own_motion, coherence),
         *(appearance, motion_proof, video_network, foreground, components),
         *(dense_tracks, cameras, rigidity, moving_tracks, track_surfaces, track_groups, track_objects),

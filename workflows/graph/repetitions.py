@@ -1,0 +1,55 @@
+"""Repetitions that were coded again, which are settled before the rest of a sequence's graph is written."""
+
+from collections.abc import Sequence
+
+from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.recipes import Recipe
+from moseg.workflows.graph.nodes import Nodes
+from moseg.workflows.graph.pictures import Pictures
+from moseg.workflows.graph.sequence_leaves import SequenceLeaves
+from moseg.workflows.graph.stretches import Stretch, cut_stretches
+
+
+class Repetitions:
+    """Writer of the recipes of a sequence's repetitions, one for each stretch of it.
+
+    Frames that were decoded to the same pixels are known to repeat: of each run of them one is read.
+    """
+
+    def __init__(self, leaves: SequenceLeaves, config: PipelineConfig):
+        self._nodes = Nodes(leaves, config)
+        self._params = config.repetitions
+        pictures = Pictures(leaves.frames)
+        self._shown = [pictures.frames(picture).start for picture in range(len(pictures))]
+        # Two changes at least, one to be compared with the other.
+        is_searched = self._params.max_change > 0 and len(self._shown) > 2
+        self._stretches = cut_stretches(len(self._shown), self._params.stretch_length) if is_searched else ()
+
+    @property
+    def recipes(self) -> dict[str, Recipe]:
+        """Recipes written so far, by reference."""
+        return self._nodes.recipes
+
+    def refs(self) -> tuple[str, ...]:
+        """Return the reference of each stretch's repetitions."""
+        return tuple(map(self._search, self._stretches))
+
+    def frames(self, found: Sequence[Sequence[int]]) -> tuple[int, ...]:
+        """Return the frames of the video that the rows found in each stretch are."""
+        return tuple(
+            self._shown[self._read(stretch).start + row]
+            for stretch, rows in zip(self._stretches, found, strict=True)
+            for row in rows
+        )
+
+    def _search(self, stretch: Stretch) -> str:
+        read = self._read(stretch)
+        frames = tuple(self._nodes.leaves.frames[self._shown[place]] for place in range(*read))
+        # By their places among the frames read: the stretch's place in the video changes no key.
+        place = {"first": stretch.start - read.start, "last": stretch.stop - read.start}
+        return self._nodes.add("repetitions", {"frames": frames}, **place)
+
+    def _read(self, stretch: Stretch) -> Stretch:
+        """Return the stretch with the frames on either side with which it is compared."""
+        window = self._params.window
+        return Stretch(max(stretch.start - 1 - window, 0), min(stretch.stop + window, len(self._shown)))
