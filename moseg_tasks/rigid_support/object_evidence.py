@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 from moseg.schemas.parameters import RigidityParams, RigidSupportParams, SceneParallaxParams
 from moseg.tasks.geometry.camera_motion import CameraMotion
-from moseg.tasks.rigidity.explained_shares import explained_shares
+from moseg.tasks.rigidity.explained_shares import share_of_plane
 from moseg.tasks.rigidity.noise import displacement_noise
 from moseg.tasks.rigidity.parallax import split_displacements
 from moseg.tasks.tracks.labels_at import labels_at
@@ -31,7 +31,8 @@ class ObjectEvidence(NamedTuple):
         Frame pairs that were read.
     gain : float
         Share of the tracks outside of all objects that a rigid scene explains and no single plane does: the median over
-        the pairs that are farthest apart and have enough of them, 0 without any.
+        the pairs that are farthest apart and have enough of them, 0 without any. It is 0 in a pair in which less than
+        half of the tracks that the rigid scene explains are outside.
     """
 
     num_observations: np.ndarray
@@ -101,11 +102,10 @@ def measure_objects(
             num_contour += np.bincount(owner[rows], minlength=num_objects)
             num_attached += np.bincount(owner[rows], is_attached, num_objects)
             num_holding += has_tracks
-            outside = (owner == 0) & (owner1 == 0)
-            if np.count_nonzero(outside) >= scene.min_tracks:
-                track_ends = points0[outside], points1[outside]
-                shares = explained_shares(*track_ends, camera, labels.shape[1:], scene.plane_slack, rigidity)
-                gains.append(shares.gain)
+            around = (owner == 0) & (owner1 == 0)
+            if np.count_nonzero(around) >= scene.min_tracks:
+                is_explained = np.abs(parallax.across) < noise
+                gains.append(_gain(points0, points1, around, is_explained, scene.plane_slack, rigidity))
     return ObjectEvidence(
         num_observations=num_observations.astype(np.int64),
         test=test / np.maximum(num_observations, 1),
@@ -114,6 +114,17 @@ def measure_objects(
         num_pairs=num_pairs,
         gain=float(np.median(gains)) if gains else 0.0,
     )
+
+
+def _gain(points0, points1, around, is_explained, plane_slack, rigidity) -> float:
+    """Return the share of the tracks around all objects that are explained, and that no single plane explains.
+
+    It is 0 if most explained tracks are in objects: the motion that was found is theirs, and not the camera's.
+    """
+    if 2 * np.count_nonzero(is_explained & around) < np.count_nonzero(is_explained):
+        return 0.0
+    plane_share = share_of_plane(points0[around], points1[around], plane_slack, rigidity)
+    return max(float(is_explained[around].mean()) - plane_share, 0.0)
 
 
 def _compare_depths(points, owner, inside, parallax, noise, params) -> tuple[np.ndarray, np.ndarray]:

@@ -56,10 +56,17 @@ def explained_shares(
     """
     noise = displacement_noise(points0, points1, params.noise, params.noise_share)
     across = split_displacements(points0, points1, camera, shape).across
-    plane_error = _homography_error(points0, points1, params)
-    return ExplainedShares(
-        rigid=float((np.abs(across) < noise).mean()), plane=float((plane_error < plane_slack * noise).mean())
-    )
+    rigid = float((np.abs(across) < noise).mean())
+    return ExplainedShares(rigid, share_of_plane(points0, points1, plane_slack, params))
+
+
+def share_of_plane(points0: np.ndarray, points1: np.ndarray, slack: float, params: RigidityParams) -> float:
+    """Return the share of the tracks (N, 2) that the homography of most of them explains.
+
+    `slack` is the error allowed, in those allowed under a rigid scene; see `explained_shares` for the rest.
+    """
+    noise = displacement_noise(points0, points1, params.noise, params.noise_share)
+    return float((_homography_error(points0, points1, params) < slack * noise).mean())
 
 
 def _homography_error(points0: np.ndarray, points1: np.ndarray, params: RigidityParams) -> np.ndarray:

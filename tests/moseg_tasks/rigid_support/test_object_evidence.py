@@ -176,6 +176,17 @@ def test_the_gain_is_of_the_tracks_around_the_objects(passage):
     assert measure(stepped).gain == pytest.approx(is_far.sum() / (~flat.is_object).sum(), abs=0.15)
 
 
+def test_a_motion_that_explains_mostly_objects_shows_no_depth_around_them(passage):
+    stepped, is_far = step_depths(passage(NEAR, spacing=4.0))
+    near = np.flatnonzero(~stepped.is_object & ~is_far)[::10]
+    few = np.isin(np.arange(len(is_far)), [*near[:30], *np.flatnonzero(is_far)[::10][:30]])
+    scarce = stepped._replace(visible=stepped.visible & (stepped.is_object | few)[:, None])
+    assert measure(scarce).gain == 0
+    # The same tracks around an object with fewer of its own.
+    fewer = np.arange(len(is_far)) % 5 == 0
+    assert measure(scarce._replace(visible=scarce.visible & (fewer | ~scarce.is_object)[:, None])).gain > 0.2
+
+
 def test_few_tracks_around_an_object_show_no_depth(passage):
     stepped, _ = step_depths(passage(NEAR, spacing=4.0))
     assert measure(stepped).gain > 0
