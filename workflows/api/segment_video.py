@@ -250,6 +250,7 @@ def _describe_objects(
         given_names=stored.names,
         drawn=stored.drawn,
         advice=stored.advice,
+        about_picture=stored.about_picture(store),
     )
     supports = {view: store.read(ref, "static_support") for view, ref in stored.affinity_refs.items()}
     if stored.rigid_support is not None:

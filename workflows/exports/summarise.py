@@ -27,6 +27,7 @@ def summarise_sequence(
     given_names: Mapping[int, str] | None = None,
     drawn: Container[int] = (),
     advice: Advice = BY_HAND,
+    about_picture: tuple[str, ...] = (),
 ) -> SequenceSummary:
     """Follow each identity through a sequence's masks.
 
@@ -58,6 +59,8 @@ def summarise_sequence(
         Identities of which the user drew a part, so that no option changes their masks.
     advice : Advice
         What may help where a mask is too small or too large.
+    about_picture : tuple of str
+        What is worth a look in the frames, whatever was found in them.
 
     Raises
     ------
@@ -102,7 +105,7 @@ def summarise_sequence(
         ),
         frames=frames,
         choices=choices,
-        look_at=doubts,
+        look_at=(*about_picture, *doubts),
     )
 
 

@@ -12,6 +12,7 @@ from moseg.store import ArtifactStore
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.cues import cues_behind
 from moseg.workflows.engine.session import Session
+from moseg.workflows.exports.black_bars import describe_bars, find_bars, sampled
 from moseg.workflows.exports.doubts import BY_HAND, Advice, advise
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.pipelines.leaves import ingest_sequences
@@ -100,6 +101,11 @@ class StoredSegmentation(NamedTuple):
         """Yield frames as analysed, uint8 (y, x, 3) RGB, one at a time."""
         for ref in self.frame_refs:
             yield store.read(ref, "image")
+
+    def about_picture(self, store: ArtifactStore) -> tuple[str, ...]:
+        """Return what is worth a look in the frames themselves, whatever was found in them, in words."""
+        images = [store.read(self.frame_refs[index], "image") for index in sampled(self.num_frames)]
+        return describe_bars(find_bars(images), self.analysed_shape, self.shape)
 
     def frame_labels(self, store: ArtifactStore, frame: int, shape: tuple[int, int] | None = None) -> np.ndarray:
         """Return labels uint16 (y, x) of one frame, counted from 0, at `shape` (the video's own size)."""
