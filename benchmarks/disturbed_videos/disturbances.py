@@ -1,0 +1,110 @@
+"""Ways to change a video and its ground truth: place and size of what is seen, time, and the quality of pictures."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+
+class Video(NamedTuple):
+    """Frames uint8 (y, x, 3), and for each the ground truth uint8 (y, x), 0 = background."""
+
+    frames: list[np.ndarray]
+    truths: list[np.ndarray]
+
+
+Disturbance = Callable[[Video, np.random.Generator], Video]
+
+
+def _each(change: Callable[[np.ndarray], np.ndarray], change_truth: Callable[[np.ndarray], np.ndarray]) -> Disturbance:
+    """Return the disturbance that changes every frame, and every ground truth, in the same way."""
+    return lambda video, rng: Video([*map(change, video.frames)], [*map(change_truth, video.truths)])
+
+
+def _same(truth: np.ndarray) -> np.ndarray:
+    return truth
+
+
+def add_noise(video: Video, rng: np.random.Generator) -> Video:
+    """Add normal noise of ten grey levels."""
+    noisy = (frame + rng.normal(0, 10, frame.shape) for frame in video.frames)
+    return video._replace(frames=[np.clip(frame, 0, 255).astype(np.uint8) for frame in noisy])
+
+
+def compress(frame: np.ndarray) -> np.ndarray:
+    """Return the frame after JPEG of quality 12."""
+    return cv2.imdecode(cv2.imencode(".jpg", frame, [cv2.IMWRITE_JPEG_QUALITY, 12])[1], cv2.IMREAD_COLOR)
+
+
+def remove_colour(frame: np.ndarray) -> np.ndarray:
+    """Return the grey frame, in three channels."""
+    return cv2.cvtColor(cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY), cv2.COLOR_GRAY2BGR)
+
+
+def shake(video: Video, rng: np.random.Generator) -> Video:
+    """Shift and turn the frames, enlarged by a tenth, as an unsteady hand does."""
+    height, width = video.frames[0].shape[:2]
+    weights = (0.25, 0.5, 0.25)
+    noise = rng.normal(0, 1, (3, len(video.frames) + 2)) * np.array([[5.0], [5.0], [0.6]])
+    moves = np.array([np.convolve(row, weights, "valid") for row in noise]).T
+    frames, truths = [], []
+    for frame, truth, (right, down, degrees) in zip(*video, moves, strict=True):
+        matrix = cv2.getRotationMatrix2D((width / 2, height / 2), degrees, 1.1)
+        matrix[:, 2] += right, down
+        size = (width, height)
+        frames.append(cv2.warpAffine(frame, matrix, size, flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT))
+        truths.append(cv2.warpAffine(truth, matrix, size, flags=cv2.INTER_NEAREST))
+    return Video(frames, truths)
+
+
+def follow(video: Video, rng: np.random.Generator, share: float = 0.6) -> Video:
+    """Cut out a window, a share of each side, that follows the objects as a camera with a longer lens would."""
+    height, width = video.frames[0].shape[:2]
+    sides = np.array([height, width]) * share // 2 * 2
+    middles: list[np.ndarray] = []
+    for truth in video.truths:
+        rows = np.argwhere(truth)
+        middles.append(rows.mean(axis=0) if len(rows) else middles[-1] if middles else np.array([height, width]) / 2)
+    path = gaussian_filter1d(np.array(middles), 6, axis=0, mode="nearest")
+    starts = np.clip(path - sides / 2, 0, np.array([height, width]) - sides).astype(int)
+    return _cut(video, starts, sides.astype(int))
+
+
+def crop(video: Video, rng: np.random.Generator) -> Video:
+    """Cut out a still window of three quarters of each side about the middle of the objects."""
+    height, width = video.frames[0].shape[:2]
+    sides = np.array([height, width]) * 3 // 4
+    middle = np.mean([np.argwhere(truth).mean(axis=0) for truth in video.truths if truth.any()], axis=0)
+    start = np.clip(middle - sides / 2, 0, np.array([height, width]) - sides).astype(int)
+    return _cut(video, np.repeat(start[None], len(video.frames), axis=0), sides)
+
+
+def _cut(video: Video, starts: np.ndarray, sides: np.ndarray) -> Video:
+    places = [(slice(top, top + sides[0]), slice(left, left + sides[1])) for top, left in starts]
+    return Video(*([image[place] for image, place in zip(images, places, strict=True)] for images in video))
+
+
+def halve(image: np.ndarray, interpolation: int) -> np.ndarray:
+    """Return the image at half its size."""
+    return cv2.resize(image, None, fx=0.5, fy=0.5, interpolation=interpolation)
+
+
+DISTURBANCES: dict[str, tuple[str, Disturbance]] = {
+    "none": ("as it is", lambda video, rng: video),
+    "mirrored": ("mirrored", _each(np.fliplr, np.fliplr)),
+    "reversed": ("reversed in time", lambda video, rng: Video(video.frames[::-1], video.truths[::-1])),
+    "every-second": ("every second frame", lambda video, rng: Video(video.frames[::2], video.truths[::2])),
+    "half-size": (
+        "at half its size",
+        _each(lambda frame: halve(frame, cv2.INTER_AREA), lambda truth: halve(truth, cv2.INTER_NEAREST)),
+    ),
+    "cropped": ("a still window, 75 % of each side", crop),
+    "followed": ("a window that follows the objects, 60 % of each side", follow),
+    "shaken": ("shaken by hand", shake),
+    "grey": ("without colour", _each(remove_colour, _same)),
+    "noisy": ("noise of ten grey levels", add_noise),
+    "compressed": ("JPEG of quality 12", _each(compress, _same)),
+}
+"""Names, with what they do to a video in words and in code."""
