@@ -195,28 +195,6 @@ def _peers() -> Rows:
     return [("", *(f"{each}, {data}" for data in ("DAVIS", "synthetic") for each in columns)), *rows]
 
 
-def _disturbed_videos() -> Rows:
-    texts = {
-        "none": "as they are",
-        "mirrored": "mirrored",
-        "reversed": "reversed in time",
-        "half-size": "at half their size",
-        "every-second": "every second frame",
-        "cropped": "a still window, 75 % of each side",
-        "followed": "a window that follows the objects, 60 % of each side",
-        "shaken": "shaken as by hand",
-        "grey": "without colour",
-        "noisy": "noise of ten grey levels",
-        "compressed": "JPEG of quality 12",
-    }
-    sequences = DATA["davis"].sequences
-    places = [*(f"{sequence}/J" for sequence in sequences), "mean/J", "mean/F"]
-    rows = (
-        (text, *(f"{{disturbed-videos/videos/{name}/{place}:.0f}}" for place in places)) for name, text in texts.items()
-    )
-    return [("", *(f"J, {sequence}" for sequence in sequences), "J, mean", "Fu, mean"), *rows]
-
-
 TABLES = {
     "readme": [
         ("data", "", "Pu", "Ru", "Fu", "J"),
@@ -279,7 +257,6 @@ TABLES = {
     "held-out": _held_out(),
     "confidence": _confidence(),
     "peers": _peers(),
-    "disturbed-videos": _disturbed_videos(),
     "training-curve": _training_curve(),
     "learning": _parts_of_learning(),
     **trajectory_tables.TABLES,
