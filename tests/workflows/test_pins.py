@@ -21,7 +21,7 @@ from moseg.workflows.engine.session import Session
 from moseg.workflows.pipelines.evaluate import evaluate
 
 LEAVES = {"frame", "annotation", "motion_weights", "ingest"}
-READ_FIRST = LEAVES | {"scene_parallax"}
+READ_FIRST = LEAVES | {"repetitions", "scene_parallax"}
 """References that a run reads before its graph is written."""
 CONFIG = PipelineConfig.model_validate({"sections": {"length": 4, "overlap": 2}})
 
@@ -125,7 +125,7 @@ def test_a_run_at_work_keeps_its_lease_however_a_run_of_the_same_work_ends(evalu
 def test_leaves_are_leased_while_the_sources_of_proposals_are_chosen(evaluated_copy):
     store = _open(evaluated_copy)
     _unpin_all(store)
-    _drop(store, *({split_ref(ref)[0] for ref in store.refs()} - LEAVES))
+    _drop(store, *({split_ref(ref)[0] for ref in store.refs()} - LEAVES - {"repetitions"}))
     leaves = set(store.refs())
     seen = []
 

@@ -42,8 +42,8 @@ def _by_task(relatives):
 def test_upstream_of_a_score_reaches_every_stage_and_leaf(show, refs):
     shown = show(refs["score"][0])
     found = _by_task(shown["upstream"])
-    # A choice decides which recipes are written; it is an input of none.
-    assert found.keys() == refs.keys() - {"score", "ingest", "scene_parallax"}
+    # A choice and repetitions decide which recipes are written; they are inputs of none.
+    assert found.keys() == refs.keys() - {"score", "ingest", "scene_parallax", "repetitions"}
     for task in ("frame", "annotation", "flow", "saliency", "proposals", "segmentation"):
         assert found[task] == len(refs[task])
     assert shown["downstream"] == []
