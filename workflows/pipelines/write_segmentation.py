@@ -88,8 +88,12 @@ def write_segmentation(
         found = result.num_motions, result.motions, result.tags
         names = None if origin is None else origin.names
         beside = result.choices, result.moves(store), result.confidences(store)
-        given = {"given_names": result.names, "drawn": result.drawn, "advice": result.advice}
-        given |= {"about_picture": result.about_picture(store)}
+        given = {
+            "given_names": result.names,
+            "drawn": result.drawn,
+            "advice": result.advice,
+            "about_picture": result.about_picture(store),
+        }
         summary = summarise_sequence(result.name, labels, fps, *found, names, *beside, **given)
         if origin is not None:
             summary = summary.model_copy(update={"video": origin.identity, "numbers": origin.numbers})
