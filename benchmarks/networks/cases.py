@@ -80,13 +80,13 @@ class Case(NamedTuple):
     make_checkpoint, build : callable
     run : callable
         Takes the network and a running clock, which it restarts after a warm-up; returns the number of frames since
-        then.
+        then, and the result. For those in `BATCHED` a third argument is the number of frames in one pass.
     """
 
     work: str
     make_checkpoint: Callable[[], Checkpoint]
     build: Callable[[Checkpoint], Any]
-    run: Callable[[Any, Clock], int]
+    run: Callable[..., tuple[int, Any]]
 
 
 def _image(seed: int = 0) -> np.ndarray:
@@ -102,6 +102,12 @@ def _video(num_frames: int, clock: Clock, num_warm: int) -> Iterator[np.ndarray]
         yield np.roll(_image(), 2 * index, axis=1)
 
 
+def _shifted(num_frames: int, step: int) -> np.ndarray:
+    """Return frames, each moved `step` px against the one before."""
+    image = _image()
+    return np.stack([np.roll(image, step * index, axis=1) for index in range(num_frames)])
+
+
 def _seeds(num_objects: int) -> np.ndarray:
     """Return labels of discs in a row, 0 = background."""
     y, x = np.mgrid[:HEIGHT, :WIDTH]
@@ -115,75 +121,64 @@ def _boxes() -> np.ndarray:
     return np.concatenate([corner[:, :2], corner[:, :2] + 0.9 * corner[:, 2:] + 10], axis=1)
 
 
-def _run_ram(tagger, clock: Clock) -> int:
+def _run_ram(tagger, clock: Clock) -> tuple[int, Any]:
     recognise_tags(tagger, _image(), RamParams())
     clock.start()
-    recognise_tags(tagger, _image(), RamParams())
-    return 1
+    return 1, recognise_tags(tagger, _image(), RamParams())
 
 
-def _run_grounding_dino(params: GroundingDinoParams, detector, _: Clock) -> int:
-    detect_objects(detector, _image(), TAGS, params)
-    return 1
+def _run_grounding_dino(params: GroundingDinoParams, detector, _: Clock) -> tuple[int, Any]:
+    return 1, detect_objects(detector, _image(), TAGS, params)
 
 
-def _run_sam_hq(model, _: Clock) -> int:
-    segment_boxes_sam_hq(model, _image(), _boxes(), SamHqParams())
-    return 1
+def _run_sam_hq(model, _: Clock) -> tuple[int, Any]:
+    return 1, segment_boxes_sam_hq(model, _image(), _boxes(), SamHqParams())
 
 
-def _run_sam2_image(model, _: Clock) -> int:
-    segment_boxes_sam2(model, _image(), _boxes(), Sam2Params())
-    return 1
+def _run_sam2_image(model, _: Clock) -> tuple[int, Any]:
+    return 1, segment_boxes_sam2(model, _image(), _boxes(), Sam2Params())
 
 
-def _run_sam3(detector, _: Clock) -> int:
-    segment_concepts(detector, _image(), MOVING_THINGS, Sam3Params())
-    return 1
+def _run_sam3(detector, _: Clock) -> tuple[int, Any]:
+    return 1, segment_concepts(detector, _image(), MOVING_THINGS, Sam3Params())
 
 
-def _run_sam2_video(model, clock: Clock) -> int:
+def _run_sam2_video(model, clock: Clock) -> tuple[int, Any]:
     # From the eighth frame on the network reads the maximum number of masks.
-    track_masks_sam2(model, _video(10, clock, 8), _seeds(2), Sam2Params())
-    return 2
+    return 2, track_masks_sam2(model, _video(10, clock, 8), _seeds(2), Sam2Params())
 
 
-def _run_deaot(params: DeaotParams, model, clock: Clock) -> int:
+def _run_deaot(params: DeaotParams, model, clock: Clock) -> tuple[int, Any]:
     # Every frame is stored, so that the memory is full soon.
     params = params.model_copy(update={"memory_every": 1})
     num_warm = params.memory_frames + 1
-    track_masks_deaot(model, _video(num_warm + 4, clock, num_warm), _seeds(5), params)
-    return 4
+    return 4, track_masks_deaot(model, _video(num_warm + 4, clock, num_warm), _seeds(5), params)
 
 
-def _run_tracks(track_points, params, model, _: Clock) -> int:
+def _run_tracks(track_points, params, model, _: Clock) -> tuple[int, Any]:
     sampling = TrackParams(background_points=NUM_POINTS)
     frames = [np.roll(_image(), index, axis=1) for index in range(8)]
     masks = np.zeros((1, HEIGHT, WIDTH), np.uint16)
-    track_points(model, frames, masks, sampling, params, np.random.default_rng(0))
-    return len(frames)
+    return len(frames), track_points(model, frames, masks, sampling, params, np.random.default_rng(0))
 
 
-def _run_flow(params: RaftParams, model, clock: Clock) -> int:
-    pair = _image()[None], np.roll(_image(), 3, axis=1)[None]
-    estimate_raft_flow(model, *pair, params.model_copy(update={"iterations": 1}))
+def _run_flow(params: RaftParams, model, clock: Clock, num_pairs: int = 1) -> tuple[int, Any]:
+    images = _shifted(num_pairs + 1, 3)
+    estimate_raft_flow(model, images[:1], images[1:2], params.model_copy(update={"iterations": 1}))
     clock.start()
-    estimate_raft_flow(model, *pair, params)
-    return 1
+    return num_pairs, estimate_raft_flow(model, images[:-1], images[1:], params)
 
 
-def _run_depth(params, model, clock: Clock) -> int:
+def _run_depth(params, model, clock: Clock, num_frames: int = 1) -> tuple[int, Any]:
     estimate_inverse_depth(model, _image()[None, :140, :140], params)
     clock.start()
-    estimate_inverse_depth(model, _image()[None], params)
-    return 1
+    return num_frames, estimate_inverse_depth(model, _shifted(num_frames, 2), params)
 
 
-def _run_cameras(model, _: Clock) -> int:
+def _run_cameras(model, _: Clock) -> tuple[int, Any]:
     params = CameraParams()
-    images = np.stack([np.roll(_image(), 2 * index, axis=1) for index in range(params.views)])
-    estimate_cameras(model, images, RigidityParams().gaps, params, DepthAnything3Params())
-    return len(images)
+    images = _shifted(params.views, 2)
+    return len(images), estimate_cameras(model, images, RigidityParams().gaps, params, DepthAnything3Params())
 
 
 _PROMPTS = f"a frame, {len(TAGS)} tags; one run"
@@ -252,3 +247,6 @@ CASES |= {
         "sea-raft-s": partial(_run_flow, _LIGHT.sea_raft),
     }.items()
 }
+
+BATCHED = frozenset(name for name, case in CASES.items() if getattr(case.run, "func", None) in (_run_flow, _run_depth))
+"""Names of the networks that take several frames in one pass (``--batch``)."""

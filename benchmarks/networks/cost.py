@@ -112,7 +112,7 @@ def measure(name: str, found: SimpleQueue) -> None:
     before = psutil.Process().memory_info().rss
     clock = cases.Clock()
     clock.start()
-    num_frames = case.run(network, clock)
+    num_frames, _ = case.run(network, clock)
     wall, cpu = (seconds / num_frames for seconds in clock.read())
     # In kilobytes, on macOS in bytes.
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
