@@ -4,6 +4,7 @@ from transformers import Sam2Config, Sam2Model, Sam2VideoConfig, Sam2VideoInfere
 
 from moseg.tasks.networks.checkpoint import Checkpoint
 from moseg.tasks.networks.sam2.first_mask import FirstMaskAsByAuthors
+from moseg.tasks.networks.sam2.sessions import to_joinable
 from moseg.tasks.networks.transformers_model import build_transformers
 
 
@@ -30,6 +31,10 @@ class Sam2Video(FirstMaskAsByAuthors, Sam2VideoModel):
     """The video network, run as by its authors where the first mask of an object is given."""
 
     session_class = Sam2VideoInferenceSession
+
+    def _encode_new_memory(self, *args, **kwargs):
+        memory, places = super()._encode_new_memory(*args, **kwargs)
+        return to_joinable(memory), places
 
 
 def build_sam2_video(checkpoint: Checkpoint) -> Sam2Video:

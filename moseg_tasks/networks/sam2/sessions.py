@@ -1,19 +1,21 @@
 """The memory of the objects that SAM 2.1, EdgeTAM and SAM 3 track, kept as small as possible."""
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 import torch
 from transformers import Sam2VideoInferenceSession
 
-from moseg.tasks.networks.sam2.build import Sam2Video
+if TYPE_CHECKING:
+    from moseg.tasks.networks.sam2.build import Sam2Video
 
 # Parts of an output of the network: those that only the frame itself needs, and those that the next few frames need.
 _OF_ITS_FRAME = ("pred_masks", "high_res_masks")
 _OF_MASK_MEMORY = ("maskmem_features", "maskmem_pos_enc")
 
 
-def start_sessions(model: Sam2Video, seeds: np.ndarray, objects_per_session: int) -> list[Sam2VideoInferenceSession]:
+def start_sessions(model: "Sam2Video", seeds: np.ndarray, objects_per_session: int) -> list[Sam2VideoInferenceSession]:
     """Create sessions for frame 0, with the seeds as its masks.
 
     The masks of all objects of a session are encoded in one pass, so their number bounds the memory needed.
@@ -45,6 +47,12 @@ def start_sessions(model: Sam2Video, seeds: np.ndarray, objects_per_session: int
         sessions.append(session)
         session.cache = sessions[0].cache
     return sessions
+
+
+def to_joinable(memory: torch.Tensor) -> torch.Tensor:
+    """Return the memory of masks in a type that autocast can join with the objects' pointers: it refuses bfloat16."""
+    kind = memory.device.type
+    return memory.to(torch.get_autocast_dtype(kind)) if torch.is_autocast_enabled(kind) else memory
 
 
 def forget_past(session: Sam2VideoInferenceSession, index: int, num_masks: int, num_frames: int) -> None:

@@ -9,6 +9,7 @@ from transformers import Sam3TrackerVideoConfig, Sam3TrackerVideoInferenceSessio
 from moseg.schemas.errors import InputError
 from moseg.tasks.networks.checkpoint import Checkpoint
 from moseg.tasks.networks.frame_tensor import SYMMETRIC
+from moseg.tasks.networks.sam2 import to_joinable
 from moseg.tasks.networks.transformers_model import CONFIG, build_transformers, read_json
 
 _NAMES = {
@@ -56,7 +57,7 @@ class Sam3Tracker(Sam3TrackerVideoModel):
         is_hidden = (object_score_logits <= 0).float()[..., None]
         memory = memory + is_hidden * self.occlusion_spatial_embedding_parameter[..., None, None]
         # In half the size, as by the authors.
-        memory = memory.to(torch.bfloat16)
+        memory = to_joinable(memory.to(torch.bfloat16))
         return tuple(part.flatten(2).permute(2, 0, 1) for part in (memory, places))
 
     @property

@@ -53,6 +53,14 @@ def test_first_frame_has_the_seeds(model, seeds):
     np.testing.assert_array_equal(masks[0], seeds)
 
 
+def test_under_autocast_to_float16_objects_keep_their_labels(model, seeds):
+    # The memory of masks is in bfloat16, which autocast to another type refuses to join with the objects' pointers.
+    with torch.autocast("cpu", dtype=torch.float16):
+        masks = track_masks_sam2(model, watch(3), seeds, PARAMS)
+    for label in (1, 2, 3):
+        assert iou(masks[-1], seeds, label) > 0.6
+
+
 def test_objects_keep_their_labels(model, seeds):
     masks = track_masks_sam2(model, watch(12), seeds, PARAMS)
     for label in (1, 2, 3):
